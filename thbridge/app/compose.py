@@ -1,4 +1,4 @@
-"""The root: builds every part of a session from one study. Nothing else looks anything up."""
+"""The composition root: builds every part of a session from one study. No other module looks up its parts."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -53,25 +53,25 @@ from thbridge.study.text import resolved
 from thbridge.study.things import schedule_of
 
 LARGEST_CONSENT = 8000
-"""Bytes of the text that participants agree to; it must fit into a line with all the rest of a view."""
+"""Bytes of the text that participants agree to; it must fit into one line with the rest of a view."""
 REHEARSAL = 5 * TICKS_PER_SECOND
-"""Ticks after which robots have localised, planned around each other, turned and driven."""
+"""Ticks of a rehearsal: enough for robots to localise, plan around each other, turn and drive."""
 REHEARSERS = 10
-"""Robots among which all of that happens."""
+"""Robots of a rehearsal: enough for all of that to happen."""
 RECORDED_PACKAGES = ("thbridge", "numpy", "scipy", "numba", "filterpy", "rosbags", "pymavlink")
-"""Whose versions a bag tells: what else could make the same study run differently."""
+"""Packages whose versions a bag records, since another version may run the same study differently."""
 
 
 @dataclass(frozen=True, slots=True)
 class StudySetting:
-    """A study with everything it names, read and checked; all parts of a session are built from it.
+    """A study with all files it names, read and checked; all parts of a session are built from it.
 
     Attributes:
         study: the study.
-        place: its map.
+        map: its map.
         templates: its set of templates.
         costs: energy of every move.
-        consent: what participants have to agree to; None: nothing.
+        consent: text that participants have to agree to; None: nothing.
     """
 
     study: Study
@@ -81,21 +81,21 @@ class StudySetting:
     consent: str | None = None
 
     def team(self) -> Team:
-        """The robots at their start poses."""
+        """Return the simulated robots at their start poses."""
         study = self.study
         return self._team(range(1, study.robots + 1), schedule_of(study.things, study.mishaps))
 
     def _team(self, numbers: Sequence[int], schedule: Sequence[ScheduledInput]) -> Team:
-        """These robots of the study's, at their start poses."""
+        """Return some of the study's robots, by number from 1, at their start poses."""
         study = self.study
         starts = [self.map.starts[number - 1] for number in numbers]
         software = [study.software(number) for number in numbers]
         return Team(self.map.grid, study.world, software, starts, study.seed, study.game.energy, schedule)
 
     def rehearse(self) -> None:
-        """Drive such robots for a moment: what is to be compiled is compiled before anybody waits for it.
+        """Drive simulated robots for a few seconds, so that numba compiles all kernels before the session begins.
 
-        A large team needs nothing that some of its robots do not need, except where others have software of their own.
+        A few robots of a large team suffice, together with those that have software parameters of their own.
         """
         study, rooms = self.study, self.map.rooms
         numbers = [number for number in range(1, study.robots + 1) if number <= REHEARSERS or number in study.each]
@@ -105,7 +105,7 @@ class StudySetting:
             team.step(orders if tick == 0 else [])
 
     def simr(self, robots: RobotTeam | None = None, response_timeout: int = RESPONSE_TIMEOUT) -> SimR:
-        """The robots' role, with these robots; None: simulated ones of its own. `silence` as for `SimR`, ticks."""
+        """Return the robots' role; None for simulated robots of its own. `response_timeout` as for `SimR`, ticks."""
         field = GameMap(
             name=self.map.name,
             goals=tuple(room.goal for room in self.map.rooms),
@@ -117,29 +117,29 @@ class StudySetting:
         return SimR(robots or self.team(), field, self.study.server.dialect, response_timeout, shows)
 
     def keeper(self, history: tuple[Event, ...] = (), last_game: int = 0) -> Keeper:
-        """The game's authority; see `Keeper` for a game that goes on."""
+        """Return the keeper; see `Keeper` for a game that goes on."""
         game = self.study.game
         rules = GameRules(self.study.seed, game.energy, game.picture_cost, game.identify_cost, game.wrong_share)
         return Keeper(rules, self._engine, history, last_game, self.briefing())
 
     def briefing(self) -> Briefing:
-        """What participants are given beside the state of the game."""
+        """Return the briefing of participants."""
         return Briefing(self.floor_plan(), self._treasures(), self.templates.pictures, self.consent)
 
     def floor_plan(self) -> House:
-        """The map as participants see it."""
+        """Return the map as participants see it."""
         return floor_plan_of(self.map.name, self.map.grid, self._rooms(), self.study.world.footprint)
 
     def hider(self) -> Hider:
-        """The treasures' role."""
+        """Return the treasures' role."""
         return build_hider(self.templates, self.study.seed)
 
     def game_setup(self) -> GameSetup:
-        """What whoever is at robots' helms knows of the game before it begins."""
+        """Return the facts that pilots know before the game begins."""
         return GameSetup(_floor(self.study, self.map), self._rooms(), self._treasures(), self.study.game.energy)
 
     def vehicles(self, simr: SimR) -> Callable[[RequestSink], Vehicles] | None:
-        """Makes simulated robots MAVLink vehicles, given who takes what these ask; None where the study has none."""
+        """Return the factory of the robots' MAVLink vehicles, given a sink of their requests; None without vehicles."""
         study = self.study
         if not study.mavlink.on:
             return None
@@ -155,23 +155,23 @@ class StudySetting:
         return made
 
     def record(self, program: str, roles: Sequence[str], participant: str) -> SessionRecord:
-        """What a bag says first; see `SessionRecord` for the arguments."""
+        """Return a bag's first record; see `SessionRecord` for the arguments."""
         study = self.study
         return SessionRecord(resolved(study), study.seed, versions(), program, tuple(roles), participant)
 
     def publisher(self) -> TeamPublisher:
-        """What these robots say as ROS nodes."""
+        """Return the publisher of these robots' ROS messages."""
         study, laser = self.study, self.study.world.laser
         planners = [Planners.of(study.software(number)) for number in range(1, study.robots + 1)]
         return TeamPublisher(study.robots, mount_of(laser), 1.0 / laser.rate, planners, vehicles=study.mavlink.on)
 
     def writer(self, path: Path, caller: str = CALLER) -> BagWriter:
-        """A new bag of what this node says. Raises BagNotWritten."""
+        """Return a writer of a new bag, for messages of this node. Raises BagNotWritten."""
         recording = self.study.recording
         return BagWriter(path, compression=recording.compression, splitting=recording.splitting, caller=caller)
 
     def team_description(self, publisher: TeamPublisher) -> TeamDescription:
-        """What a ROS graph is told of these robots."""
+        """Return the description of these robots for a ROS graph."""
         rest = {name: value for name, value in tree_of(self.study).items() if name not in {"robot", "each"}}
         return TeamDescription(publisher.topics, self.map.grid, rest)
 
@@ -181,7 +181,7 @@ class StudySetting:
         )
 
     def _treasures(self) -> tuple[str, ...]:
-        """What treasures are called, in alphabetical order."""
+        """Return the names of treasures, in alphabetical order."""
         return tuple(sorted((kind.name for kind in self.templates.kinds), key=str.casefold))
 
     def _engine(self, game: int) -> Engine:
@@ -191,28 +191,28 @@ class StudySetting:
 
 
 def build_hider(templates: TemplateSet, seed: int) -> Hider:
-    """The treasures' role."""
+    """Return the treasures' role."""
     return Hider(templates.kinds, seed, len(templates.costs.rooms))
 
 
 def build_bot(templates: TemplateSet, strategy: BotStrategy, seed: int) -> Bot:
-    """A simulated participant."""
-    # The participant's copy of the list has no images; what a picture shows, a person sees.
+    """Return a simulated participant."""
+    # The participant's copy of the list has no images; the bot recognises pictures as a person does.
     known = tuple(replace(kind, image=None) for kind in templates.kinds)
     shown_by = {kind.image: kind.name for kind in templates.kinds if kind.image is not None}
     return Bot(strategy, TreasureKnowledge(known, shown_by), seed)
 
 
 def read_setting(study: Study, beside: Path, resources: Resources | None = None) -> StudySetting:
-    """Read what a study names.
+    """Read the files that a study names.
 
     Args:
         study: the study.
-        beside: the folder from which the paths in it start.
-        resources: maps and templates that are known by name; those that come with the project by default.
+        beside: the folder that paths in the study are relative to.
+        resources: maps and templates that are known by name; by default those of the project.
 
     Raises:
-        BadFile: something is missing or wrong, or does not fit together.
+        BadFile: a file is missing or wrong, or files do not fit together.
     """
     resources = resources or shipped()
     place = read_map(resources.find("maps", study.map, beside), study.world.footprint)
@@ -234,7 +234,7 @@ def read_setting(study: Study, beside: Path, resources: Resources | None = None)
 
 
 def _consent(study: Study, beside: Path) -> str | None:
-    """The text that participants have to agree to, if the study names one."""
+    """Return the text that participants have to agree to, if the study names one."""
     if study.participant.consent is None:
         return None
     path = beside / study.participant.consent
@@ -250,12 +250,12 @@ def _triple(pose: Pose2) -> tuple[float, float, float]:
 
 
 def _floor(study: Study, place: Map) -> TraversabilityMap:
-    """The map's floor, for robots of the study's size."""
+    """Return the map's floor, for robots of the study's footprint."""
     return TraversabilityMap.of(place.grid, *radii(np.array(study.world.footprint)))
 
 
 def _misplaced(study: Study, place: Map, map_yaml: Path) -> Iterator[BadFile]:
-    """Robots that the study would carry into walls or off the map."""
+    """Yield faults of mishaps that carry robots into walls or off the map."""
     floor = _floor(study, place)
     for index, mishap in enumerate(study.mishaps):
         if mishap.to is not None and floor.clearance_at(Pose2(*mishap.to)) < floor.inscribed:
@@ -265,7 +265,7 @@ def _misplaced(study: Study, place: Map, map_yaml: Path) -> Iterator[BadFile]:
 
 
 def _costs(study: Study, beside: Path, place: Map, folder: Path) -> CostMatrix:
-    """The study's own cost file, or else the map's, or else the templates'; it must fit the map."""
+    """Return the costs of the study's own file, or else the map's, or else the templates'; they must fit the map."""
     if study.game.costs is not None:
         path = beside / study.game.costs
     elif place.costs is not None:
@@ -285,7 +285,7 @@ def _costs(study: Study, beside: Path, place: Map, folder: Path) -> CostMatrix:
 
 
 def versions() -> dict[str, str]:
-    """Of this program and of what its results depend on, by name."""
+    """Return the versions of this program and of the packages that its results depend on."""
     found = {"python": python_version()}
     for package in RECORDED_PACKAGES:
         found[package] = metadata.version(package)

@@ -1,4 +1,4 @@
-"""Who listens to a session's robots: a ROS graph, a bag, researchers' windows. Two of them also ask."""
+"""Listeners to a session's robots: a ROS graph, a bag, researchers' windows. Graph and windows also send requests."""
 
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
@@ -22,12 +22,12 @@ from thbridge.wire.mavlink.frames.frame import Frame
 
 @dataclass(frozen=True, slots=True)
 class WatchAddress:
-    """Where researchers' windows may connect.
+    """Address of the watch server, to which researchers' windows connect.
 
     Attributes:
         host: address to listen on.
-        port: of TCP; 0 takes any that is free.
-        key: that they have to know; None lets in whoever can connect.
+        port: TCP port; 0 takes any that is free.
+        key: that windows have to send; None admits every connection.
     """
 
     host: str
@@ -36,11 +36,11 @@ class WatchAddress:
 
 
 class ListenerOptions(Protocol):
-    """Who is to listen."""
+    """Options of the listeners to a session."""
 
     @property
     def bag(self) -> Path | None:
-        """Where to record; None for no recording."""
+        """Path of the recording; None for no recording."""
 
     @property
     def graph(self) -> GraphAddress | None:
@@ -48,21 +48,21 @@ class ListenerOptions(Protocol):
 
     @property
     def watch(self) -> WatchAddress | None:
-        """Where to be watched; None for nowhere."""
+        """Address of the watch server; None for none."""
 
 
 def _untold(outcome: object) -> None:
-    """For those who are on no graph, not watched, and heard by no ground station."""
+    """Do nothing; the callback of programs without graph, watch server or MAVLink links."""
 
 
 @dataclass(frozen=True, slots=True)
 class StartupCallbacks:
-    """Whom to tell what became of it.
+    """Callbacks for the result of starting a graph, the watch server and MAVLink links; each may raise.
 
     Attributes:
-        joined: who is the master of the graph, or why there is none; it may raise.
-        watched: where researchers' windows connect, or why they cannot; it may raise.
-        linked: where ground stations reach the robots, such as "udp 127.0.0.1:14550", or why they cannot; it may raise.
+        joined: takes the master of the graph, or the reason why there is none.
+        watched: takes the address of the watch server, or the reason why it cannot listen.
+        linked: takes the addresses of MAVLink links, such as "udp 127.0.0.1:14550", or the reason why there are none.
     """
 
     joined: Callable[[MasterPresence | CannotListen], None]
@@ -86,19 +86,19 @@ async def listeners(
     *,
     has_game: bool,
 ) -> AsyncIterator[list[Listener]]:
-    """Those who listen; it lasts as long as they do.
+    """Start the listeners to a session, and stop them at the end of the context.
 
     Args:
-        audience: who.
+        options: of the listeners.
         setting: the study.
         team: its robots.
-        publisher: that will speak.
+        publisher: of the robots' messages.
         pacer: of the session.
-        ask: takes what they want of the robots, with the name of whoever wants it. Nobody asks before the event loop's
-            next turn, when the session stands.
-        told: whom to tell what became of it.
-        hear: takes MAVLink frames that they have for one robot, likewise; None where the robots are no vehicles.
-        has_game: whether the game is this session's.
+        ask: takes requests, each with the name of its sender. It is not called before the event loop's next turn, when
+            the session exists.
+        callbacks: for the results of starting.
+        receive_frame: takes MAVLink frames for one robot, likewise; None where the robots are no vehicles.
+        has_game: True when the game is this session's.
     """
     listening: list[Listener] = []
     async with AsyncExitStack() as opened:

@@ -1,4 +1,4 @@
-"""A whole hunt in one program: all roles but those left to others, until the game is over or somebody stops it."""
+"""A whole hunt in one program: all roles except those of other programs, until the game is over or it is stopped."""
 
 from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack, closing
@@ -31,26 +31,26 @@ from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.router import MessageRouter
 
 PLAY = "play"
-"""What recordings call this program."""
+"""Name of this program in recordings."""
 
 FINAL_TICKS = TICKS_PER_SECOND // 2
-"""Ticks that a session goes on after the end of the game, so that everybody hears of it and the bag has it."""
+"""Ticks that a session goes on after the end of the game, so that all programs and the bag get its last messages."""
 
 
 @dataclass(frozen=True, slots=True)
 class HuntOutcome:
-    """How a hunt ended; what `thbridge play --json` prints.
+    """Outcome of a hunt, which `thbridge play --json` prints.
 
     Attributes:
         seed: of the study.
         score: points.
-        over: why the game ended (`hunt.events.EndReason`); None if it did not.
-        rooms_visited: how many.
-        identified: treasures named, rightly or wrongly.
-        energy: what each robot has left.
+        over: reason for the end (`hunt.events.EndReason`); None if the game did not end.
+        rooms_visited: number of rooms.
+        identified: number of treasures named, rightly or wrongly.
+        energy: energy left, by robot.
         sim_seconds: simulated time from the start to the end of the game.
-        wall_seconds: real time that took.
-        collisions: times that a robot touched a wall or another robot.
+        wall_seconds: real time of the same.
+        collisions: number of times that a robot touched a wall or another robot.
         bag: the recording.
     """
 
@@ -70,8 +70,8 @@ class HuntUnfinished(Exception):  # noqa: N818 - nothing went wrong with the pro
     """The hunt ended before the game was over. Everything is closed in good order.
 
     Attributes:
-        outcome: how things stood then.
-        stopped: somebody stopped the program (Ctrl-C, SIGTERM); or else the time was up.
+        outcome: at that time.
+        stopped: True after Ctrl-C or SIGTERM; False when the time was up.
     """
 
     def __init__(self, outcome: HuntOutcome, stopped: bool) -> None:
@@ -82,19 +82,19 @@ class HuntUnfinished(Exception):  # noqa: N818 - nothing went wrong with the pro
 
 @dataclass(frozen=True, slots=True)
 class PlayOptions:
-    """How a hunt is run, beside what the study says.
+    """Options of a hunt, beside the study.
 
     Attributes:
-        rate: simulated seconds per second; 0 as fast as it can.
-        bag: where to record; None for no recording.
-        outside: the roles that other programs will take, by name.
-        participant: who plays, for the record; for example "person" or "suggestion".
+        rate: simulated seconds per second; 0 as fast as possible.
+        bag: path of the recording; None for no recording.
+        outside: names of the roles that other programs take.
+        participant: description for the record, for example "person" or "suggestion".
         max_seconds: simulated time after which an unfinished game is given up.
         graph: the ROS graph to take part in; None for none.
-        left: asked after every tick whether the participant, in a window of their own, has left: then the hunt ends,
-            and not before, since they may look at what came of the game, and play again. None: it ends with the game.
-        watch: where researchers' windows may connect; None for nowhere.
-        mavlink: where ground stations reach the robots; None for nowhere.
+        left: called after every tick; returns True once the participant's own window is closed. Only then the hunt
+            ends, because they may look at the result and play again. None: it ends with the game.
+        watch: address of the watch server; None for none.
+        mavlink: ports of the MAVLink links; None for none.
     """
 
     rate: float
@@ -116,15 +116,15 @@ async def play(
     progress: Callable[[TickRecord], None],
     callbacks: StartupCallbacks = NO_CALLBACKS,
 ) -> HuntOutcome:
-    """Play one hunt with all roles in this process, but those left to others.
+    """Play one hunt with all roles in this process, except those of other programs.
 
     Args:
         setting: the study.
-        participant: whoever plays; None when that is an outside program, as it also is when `options` say so.
-        options: how.
-        ready: told where others can join, or why they cannot.
-        progress: told of every tick.
-        told: whom to tell what became of graph, watch and links.
+        participant: the participant's role; None when that is an outside program, as it also is when `options` say so.
+        options: of the hunt.
+        ready: takes the address of the text server, or the reason why it cannot listen.
+        progress: takes every tick.
+        callbacks: for the results of starting graph, watch server and links.
 
     Raises:
         BadFile: the journal, the telemetry log or the bag cannot be written (the latter as `BagNotWritten`).
@@ -149,7 +149,7 @@ async def play(
         session.transmit(session.receive_frame(graph_link, frame, robot))
 
     async with AsyncExitStack() as opened:
-        # First of all: nothing is begun where ground stations cannot be reached.
+        # First of all: no recording is begun if the MAVLink ports cannot be opened.
         links = await _links(options.mavlink, opened, callbacks)
         if options.rate > 0.0:
             setting.rehearse()
@@ -196,9 +196,9 @@ async def play(
 async def _links(
     ports: MavlinkPorts | None, opened: AsyncExitStack, told: StartupCallbacks
 ) -> tuple[MavlinkServer, list[str]] | None:
-    """Whoever will speak to ground stations, with all ports taken, and what these find it by; None: nobody will.
+    """Return the MAVLink server with all ports open, and its addresses; None for no links.
 
-    Where not all ports can be had it is told which.
+    If a port cannot be opened, the callback gets the reason.
     """
     if ports is None:
         return None
@@ -212,14 +212,14 @@ async def _links(
 
 
 class NoLog:
-    """For a session that is not recorded at all."""
+    """The event log of a session that is not recorded."""
 
     def append(self, events: Sequence[object]) -> None:
-        """Forget them."""
+        """Drop the events."""
 
 
 class EndCondition:
-    """Sees when a session is over.
+    """Condition for the end of a session.
 
     Args:
         max_seconds: simulated time after which an unfinished game is given up.
@@ -230,10 +230,10 @@ class EndCondition:
         self._last_tick = max_seconds * TICKS_PER_SECOND
         self._left = left
         self.tick: int | None = None
-        """The tick in which the game ended, None before, and again once another one has begun."""
+        """Tick in which the game ended; None before, and again once another game has begun."""
 
     def reached(self, session: Session) -> bool:
-        """Whether there is nothing more to do."""
+        """Return True when the session is over."""
         over = session.game is not None and session.game.ended is not None
         if not over:
             self.tick = None

@@ -1,4 +1,4 @@
-"""The programs apart: the text server, or one role at it, kept to the clock, until it is over or somebody stops it."""
+"""Programs of a single part: the text server, or one role at it, in real time, until it is over or stopped."""
 
 import logging
 from collections.abc import Callable, Sequence
@@ -32,7 +32,7 @@ from thbridge.wire.text import TextMessage
 _log = logging.getLogger(__name__)
 
 SIMR = "simr"
-"""What recordings call the program of the robots alone."""
+"""Name in recordings of the program with the robots alone."""
 
 
 async def serve(
@@ -45,9 +45,9 @@ async def serve(
 
     Args:
         setting: the study.
-        ledger: the journals; closed at the end.
-        new_game: leave an unfinished game as it is and begin the next.
-        ready: told where the server is to be reached, or why not; in that case nothing else happens.
+        journals: of the games; closed at the end.
+        new_game: True leaves an unfinished game as it is and begins the next.
+        ready: takes the address of the server, or the reason why it cannot listen; then the function returns.
 
     Raises:
         BadFile: the journal cannot be read or written.
@@ -82,20 +82,20 @@ async def serve(
 
 
 class RoleRunner(Protocol):
-    """A role that runs by itself, at a server of another process; what it hears, it answers with the next tick."""
+    """A role at a server of another process; it answers messages with the next tick."""
 
     def connected(self) -> None:
-        """The server has (again) accepted the name."""
+        """Note that the server has (again) accepted the name."""
 
     def receive(self, message: TextMessage) -> None:
-        """Somebody said something to this role."""
+        """Take a message to this role."""
 
     def step(self) -> Sequence[TextMessage]:
-        """One tick; what the role says."""
+        """Run one tick; return the role's messages."""
 
 
 class SingleRole:
-    """The plainest lodger: it only counts the ticks of a role."""
+    """The plain runner of a role: it only counts ticks."""
 
     def __init__(self, role: Role) -> None:
         self._role = role
@@ -103,26 +103,26 @@ class SingleRole:
         self._heard: list[TextMessage] = []
 
     def connected(self) -> None:
-        """See `Lodger`, for this and the next two."""
+        """See `RoleRunner`, for this and the next two."""
         self._role.connected()
 
     def receive(self, message: TextMessage) -> None:
-        """It is passed on with the next tick."""
+        """Pass the message on with the next tick."""
         self._heard.append(message)
 
     def step(self) -> Sequence[TextMessage]:
-        """One tick of the role."""
+        """Run one tick of the role."""
         heard, self._heard = self._heard, []
         return self._role.step(next(self._ticks), heard)
 
 
 def exchange(runner: RoleRunner, client: TextClient, lost: Callable[[ConnectionLost], None]) -> None:
-    """One tick of a role at a server: it hears what has come, and says what it has to say.
+    """Run one tick of a role at a server: take the messages that have come, and send the role's.
 
     Args:
-        lodger: the role.
+        runner: of the role.
         client: its connection, running.
-        lost: told when the connection is lost, and why.
+        lost: takes the reason when the connection is lost.
     """
     for event in client.take():
         match event:
@@ -146,14 +146,14 @@ async def run_at_server(
     """Run one role against a server until it is done or stopped; it reconnects by itself.
 
     Args:
-        lodger: the role.
+        runner: of the role.
         client: its connection, not running yet.
-        pacer: says when the next tick is due.
-        done: asked after every tick.
-        lost: told when the connection is lost, and why.
+        pacer: times the ticks.
+        done: called after every tick; returns True when the role is done.
+        lost: takes the reason when the connection is lost.
 
     Returns:
-        Whether it is done; or else somebody stopped it.
+        True when the role is done, False when it was stopped.
     """
 
     def tick() -> bool:
@@ -167,16 +167,16 @@ async def run_at_server(
 
 @dataclass(frozen=True, slots=True)
 class SimrOptions:
-    """How the robots' program is run.
+    """Options of the robots' program.
 
     Attributes:
         host: of the text server.
         port: of the text server.
-        token: marks this run of the program.
+        token: identifies this run of the program.
         rate: simulated seconds per second.
-        bag: where to record; None for no recording.
+        bag: path of the recording; None for no recording.
         graph: the ROS graph to take part in; None for none.
-        watch: where researchers' windows may connect; None for nowhere.
+        watch: address of the watch server; None for none.
     """
 
     host: str
@@ -198,12 +198,12 @@ async def simr(
 
     Args:
         setting: the study.
-        options: how.
-        lost: told when the connection is lost, and why.
-        told: whom to tell what became of graph and watch.
+        options: of the program.
+        lost: takes the reason when the connection is lost.
+        callbacks: for the results of starting graph and watch server.
 
     Returns:
-        Why the keeper does not want these robots, or None when stopped.
+        The keeper's reason for rejecting these robots, or None when stopped.
 
     Raises:
         BagNotWritten: the bag cannot be written; it is closed, and the program over.
@@ -240,9 +240,9 @@ async def tabui(
         role: the participant.
         host: of the server.
         port: of the server.
-        token: marks this run of the program.
-        lost: told when the connection is lost, and why.
-        shown: told of every new view.
+        token: identifies this run of the program.
+        lost: takes the reason when the connection is lost.
+        shown: takes every new view.
 
     Returns:
         The last view, of a game that is over; None when stopped.
@@ -261,7 +261,7 @@ async def tabui(
 
 
 def reason_of(lost: ConnectionLost) -> str:
-    """Why there is no connection, for people."""
+    """Return the reason why there is no connection, for people."""
     if lost.reason is LossReason.REFUSED:
         return "another program holds this name at the server; waiting until it is free"
     return f"{lost.reason.value}; trying again" + (f" ({lost.detail})" if lost.detail else "")

@@ -1,4 +1,4 @@
-"""SimR with real robots: the same role, robots that exist."""
+"""SimR with real robots of a ROS graph: the same role, another team."""
 
 from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack
@@ -24,7 +24,7 @@ from thbridge.wire.rosgraph.links import TopicHeader
 
 
 class _NoRecorder:
-    """For a session that is not recorded."""
+    """The recorder of a session that is not recorded."""
 
     def heard(self, topic: TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
         """Take no notice."""
@@ -45,14 +45,14 @@ async def simr_with_real_robots(
 
     Args:
         setting: the study.
-        options: how; the rate is that of real time.
-        graph: where the robots are.
-        lost: told when the connection to the text server is lost, and why.
-        unreachable: told why robots could not call back; it must raise.
-        missing: told what is waited for, one sentence each, when there is news of it; at last of nothing.
+        options: of the program; the rate is that of real time.
+        graph: the robots' ROS graph.
+        lost: takes the reason when the connection to the text server is lost.
+        unreachable: takes the reason why robots cannot connect to this node; it must raise.
+        missing: takes new sentences about missing topics and nodes; at last an empty list.
 
     Returns:
-        Why the keeper does not want these robots, or None when stopped.
+        The keeper's reason for rejecting these robots, or None when stopped.
 
     Raises:
         BagNotWritten: the bag cannot be written; it is closed, the robots stand, and the program is over.

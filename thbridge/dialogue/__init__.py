@@ -1,1 +1,1 @@
-"""Dialogues between robots and a person, sans-IO: templates, turns, strategies."""
+"""Dialogues between robots and a person, without I/O: templates, turns, strategies."""

@@ -1,4 +1,4 @@
-"""Open dialogues as JSON-able values, to be saved with a recorded tick and restored from it."""
+"""Open dialogues as JSON values, to be saved and restored."""
 
 from collections.abc import Callable
 from typing import assert_never
@@ -12,7 +12,7 @@ VERSION = 2
 
 
 def snapshot(dialogues: Dialogues) -> dict[str, Json]:
-    """A value that JSON can say and `restore` takes back to an equal one."""
+    """Return a JSON value from which `restore` makes equal dialogues."""
     return {
         "v": VERSION,
         "opened": dialogues.opened,
@@ -28,10 +28,10 @@ def snapshot(dialogues: Dialogues) -> dict[str, Json]:
 
 
 def restore(value: object) -> Dialogues:
-    """The dialogues that a snapshot says.
+    """Return the dialogues of a snapshot.
 
     Raises:
-        ValueError: it is not such a snapshot; the message says which field is wrong.
+        ValueError: it is not such a snapshot; the message names the faulty field.
     """
     fields = Fields(value)
     version = fields.integer("v")
@@ -43,7 +43,7 @@ def restore(value: object) -> Dialogues:
 
 
 def move_fields(move: Move) -> dict[str, Json]:
-    """A move as the fields of a JSON object: `move` is its kind."""
+    """Return a move as the fields of a JSON object: `move` is its kind."""
     match move:
         case Ask(question):
             return {"move": "ask", "question": question}
@@ -56,7 +56,7 @@ def move_fields(move: Move) -> dict[str, Json]:
 
 
 def take_move(fields: Fields) -> Move:
-    """The move that these fields say; others are left. Raises ValueError for an unknown one."""
+    """Take the move out of these fields; others are left. Raises ValueError for an unknown one."""
     kind = fields.text("move")
     if kind not in _MOVES:
         raise ValueError(f"unknown move {kind!r}")

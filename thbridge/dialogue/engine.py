@@ -1,10 +1,10 @@
-"""Runs dialogues, sans-IO: moves of people in; utterances and outcomes out; state as a value.
+"""Dialogue engine without I/O: moves of people in; utterances and outcomes out; state as a value.
 
-Somebody may speak in a robot's place: a dialogue that is held waits where the robot would speak, until `speak` makes
-its move or `go_on` lets the robot itself do so.
+A wizard may speak in a robot's place: a dialogue that is held waits where the robot would speak, until `speak` makes
+its move or `release` lets the robot itself do so.
 
-The engine knows no way of talking. It asks a protocol whose turn it is and what is legal, a strategy for the robot's
-choice, and a phrasing for the words; the person gets the legal moves as sentences and can make no other.
+The engine knows no kind of dialogue. A protocol determines whose turn it is and which moves are legal, a strategy
+chooses the robot's move, a phrasing words it; the person gets the legal moves as sentences and can make no other.
 """
 
 from dataclasses import dataclass, replace
@@ -28,7 +28,7 @@ from thbridge.hunt.rules import robot_name
 
 
 class DialogueReason(StrEnum):
-    """Why the engine refuses."""
+    """Reason of the engine for a refusal."""
 
     ALREADY_TALKING = "already-talking"
     NO_SUCH_DIALOGUE = "no-such-dialogue"
@@ -36,10 +36,10 @@ class DialogueReason(StrEnum):
 
 
 class Phrasing(Protocol):
-    """Turns moves into sentences."""
+    """Wording of moves as sentences."""
 
     def say(self, dialogue: Dialogue, move: Move) -> str:
-        """The sentence for a move that is, or may be, the next in this dialogue."""
+        """Return the sentence for a move that is, or may be, the next in this dialogue."""
         ...
 
 
@@ -48,25 +48,25 @@ class Dialogues:
     """All open dialogues, at most one per robot.
 
     Attributes:
-        opened: how many were ever opened; the next one gets the number after it.
-        open: those that wait, for the person or for whoever speaks in the robot's place, in order of opening.
+        opened: number of dialogues opened so far; the next one gets the number after it.
+        open: those that wait, for the person or for the wizard in the robot's place, in order of opening.
     """
 
     opened: int = 0
     open: tuple[Dialogue, ...] = ()
 
     def numbered(self, number: int) -> Dialogue | None:
-        """The open dialogue of this number, or None."""
+        """Return the open dialogue of this number, or None."""
         return next((dialogue for dialogue in self.open if dialogue.number == number), None)
 
     def of_robot(self, robot: int) -> Dialogue | None:
-        """The open dialogue of this robot, or None."""
+        """Return the open dialogue of this robot, or None."""
         return next((dialogue for dialogue in self.open if dialogue.topic.robot == robot), None)
 
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """A move that may be made now, and how to offer it."""
+    """A legal move and its sentence."""
 
     move: Move
     text: str
@@ -74,13 +74,13 @@ class Choice:
 
 @dataclass(frozen=True, slots=True)
 class DialogueStep:
-    """What an opening or a move brought about.
+    """Result of opening a dialogue or of a move.
 
     Attributes:
         dialogues: the state afterwards.
         dialogue: the dialogue moved in, as it now is; no longer among the open ones if it has ended.
-        utterances: what was said, in order.
-        outcome: how the dialogue ended, or None if it waits.
+        utterances: in order.
+        outcome: of the dialogue, or None if it waits.
     """
 
     dialogues: Dialogues
@@ -91,14 +91,14 @@ class DialogueStep:
 
 @dataclass(frozen=True, slots=True)
 class Engine:
-    """A way of talking, ready to run. Holds no state: every method takes the dialogues and gives the new ones.
+    """Engine for one kind of dialogue. Holds no state: every method takes the dialogues and returns the new ones.
 
-    `open` and `move` raise ValueError if the strategy breaks its promise and chooses a move that is not legal.
+    `open` and `move` raise ValueError if the strategy chooses a move that is not legal.
 
     Attributes:
-        protocol: what is legal.
+        protocol: determines legal moves.
         strategy: chooses the robot's moves.
-        phrasing: words for moves.
+        phrasing: words moves.
     """
 
     protocol: DialogueProtocol
@@ -106,7 +106,7 @@ class Engine:
     phrasing: Phrasing
 
     def open(self, dialogues: Dialogues, topic: DialogueTopic, *, held: bool = False) -> DialogueStep | RequestRefused:
-        """Open a dialogue and let the robot speak until it is the person's turn, or all is decided; not if held."""
+        """Open a dialogue, and unless held let the robot speak until it is the person's turn or the dialogue ends."""
         if dialogues.of_robot(topic.robot) is not None:
             return RequestRefused(DialogueReason.ALREADY_TALKING, f"{_name(topic)} is already talking with you.")
         number = dialogues.opened + 1
@@ -116,7 +116,7 @@ class Engine:
     def move(
         self, dialogues: Dialogues, number: int, move: Move, *, held: bool = False
     ) -> DialogueStep | RequestRefused:
-        """Make the person's move, and let the robot answer, unless held."""
+        """Make the person's move, and unless held let the robot answer."""
         dialogue = self._at_turn(dialogues, number, Speaker.PERSON, move)
         if isinstance(dialogue, RequestRefused):
             return dialogue
@@ -124,7 +124,7 @@ class Engine:
         return self._run(dialogues, dialogue, (utterance,), held)
 
     def speak(self, dialogues: Dialogues, number: int, move: Move, text: str = "") -> DialogueStep | RequestRefused:
-        """Make the move of a robot whose dialogue is held, in its place, and hold on; `text` as for `Turn`."""
+        """Make the move of a robot whose dialogue is held, and keep it held; `text` as for `Turn`."""
         dialogue = self._at_turn(dialogues, number, Speaker.ROBOT, move)
         if isinstance(dialogue, RequestRefused):
             return dialogue
@@ -144,13 +144,13 @@ class Engine:
         return DialogueStep(_without(dialogues, dialogue), dialogue, (), DialogueOutcome.WITHDRAWN)
 
     def choices(self, dialogue: Dialogue, speaker: Speaker = Speaker.PERSON) -> tuple[Choice, ...]:
-        """What the speaker may say now in an open dialogue, most agreeable first; nothing if it is not their turn."""
+        """Return the speaker's legal moves in an open dialogue, most agreeable first; none if it is not their turn."""
         if self.protocol.speaker(dialogue) is not speaker:
             return ()
         return tuple(Choice(move, self.phrasing.say(dialogue, move)) for move in self.protocol.legal(dialogue))
 
     def utterances(self, dialogue: Dialogue) -> tuple[DialogueUtterance, ...]:
-        """Everything said in a dialogue so far, e.g. to show a restored one again."""
+        """Return all utterances of a dialogue so far, e.g. to show a restored one again."""
         said = Dialogue(dialogue.number, dialogue.topic)
         spoken: list[DialogueUtterance] = []
         for turn in dialogue.turns:
@@ -159,7 +159,7 @@ class Engine:
         return tuple(spoken)
 
     def _at_turn(self, dialogues: Dialogues, number: int, speaker: Speaker, move: Move) -> Dialogue | RequestRefused:
-        """The open dialogue of this number, if this speaker may make this move in it now."""
+        """Return the open dialogue of this number, or a refusal if this speaker may not make this move in it now."""
         dialogue = dialogues.numbered(number)
         if dialogue is None:
             return _no_such(number)

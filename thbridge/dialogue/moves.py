@@ -1,9 +1,9 @@
-"""The values a dialogue is made of: what it is about, who moves how, and what is said.
+"""Values of a dialogue: topic, moves, turns, utterances.
 
-A dialogue's public record (`Dialogue`) is its topic and its moves. Everything else, whose turn it is, what is legal,
-the words, the outcome, is worked out from the record, so the record alone is what is saved and restored.
+A dialogue's public record (`Dialogue`) is its topic and its moves. Everything else (turn, legal moves, sentences,
+outcome) is computed from the record, so the record alone is saved and restored.
 
-A new way of talking (arguments, say) adds its moves to `Move`, and a protocol and a strategy that know them.
+A new kind of dialogue (arguments, for example) adds its moves to `Move`, and a protocol and a strategy for them.
 """
 
 from dataclasses import dataclass
@@ -13,27 +13,27 @@ from thbridge.hunt.rooms import Room
 
 
 class Scenario(StrEnum):
-    """What a dialogue decides."""
+    """Decision that a dialogue is about."""
 
     SPECIFIC_ROOM = "specific-room"
-    """Whether to go to the room the person chose."""
+    """To go to the room that the person chose, or not."""
     DONT_KNOW = "dont-know"
-    """Whether to go to the room the robot suggests, because the person did not know."""
+    """To go to the room that the robot suggests because the person did not know, or not."""
     TAKE_PICTURE = "take-picture"
-    """Whether to take a picture of the treasure where the robot stands."""
+    """To take a picture of the treasure where the robot stands, or not."""
     TAKE_TREASURE = "take-treasure"
-    """Whether to take the treasure where the robot stands, that is, to identify it."""
+    """To take the treasure where the robot stands, that is, to identify it, or not."""
 
 
 class Speaker(StrEnum):
-    """Who moves."""
+    """Side that makes a move."""
 
     ROBOT = "robot"
     PERSON = "person"
 
 
 class Author(StrEnum):
-    """Who decided what was said."""
+    """Author of a move: the one who decided on it."""
 
     ROBOT = "robot"
     """The robot's strategy."""
@@ -44,26 +44,26 @@ class Author(StrEnum):
 
 
 class DialogueOutcome(StrEnum):
-    """How a dialogue ended."""
+    """Outcome of a dialogue."""
 
     CONSENSUS = "consensus"
-    """Agreed: what the topic proposes may be done."""
+    """Agreed: the topic's proposal may be carried out."""
     NO_CONSENSUS = "no-consensus"
-    """Not agreed: nothing is done."""
+    """Not agreed: the proposal is dropped."""
     WITHDRAWN = "withdrawn"
     """Closed from outside, because its topic is no longer to be decided."""
 
 
 @dataclass(frozen=True, slots=True)
 class DialogueTopic:
-    """What a dialogue is about, and what its sentences may name; does not change while it is open.
+    """Topic of a dialogue, with the facts that its sentences may name; it does not change while the dialogue is open.
 
     Attributes:
         scenario: the decision.
-        robot: who asks, numbered from 0 as on the wire.
-        room: where to go, or where the treasure is.
-        cost: energy it will take.
-        energy: what the robot has.
+        robot: the robot that asks, from 0 as on the wire.
+        room: the destination, or the room of the treasure.
+        cost: energy of the proposal.
+        energy: of the robot.
         colour: of the treasure as sensed; empty when the robot has not been there.
         footprint: likewise.
     """
@@ -99,13 +99,13 @@ Move = Ask | Continue | Stop
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """A move and who made it.
+    """A move with its speaker and author.
 
     Attributes:
-        speaker: whose turn it was.
-        move: what was done.
-        author: who decided on it.
-        text: what was said instead of the sentence that belongs to the move; empty: that sentence.
+        speaker: the side that made it.
+        move: the move.
+        author: decided on it.
+        text: replaces the sentence that belongs to the move; empty: that sentence.
     """
 
     speaker: Speaker
@@ -120,7 +120,7 @@ class Dialogue:
 
     Attributes:
         number: from 1, in order of opening.
-        topic: what it is about.
+        topic: of the dialogue.
         turns: all moves so far, oldest first.
     """
 
@@ -131,16 +131,16 @@ class Dialogue:
 
 @dataclass(frozen=True, slots=True)
 class DialogueUtterance:
-    """One thing said, as it is recorded.
+    """One utterance, as it is recorded.
 
     Attributes:
         dialogue: number of the dialogue.
         index: place of the move in the dialogue, from 0.
-        speaker: who said it.
-        author: who decided on it.
-        move: what it does.
-        text: what it says.
-        topic: what the dialogue is about.
+        speaker: the side that made the move.
+        author: decided on it.
+        move: the move.
+        text: the sentence.
+        topic: of the dialogue.
     """
 
     dialogue: int

@@ -1,4 +1,4 @@
-"""Whose turn it is and what is legal: the rules of a dialogue, worked out from its record alone."""
+"""Dialogue protocols: turn, legal moves and outcome, computed from a dialogue's record alone."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -8,18 +8,18 @@ from thbridge.dialogue.templates import Template
 
 
 class DialogueProtocol(Protocol):
-    """The rules of a way of talking. All methods are functions of the record; both sides may know them."""
+    """Rules of one kind of dialogue. All methods are functions of the record; both sides may know them."""
 
     def outcome(self, dialogue: Dialogue) -> DialogueOutcome | None:
-        """How the dialogue has ended, or None while it goes on."""
+        """Return the outcome of the dialogue, or None while it goes on."""
         ...
 
     def speaker(self, dialogue: Dialogue) -> Speaker:
-        """Whose turn it is, while the dialogue goes on."""
+        """Return the side whose turn it is, while the dialogue goes on."""
         ...
 
     def legal(self, dialogue: Dialogue) -> tuple[Move, ...]:
-        """The moves of that speaker, at least one, most agreeable first, while the dialogue goes on."""
+        """Return that side's legal moves, at least one, most agreeable first, while the dialogue goes on."""
         ...
 
 
@@ -33,18 +33,18 @@ class TemplateProtocol:
     template: Template
 
     def outcome(self, dialogue: Dialogue) -> DialogueOutcome | None:
-        """Stop ends without consensus, the last Continue with it."""
+        """Return the outcome: Stop ends without consensus, the last Continue with it."""
         if dialogue.turns and dialogue.turns[-1].move == Stop():
             return DialogueOutcome.NO_CONSENSUS
         agreed = sum(turn.move == Continue() for turn in dialogue.turns)
         return DialogueOutcome.CONSENSUS if agreed == len(self.template.of(dialogue.topic.scenario)) else None
 
     def speaker(self, dialogue: Dialogue) -> Speaker:
-        """The robot begins, then turns alternate."""
+        """Return the side whose turn it is: the robot begins, then turns alternate."""
         return Speaker.ROBOT if len(dialogue.turns) % 2 == 0 else Speaker.PERSON
 
     def legal(self, dialogue: Dialogue) -> tuple[Move, ...]:
-        """The next question for the robot; Continue and Stop for the person."""
+        """Return the next question for the robot; Continue and Stop for the person."""
         if self.speaker(dialogue) is Speaker.ROBOT:
             return (Ask(len(dialogue.turns) // 2),)
         return (Continue(), Stop())

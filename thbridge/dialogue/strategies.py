@@ -1,4 +1,4 @@
-"""What to say of what may be said: the seam where ways of persuading are exchanged."""
+"""Dialogue strategies: the choice among legal moves. Other strategies of persuasion are plugged in here."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,11 +9,11 @@ from thbridge.dialogue.moves import Dialogue, Move, Speaker
 
 @dataclass(frozen=True, slots=True)
 class StrategyInput:
-    """What a side may build on when it chooses: the public record. What it believes beyond that is its own affair.
+    """Input of a strategy: the public record. Beliefs beyond that are the strategy's own.
 
     Attributes:
-        side: which side is choosing.
-        dialogue: everything said so far, and about what.
+        side: the choosing side.
+        dialogue: topic and moves so far.
     """
 
     side: Speaker
@@ -21,10 +21,10 @@ class StrategyInput:
 
 
 class Strategy(Protocol):
-    """Chooses one side's moves. Must be a function of its arguments and of what it was built with."""
+    """Chooses one side's moves. Must be a function of its arguments and of its constructor's."""
 
     def choose(self, view: StrategyInput, legal: Sequence[Move]) -> Move:
-        """One of the legal moves, of which there is at least one."""
+        """Return one of the legal moves, of which there is at least one."""
         ...
 
 
@@ -33,5 +33,5 @@ class TemplateStrategy:
     """The robot of 2016: it follows its script, which leaves it one move at a time."""
 
     def choose(self, view: StrategyInput, legal: Sequence[Move]) -> Move:
-        """The first legal move: the next question."""
+        """Return the first legal move: the next question."""
         return legal[0]

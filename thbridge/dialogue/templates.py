@@ -1,4 +1,4 @@
-"""Scripted questions: what a DialogueText file says, and how it becomes sentences."""
+"""Scripted questions of a DialogueText file, and the sentences made of them."""
 
 import difflib
 import re
@@ -12,7 +12,7 @@ from thbridge.hunt.costs import energy_text
 EVERYWHERE = ("room", "cost", "energy", "robot")
 """Reserved words that any question may use."""
 BESIDE_TREASURE = ("colour", "footprint")
-"""Reserved words for questions asked where a robot stands by a treasure."""
+"""Reserved words for questions about a treasure beside the robot."""
 
 _RESERVED = re.compile(r"£(\w+)£")
 _STRAY = re.compile(r"£[^\W\d]|[^\W\d]£")
@@ -30,34 +30,34 @@ class Template:
     """All scripted questions of a study.
 
     Attributes:
-        name: the first line of the file, which only describes it.
-        questions: those of each scenario, in order; a scenario without questions is agreed at once.
+        name: first line of the file, a description.
+        questions: of each scenario, in order; a scenario without questions is agreed at once.
     """
 
     name: str
     questions: Mapping[Scenario, tuple[ScriptedQuestion, ...]]
 
     def of(self, scenario: Scenario) -> tuple[ScriptedQuestion, ...]:
-        """The questions of a scenario, possibly none."""
+        """Return the questions of a scenario, possibly none."""
         return self.questions.get(scenario, ())
 
 
 @dataclass(frozen=True, slots=True)
 class WordFault:
-    """What is wrong with a reserved word in a wording, and what to write instead."""
+    """Fault of a reserved word in a wording, and its remedy."""
 
     problem: str
     remedy: str
 
 
 def reserved_words(scenario: Scenario) -> tuple[str, ...]:
-    """The words that questions of this scenario may have between pound signs."""
+    """Return the reserved words that questions of this scenario may have between pound signs."""
     by_a_treasure = scenario in (Scenario.TAKE_PICTURE, Scenario.TAKE_TREASURE)
     return EVERYWHERE + BESIDE_TREASURE if by_a_treasure else EVERYWHERE
 
 
 def word_fault(wording: str, scenario: Scenario) -> WordFault | None:
-    """The first fault in the reserved words of a wording, or None. A pound sign beside a number is only text."""
+    """Return the first fault in the reserved words of a wording, or None. A pound sign beside a number is only text."""
     allowed = reserved_words(scenario)
     for found in _RESERVED.finditer(wording):
         word = found.group(1)
@@ -80,12 +80,12 @@ def word_fault(wording: str, scenario: Scenario) -> WordFault | None:
 
 
 def fill(wording: str, words: Mapping[str, str]) -> str:
-    """The wording with its reserved words replaced. Raises KeyError for a word that is not given."""
+    """Return the wording with its reserved words replaced. Raises KeyError for a word without a value."""
     return _RESERVED.sub(lambda found: words[found.group(1)], wording)
 
 
 def words_of(topic: DialogueTopic) -> dict[str, str]:
-    """What the reserved words stand for; room and robot are the numbers people use."""
+    """Return the values of the reserved words; room and robot are the numbers people use."""
     return {
         "room": str(topic.room.people),
         "cost": energy_text(topic.cost),
@@ -98,10 +98,10 @@ def words_of(topic: DialogueTopic) -> dict[str, str]:
 
 @dataclass(frozen=True, slots=True)
 class TemplatePhrasing:
-    """Sentences for moves, out of a template.
+    """Sentences for moves, from a template.
 
-    Which wording of a question is used depends on the seed, the dialogue's number and the question, and on nothing
-    else: other dialogues do not change it, and a restored dialogue says the same again.
+    The wording of a question depends on the seed, the dialogue's number and the question alone: other dialogues do not
+    change it, and a restored dialogue has the same sentences.
 
     Attributes:
         template: the questions.
@@ -112,7 +112,7 @@ class TemplatePhrasing:
     seed: int
 
     def say(self, dialogue: Dialogue, move: Move) -> str:
-        """The sentence for a move in this dialogue; for the person's moves, what the button says."""
+        """Return the sentence for a move in this dialogue; for the person's moves, the text of the button."""
         match move:
             case Ask(question):
                 wordings = self.template.of(dialogue.topic.scenario)[question].wordings

@@ -1,7 +1,7 @@
-"""Events of a game as JSON, one line each, for the journal and for programs that want to know.
+"""Events of a game as JSON, one line each, for the journal and for other programs.
 
-Every line says the version of the format (`v`) and the kind of event (`event`); rooms are the numbers people use, with
-0 for the corridor, because people read journals. Nothing unknown is passed over: a journal that this version does not
+Every line holds the version of the format (`v`) and the kind of event (`event`); rooms are the numbers people use, with
+0 for the corridor, because people read journals. Unknown fields are errors: a journal that this version does not
 fully understand would fold to a wrong game.
 """
 
@@ -38,16 +38,16 @@ VERSION = 1
 
 
 def to_json(event: Event) -> str:
-    """One line of ASCII without its line end. Raises ValueError if a number in it is NaN or infinite."""
+    """Return one line of ASCII without its line end. Raises ValueError if a number is NaN or infinite."""
     kind, fields = _encoded(event)
     return dumps({"v": VERSION, "event": kind, **fields})
 
 
 def from_json(line: str) -> Event:
-    """The event that a line of `to_json` says.
+    """Return the event in a line of `to_json`.
 
     Raises:
-        ValueError: with a sentence saying what is wrong: not JSON, another version, an unknown event or field, a
+        ValueError: with a sentence about the fault: not JSON, another version, an unknown event or field, a
             missing field, a field of the wrong type or out of its range.
     """
     fields = Fields.of_text(line)

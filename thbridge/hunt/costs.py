@@ -1,4 +1,4 @@
-"""What it costs to go from one place to another."""
+"""Energy costs of moves between rooms."""
 
 import math
 from dataclasses import dataclass
@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from thbridge.hunt.rooms import Room, all_rooms
 
 NOT_A_MOVE = 99.0
-"""The number a cost file writes where there is no move."""
+"""Number in a cost file that stands for no move."""
 
 
 @dataclass(frozen=True, slots=True)
 class CostMatrix:
-    """Energy from every place to every place: seconds of mean travel, which the game takes as energy.
+    """Energy from every place to every place: mean travel time in seconds, which the game takes as energy.
 
-    Not symmetric. Going nowhere is never a move, nor is going to the corridor unless a cost is given for it.
+    Not symmetric. Staying is never a move, nor is going to the corridor unless a cost is given for it.
 
     Attributes:
         rows: `rows[start][goal]`, indexed by the number people use (0 is the corridor); infinite where there is no
@@ -35,10 +35,10 @@ class CostMatrix:
 
     @classmethod
     def of_map_times(cls, rows: tuple[tuple[float, ...], ...]) -> "CostMatrix":
-        """The matrix in the numbers of a `mapTimes` file, where exactly 99 stands for no move.
+        """Return the matrix of the numbers in a `mapTimes` file, where exactly 99 stands for no move.
 
         Numbers above 99 are costs like any other, so that large maps can be written down; only a cost of exactly 99
-        cannot be (98 or 100 says nearly the same). The way from a place to itself is no move, whatever is written.
+        cannot (write 98 or 100). From a place to itself there is no move, whatever number is written.
 
         Raises:
             ValueError: as the class.
@@ -52,18 +52,18 @@ class CostMatrix:
 
     @property
     def rooms(self) -> tuple[Room, ...]:
-        """The rooms it tells of, without the corridor."""
+        """The rooms of the matrix, without the corridor."""
         return all_rooms(len(self.rows) - 1)
 
     def has_place(self, place: Room) -> bool:
-        """Whether the matrix has a row for this place."""
+        """Return True when the matrix has a row for this place."""
         return place.people < len(self.rows)
 
     def cost(self, start: Room, goal: Room) -> float:
-        """Energy from `start` to `goal`; infinite when there is no move. Raises IndexError for unknown places."""
+        """Return the energy from `start` to `goal`; infinite without a move. Raises IndexError for unknown places."""
         return self.rows[start.people][goal.people]
 
 
 def energy_text(energy: float) -> str:
-    """An amount of energy as people read it: `13`, `12.5`, `0.07`, never `13.0`."""
+    """Return an amount of energy as text: `13`, `12.5`, `0.07`, never `13.0`."""
     return f"{energy:.2f}".rstrip("0").rstrip(".")

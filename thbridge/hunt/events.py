@@ -1,4 +1,4 @@
-"""What can happen in a game. A game is nothing but its events, in order."""
+"""Events of a game. A game is fully described by its events, in order."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -9,7 +9,7 @@ from thbridge.hunt.treasures import TreasureKind
 
 
 class EndReason(StrEnum):
-    """Why a game is over."""
+    """Reason for the end of a game."""
 
     ALL_VISITED = "all-visited"
     NO_MOVE_LEFT = "no-move-left"
@@ -17,10 +17,9 @@ class EndReason(StrEnum):
 
 
 class Condition(StrEnum):
-    """How a robot is, as far as the robots' program can tell.
+    """Condition of a robot, as SimR reports it.
 
-    A robot that is lost does not know where it is; one that is silent does not answer any more, so nobody can tell
-    whether it is dead.
+    A lost robot does not know its pose; a silent one does not respond, so it may be dead or out of reach.
     """
 
     WELL = "well"
@@ -29,10 +28,10 @@ class Condition(StrEnum):
 
 
 class Commander(StrEnum):
-    """Who says where a robot goes: the participant, unless somebody else has taken it over.
+    """Commander of a robot: the participant, unless somebody else has taken it over.
 
-    A ground station keeps a robot until it gives it back. A researcher, or a program at the robots' controls, has it
-    for as long as a goal of theirs or their hand-driving lasts, whoever had it before.
+    A ground station keeps a robot until it gives it back. A researcher, or a program beside the game, has it while a
+    goal or manual driving of theirs lasts, whoever had it before.
     """
 
     PARTICIPANT = "participant"
@@ -45,14 +44,14 @@ class Started:
     """A new game: its rules and its numbers. Every robot stands in the corridor.
 
     Attributes:
-        seed: what all chance of this game is keyed by.
+        seed: of all random numbers of this game.
         game: number of the game, from 1, unique within a journal folder.
         robots: size of the team; robots are numbered from 0 as on the wire.
-        energy: what each robot starts with.
+        energy: of each robot at the start.
         picture_cost: energy of the first picture in a room.
         identify_cost: energy of identifying.
         wrong_share: share of a treasure's points that a wrong name costs; 1 is the rule of 2016.
-        costs: energy of every move; also says how many rooms there are.
+        costs: energy of every move; its size determines the number of rooms.
 
     Raises:
         ValueError: a team without robots, or a negative number.
@@ -77,14 +76,14 @@ class Started:
 
 @dataclass(frozen=True, slots=True)
 class Hidden:
-    """The treasures were laid out, one per room, room 1 first. Never shown to the participant."""
+    """The treasures were hidden, one per room, room 1 first. Never shown to the participant."""
 
     treasures: tuple[TreasureKind, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Agreed:
-    """The participant agreed to take part in the study. It is said again in each later game of the same keeper."""
+    """The participant agreed to take part in the study. Recorded again in each later game of the same keeper."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,14 +105,14 @@ class Arrived:
 
 @dataclass(frozen=True, slots=True)
 class Failed:
-    """A robot gave up its way to a room, or was told to; the room is free again.
+    """A robot did not reach the room it drove to, or was called back; the room is free again.
 
     Attributes:
-        robot: which.
-        room: where it was going.
-        reason: what the navigator or the person said, for people.
+        robot: index in the team, from 0.
+        room: destination of the move.
+        reason: sentence of the navigator or for a recall, for people.
         refund: energy given back.
-        at: where it stands now, which is what its next move is counted from.
+        at: its place now, from which the cost of its next move counts.
     """
 
     robot: int
@@ -125,7 +124,7 @@ class Failed:
 
 @dataclass(frozen=True, slots=True)
 class Reported:
-    """A robot is in another condition than before."""
+    """The condition of a robot has changed."""
 
     robot: int
     condition: Condition
@@ -133,12 +132,12 @@ class Reported:
 
 @dataclass(frozen=True, slots=True)
 class Commanded:
-    """A robot has another commander than before.
+    """The commander of a robot has changed.
 
     Attributes:
-        robot: which.
-        by: who commands it from now on.
-        name: who exactly, for example "ground station 255", or the name of a ROS node; empty for the participant.
+        robot: index in the team, from 0.
+        by: commander from now on.
+        name: of the commander, for example "ground station 255" or a ROS node's name; empty for the participant.
     """
 
     robot: int
@@ -148,14 +147,14 @@ class Commanded:
 
 @dataclass(frozen=True, slots=True)
 class AskedBack:
-    """The participant asks whoever commands a robot to give it back; that is theirs to do."""
+    """The participant asks the commander of a robot to give it back; the commander decides."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
 class Sensed:
-    """What the robot in a room perceives of the treasure there."""
+    """Colour and footprint of the treasure in a room, as the robot there perceives them."""
 
     room: Room
     colour: str
@@ -164,7 +163,7 @@ class Sensed:
 
 @dataclass(frozen=True, slots=True)
 class Pictured:
-    """A picture was taken: image is a file name without directory. Cost 0 when it was shown again."""
+    """A picture was taken; `image` is a file name without directory. Cost 0 when it was shown again."""
 
     room: Room
     robot: int
@@ -177,9 +176,9 @@ class Identified:
     """The treasure in a room was named; points are negative when the name was wrong.
 
     Attributes:
-        room: None if an old program told only the points.
-        robot: who stood there; None if nobody did as far as the game knows.
-        name: what the participant said it is; None if an old program told only the points.
+        room: None if a program of 2016 sent only the points.
+        robot: the robot that stood there; None if the game knows of none.
+        name: the participant's name for it; None if a program of 2016 sent only the points.
         points: added to the score.
         cost: energy paid by the robot.
     """

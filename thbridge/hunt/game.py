@@ -1,11 +1,11 @@
 """The state of a game, folded from its events.
 
-`apply` judges nothing: whether something may happen is asked in `rules`, and what did happen is believed. So it also
-takes what older programs on the wire bring about behind the game's back:
+`apply` does not judge: `rules` decides what may happen, and `apply` accepts what did happen. So it also takes
+events that programs of 2016 cause without asking the rules:
 
 - `Arrived` without a `Departed` moves the robot and pays nothing; `rules.arrive` puts the missing `Departed` before it.
-- `Arrived` in another room than the one it set out for ends the way under way and keeps its reservation no longer.
-- `Failed` of a robot that is not under way moves it and refunds nothing; no refund exceeds what was paid.
+- `Arrived` in another room than the destination ends the move in progress and its reservation.
+- `Failed` of a robot that is not moving places it and refunds nothing; no refund exceeds the price paid.
 - `Sensed`, `Pictured`, `Identified` and `Left` are noted for rooms where no robot ever arrived, which stay unvisited.
 - `Identified` may come without room, robot or name, more than once, or after `Ended`: the score is the sum of them all.
 - Energy may become negative by such events; the robot is then blocked as at 0.
@@ -40,7 +40,7 @@ from thbridge.hunt.treasures import TreasureKind
 
 @dataclass(frozen=True, slots=True)
 class CommandHolder:
-    """Who commands a robot, and, beside the participant, who exactly."""
+    """Commander of a robot, with a name unless it is the participant."""
 
     by: Commander = Commander.PARTICIPANT
     name: str = ""
@@ -51,14 +51,14 @@ class RobotState:
     """One robot as the game sees it.
 
     Attributes:
-        at: where it stands, or where it set out from while under way.
-        energy: what is left; the whole cost of a move is taken at its departure.
-        bound_for: the room it is under way to, or None.
-        paid: what it paid for the way under way, the most that can be refunded.
+        at: the place where it stands; during a move, the place it set out from.
+        energy: energy left; the whole cost of a move is taken at its departure.
+        bound_for: destination of the current move, or None.
+        paid: price of the current move, the most that can be refunded.
         condition: as last reported.
-        holder: who commands it, or gets it back when a researcher who intervenes is done.
-        intervention: the command of a researcher who intervenes just now, or None.
-        asked_back: how often the participant has asked whoever commands it now to give it back.
+        holder: its commander, who also gets it back after a researcher's intervention.
+        intervention: the researcher who intervenes now, or None.
+        asked_back: number of times the participant has asked its present commander to give it back.
     """
 
     at: Room
@@ -72,17 +72,17 @@ class RobotState:
 
     @property
     def command(self) -> CommandHolder:
-        """Who commands it just now."""
+        """Its commander now: the researcher who intervenes, or else the holder."""
         return self.intervention or self.holder
 
     @property
     def is_blocked(self) -> bool:
-        """Whether its energy is used up: it can do nothing any more."""
+        """True when its energy is used up: it can do nothing any more."""
         return self.energy <= 0.0
 
     @property
     def is_silent(self) -> bool:
-        """Whether it does not answer: it can do nothing until it does."""
+        """True while it does not respond: it can do nothing until it does."""
         return self.condition is Condition.SILENT
 
 
@@ -94,9 +94,9 @@ class RoomState:
         visited: a robot has arrived there.
         sensed: the colour and footprint perceived, or None.
         image: file name of the picture taken, or None.
-        points: what identifying won or cost, or None if nobody has.
-        name: what it was identified as, or None if nobody has or only the points are known.
-        left: the treasure was given up.
+        points: won or lost by identifying; None before.
+        name: given at identification; None before, or if only the points are known.
+        left: True when the treasure was given up.
         finder: the robot that arrived there last, or None.
     """
 
@@ -110,7 +110,7 @@ class RoomState:
 
     @property
     def is_decided(self) -> bool:
-        """Whether nothing is left to decide about its treasure."""
+        """True when its treasure was identified or given up."""
         return self.left or self.points is not None
 
 
@@ -120,11 +120,11 @@ class GameState:
 
     Attributes:
         started: the rules of this game.
-        treasures: what lies in the rooms, room 1 first; None if another program hid them.
+        treasures: of the rooms, room 1 first; None if a Hider of 2016 hid them.
         robots: indexed by robot number.
         rooms: indexed by the room's number on the wire; read with `room`.
         score: sum of all identifications.
-        ended: how the game ended, or None.
+        ended: the end of the game, or None.
         agreed: the participant agreed to take part, where the study asks for it.
     """
 
@@ -137,34 +137,35 @@ class GameState:
     agreed: bool = False
 
     def has_robot(self, robot: int) -> bool:
-        """Whether the team has a robot of this number."""
+        """Return True when the team has a robot with this index."""
         return 0 <= robot < len(self.robots)
 
     def has_room(self, room: Room) -> bool:
-        """Whether this is one of the game's rooms; the corridor is none."""
+        """Return True when this is one of the game's rooms; the corridor is not."""
         return not room.is_corridor and room.wire < len(self.rooms)
 
     def room(self, room: Room) -> RoomState:
-        """The state of a room. Raises ValueError for the corridor, IndexError for unknown rooms."""
+        """Return the state of a room. Raises ValueError for the corridor, IndexError for unknown rooms."""
         return self.rooms[room.wire]
 
     def treasure(self, room: Room) -> TreasureKind | None:
-        """What lies in a room, if this game hid it. Raises as `room`."""
+        """Return the treasure of a room, or None if a Hider of 2016 hid it. Raises as `room`."""
         return None if self.treasures is None else self.treasures[room.wire]
 
     def reserved_by(self, room: Room) -> int | None:
-        """The robot that is under way to this room, or None."""
+        """Return the robot that drives to this room, or None."""
         return next((number for number, robot in enumerate(self.robots) if robot.bound_for == room), None)
 
     def standing_in(self, room: Room) -> int | None:
-        """The robot that stands in this room and is not under way, or None; the lowest number if there are several."""
+        """Return the robot that stands in this room, or None; the lowest index if there are several."""
         return next(
             (number for number, robot in enumerate(self.robots) if robot.at == room and robot.bound_for is None), None
         )
 
     def decider(self, room: Room) -> int | None:
-        """The robot by which the treasure of a room may be named, or None: that stands there, or found it and was sent
-        on before anybody had decided. In a room that there is not, nobody stands."""
+        """Return the robot that may name the treasure of a room, or None.
+
+        It is the robot that stands there, or the one that found the treasure and was sent on before the decision."""
         stander = self.standing_in(room)
         if stander is not None or not self.has_room(room):
             return stander
@@ -179,7 +180,7 @@ class GameState:
 
 
 def begin(started: Started) -> GameState:
-    """The state right after the start of a game."""
+    """Return the state right after the start of a game."""
     return GameState(
         started=started,
         treasures=None,
@@ -189,7 +190,7 @@ def begin(started: Started) -> GameState:
 
 
 def fold(started: Started, events: Iterable[Event]) -> GameState:
-    """The state after a game's start and what followed. Raises as `apply`."""
+    """Return the state after a game's start and the events that followed. Raises as `apply`."""
     state = begin(started)
     for event in events:
         state = apply(state, event)
@@ -197,11 +198,11 @@ def fold(started: Started, events: Iterable[Event]) -> GameState:
 
 
 def apply(state: GameState, event: Event) -> GameState:
-    """The state after an event; `Started` begins a new game.
+    """Return the state after an event; `Started` begins a new game.
 
     Raises:
-        ValueError: the event names a robot or room that this game does not have, or as many treasures as there are not
-            rooms: it belongs to another game.
+        ValueError: the event belongs to another game: it names a robot or room that this game does not have, or its
+            number of treasures is not the number of rooms.
     """
     match event:
         case Started():

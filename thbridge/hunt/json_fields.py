@@ -1,15 +1,15 @@
-"""JSON objects taken apart strictly: every field typed, nothing missing, nothing left over."""
+"""Strict reading of JSON objects: every field is typed, none may be missing or left over."""
 
 import json
 import math
 from collections.abc import Mapping, Sequence
 
 Json = None | bool | int | float | str | Sequence["Json"] | Mapping[str, "Json"]
-"""A value that JSON can say."""
+"""A value that JSON can represent."""
 
 
 def dumps(value: Json) -> str:
-    """Compact JSON on one line, keys in the order given; ASCII only. Raises ValueError for NaN and infinity."""
+    """Return compact JSON on one line, keys in the order given; ASCII only. Raises ValueError for NaN and infinity."""
     return json.dumps(value, separators=(",", ":"), allow_nan=False)
 
 
@@ -26,57 +26,57 @@ class Fields:
 
     @classmethod
     def of_text(cls, text: str) -> "Fields":
-        """Take a JSON text apart. Raises ValueError if it is not JSON, not an object, or says a key twice."""
+        """Parse a JSON text. Raises ValueError if it is not JSON, not an object, or has a key twice."""
         try:
             return cls(json.loads(text, object_pairs_hook=_unique))
         except RecursionError:
             raise ValueError("JSON nested too deeply") from None
 
     def take(self, name: str) -> object:
-        """The field's value, of whatever type."""
+        """Return a field of any type."""
         if name not in self._left:
             raise ValueError(f"the field {name!r} is missing")
         return self._left.pop(name)
 
     def integer(self, name: str) -> int:
-        """A whole number; true and false are none."""
+        """Return an integer; true and false are none."""
         value = self.take(name)
         if not isinstance(value, int) or isinstance(value, bool):
             raise ValueError(f"the field {name!r} is not a whole number")
         return value
 
     def number(self, name: str) -> float:
-        """A finite number."""
+        """Return a finite number."""
         return _number(name, self.take(name))
 
     def text(self, name: str) -> str:
-        """A string."""
+        """Return a string."""
         value = self.take(name)
         if not isinstance(value, str):
             raise ValueError(f"the field {name!r} is not a text")
         return value
 
     def optional_integer(self, name: str) -> int | None:
-        """A whole number or null."""
+        """Return an integer, or None for null."""
         return None if self._is_null(name) else self.integer(name)
 
     def optional_text(self, name: str) -> str | None:
-        """A string or null."""
+        """Return a string, or None for null."""
         return None if self._is_null(name) else self.text(name)
 
     def objects(self, name: str) -> tuple["Fields", ...]:
-        """A list of objects."""
+        """Return a list of objects."""
         return tuple(Fields(value) for value in _list(name, self.take(name)))
 
     def number_rows(self, name: str, null: float) -> tuple[tuple[float, ...], ...]:
-        """A list of lists of numbers, with `null` for each null."""
+        """Return a list of lists of numbers, with `null` for each null."""
         return tuple(
             tuple(null if value is None else _number(name, value) for value in _list(name, row))
             for row in _list(name, self.take(name))
         )
 
     def end(self) -> None:
-        """Raises ValueError if a field has not been taken: nobody knows what it means."""
+        """Raise ValueError if a field has not been taken, because its meaning is unknown."""
         if self._left:
             raise ValueError(f"unknown field {min(self._left)!r}")
 

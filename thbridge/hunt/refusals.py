@@ -1,16 +1,16 @@
-"""Refusals as values: what the game, the planner of tours and the dialogue answer instead of raising."""
+"""Refusals as values: game, tour planner and dialogue engine return them instead of raising."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
 class RequestRefused:
-    """A request that was understood and is not granted. Nothing changed.
+    """A request that was understood and is not granted; it changed nothing.
 
     Attributes:
         reason: a stable code for programs and logs, e.g. `not-enough-energy`; each module that refuses lists its own
             codes as a `StrEnum`.
-        sentence: the same for people, a complete sentence that the dialogue or a window can show as it is.
+        sentence: the reason for people, a complete sentence that windows show as it is.
     """
 
     reason: str

@@ -1,4 +1,4 @@
-"""Room numbers: the one place where the wire's counting and people's counting meet."""
+"""Room numbers: the one place that converts between the wire's counting and people's."""
 
 from dataclasses import dataclass
 
@@ -7,9 +7,9 @@ from dataclasses import dataclass
 class Room:
     """A place a robot can stand in: the corridor or a room. Ordered as people count.
 
-    People say 0 for the corridor and 1, 2, ... for the rooms, and so do the rows and columns of the cost matrix. The
-    text protocol says 0 for room 1 and has no word for the corridor. Build a room from either side with `of_people` or
-    `of_wire`, never by adding one.
+    People count the corridor as 0 and the rooms from 1, and so do the rows and columns of the cost matrix. The text
+    protocol counts rooms from 0 and has no number for the corridor. Make a room with `of_people` or `of_wire`, never by
+    adding one.
 
     Attributes:
         people: the number people use, 0 is the corridor; never negative.
@@ -26,24 +26,24 @@ class Room:
 
     @classmethod
     def of_people(cls, number: int) -> "Room":
-        """The room people call `number`; 0 is the corridor. Raises ValueError below 0."""
+        """Return the room of a number as people count; 0 is the corridor. Raises ValueError below 0."""
         return cls(number)
 
     @classmethod
     def of_wire(cls, number: int) -> "Room":
-        """The room the text protocol calls `number`; 0 is room 1. Raises ValueError below 0."""
+        """Return the room of a number of the text protocol; 0 is room 1. Raises ValueError below 0."""
         if number < 0:
             raise ValueError(f"there is no room {number} on the wire: rooms count from 0 there")
         return cls(number + 1)
 
     @property
     def is_corridor(self) -> bool:
-        """Whether this is the corridor, where robots start and no treasure lies."""
+        """True for the corridor, where robots start and no treasure lies."""
         return self.people == 0
 
     @property
     def wire(self) -> int:
-        """The number the text protocol uses. Raises ValueError for the corridor, which has none."""
+        """Number in the text protocol. Raises ValueError for the corridor, which has none."""
         if self.is_corridor:
             raise ValueError("the corridor has no number on the wire")
         return self.people - 1
@@ -56,5 +56,5 @@ CORRIDOR = Room(0)
 
 
 def all_rooms(count: int) -> tuple[Room, ...]:
-    """Rooms 1 to `count`, without the corridor."""
+    """Return the rooms 1 to `count`, without the corridor."""
     return tuple(Room(number) for number in range(1, count + 1))

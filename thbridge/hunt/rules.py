@@ -1,6 +1,6 @@
-"""What may happen: each rule takes the state and a request, and gives the events that follow or says why not.
+"""Rules of the game: each takes the state and a request, and returns the events that follow, or a refusal.
 
-Nothing here changes the state; the caller applies the events (`game.apply`), journals them, and then asks `ending`.
+No rule changes the state; the caller applies the events (`game.apply`), journals them, and then asks `ending`.
 """
 
 import math
@@ -33,7 +33,7 @@ from thbridge.hunt.treasures import same_name
 
 
 class RuleReason(StrEnum):
-    """Why a rule refuses."""
+    """Reason of a rule for a refusal."""
 
     GAME_OVER = "game-over"
     UNKNOWN_ROBOT = "unknown-robot"
@@ -56,15 +56,15 @@ Ruling = tuple[Event, ...] | RequestRefused
 
 
 def agree(state: GameState) -> Ruling:
-    """The participant agrees to take part. The same again gives no new event."""
+    """Rule for the participant's agreement to take part. A repeated one gives no event."""
     return () if state.agreed else (Agreed(),)
 
 
 def command(state: GameState, robot: int, by: CommandHolder) -> Ruling:
-    """Give a robot to the participant or to a ground station; a researcher who intervenes is not stopped by that.
+    """Give a robot to the participant or to a ground station; a researcher's intervention goes on.
 
-    It may be asked after the end of a game too: robots drive on, and nothing in the game's outcome follows from it. A
-    robot under way goes on. The same again gives no new event.
+    Allowed after the end of a game too: robots still drive, and the game's result does not depend on it. A moving
+    robot goes on. A repeated request gives no event.
     """
     if not state.has_robot(robot):
         return _no_robot(state, robot)
@@ -76,9 +76,9 @@ def command(state: GameState, robot: int, by: CommandHolder) -> Ruling:
 
 
 def intervene(state: GameState, robot: int, researcher: str | None) -> Ruling:
-    """A researcher of this name intervenes, or None does any more: the robot is its holder's again.
+    """Begin the intervention of a researcher of this name; None ends it, and the robot is its holder's again.
 
-    The same again gives no new event.
+    A repeated request gives no event.
     """
     if not state.has_robot(robot):
         return _no_robot(state, robot)
@@ -90,7 +90,7 @@ def intervene(state: GameState, robot: int, researcher: str | None) -> Ruling:
 
 
 def ask_back(state: GameState, robot: int) -> Ruling:
-    """The participant asks for a robot that somebody else commands; one of their own gives no new event."""
+    """Ask back a robot that somebody else commands; one that the participant commands gives no event."""
     refused = _over(state)
     if refused:
         return refused
@@ -100,7 +100,7 @@ def ask_back(state: GameState, robot: int) -> Ruling:
 
 
 def commanded_by_other(state: GameState, robot: int, asker: Commander) -> RequestRefused | None:
-    """Why this asker may not move a robot of the team, or None: somebody else commands it just now."""
+    """Return the refusal for a robot that somebody else than the asker commands now, or None."""
     now = state.robots[robot].command
     if now.by is asker:
         return None
@@ -110,7 +110,7 @@ def commanded_by_other(state: GameState, robot: int, asker: Commander) -> Reques
 
 
 def commander_name(by: Commander, name: str) -> str:
-    """What people call a commander within a sentence. The names of researchers' programs tell nobody anything."""
+    """Return the name of a commander for use in a sentence; the names of researchers' programs are left out."""
     match by:
         case Commander.PARTICIPANT:
             return "the participant"
@@ -121,9 +121,9 @@ def commander_name(by: Commander, name: str) -> str:
 
 
 def move(state: GameState, robot: int, room: Room, asker: Commander = Commander.PARTICIPANT) -> Ruling:
-    """Send a robot to a room. What a participant had not decided about the treasure where it stands is left for good.
+    """Send a robot to a room. A participant thereby gives up an undecided treasure in the room where it stands.
 
-    Whoever else sends it decides nothing in the participant's place: they may still name it (`GameState.decider`).
+    Another commander does not decide in the participant's place: the treasure may still be named (`GameState.decider`).
     """
     refused = _over(state) or _unknown(state, robot, room) or commanded_by_other(state, robot, asker)
     if refused:
@@ -153,10 +153,10 @@ def move(state: GameState, robot: int, room: Room, asker: Commander = Commander.
 
 
 def arrive(state: GameState, robot: int, room: Room) -> Ruling:
-    """A robot has reached a room.
+    """Record that a robot has reached a room.
 
-    If the game never heard that it set out (an old program sent it), the departure is put in, paid by the matrix
-    whether or not the energy suffices; if it was bound for another room, that way is given up without refund.
+    If the game has no departure (a program of 2016 sent the robot), one is added, paid by the matrix whether or not the
+    energy suffices; if the robot had another destination, that move fails without refund.
     """
     refused = _over(state) or _unknown(state, robot, room)
     if refused:
@@ -171,16 +171,15 @@ def arrive(state: GameState, robot: int, room: Room) -> Ruling:
 
 
 def fail(state: GameState, robot: int, reason: str, share_done: float, at: Room | None = None) -> Ruling:
-    """A robot's way under way is over without arrival: the navigator failed, or a person cancelled.
+    """End a robot's move without arrival: the navigator failed, or a person called it back.
 
     Args:
         state: the game.
-        robot: which.
-        reason: for people, e.g. "cancelled" or the navigator's words.
-        share_done: how much of the way is behind it, cut to [0, 1]; the rest of what it paid comes back.
-        at: the room it stands in now. By default where it set out from if it has not moved, else the corridor. A robot
-            that broke off in a room nobody has visited counts as in the corridor too, or it could not be sent there
-            again.
+        robot: index in the team, from 0.
+        reason: for people, e.g. "cancelled" or the navigator's sentence.
+        share_done: driven share of the path, clipped to [0, 1]; the rest of the price is refunded.
+        at: the room it stands in now. By default the place it set out from if it has not moved, else the corridor. A
+            robot that stopped in an unvisited room counts as in the corridor too, or it could not be sent there again.
     """
     if not state.has_robot(robot):
         return _no_robot(state, robot)
@@ -196,7 +195,7 @@ def fail(state: GameState, robot: int, reason: str, share_done: float, at: Room 
 
 
 def report(state: GameState, robot: int, condition: Condition) -> Ruling:
-    """A robot is in this condition. The same again gives no new event."""
+    """Record a robot's condition. An unchanged one gives no event."""
     refused = _over(state)
     if refused:
         return refused
@@ -206,12 +205,12 @@ def report(state: GameState, robot: int, condition: Condition) -> Ruling:
 
 
 def sense(state: GameState, room: Room, reported: tuple[str, str] | None = None) -> Ruling:
-    """Perceive colour and footprint of the treasure where a robot stands. Sensing again gives no new event.
+    """Sense colour and footprint of the treasure where a robot stands. Sensing again gives no event.
 
     Args:
         state: the game.
-        room: where.
-        told: colour and footprint as another program's Hider told them; None takes them from what this game hid.
+        room: the room.
+        reported: colour and footprint as a Hider of 2016 reported them; None takes them from the state.
     """
     found = _standing_robot(state, room)
     if isinstance(found, RequestRefused):
@@ -227,12 +226,12 @@ def sense(state: GameState, room: Room, reported: tuple[str, str] | None = None)
 
 
 def picture(state: GameState, room: Room, reported: str | None = None) -> Ruling:
-    """Take a picture where a robot stands. Energy is paid for the first in a room; the same is shown again for nothing.
+    """Take a picture where a robot stands. Energy is paid for the first in a room; showing it again is free.
 
     Args:
         state: the game.
-        room: where.
-        told: file name as another program's Hider told it; None takes it from what this game hid.
+        room: the room.
+        reported: file name as a Hider of 2016 reported it; None takes it from the state.
     """
     robot = _standing_robot(state, room)
     if isinstance(robot, RequestRefused):
@@ -252,16 +251,16 @@ def picture(state: GameState, room: Room, reported: str | None = None) -> Ruling
 def identify(state: GameState, room: Room, name: str, reported: int | None = None) -> Ruling:
     """Name the treasure of a room, once: right wins its points, wrong costs `wrong_share` of them.
 
-    It is named, and paid, by the robot that stands there, or found it and was sent on by a ground station.
+    The robot that pays is the one that stands there, or that found it and was sent on by a ground station.
 
     A lost share of points is rounded to the nearest whole number, half away from zero, because the wire carries whole
     points. Differs: the 2016 Hider took a name for right that merely contained the right one.
 
     Args:
         state: the game.
-        room: where.
+        room: the room.
         name: one of the treasures' names; case and blanks do not count.
-        told: the points as another program's Hider told them; None takes the verdict from what this game hid.
+        reported: points as a Hider of 2016 reported them; None judges the name by the state.
     """
     robot = _present(state, room, state.decider)
     if isinstance(robot, RequestRefused):
@@ -291,7 +290,7 @@ def leave(state: GameState, room: Room) -> Ruling:
 
 
 def give_up(state: GameState) -> Ruling:
-    """End the game early. Robots that are under way have to arrive or be called back first."""
+    """End the game early. Moving robots have to arrive or be called back first."""
     refused = _over(state)
     if refused:
         return refused
@@ -302,18 +301,17 @@ def give_up(state: GameState) -> Ruling:
 
 
 def ending(state: GameState, *, wait_for_decisions: bool = True) -> tuple[Event, ...]:
-    """The end of the game, if it has come: one `Ended`, or nothing.
+    """Return one `Ended` if the game is over, else no event.
 
-    It has come when every room is visited, or no robot has a move left that it can pay, and no robot is under way.
-    Robots that do not answer count for nothing; nobody waits for them to answer again.
+    It is over when every room is visited, or no robot has a move left that it can pay, and no robot is moving. Silent
+    robots do not count; the game does not wait until they respond again.
 
     Args:
         state: the game.
         wait_for_decisions: also wait while there is a treasure (sensed or about to be) that a robot could still
-            identify and that nobody has given up. Old participants never say that they give up, and without a Hider
-            there is nothing to decide: then the caller stops waiting when it has waited enough. For a ground station
-            that commands a robot beside such a treasure the game waits in any case: it gives the robot back when it
-            is done.
+            identify and that is not given up. Pass False for participants of 2016, who never give a treasure up. For
+            a ground station that commands a robot beside such a treasure the game waits in any case: it gives the
+            robot back when it is done.
     """
     if state.ended is not None or any(robot.bound_for is not None for robot in state.robots):
         return ()
@@ -328,7 +326,7 @@ def ending(state: GameState, *, wait_for_decisions: bool = True) -> tuple[Event,
 
 
 def affordable(state: GameState, robot: int) -> tuple[Room, ...]:
-    """Free rooms that this robot has the energy to reach from where it stands; none if it is blocked or silent."""
+    """Return the free rooms that this robot has the energy to reach; none if it is blocked or silent."""
     mover = state.robots[robot]
     if mover.is_blocked or mover.is_silent:
         return ()
@@ -336,7 +334,7 @@ def affordable(state: GameState, robot: int) -> tuple[Room, ...]:
 
 
 def robot_name(robot: int) -> str:
-    """What people call a robot: the one numbered 0 on the wire is robot 1, as `/robot1` in ROS."""
+    """Return the name of a robot for people: index 0 is robot 1, as `/robot1` in ROS."""
     return f"robot {robot + 1}"
 
 
@@ -363,7 +361,7 @@ def _standing_robot(state: GameState, room: Room) -> int | RequestRefused:
 
 
 def _present(state: GameState, room: Room, who: Callable[[Room], int | None]) -> int | RequestRefused:
-    """The robot that does something in a room, if it answers."""
+    """Return the robot that acts in a room, or a refusal if there is none or it does not respond."""
     refused = _over(state) or _no_room(state, room)
     if refused:
         return refused

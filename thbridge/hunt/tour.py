@@ -1,4 +1,4 @@
-"""Which room next: the exact cheapest open tour of the rooms that are left.
+"""Suggestion of the next room: the exact cheapest open tour of the rooms that are left.
 
 The subset dynamic programme of Bellman (1962) and Held and Karp (1962), in its cost-to-go form: `to_go[S, j]` is the
 least energy that visits every room of the set S starting at place j. It is filled by the size of S, so that all sets of
@@ -18,11 +18,11 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 
 MOST_ROOMS = 18
-"""Above this the table (8 bytes x 2^n x (n + 1)) outgrows what a suggestion is worth."""
+"""Greatest number of rooms: the table takes 8 bytes x 2^n x (n + 1), 40 MB for 18."""
 
 
 class NoTour(StrEnum):
-    """Why there is no suggestion."""
+    """Reason for no suggestion."""
 
     NOTHING_LEFT = "nothing-left"
     NOT_REACHABLE = "not-reachable"
@@ -32,7 +32,7 @@ class NoTour(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Tour:
-    """Rooms in the order of visiting them, and the energy of the whole way. Ends in its last room."""
+    """Rooms in the order of visiting them, and the energy of all moves. Ends in its last room."""
 
     rooms: tuple[Room, ...]
     cost: float
@@ -41,21 +41,21 @@ class Tour:
 def best_tour(
     costs: CostMatrix, at: Room, unvisited: Collection[Room], energy: float = math.inf, visit: float = 0.0
 ) -> Tour | RequestRefused:
-    """The tour from `at` that visits most of `unvisited` within `energy`, and of those the cheapest.
+    """Return the cheapest of the tours from `at` that visit most of `unvisited` within `energy`.
 
-    With energy enough for all of them this is the cheapest tour of all. Ties go to the tour whose rooms come first in
-    people's counting, so the answer depends on nothing but the arguments.
+    With energy enough for all of them this is the cheapest tour of all. Among equals the tour with the lowest room
+    numbers first is taken, so the result depends on the arguments alone.
 
     Args:
         costs: energy from place to place.
-        at: where the robot stands; not counted as unvisited even if it is named there.
+        at: place of the robot; not counted as unvisited even if it is among `unvisited`.
         unvisited: rooms still to visit, in any order.
-        energy: what the robot has; a tour may use all of it.
+        energy: of the robot; a tour may use all of it.
         visit: energy that is spent in each room before the next move; counted against `energy`, and not part of the
             tour's cost.
 
     Returns:
-        A tour of at least one room, or why there is none (`NoTour`).
+        A tour of at least one room, or a refusal with a reason (`NoTour`).
 
     Raises:
         IndexError: a place that the matrix does not know.
@@ -91,13 +91,13 @@ def best_tour(
 def suggest(
     costs: CostMatrix, at: Room, unvisited: Collection[Room], energy: float, visit: float = 0.0
 ) -> Room | RequestRefused:
-    """The room to go to next: the first of `best_tour`, same arguments, same refusals."""
+    """Return the first room of `best_tour`; same arguments, same refusals."""
     tour = best_tour(costs, at, unvisited, energy, visit)
     return tour if isinstance(tour, RequestRefused) else tour.rooms[0]
 
 
 def _cost_to_go(step: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """The table for all subsets.
+    """Compute the cost-to-go of all subsets.
 
     Args:
         step: (n + 1, n) energy from place to room; the last row is the start.
@@ -123,7 +123,7 @@ def _cost_to_go(step: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray
 
 
 def _first_order(step: NDArray[np.float64], to_go: NDArray[np.float64], subsets: NDArray[np.int64]) -> tuple[int, ...]:
-    """The cheapest order, first in counting among equals, of any of these subsets (all of one size) from the start."""
+    """Return the cheapest order of any of these subsets (all of one size) from the start; of equals the lowest."""
     order: list[int] = []
     place = step.shape[1]
     while subsets.any():

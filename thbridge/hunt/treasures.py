@@ -1,4 +1,4 @@
-"""Treasures: the kinds there are, and which lies in which room."""
+"""Treasures: their kinds, and hiding them in rooms."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,10 +9,10 @@ class TreasureKind:
     """One line of a treasures file.
 
     Attributes:
-        colour: what a robot senses of it, e.g. `Orange`.
-        footprint: the other thing a robot senses, e.g. `Round and Large`.
+        colour: as a robot senses it, e.g. `Orange`.
+        footprint: as a robot senses it, e.g. `Round and Large`.
         points: won by naming it rightly, never negative.
-        name: what it is; people identify it by this.
+        name: by which people identify it.
         image: file name of its picture without a directory; None in the participant's copy.
     """
 
@@ -24,7 +24,7 @@ class TreasureKind:
 
 
 def hide(kinds: Sequence[TreasureKind], uniforms: Sequence[float]) -> tuple[TreasureKind, ...]:
-    """Lay one treasure into each room, every kind equally likely, rooms independent of each other.
+    """Hide one treasure in each room; all kinds are equally likely, rooms independent of each other.
 
     Args:
         kinds: at least one.
@@ -44,5 +44,5 @@ def hide(kinds: Sequence[TreasureKind], uniforms: Sequence[float]) -> tuple[Trea
 
 
 def same_name(left: str, right: str) -> bool:
-    """Whether two names of treasures are the same to people: case and blanks around or between words do not count."""
+    """Return True for two equal names of treasures: case and blanks around or between words do not count."""
     return left.casefold().split() == right.casefold().split()

@@ -1,1 +1,1 @@
-"""The programs of the game as pure cores, and their vocabulary: lines in, lines out, one step a tick."""
+"""Programs of the game without sockets: messages in, messages out, one step a tick; and the notices between them."""

@@ -1,4 +1,4 @@
-"""Simulated participants: they decide from the view alone, as a person in front of the window would."""
+"""Simulated participants, which decide from the view alone, as a person in front of the window does."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -29,13 +29,13 @@ from thbridge.roles.view import (
 )
 
 STOP_PROBABILITY = 0.1
-"""How often the `random` participant says Stop."""
+"""Probability that the `random` participant answers Stop."""
 MAX_ATTEMPTS = 3
-"""How often a robot is sent to a room that it does not reach."""
+"""Times that a robot is sent to a room that it does not reach."""
 
 
 class BotStrategy(StrEnum):
-    """How a simulated participant chooses rooms.
+    """Strategy by which a simulated participant chooses rooms.
 
     `suggestion` takes the robot's advice, `nearest` the room that costs the robot least, `random` any room; the last
     one also breaks off one dialogue in ten.
@@ -48,11 +48,11 @@ class BotStrategy(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class TreasureKnowledge:
-    """What the participant knows of the world: which treasures there are and what a picture of each shows.
+    """Knowledge of the participant: which treasures there are and what a picture of each shows.
 
     Attributes:
         kinds: of the participant's treasure list.
-        shown_by: the name of what a person sees on the picture of this file name.
+        shown_by: name of the treasure that a person sees on a picture, by the picture's file name.
     """
 
     kinds: tuple[TreasureKind, ...]
@@ -62,16 +62,16 @@ class TreasureKnowledge:
 class Bot:
     """A simulated participant; a player for TabUI.
 
-    It plays each robot on its own: looks at what a robot found before that robot goes on, names a treasure whose colour
-    and footprint leave no choice, takes a picture where they do and the energy suffices, and gives it up otherwise. Of
-    robots that somebody else commands it only looks after what they found, and waits. A room that a robot did not reach
-    is left for last, whatever the strategy, and after three times for good; a robot that is lost is sent once, for it
-    looks for its place under way. When nothing is left that it wants of any robot, it gives the game up.
+    It plays each robot on its own: it looks at what a robot found before that robot goes on, names a treasure that
+    colour and footprint determine, otherwise takes a picture if the energy suffices, and else gives the treasure up.
+    For a robot that somebody else commands it only decides about the treasures found, and waits. A room that a robot
+    did not reach is left for last, whatever the strategy, and after three attempts for good. A lost robot is sent once,
+    because it may localise itself while it drives. When nothing is left to request, the bot ends the game.
 
     Args:
-        strategy: how it chooses rooms.
-        knowledge: what it knows of treasures.
-        seed: of its chance; only `random` has any.
+        strategy: chooses rooms.
+        knowledge: of treasures.
+        seed: of its random numbers; only `random` draws any.
     """
 
     def __init__(self, strategy: BotStrategy, knowledge: TreasureKnowledge, seed: int) -> None:
@@ -85,7 +85,7 @@ class Bot:
         self._astray: set[int] = set()
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
-        """What it wants next; see `Player`."""
+        """Return the next requests; see `Player`."""
         if view.over is not None:
             return ()
         if view.consent is not None:
@@ -106,7 +106,7 @@ class Bot:
         return wishes
 
     def _watch(self, view: View) -> None:
-        """Remember which robot set out for which room and did not get there, and which is still lost after that."""
+        """Count the moves that failed, by robot and room, and note robots that are still lost after one."""
         for robot in view.robots:
             if robot.condition is not Condition.LOST:
                 self._astray.discard(robot.robot)
@@ -186,7 +186,7 @@ class Bot:
         return Leave(room.room)
 
     def _name(self, room: RoomView) -> str | None:
-        """What it takes the treasure for, or None while that is open."""
+        """Return the name of the treasure in a room, or None while several names fit."""
         if room.picture is not None:
             return self._knowledge.shown_by.get(room.picture)
         fitting = {
@@ -198,6 +198,6 @@ class Bot:
 
 
 def _waits_for(robot: RobotView, room: RoomView) -> bool:
-    """Whether this robot has to look at what is in a room, or to name what it found there before it was sent on."""
+    """Return True when this robot has to sense the treasure in a room, or to name one that it found there earlier."""
     beside = robot.place == room.room and robot.moving_to is None
     return room.undecided and room.robot == robot.robot and (room.sensed or beside)

@@ -1,4 +1,4 @@
-"""Why a robot did not get where it was sent, in words for the participant: the one place that has them."""
+"""Sentences for the participant about moves that failed; all of them stand here."""
 
 from sim.robot.navigator.goals import NoPathReason
 from thbridge.hunt.rules import robot_name
@@ -26,11 +26,11 @@ _SENTENCES: dict[NoPathReason, str] = {
 
 
 def failure_sentence(robot: int, reason: NoPathReason) -> str:
-    """A whole sentence about a robot, counted from 0, for one of the navigator's reasons."""
+    """Return a sentence about a robot, counted from 0, for one of the navigator's reasons."""
     sentence = _SENTENCES[reason].format(robot=robot_name(robot))
     return sentence[0].upper() + sentence[1:]
 
 
 def unresponsive_sentence(robot: int) -> str:
-    """The same for a robot from which nothing is heard any more."""
+    """Return the sentence about a robot, counted from 0, that does not respond."""
     return f"{robot_name(robot).capitalize()} does not answer any more."

@@ -1,4 +1,4 @@
-"""Hider: the treasures' program of 2016. It draws what lies where and answers what is found there."""
+"""Hider: the treasures' program of 2016. It draws the treasure of each room and answers questions about it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from thbridge.wire.notice import Notice, is_notice, parse_notice
 from thbridge.wire.text import TextMessage
 
 KEEPER_TIMEOUT = TICKS_PER_SECOND
-"""Ticks that a question waits for a keeper; when none was ever heard, it is answered as in 2016."""
+"""Ticks that a question waits for a keeper; without any notice of a keeper it is then answered as in 2016."""
 
 
 MOST_ROOMS = 1000
@@ -30,12 +30,12 @@ class Hider:
     """The treasures' role.
 
     It draws the treasures of every game from its seed and the game's number, and gives them to the keeper, which
-    remembers them: a Hider that comes back has nothing to restore. The keeper judges every question and says what to
-    reply. Where no keeper was ever heard (a server of another make), Hider answers by itself as it did in 2016.
+    remembers them: a Hider that is restarted has nothing to restore. The keeper judges every question and determines
+    the reply. Without a keeper (at a server of another make) Hider answers by itself as it did in 2016.
 
     Args:
-        kinds: which treasures there are, with their pictures.
-        seed: of the hiding.
+        kinds: of treasures, with their pictures.
+        seed: of the random choice.
         rooms: how many rooms to fill when no keeper says so (the number in the treasures file).
     """
 
@@ -50,11 +50,11 @@ class Hider:
         self._questions: list[_Question] = []
 
     def connected(self) -> None:
-        """Tell the keeper with the next step that Hider is there."""
+        """Introduce Hider to the keeper with the next step."""
         self._introduce = True
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
-        """One tick; see `Role`."""
+        """Run one tick; see `Role`."""
         said: list[TextMessage] = []
         if self._introduce:
             self._introduce = False

@@ -1,6 +1,6 @@
-"""The notices by which the game's own programs keep each other up to date; see docs/design.md.
+"""Notices by which the game's own programs keep each other up to date; see docs/design.md.
 
-Each is a level: it says how things are, and saying it twice does no harm.
+Each holds a state and not a change, so a notice that is sent twice does no harm.
 """
 
 from collections.abc import Mapping
@@ -15,18 +15,18 @@ from thbridge.wire.notice import JsonValue, Notice, notice
 from thbridge.wire.text import TextMessage
 
 KEEPER = "Game"
-"""The name under which the keeper of the game is reached."""
+"""Name of the keeper at the text server."""
 
 T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
 class RobotsReady:
-    """SimR is there.
+    """SimR to keeper: the robots are ready.
 
     Attributes:
-        map: its name.
-        robots: how many.
+        map: name of the map.
+        robots: size of the team.
         costs: energy from place to place as people count them, None where there is no move.
     """
 
@@ -37,7 +37,7 @@ class RobotsReady:
 
 @dataclass(frozen=True, slots=True)
 class MoveOrder:
-    """A robot shall be under way. `move` numbers the moves of one game; `room` is as people count."""
+    """An order to drive to a room. `move` numbers the moves of one game; `room` is as people count."""
 
     move: int
     room: int
@@ -45,15 +45,15 @@ class MoveOrder:
 
 @dataclass(frozen=True, slots=True)
 class Orders:
-    """Keeper to SimR: what each robot shall do, and what energy it has.
+    """Keeper to SimR: the move and the energy of each robot.
 
     Attributes:
         game: number of the game; a new one begins with every robot at its start.
-        moves: one entry a robot.
+        moves: one entry a robot; None where it shall stand.
         energy: one entry a robot.
-        at: the room each stands in as people count, 0 the corridor; where it set out from while it moves.
-        poses: x, y, theta of every robot as last heard, for a SimR that comes back into a game.
-        taken: robots that somebody else than the participant commands; no line of text drives them beside the game.
+        at: the room each stands in as people count, 0 the corridor; while it moves, the room it set out from.
+        poses: last known x, y, theta of every robot, for a SimR that is restarted within a game.
+        taken: robots that somebody else than the participant commands; text lines of 2016 do not drive them.
     """
 
     game: int
@@ -66,13 +66,13 @@ class Orders:
 
 @dataclass(frozen=True, slots=True)
 class MoveResult:
-    """How the move of this number ended.
+    """Result of the move of this number.
 
     Attributes:
-        move: the order's.
-        arrived: or else it was given up.
-        sentence: why it was given up, for people; empty on arrival.
-        share: of the way that was driven, 0 to 1.
+        move: number of the order.
+        arrived: False when the move was given up.
+        sentence: reason for giving up, for people; empty on arrival.
+        share: driven share of the path, 0 to 1.
     """
 
     move: int
@@ -83,15 +83,15 @@ class MoveResult:
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """SimR to keeper: where the robots are, how they are, and how each one's last move ended.
+    """SimR to keeper: pose and condition of each robot, and the result of its last move.
 
     Attributes:
-        game: the one that SimR knows of; 0 before the first orders.
+        game: number of the game that SimR plays; 0 before the first orders.
         poses: x, y, theta of every robot.
-        results: one entry a robot; None while under way or before its first move.
+        results: one entry a robot; None during a move and before the first.
         conditions: one entry a robot.
-        researchers: one entry a robot, the name of who intervenes just now at the robots' controls, or None; empty
-            from programs that do not tell.
+        researchers: one entry a robot, the name of the researcher who intervenes now, or None; empty from programs
+            that do not report it.
     """
 
     game: int
@@ -103,7 +103,7 @@ class Status:
 
 @dataclass(frozen=True, slots=True)
 class HiderReady:
-    """Hider is there; the keeper answers with `HidePlease` when its game has no treasures yet."""
+    """Hider to keeper: Hider is ready; the keeper answers with `HidePlease` when its game has no treasures yet."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +116,7 @@ class HidePlease:
 
 @dataclass(frozen=True, slots=True)
 class HideTreasures:
-    """Hider to keeper: what lies where, room 1 first."""
+    """Hider to keeper: the treasure of each room, room 1 first."""
 
     game: int
     treasures: tuple[TreasureKind, ...]
@@ -124,7 +124,7 @@ class HideTreasures:
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """Keeper to Hider: say these words of the 2016 dialect to the participant (the keeper has judged them)."""
+    """Keeper to Hider: send this line of the 2016 dialect, which the keeper has judged, to the participant."""
 
     command: str
     text: str
@@ -132,26 +132,26 @@ class Reply:
 
 @dataclass(frozen=True, slots=True)
 class ParticipantReady:
-    """A participant's program is there and wants views."""
+    """Participant to keeper: the program is ready for views."""
 
 
 @dataclass(frozen=True, slots=True)
 class Subscribe:
-    """Somebody wants to be told where the robots are, for the next few seconds."""
+    """Participant to SimR: subscribe to pose telemetry for the next few seconds."""
 
 
 Activity = Literal["resting", "planning", "driving", "waiting", "clearing", "silent"]
-"""What a robot does just now: "waiting" lets another one pass, "clearing" tries to get free."""
+"""Activity of a robot: "waiting" lets another one pass, "clearing" tries to get free."""
 
 
 @dataclass(frozen=True, slots=True)
 class RobotMotion:
-    """How one robot is on its way.
+    """Activity and progress of one robot.
 
     Attributes:
-        doing: what it does.
+        doing: its activity.
         waits_for: the robot that it lets pass.
-        progress: share of the way that is driven, 0 to 1; 0 at rest.
+        progress: driven share of the path, 0 to 1; 0 at rest.
         remaining: metres still to drive; 0 at rest.
     """
 
@@ -163,7 +163,7 @@ class RobotMotion:
 
 @dataclass(frozen=True, slots=True)
 class Ellipse:
-    """Where a robot may be as well: 95 % of its belief, half axes in metres, the longer one turned by `angle`."""
+    """Ellipse that holds 95 % of a robot's position belief: half axes in metres, the longer one turned by `angle`."""
 
     major: float
     minor: float
@@ -172,14 +172,14 @@ class Ellipse:
 
 @dataclass(frozen=True, slots=True)
 class Whereabouts:
-    """SimR to subscribers: where the robots believe they are, and what else the study shows; many times a second.
+    """SimR to subscribers: estimated poses of the robots, and what else the study shows; many times a second.
 
     Attributes:
         tick: of the simulation, 50 to the second.
-        poses: x, y, theta of every robot as it believes, map frame.
+        poses: estimated x, y, theta of every robot, map frame.
         motions: one entry a robot.
-        ellipses: one entry a robot, if the study shows how sure robots are of their places.
-        truth: x, y, theta of every robot as it is, only if the study shows that.
+        ellipses: one entry a robot, if the study shows the uncertainty of poses.
+        truth: true x, y, theta of every robot, only if the study shows that.
     """
 
     tick: int
@@ -191,11 +191,11 @@ class Whereabouts:
 
 @dataclass(frozen=True, slots=True)
 class Ways:
-    """SimR to subscribers: the ways that lie ahead of the robots, if the study shows them; whenever they change.
+    """SimR to subscribers: the planned paths ahead of the robots, if the study shows them; whenever they change.
 
     Attributes:
         tick: of the simulation.
-        ways: x, y of each robot's plan in the map frame, thinned; empty without one.
+        ways: x, y of each robot's planned path in the map frame, thinned; empty without one.
     """
 
     tick: int
@@ -210,7 +210,7 @@ class RoomOutline:
         room: its number as people count, from 1.
         name: what people call it.
         region: x, y of the corners of its floor, map frame, metres.
-        goal: x, y, theta of where robots stand in it.
+        goal: x, y, theta of the robots' goal pose in it.
     """
 
     room: int
@@ -221,7 +221,7 @@ class RoomOutline:
 
 @dataclass(frozen=True, slots=True)
 class House:
-    """Keeper to participant: the house in which all this happens; it never changes.
+    """Keeper to participant: the floor plan of the game's map; it never changes.
 
     Attributes:
         map: its name.
@@ -265,7 +265,7 @@ class Picture:
 
 @dataclass(frozen=True, slots=True)
 class Unfit:
-    """Keeper to SimR: these robots do not fit the game that is under way."""
+    """Keeper to SimR: these robots do not fit the game in progress; SimR ends."""
 
     sentence: str
 
@@ -289,13 +289,13 @@ StateNotice = (
 
 
 def encode_notice(sender: str, receiver: str, value: StateNotice) -> TextMessage:
-    """The message that carries a level; its kind is the name of the class."""
+    """Return the message that carries a notice; its kind is `kind_of` its class."""
     fields: Mapping[str, JsonValue] = msgspec.to_builtins(value)
     return notice(sender, receiver, type(value).__name__, **fields)
 
 
 def decode_notice(notice: Notice, kind: type[T]) -> T | None:
-    """The level in a notice if it is of this kind and well formed, else None."""
+    """Return the value of a notice if it is of this class and well formed, else None."""
     if notice.kind != kind.__name__:
         return None
     try:

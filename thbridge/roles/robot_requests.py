@@ -1,4 +1,4 @@
-"""What may be asked of the robots beside the game, by whoever sits at their controls: ROS clients, windows."""
+"""Requests to robots and game beside the participant's: from ROS clients, researchers' windows, ground stations."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,17 +9,17 @@ from sim.parameters.reconfiguration import WORLD_PREFIX, P, ParameterRejection, 
 from thbridge.ros.messages.records import GraphRequest
 
 ParameterValue = bool | int | float | str | None
-"""Of one parameter; a list of corners comes as text, `[[x, y], ...]`."""
+"""Value of one parameter; a list of corners is a text, `[[x, y], ...]`."""
 
 
 @dataclass(frozen=True, slots=True)
 class SetParameters:
-    """Change parameters of a robot's software, or how its true sensors err, while it runs.
+    """Change parameters of a robot's software, or the noise of its true sensors, while it runs.
 
-    Unlike `Configure` it says what changes, and so means something to a robot whose other parameters are not the same.
+    Unlike `Configure` it holds only what changes, so it also suits a robot whose other parameters differ.
 
     Attributes:
-        robot: which.
+        robot: index in the team, from 0.
         values: by path, such as `amcl.kld_err` or `world.laser.range_noise`. All are changed, or none.
     """
 
@@ -32,9 +32,9 @@ class Puppeteer:
     """Let a person speak for a robot (Wizard-of-Oz), or let its strategy speak again.
 
     Attributes:
-        robot: which, from 0.
-        on: from now on its turns in dialogues wait for `SpeakFor`, and its advice for `AdviseFor`; or what waits is
-            decided by its strategy at once, and so is all that follows.
+        robot: index in the team, from 0.
+        on: True makes its turns in dialogues wait for `SpeakFor`, and its advice for `AdviseFor`; False lets its
+            strategy decide at once what waits, and all that follows.
     """
 
     robot: int
@@ -49,7 +49,7 @@ class SpeakFor:
         dialogue: number of the dialogue.
         turn: place of the move in the dialogue, from 0; a move for a turn that is past changes nothing.
         move: place among the legal moves, from 0.
-        text: what is said instead of the sentence that belongs to the move; empty: that sentence.
+        text: replaces the sentence that belongs to the move; empty: that sentence.
     """
 
     dialogue: int
@@ -63,8 +63,8 @@ class AdviseFor:
     """Answer a participant's "don't know" that waits for a robot's advice, for the robot.
 
     Attributes:
-        robot: which, from 0.
-        room: where it is to suggest to go; as people say it, from 1.
+        robot: index in the team, from 0.
+        room: the room to suggest, as people count, from 1.
     """
 
     robot: int
@@ -73,10 +73,10 @@ class AdviseFor:
 
 @dataclass(frozen=True, slots=True)
 class TakeCommand:
-    """A ground station takes command of a robot, whoever of the participant and other ground stations had it.
+    """A ground station takes command of a robot from the participant or from another ground station.
 
     Attributes:
-        robot: which, from 0; as in all that follows.
+        robot: index in the team, from 0; as in all that follows.
         name: of the ground station, for people, within a sentence.
     """
 
@@ -93,7 +93,7 @@ class ReleaseCommand:
 
 @dataclass(frozen=True, slots=True)
 class SendFor:
-    """The ground station that commands a robot sends it to a room, by the game's rules and with nobody's consent.
+    """The ground station that commands a robot sends it to a room, by the game's rules and without a dialogue.
 
     Attributes:
         room: as people count, from 1.
@@ -105,21 +105,21 @@ class SendFor:
 
 @dataclass(frozen=True, slots=True)
 class CallBackFor:
-    """A robot that is under way in the game shall stop. Anybody may ask for that, whoever commands the robot."""
+    """Stop a robot that drives for the game. Any ground station may request that, whoever commands the robot."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
 class PictureFor:
-    """The ground station that commands a robot has a picture taken where it stands."""
+    """The ground station that commands a robot takes a picture where the robot stands."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
 class IdentifyFor:
-    """The ground station that commands a robot names the treasure where it stands."""
+    """The ground station that commands a robot names the treasure where the robot stands."""
 
     robot: int
     name: str
@@ -127,24 +127,24 @@ class IdentifyFor:
 
 @dataclass(frozen=True, slots=True)
 class LeaveFor:
-    """The ground station that commands a robot gives up the treasure where it stands."""
+    """The ground station that commands a robot gives up the treasure where the robot stands."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
 class Pause:
-    """Let no further tick come."""
+    """Pause the session."""
 
 
 @dataclass(frozen=True, slots=True)
 class Resume:
-    """Let ticks come again."""
+    """Resume the session."""
 
 
 @dataclass(frozen=True, slots=True)
 class SetRate:
-    """Go on faster or slower.
+    """Set the rate of simulated time.
 
     Attributes:
         rate: simulated seconds per second; 0: as fast as the machine can.
@@ -155,7 +155,7 @@ class SetRate:
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """Let so many ticks come, and then no further one.
+    """Run so many ticks, then pause.
 
     Attributes:
         ticks: at least 1.
@@ -165,38 +165,38 @@ class Step:
 
 
 PaceRequest = Pause | Resume | SetRate | Step
-"""What may be asked of a session's pace. It acts at once, changes no result, and so is no input."""
+"""A request about a session's pace. It acts at once, changes no result, and so is no input."""
 
 WizardRequest = Puppeteer | SpeakFor | AdviseFor
-"""What a person asks of the game who speaks in a robot's place; acts in the next tick."""
+"""A request of a person who speaks in a robot's place (Wizard-of-Oz); acts in the next tick."""
 
 CommandRequest = TakeCommand | ReleaseCommand | SendFor | CallBackFor | PictureFor | IdentifyFor | LeaveFor
-"""What is asked of the game in the name of a ground station; acts in the next tick. What the rules refuse is left."""
+"""A request of a ground station to the game; acts in the next tick. A request that the rules refuse is dropped."""
 
 GameRequest = WizardRequest | CommandRequest
-"""What is asked of the game, past the participant."""
+"""A request to the game that does not come from the participant."""
 
 RobotRequest = TeamInput | GraphRequest | SetParameters
-"""Acts in the next tick. What is asked of a robot that is under way for the game delays its order, and no more."""
+"""A request to a robot; acts in the next tick. It delays a move of the game, and does not end it."""
 
 Request = RobotRequest | GameRequest
-"""Whatever may be asked of a session."""
+"""Any request to a session that is recorded as an input."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tuning:
-    """All of one robot that may be changed while it runs.
+    """All parameters of one robot that may be changed while it runs.
 
     Attributes:
-        software: its own.
-        world: what is true of its body, motors and sensors.
+        software: parameters of its software.
+        world: true properties of its body, motors and sensors.
     """
 
     software: RobotParameters
     world: WorldParameters
 
     def changed(self, values: Sequence[tuple[str, ParameterValue]]) -> "Tuning | ParameterRejection":
-        """With all these values, or why one of them may not be; in whatever order they come."""
+        """Return a copy with all these values, or the reason why one is rejected; their order does not matter."""
         true = [(path, value) for path, value in values if path.startswith(WORLD_PREFIX)]
         own = [(path, value) for path, value in values if not path.startswith(WORLD_PREFIX)]
         software, world = with_values(self.software, own), with_values(self.world, true)
@@ -206,9 +206,9 @@ class Tuning:
 
 
 def with_values(parameters: P, values: Sequence[tuple[str, ParameterValue]]) -> P | ParameterRejection:
-    """The parameters with all these values, or why one of them may not be.
+    """Return the parameters with all these values, or the reason why one is rejected.
 
-    In whatever order they come: a least that is above the greatest as it was waits for the greatest.
+    Their order does not matter: a new minimum above the old maximum waits until the new maximum is set.
     """
     left = tuple(values)
     while left:

@@ -1,4 +1,4 @@
-"""What every role is to the session or program that runs it."""
+"""The interface of a role to the session or program that runs it."""
 
 from collections.abc import Sequence
 from typing import Protocol
@@ -14,7 +14,7 @@ class Role(Protocol):
         """The name it holds at the server."""
 
     def connected(self) -> None:
-        """The server has (again) accepted the name: introduce yourself with the next step."""
+        """Note that the server has (again) accepted the name: the role introduces itself with the next step."""
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
-        """Take in what was said to this role since the last tick and say what there is to say."""
+        """Take the messages to this role since the last tick, and return those that it sends."""

@@ -1,4 +1,4 @@
-"""TabUI: the participant's program, whoever sits in front of it, a person or a simulated one."""
+"""TabUI: the program of a participant, who is a person or simulated."""
 
 from collections.abc import Mapping, Sequence
 from typing import Protocol
@@ -24,38 +24,38 @@ from thbridge.wire.notice import JsonValue, Notice, notice, parse_notice
 from thbridge.wire.text import TextMessage
 
 RETRY_PERIOD = 3 * TICKS_PER_SECOND
-"""Ticks after which a wish that the view does not show fulfilled is said again."""
+"""Ticks after which a request is sent again if the view does not show its effect."""
 
 
 RENEWAL_PERIOD = 3 * TICKS_PER_SECOND
-"""Ticks from one subscription to the next; robots' programs that come back hear of it by then."""
+"""Ticks from one subscription to the next, so that a restarted SimR learns of it."""
 
 ParticipantUpdate = View | House | Picture | Whereabouts | Ways
-"""All that a participant's program is shown."""
+"""A notice to the participant's program."""
 
 
 class ParticipantObserver(Protocol):
-    """Whoever watches what a participant is shown, as a window does."""
+    """Observer of the notices to a participant, such as a window."""
 
     def observe(self, level: ParticipantUpdate) -> None:
-        """Take in how things are; told in the order in which it was heard."""
+        """Take a notice; called in the order of arrival."""
 
 
 class Player(Protocol):
-    """Whoever decides for the participant."""
+    """Decision maker for the participant: a window, a bot."""
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
-        """What is wanted as things stand; asked anew whenever they change, and again if nothing came of it."""
+        """Return the requests for this view; called for every new view, and again after `RETRY_PERIOD`."""
 
 
 class TabUI:
-    """Says a player's wishes in the words of 2016 where there are such, and keeps saying them until they show.
+    """Sends a player's requests, as lines of 2016 where there are such, and repeats them until the view shows them.
 
     It holds no state of the game: a TabUI that starts in the middle of one goes on with the next view.
 
     Args:
         player: decides.
-        onlooker: watches; without one nobody asks where the robots are.
+        observer: takes all notices; without one TabUI does not subscribe to pose telemetry.
     """
 
     name = legacy.TABUI
@@ -75,17 +75,17 @@ class TabUI:
         return self._view
 
     def connected(self) -> None:
-        """Ask the keeper for the view with the next step; what was said before may be lost."""
+        """Request the view from the keeper with the next step; requests sent before may be lost."""
         self._introduce = True
         self._renew = 0
         self._said.clear()
 
     def poll_player(self) -> None:
-        """Ask the player with the next step, whether or not anything changed: a person has made up their mind."""
+        """Ask the player with the next step, even if the view has not changed: a person has decided."""
         self._look = 0
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
-        """One tick; see `Role`."""
+        """Run one tick; see `Role`."""
         changed = False
         for message in messages:
             seen = _seen(message)
@@ -115,7 +115,7 @@ class TabUI:
 
 
 def _seen(message: TextMessage) -> ParticipantUpdate | None:
-    """What a message shows, if it is well formed and shows anything."""
+    """Return the notice in a message, or None when it holds none for participants or is malformed."""
     shown = parse_notice(message)
     if not isinstance(shown, Notice):
         return None
@@ -130,7 +130,7 @@ def _seen(message: TextMessage) -> ParticipantUpdate | None:
 
 
 def encode_request_line(wish: ParticipantRequest) -> TextMessage:
-    """The message that says a wish: a line of 2016 where there is one, else a notice to the keeper."""
+    """Return the message for a request: a line of 2016 where there is one, else a notice to the keeper."""
     match wish:
         case SendRobot(robot, room):
             return legacy.GotoRoom(robot, Room.of_people(room).wire).message()

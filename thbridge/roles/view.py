@@ -1,8 +1,8 @@
-"""What a participant may know, and may wish for: all that passes between the keeper and a participant's program.
+"""The participant's view of the game, and the participant's requests: all that keeper and participant exchange.
 
 A view is an allow-list. Each field is copied on purpose from what the game has revealed; a treasure's kind, picture or
-room is in here only from the moment the rules give it away. A view says how things are, never what changed, so a
-program that missed some is up to date with the next.
+room is in here only from the moment the rules reveal it. A view holds the state and not a change, so a program that
+missed some views is up to date with the next.
 """
 
 from collections.abc import Mapping
@@ -21,15 +21,15 @@ class RobotView:
     """One robot, as the game sees it.
 
     Attributes:
-        robot: its index in the team; people say one more.
-        place: the room it stands in as people count, 0 the corridor; where it set out from while it moves.
-        moving_to: the room it is under way to.
-        energy: what it has left.
-        blocked: it has no energy left and does nothing any more.
-        condition: whether it answers, and knows where it is; a silent one does nothing until it answers again.
-        commander: who commands it; while it is not the participant, it can be neither sent nor called back.
-        commander_name: which ground station, for people; else empty.
-        asked_back: the participant has asked for it back just now, and can ask again once this is false.
+        robot: index in the team, from 0; people count from 1.
+        place: the room it stands in as people count, 0 the corridor; while it moves, the room it set out from.
+        moving_to: the room it drives to; None at rest.
+        energy: energy left.
+        blocked: it has no energy left and can do nothing any more.
+        condition: well, lost or silent; a silent robot can do nothing until it responds again.
+        commander: while this is not the participant, the robot can be neither sent nor called back.
+        commander_name: name of the ground station, for people; else empty.
+        asked_back: the participant has asked for it back recently, and can ask again once this is False.
     """
 
     robot: int
@@ -44,7 +44,7 @@ class RobotView:
 
     @property
     def other_commander(self) -> str:
-        """Who else than the participant commands it, within a sentence; empty when nobody does."""
+        """Name of a commander other than the participant, for use in a sentence; empty when there is none."""
         if self.commander is Commander.PARTICIPANT:
             return ""
         return commander_name(self.commander, self.commander_name)
@@ -52,7 +52,7 @@ class RobotView:
 
 @dataclass(frozen=True, slots=True)
 class IdentificationVerdict:
-    """How an identification ended."""
+    """Result of an identification."""
 
     name: str
     points: int
@@ -64,13 +64,13 @@ class RoomView:
 
     Attributes:
         room: its number as people count, from 1.
-        state: "reserved" while a robot is under way to it.
-        robot: the robot that is under way to it, stands there, or found what is undecided there.
+        state: "reserved" while a robot drives to it.
+        robot: the robot that drives to it, stands there, or found the undecided treasure there.
         colour: of the treasure, once sensed.
         footprint: of the treasure, once sensed.
-        picture: the file name of its picture, once taken.
+        picture: file name of its picture, once taken.
         verdict: once identified.
-        left: this treasure was given up.
+        left: True when the treasure was given up.
     """
 
     room: int
@@ -84,17 +84,17 @@ class RoomView:
 
     @property
     def sensed(self) -> bool:
-        """Whether colour and footprint are known."""
+        """True when colour and footprint are known."""
         return self.colour is not None
 
     @property
     def undecided(self) -> bool:
-        """Whether a treasure waits here for the participant: visited, and neither identified nor given up."""
+        """True when the room is visited and its treasure neither identified nor given up."""
         return self.state == "visited" and self.verdict is None and not self.left
 
 
 DialogueMatter = Literal["select-room", "take-picture", "take-treasure"]
-"""What participant and robot talk about: the three scenarios of the 2016 study."""
+"""Matter of a dialogue: one of the three scenarios of the 2016 study."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,12 +103,12 @@ class DialogueView:
 
     Attributes:
         dialogue: its number.
-        turn: how many moves were made in it; an answer must name it, so that none is counted twice.
-        robot: who talks.
-        matter: what about.
+        turn: number of moves so far; an answer must name it, so that none is counted twice.
+        robot: index of the robot, from 0.
+        matter: of the dialogue.
         room: the room it is about, as people count.
-        said: everything said so far, oldest first; the last is what the robot waits to have answered.
-        choices: what the participant may answer, most agreeable first; none while the robot thinks.
+        said: all sentences so far, oldest first; the robot waits for an answer to the last.
+        choices: possible answers of the participant, most agreeable first; none while it is the robot's turn.
     """
 
     dialogue: int
@@ -122,7 +122,7 @@ class DialogueView:
 
 @dataclass(frozen=True, slots=True)
 class Consent:
-    """What participant and robot agreed on and the participant may now order."""
+    """Agreement of participant and robot, which the participant may now act upon."""
 
     robot: int
     matter: DialogueMatter
@@ -131,13 +131,13 @@ class Consent:
 
 @dataclass(frozen=True, slots=True)
 class RefusalView:
-    """The last wish of the participant that was not granted, and why.
+    """The participant's last request that was refused.
 
     Attributes:
-        number: counts the refusals, so that the same one twice can be told from one that lasts.
-        wish: its kind.
+        number: counts refusals, so that a second equal one is distinguishable from the first.
+        wish: kind of the request.
         reason: a code for programs.
-        sentence: for people.
+        sentence: the reason, for people.
     """
 
     number: int
@@ -151,20 +151,20 @@ class View:
     """The game as the participant may see it.
 
     Attributes:
-        game: counts the games of this keeper, from 1; 0 before the first begins.
-        ready: the robots are there; before, there is nothing to do but wait.
+        game: number of the game, from 1; 0 before the first begins.
+        ready: the robots are connected; until then every request is refused.
         costs: energy of a move, [from][to], as people count rooms; None where there is no move.
         robots: in the team's order.
         rooms: room 1 first.
         dialogues: those that wait for an answer.
         consents: agreements that are not yet acted upon.
         score: so far.
-        over: why the game ended; None while it goes on.
+        over: reason for the game's end; None while it goes on.
         picture_cost: energy of taking a picture.
         identify_cost: energy of naming a treasure.
-        refusal: the last wish refused.
-        names: what a treasure may be called, in alphabetical order; empty until one was sensed.
-        consent: what the participant has to agree to before anything else; None when that is done, or not asked.
+        refusal: the last refused request.
+        names: possible names of treasures, in alphabetical order; empty until one was sensed.
+        consent: text that the participant has to agree to before anything else; None when that is done, or not needed.
         thinking: robots that were asked where to go and have not answered yet.
     """
 
@@ -185,17 +185,17 @@ class View:
     thinking: tuple[int, ...] = ()
 
     def room(self, number: int) -> RoomView:
-        """The room people call `number`, from 1."""
+        """Return the room with this number, from 1."""
         return self.rooms[number - 1]
 
     def to_json(self) -> Mapping[str, JsonValue]:
-        """Plain values for a notice."""
+        """Return plain values for a notice."""
         fields: Mapping[str, JsonValue] = msgspec.to_builtins(self)
         return fields
 
     @classmethod
     def from_json(cls, fields: Mapping[str, JsonValue]) -> "View | None":
-        """The view in a notice, or None when it is not one (a peer of another version, or noise)."""
+        """Return the view in a notice, or None when it is malformed, for example from another release."""
         try:
             view = msgspec.convert(fields, cls)
         except msgspec.ValidationError:
@@ -203,7 +203,7 @@ class View:
         return view if view._is_consistent() else None
 
     def _is_consistent(self) -> bool:
-        """Whether every number in it names something that is in it."""
+        """Return True when every robot and room named in the view is also part of it."""
         places, robots = range(len(self.rooms) + 1), range(len(self.robots))
         rooms = places[1:]
         talks: list[DialogueView | Consent] = [*self.dialogues, *self.consents]
@@ -223,7 +223,7 @@ class View:
 
 @dataclass(frozen=True, slots=True)
 class Select:
-    """Ask a robot to go to this room."""
+    """Ask a robot to go to this room; opens a dialogue."""
 
     robot: int
     room: int
@@ -231,14 +231,14 @@ class Select:
 
 @dataclass(frozen=True, slots=True)
 class Unsure:
-    """Don't know: ask a robot for its suggestion."""
+    """Ask a robot to suggest a room ("don't know")."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """Make a choice in a dialogue, counted from 0, as things stood at this turn of it."""
+    """Make a choice, counted from 0, at this turn of a dialogue."""
 
     dialogue: int
     turn: int
@@ -247,7 +247,7 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class SendRobot:
-    """Send a robot where it was agreed to go."""
+    """Send a robot to the room agreed upon."""
 
     robot: int
     room: int
@@ -255,28 +255,28 @@ class SendRobot:
 
 @dataclass(frozen=True, slots=True)
 class CallBack:
-    """Stop a robot that is under way."""
+    """Stop a robot that drives to a room."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
 class AskBack:
-    """Ask whoever commands a robot to give it back."""
+    """Ask the commander of a robot to give it back."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
 class Sense:
-    """Ask what is in a room that a robot reached."""
+    """Sense the treasure in a room that a robot reached."""
 
     room: int
 
 
 @dataclass(frozen=True, slots=True)
 class Discuss:
-    """Talk about taking a picture, or the treasure, before it is done."""
+    """Open a dialogue about taking a picture, or the treasure."""
 
     robot: int
     matter: Literal["take-picture", "take-treasure"]
@@ -285,14 +285,14 @@ class Discuss:
 
 @dataclass(frozen=True, slots=True)
 class TakePicture:
-    """Take a picture of what is in a room."""
+    """Take a picture of the treasure in a room."""
 
     room: int
 
 
 @dataclass(frozen=True, slots=True)
 class Identify:
-    """Say what the treasure in a room is."""
+    """Name the treasure in a room."""
 
     room: int
     name: str

@@ -1,1 +1,1 @@
-"""The study file: everything an admin can set, its sections, its text, and changes to it."""
+"""The study file: all settings, in sections; its text, and changes to it."""

@@ -1,4 +1,4 @@
-"""The section `mavlink` of a study: the robots as MAVLink vehicles, and where ground stations find them."""
+"""The section `mavlink` of a study: the robots as MAVLink vehicles, and the addresses of their links."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from thbridge.wire.mavlink.options import (
 S = TypeVar("S")
 
 _NORTHERNMOST = 85.0
-"""Degrees: maps of ground stations end there, and east and west mean little beyond."""
+"""Greatest latitude in degrees: maps of ground stations end there."""
 _LOWEST, _HIGHEST = -500.0, 9000.0
 _ORIGIN_REMEDY = "Write degrees north, degrees east and metres above the sea, such as [51.5115, -0.116, 20.0]"
 
@@ -65,19 +65,19 @@ class MavlinkSection:
 
     @property
     def options(self) -> VehicleOptions:
-        """What vehicles need to know of it."""
+        """The vehicles' part of the section."""
         return VehicleOptions(
             self.identity, GeoOrigin(*self.origin), self.lost_after, self.failsafe, self.position_rate
         )
 
     @property
     def targets(self) -> tuple[UdpTarget, ...]:
-        """Where frames go to by UDP."""
+        """Addresses to which frames go by UDP."""
         return tuple(target for target in map(target_in, self.udp) if target is not None)
 
 
 def faults_of_mavlink(loaded: Loaded[S], section: MavlinkSection, robots: int) -> Iterator[BadFile]:
-    """Addresses that are none, or twice the same, of robots that there are not; an origin that is nowhere on earth."""
+    """Yield faults: invalid or repeated addresses, robots that do not exist, an origin that is not on earth."""
     taken: dict[Address, int] = {}
     for index, text in enumerate(section.udp):
         key = f"mavlink.udp[{index}]"

@@ -1,7 +1,7 @@
-"""The section `noise` of a study: how the sensors err, and what the estimators believe of it, side by side.
+"""The section `noise` of a study: sensor noise, and the noise models of the estimators, side by side.
 
-A study keeps each of these numbers in one place, beside what it belongs to: in `world` or in `robot`. The section is a
-view of those places for people to write, and `HOMES` says which number lies where.
+A study keeps each of these numbers in one place: in `world` or in `robot`. The section gives people one place to write
+them, and `TARGET_PATHS` holds the place of each.
 """
 
 import dataclasses
@@ -23,13 +23,13 @@ S = TypeVar("S", bound="DataclassInstance")
 
 
 def _as_in(section: type["DataclassInstance"], name: str, kind: type[T]) -> T:
-    """A field that is declared as that one is."""
+    """Return a field with the same declaration as a field of another section."""
     (found,) = (field for field in dataclasses.fields(section) if field.name == name)
     return cast(T, dataclasses.field(default=found.default, metadata=found.metadata))
 
 
 class NoisePreset(StrEnum):
-    """Numbers that go together; see `PRESETS`."""
+    """Name of a set of numbers; see `PRESETS`."""
 
     NONE = "none"
     PERFECT = "perfect"
@@ -39,7 +39,7 @@ class NoisePreset(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class LaserNoise:
-    """How the laser errs."""
+    """True noise of the laser."""
 
     range_noise: float = _as_in(LaserParameters, "range_noise", float)
     range_bias: float = _as_in(LaserParameters, "range_bias", float)
@@ -48,7 +48,7 @@ class LaserNoise:
 
 @dataclass(frozen=True, slots=True)
 class AmclNoiseBelief:
-    """What the particle filter believes of noise."""
+    """Noise model of the particle filter."""
 
     odom_model_type: str = _as_in(AmclParameters, "odom_model_type", str)
     odom_alpha1: float = _as_in(AmclParameters, "odom_alpha1", float)
@@ -62,7 +62,7 @@ class AmclNoiseBelief:
 
 @dataclass(frozen=True, slots=True)
 class EkfNoiseBelief:
-    """What the Kalman filter believes of noise; of the laser's it learns from every scan."""
+    """Noise model of the Kalman filter, which estimates the laser's noise from every scan."""
 
     odom_alpha1: float = _as_in(EkfParameters, "odom_alpha1", float)
     odom_alpha2: float = _as_in(EkfParameters, "odom_alpha2", float)
@@ -73,7 +73,7 @@ class EkfNoiseBelief:
 
 @dataclass(frozen=True, slots=True)
 class NoiseBeliefs:
-    """What estimators believe of noise."""
+    """Noise models of the estimators."""
 
     amcl: AmclNoiseBelief = param(AmclNoiseBelief(), "the particle filter")
     ekf: EkfNoiseBelief = param(EkfNoiseBelief(), "the Kalman filter, which learns the laser's noise from the scans")
@@ -81,7 +81,7 @@ class NoiseBeliefs:
 
 @dataclass(frozen=True, slots=True)
 class NoiseSection:
-    """How sensors err, and what is believed of it."""
+    """Sensor noise, and the estimators' models of it."""
 
     preset: NoisePreset = param(NoisePreset.NONE, "numbers to begin from; a line below, once written, wins over it")
     odometry: OdometryNoise = param(OdometryNoise(), "how the wheels truly err")
@@ -106,25 +106,25 @@ def _homes() -> Iterator[tuple[str, str]]:
 
 
 def value_at(section: object, path: str) -> object:
-    """What lies at a path of names, such as `robot.amcl.kld_err`."""
+    """Return the value at a path of names, such as `robot.amcl.kld_err`."""
     for name in path.split("."):
         section = cast(object, getattr(section, name))
     return section
 
 
 def with_value(section: T, path: str, value: object) -> T:
-    """The section with another value at a path of names."""
+    """Return the section with another value at a path of names."""
     name, _, rest = path.partition(".")
     inner = with_value(cast(object, getattr(section, name)), rest, value) if rest else value
     return cast(T, dataclasses.replace(cast("DataclassInstance", section), **{name: inner}))
 
 
 TARGET_PATHS: Mapping[str, str] = dict(_homes())
-"""Where in a study each number of the section lies, by its path in the section."""
+"""Path in a study of each number of the section, by its path in the section."""
 
 
 def noise_section_of(study: object) -> NoiseSection:
-    """The section as it would be written for this study."""
+    """Return the section as it would be written for this study."""
     section = NoiseSection()
     for path, home in TARGET_PATHS.items():
         section = with_value(section, path, value_at(study, home))
@@ -132,14 +132,14 @@ def noise_section_of(study: object) -> NoiseSection:
 
 
 def with_noise(section: NoiseSection, study: T) -> T:
-    """The study with these numbers."""
+    """Return the study with these numbers."""
     for path, home in TARGET_PATHS.items():
         study = with_value(study, home, value_at(section, path))
     return study
 
 
 def preset_in(tree: Node) -> NoisePreset:
-    """The preset that a file names; none where it names none, or nothing that is one."""
+    """Return the preset that a file names, or `NoisePreset.NONE`."""
     for name in ("noise", "preset"):
         if not isinstance(tree, Section):
             return NoisePreset.NONE
@@ -149,7 +149,7 @@ def preset_in(tree: Node) -> NoisePreset:
 
 
 def preset(name: NoisePreset, standard: NoiseSection) -> NoiseSection:
-    """The numbers of a preset; where it is silent, those of `standard`."""
+    """Return the numbers of a preset, and those of `standard` for the rest."""
     path = Path(f"preset {name}")
     return load_tree(path, parse(path, PRESETS[name]), NoiseSection, standard).value
 
@@ -191,10 +191,10 @@ believed:
   ekf: {odom_alpha1: 0.1, odom_alpha2: 0.1, odom_alpha3: 0.1, odom_alpha4: 0.1}
 """,
 }
-"""Each as an admin would write it.
+"""The section of each preset, as an admin would write it.
 
-turtlebot2: a Kobuki base and an RPLidar A1. The wheels' scales are what a base that nobody calibrated is off by
-(Borenstein and Feng 1996 report up to a few per cent); the gyroscope's noise is its data sheet's 0.03 deg/s per root
-hertz (L3G4200D) over 50 Hz; the ranges' noise is the data sheet's 1 % at two metres (A1M8). The particle filter
-believes what turtlebot_navigation's amcl.launch.xml tells it.
+turtlebot2: a Kobuki base and an RPLidar A1. The wheels' scales are the error of an uncalibrated base (Borenstein and
+Feng 1996 report up to a few per cent); the gyroscope's noise is its data sheet's 0.03 deg/s per root hertz (L3G4200D)
+over 50 Hz; the ranges' noise is the data sheet's 1 % at two metres (A1M8). The particle filter's model is that of
+turtlebot_navigation's amcl.launch.xml.
 """

@@ -1,4 +1,4 @@
-"""A study with a few things changed: what if the robots had believed something else?"""
+"""Changes to a study, by files or single keys, for example to replay a recording with other parameters."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from thbridge.study.study_file import Study, read_study_tree
 from thbridge.study.text import resolved
 
 CHANGE_SOURCE = Path("--with")
-"""Under which name faults of a single change are told."""
+"""Name of the source in faults of a single change."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,12 +22,12 @@ class StudyChange:
 
 
 def with_changes(study: Study, files: Sequence[Path], changes: Sequence[StudyChange]) -> Study:
-    """The study with what files say, one after the other, and then with single changes.
+    """Return the study with the keys of files, one after the other, and then with single changes.
 
-    What is not changed stays, but for the numbers of noise when another preset is chosen.
+    Other keys keep their values, except that another noise preset resets the numbers of the section `noise`.
 
     Raises:
-        BadFile: a file cannot be read, or there can be no such study.
+        BadFile: a file cannot be read, or the result is not a valid study.
     """
     for path in files:
         study = _merged(study, path, parse(path, read_text(path)))
@@ -49,7 +49,7 @@ def _merged(study: Study, path: Path, tree: Node) -> Study:
 
 def _tree(change: StudyChange) -> Node:
     node = parse(CHANGE_SOURCE, change.value)
-    # An empty text is an empty section to the parser; said here, it is a value that is missing.
+    # An empty text is an empty section to the parser; here it is a missing value.
     node = node if change.value.strip() else Scalar("", True, 1)
     for name in reversed(change.key.split(".")):
         node = Section(1, [(Scalar(name, True, 1), node)])
@@ -57,7 +57,7 @@ def _tree(change: StudyChange) -> Node:
 
 
 def _over(base: Node, top: Node) -> Node:
-    """A tree with another laid over it: sections are merged, all else is replaced."""
+    """Return a tree merged with another on top: sections are merged, other values replaced."""
     if not (isinstance(base, Section) and isinstance(top, Section)):
         return top
     above = {key.text: (key, child) for key, child in top.entries}

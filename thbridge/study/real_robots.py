@@ -1,4 +1,4 @@
-"""The section `fleet` of a study: what the topics and frames of real robots are called."""
+"""The section `fleet` of a study: the names of real robots' topics and frames."""
 
 import dataclasses
 import re
@@ -17,17 +17,17 @@ from thbridge.wire.rosgraph.names import canonical, join
 S = TypeVar("S")
 
 NUMBER = "{n}"
-"""Stands for the robot's number, from 1."""
+"""Placeholder for the robot's number, from 1."""
 
 _FRAMES = ("map_frame", "odom_frame", "base_frame")
 _NAME = re.compile(r"/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*/?")
 _FRAME = re.compile(r"\S+")
 _OWN = ("odom_frame", "odom", "scan", "amcl_pose", "battery", "cmd_vel", "initialpose", "move_base", "plan")
-"""What nothing else may be called."""
+"""Fields whose names must be unique in a team."""
 
 
 class RobotsFrom(StrEnum):
-    """Where robots come from."""
+    """Source of the robots."""
 
     SIM = "sim"
     ROS = "ros"
@@ -35,7 +35,7 @@ class RobotsFrom(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class FleetNames:
-    """What a robot's topics and frames are called; in all of them {n} is its number."""
+    """Names of a robot's topics and frames; {n} stands for its number."""
 
     namespace: str = param("/robot{n}", "what the names of its topics begin with, unless they begin with /")
     map_frame: str = param("map", "frame of the map, that of the study")
@@ -60,7 +60,7 @@ class FleetNames:
     )
 
     def names(self, number: int) -> RemoteNames:
-        """The names of the robot with this number, from 1."""
+        """Return the names of the robot with this number, from 1."""
         space = self._said("namespace", number)
 
         def topic(name: str) -> str:
@@ -85,20 +85,20 @@ class FleetNames:
         return cast(str, getattr(self, field)).replace(NUMBER, str(number))
 
     def faults(self, number: int) -> Iterator[tuple[str, str]]:
-        """What cannot be a name, as field and problem."""
+        """Yield the field and problem of each invalid name."""
         for field in dataclasses.fields(self):
             value = cast("str | tuple[str, ...]", getattr(self, field.name))
             for text in (value,) if isinstance(value, str) else value:
                 plain = text.replace(NUMBER, str(number))
                 if field.name == "namespace" and not plain.strip("/"):
-                    continue  # a robot may be alone on its graph
+                    continue  # A robot may be alone on its graph.
                 if not (_FRAME if field.name in _FRAMES else _NAME).fullmatch(plain):
                     what = "frame" if field.name in _FRAMES else "topic"
                     yield field.name, f"{text!r} cannot be the name of a {what}"
 
 
 class NameClash(NamedTuple):
-    """A robot, counted from 1, and the field whose name is taken already."""
+    """A name that is used twice: the robot, from 1, and the field."""
 
     robot: int
     field: str
@@ -119,11 +119,11 @@ class FleetSection:
     )
 
     def names(self, robots: int) -> list[RemoteNames]:
-        """The names of a team of this size."""
+        """Return the names of a team of this size."""
         return [self.each.get(number, self.robot).names(number) for number in range(1, robots + 1)]
 
     def clash(self, robots: int) -> NameClash | None:
-        """The first name that stands for two things in a team of this size."""
+        """Return the first name that is used twice in a team of this size, or None."""
         taken: dict[str, tuple[int, str]] = {}
         for number, own in enumerate(self.names(robots), 1):
             for field in _OWN:
@@ -136,7 +136,7 @@ class FleetSection:
 
 
 def faults_of_fleet(loaded: Loaded[S], fleet: FleetSection, robots: int) -> Iterator[BadFile]:
-    """Names that ROS does not know, and robots that cannot be told apart."""
+    """Yield faults: names that are invalid in ROS, and names that are used twice."""
     sound = True
     for key, named, number in (
         ("fleet.robot", fleet.robot, 1),

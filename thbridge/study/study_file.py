@@ -1,4 +1,4 @@
-"""The study file: everything an admin can set, in one YAML file, every key of which may be left out.
+"""The study file: all settings in one YAML file, every key of which may be left out.
 
 The sections are frozen dataclasses. `knob` gives each field its default, meaning, unit and bounds, and the reader, its
 error messages and the commented file that `thbridge study init` writes all come from there.
@@ -41,7 +41,7 @@ from thbridge.wire.canonical import Dialect
 
 @dataclass(frozen=True, slots=True)
 class GameSection:
-    """The rules that may be turned."""
+    """Rules and energy of the game."""
 
     energy: float = param(100.0, "energy of each robot at the start", "", 0.01, 1e6)
     picture_cost: float = param(5.0, "energy of taking a picture", "", 0, 1e6)
@@ -54,7 +54,7 @@ class GameSection:
 
 @dataclass(frozen=True, slots=True)
 class ShowsSection:
-    """What participants see of robots, beside where these believe they are and what they do."""
+    """Options of what participants see of robots, beside estimated poses and activities."""
 
     way: bool = param(True, "whether the ways that lie ahead of robots are shown")
     uncertainty: bool = param(False, "whether it is shown how sure robots are of their places")
@@ -63,7 +63,7 @@ class ShowsSection:
 
 @dataclass(frozen=True, slots=True)
 class ParticipantSection:
-    """Whoever plays: what they see and decide, and who plays when no person does."""
+    """The participant: what they see and decide, and the strategy of a simulated one."""
 
     strategy: BotStrategy = param(BotStrategy.SUGGESTION, "how a simulated participant chooses rooms")
     consent: Path | None = param(None, "path of a text that participants agree to before they play; null asks nothing")
@@ -78,21 +78,21 @@ class ParticipantSection:
 
 
 class DialogueStrategy(StrEnum):
-    """How robots choose what to say."""
+    """Strategy by which robots choose their moves in dialogues."""
 
     TEMPLATE = "template"
 
 
 @dataclass(frozen=True, slots=True)
 class DialogueSection:
-    """How robots talk with the participant."""
+    """Dialogues of robots and participant."""
 
     strategy: DialogueStrategy = param(DialogueStrategy.TEMPLATE, "how robots choose what to say")
 
 
 @dataclass(frozen=True, slots=True)
 class ServerSection:
-    """The text server that the programs of the game meet at."""
+    """The text server of the game's programs."""
 
     host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 lets other machines in")
     port: int = param(DEFAULT_PORT, "TCP port; 0 takes any that is free", "", 0, 65535)
@@ -101,7 +101,7 @@ class ServerSection:
 
 @dataclass(frozen=True, slots=True)
 class RecordingSection:
-    """How a session is recorded."""
+    """Recording of a session."""
 
     compression: Compression = param(
         Compression.NONE, "how the bag's chunks are packed; lz4 is quick, bz2 is small and slow"
@@ -115,7 +115,7 @@ class RecordingSection:
 
     @property
     def splitting(self) -> SplitLimits:
-        """When the recording goes on in another file. A megabyte is what rosbag takes it for, 2^20 bytes."""
+        """Limits of a recording's file before the next begins. A megabyte is 2^20 bytes, as in rosbag."""
         size, duration = self.split_size, self.split_duration
         return SplitLimits(
             None if size is None else round(size * 2**20), None if duration is None else round(duration * 1e9)
@@ -124,7 +124,7 @@ class RecordingSection:
 
 @dataclass(frozen=True, slots=True)
 class WatchSection:
-    """Where researchers' windows may connect: they see the truth, and may do things to robots."""
+    """Address for researchers' windows: they see the truth, and may send requests to robots."""
 
     host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 lets other machines in")
     port: int | None = param(None, "TCP port, such as 6010; 0 takes any that is free; null: nobody may", "", 0, 65535)
@@ -133,7 +133,7 @@ class WatchSection:
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """A study: what is played, by whom, on which map, with which robots."""
+    """A study: map, robots, game, participant, programs."""
 
     map: str = param("arena8", "name of a map, or the path of a map folder (with a slash, from this file's folder)")
     templates: str = param("original-2016", "name of a set of templates, or the path of its folder")
@@ -164,13 +164,13 @@ class Study:
     mishaps: tuple[MishapEntry, ...] = param((), "what befalls robots: each is a line - {key: value, ...}")
 
     def software(self, number: int) -> RobotParameters:
-        """The software of the robot with this number, counted from 1."""
+        """Return the software of the robot with this number, from 1."""
         return self.each.get(number, self.robot)
 
 
 @dataclass(frozen=True, slots=True)
 class StudyFile(Study):
-    """A study as people write it: noise also has a section of its own, and software may come from files of ROS."""
+    """A study as people write it: noise also has its own section, and parameters may come from files of ROS."""
 
     noise: NoiseSection = param(NoiseSection(), "how sensors err, and what the robots' software believes of it")
     ros_parameters: tuple[Path, ...] = param(
@@ -179,24 +179,24 @@ class StudyFile(Study):
 
     @classmethod
     def of(cls, study: Study) -> "StudyFile":
-        """The file that says what the study is."""
+        """Return the file of a study."""
         return cls(**_fields(study), noise=noise_section_of(study))
 
 
 def _fields(study: Study) -> dict[str, Never]:
-    """What a study is made of; typed so that it fits whatever is made of it."""
+    """Return a study's fields as keyword arguments; `Never` fits every parameter's type."""
     return {field.name: cast(Never, getattr(study, field.name)) for field in dataclasses.fields(Study)}
 
 
 def with_team_size(study: Study, robots: int) -> Study:
-    """The study with a team of this size, if it can be: what is said of robots that there are not is left out."""
+    """Return the study with a team of this size; sections and mishaps of robots beyond it are left out."""
     each = {number: software for number, software in study.each.items() if number <= robots}
     mishaps = tuple(mishap for mishap in study.mishaps if mishap.robot <= robots)
     return dataclasses.replace(study, robots=robots, each=each, mishaps=mishaps)
 
 
 def load_study(path: Path) -> Loaded[Study]:
-    """Read a study file, with notices about what is right but changes nothing.
+    """Read a study file, with notices about keys that are valid but have no effect.
 
     Raises:
         BadFile: it cannot be read; as BadFiles, every fault of it at once.
@@ -205,22 +205,22 @@ def load_study(path: Path) -> Loaded[Study]:
 
 
 def read_study(path: Path) -> Study:
-    """As `load_study`, without the notices."""
+    """Read a study file, without notices; see `load_study`."""
     return load_study(path).value
 
 
 def read_study_text(path: Path, text: str) -> Study:
-    """As `read_study`, of a text that is at hand, such as the study in a bag; `path` is what faults are told under."""
+    """Read a study from a text, such as that in a bag; faults name `path` as the file. See `load_study`."""
     return _load(path, text).value
 
 
 def read_study_tree(path: Path, tree: Node) -> Study:
-    """As `read_study_text`, of a text that is taken apart already."""
+    """Read a study from a parsed text, without notices; see `load_study`."""
     return load_study_tree(path, tree).value
 
 
 def study_before(path: Path, tree: Node) -> StudyFile:
-    """What a study starts from before its own lines count: defaults, its preset of noise, the files of ROS it names.
+    """Return the values before a study's own lines count: defaults, its noise preset, its files of ROS.
 
     Raises:
         BadFile: one of those files cannot be read.
@@ -233,7 +233,7 @@ def _load(path: Path, text: str) -> Loaded[Study]:
 
 
 def load_study_tree(path: Path, tree: Node) -> Loaded[Study]:
-    """As `load_study`, of a text that is taken apart already."""
+    """Read a study from a parsed text; see `load_study`."""
     start = _start(path, tree)
     written = load_tree(path, tree, StudyFile, StudyFile.of(start.value))
     loaded = Loaded(path, _gathered(written), written.lines, start.notices + written.notices)
@@ -251,14 +251,14 @@ def _start(path: Path, tree: Node) -> Loaded[Study]:
 
 
 def _ros_files(path: Path, tree: Node) -> list[Path]:
-    """The files of ROS that a study names; they are needed before the rest of it can be read."""
+    """Return the files of ROS that a study names; they are needed before the rest of it can be read."""
     entries = tree.entries if isinstance(tree, Section) else []
     lists = [child.items for key, child in entries if key.text == "ros_parameters" and isinstance(child, Listing)]
     return [path.parent / item.text for items in lists for item in items if isinstance(item, Scalar)]
 
 
 def _gathered(written: Loaded[StudyFile]) -> Study:
-    """The study with what stands in the section `noise`, where it is not written at its home instead."""
+    """Return the study with the numbers of the section `noise`, except those also written at their own place."""
     file = written.value
     study = Study(**_fields(file))
     for path, home in TARGET_PATHS.items():
@@ -274,7 +274,7 @@ def _gathered(written: Loaded[StudyFile]) -> Study:
 
 
 def _told_twice(written: Loaded[StudyFile]) -> Iterator[BadFile]:
-    """Noise that stands in `noise` and at its home, with two values."""
+    """Yield faults of numbers written in `noise` and at their own place, with different values."""
     for path, home in TARGET_PATHS.items():
         key = f"noise.{path}"
         here, there = value_at(written.value.noise, path), value_at(written.value, home)
@@ -284,7 +284,7 @@ def _told_twice(written: Loaded[StudyFile]) -> Iterator[BadFile]:
 
 
 def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
-    """What is allowed on its own but not together."""
+    """Yield faults of values that are valid alone but not together."""
     study = loaded.value
     laser = study.world.laser
     if TICKS_PER_SECOND % laser.rate:
@@ -316,7 +316,7 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
 def _crossings(loaded: Loaded[Study], key: str, software: RobotParameters) -> Iterator[BadFile]:
     for name, low, high in MIN_MAX_PAIRS:
         section = value_at(software, name)
-        # What a robot of its own has from all robots has been told there.
+        # A fault inherited from the section `robot` is reported there.
         inherited = key != "robot" and section == value_at(loaded.value.robot, name)
         if not inherited and cast(float, value_at(section, low)) > cast(float, value_at(section, high)):
             yield _crossed(loaded, f"{key}.{name}", section, low, high)
@@ -328,7 +328,7 @@ def _crossed(loaded: Loaded[Study], key: str, section: object, low: str, high: s
 
 
 def _surrounds_origin(corners: tuple[tuple[float, float], ...]) -> bool:
-    """Whether a polygon winds around (0, 0) once, without touching it."""
+    """Return True when a polygon winds around (0, 0) once, without touching it."""
     sides = list(zip(corners, corners[1:] + corners[:1], strict=True))
     angles = [math.atan2(x0 * y1 - y0 * x1, x0 * x1 + y0 * y1) for (x0, y0), (x1, y1) in sides]
     touches = any(abs(abs(angle) - math.pi) < 1e-9 for angle in angles)

@@ -1,4 +1,4 @@
-"""Studies as text: resolved for the record, commented for people."""
+"""Studies as text: complete for recordings, commented for people."""
 
 import dataclasses
 import re
@@ -14,17 +14,17 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
-"""Text that needs no quotes, unless YAML means something else by it."""
+"""Text that needs no quotes, unless YAML gives it another meaning."""
 _RESERVED = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
 
 
 def resolved(study: Study) -> str:
-    """The whole study as YAML, defaults included; reading it gives an equal study."""
+    """Return the whole study as YAML, defaults included; reading it gives an equal study."""
     return "\n".join(_lines(StudyFile.of(study), "", commented=False)) + "\n"
 
 
 def commented_study() -> str:
-    """A study file with every key at its default, each under its meaning, unit and range."""
+    """Return a study file with every key at its default, each under its meaning, unit and range."""
     head = ["# A study. Every key may be left out; what is written here are the defaults.", ""]
     return "\n".join(head + list(_lines(StudyFile.of(Study()), "", commented=True))) + "\n"
 
@@ -53,7 +53,7 @@ def _lines(section: "DataclassInstance", key: str, commented: bool) -> Iterator[
             words = allowed(hints[knob_field.name], knob_field.metadata)
             comment = f"# {knob_field.metadata['help']}" + (f" [{words}]" if words else "")
             comments = [comment, *_keys_of_items(hints[knob_field.name])]
-            # Numbers that were written would win over any preset that somebody then chooses.
+            # Uncommented, these numbers would override any preset chosen later.
             lines = [
                 *comments,
                 *(f"# {line}" if key == "noise" and place != "noise.preset" else line for line in lines),
@@ -64,7 +64,7 @@ def _lines(section: "DataclassInstance", key: str, commented: bool) -> Iterator[
 
 
 def _entries(name: str, entries: Mapping[int, "DataclassInstance"], like: "DataclassInstance") -> Iterator[str]:
-    """The lines of sections by number, with what each has differently from the one it is like."""
+    """Yield the lines of sections by number, each with its differences from the section `like`."""
     yield f"{name}:" if entries else f"{name}: {{}}"
     for number, entry in entries.items():
         yield f"  {number}:"
@@ -72,7 +72,7 @@ def _entries(name: str, entries: Mapping[int, "DataclassInstance"], like: "Datac
 
 
 def _named_sections(name: str, sections: tuple["DataclassInstance", ...]) -> Iterator[str]:
-    """The line that names sections, and those sections."""
+    """Yield the line that names sections, and those sections."""
     names = [cast(str, getattr(section, "name")) for section in sections]  # noqa: B009 - any class of them
     yield f"{name}: {quoted(' '.join(names))}"
     for own_name, section in zip(names, sections, strict=True):
@@ -97,7 +97,7 @@ def _differences(section: "DataclassInstance", like: "DataclassInstance") -> Ite
 
 
 def _keys_of_items(hint: object) -> Iterator[str]:
-    """Comments about the keys of each item, where a list holds sections."""
+    """Yield comments about the keys of each item, where a list holds sections."""
     item = get_args(hint)[0] if get_origin(hint) is tuple else None
     if not (isinstance(item, type) and dataclasses.is_dataclass(item)):
         return
@@ -108,11 +108,11 @@ def _keys_of_items(hint: object) -> Iterator[str]:
 
 
 SHOWN_ELSEWHERE = {"world.odometry", *TARGET_PATHS.values()}
-"""What the section `noise` shows."""
+"""Keys that the section `noise` shows."""
 
 
 def as_yaml(value: object) -> str:
-    """One value as YAML that reads back equal."""
+    """Return one value as YAML that reads back equal."""
     if value is None:
         return "null"
     if isinstance(value, bool):
@@ -133,5 +133,5 @@ def as_yaml(value: object) -> str:
 
 
 def is_plain_word(text: str) -> bool:
-    """Whether a text needs no quotes in a file."""
+    """Return True when a text needs no quotes in a file."""
     return _WORD.fullmatch(text) is not None and text.lower() not in _RESERVED

@@ -1,4 +1,4 @@
-"""Things in the way and mishaps of robots, as a study file has them: what they are, and when they happen."""
+"""Obstacles that no map shows (`things`) and mishaps of robots, as a study file schedules them."""
 
 import itertools
 import math
@@ -20,7 +20,7 @@ S = TypeVar("S")
 
 
 class Shape(StrEnum):
-    """What a thing looks like."""
+    """Shape of a thing."""
 
     CRATE = "crate"
     DOOR = "door"
@@ -30,20 +30,20 @@ class Shape(StrEnum):
 
 
 SIZES = {Shape.CRATE: (0.6, 0.6), Shape.DOOR: (1.2, 0.1), Shape.FIRE: (0.8, 0.8), Shape.PERSON: (0.4, 0.5)}
-"""Metres along the thing's yaw and across it, where the study does not say."""
+"""Default size of each shape: metres along the thing's yaw and across it."""
 ROUND = {Shape.FIRE, Shape.PERSON}
 ROUND_CORNERS = 12
 LONGEST = 86400.0
-"""Seconds: a day."""
+"""Latest time, seconds: a day."""
 LEAST_AREA = 1e-4
 MOST_CORNERS = 100
 FASTEST = 10.0
-"""Metres per second."""
+"""Greatest speed, m/s."""
 
 
 @dataclass(frozen=True, slots=True)
 class ThingEntry:
-    """A thing that no map shows: robots see it with their lasers, and know of it in no other way."""
+    """A thing that no map shows: robots perceive it by their lasers only."""
 
     name: str = field(metadata={"help": "what people call it"})
     shape: Shape = field(metadata={"help": "what it looks like; a polygon has its own corners"})
@@ -61,7 +61,7 @@ class ThingEntry:
     vanishes: float | None = param(None, "simulated time at which it is taken away; null: never", "s", 0, LONGEST)
 
     def thing(self) -> Thing:
-        """The body in the world."""
+        """Return the body in the world."""
         if self.at is not None:
             x, y, yaw = self.at
             return Thing(self.name, self._footprint(), Pose2(x, y, yaw))
@@ -80,7 +80,7 @@ class ThingEntry:
 
 
 class Mishap(StrEnum):
-    """What may befall a robot."""
+    """Kind of mishap."""
 
     DIES = "dies"
     REVIVES = "revives"
@@ -89,7 +89,7 @@ class Mishap(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class MishapEntry:
-    """Something that befalls a robot, which is not told."""
+    """A mishap of a robot, of which its software is not informed."""
 
     robot: int = field(metadata={"help": "whom, counted from 1", "minimum": 1, "maximum": 64})
     what: Mishap = field(
@@ -99,7 +99,7 @@ class MishapEntry:
     to: tuple[float, float, float] | None = param(None, "where it is carried: x, y, yaw on the map", "m, m, rad")
 
     def input(self) -> TeamInput:
-        """The same as an input of the team."""
+        """Return it as an input of the team."""
         robot = self.robot - 1
         if self.to is not None:
             return Carry(robot, Pose2(*self.to))
@@ -107,7 +107,7 @@ class MishapEntry:
 
 
 def schedule_of(things: Sequence[ThingEntry], mishaps: Sequence[MishapEntry]) -> tuple[ScheduledInput, ...]:
-    """When all of it happens."""
+    """Return the timed inputs of all things and mishaps."""
     return (*_comings_and_goings(things), *(ScheduledInput(_tick(mishap.time), mishap.input()) for mishap in mishaps))
 
 
@@ -123,7 +123,7 @@ def _tick(seconds: float) -> int:
 
 
 def faults_of_things(loaded: Loaded[S], things: Sequence[ThingEntry]) -> Iterator[BadFile]:
-    """What is wrong with the section `things`, though each value is allowed."""
+    """Yield faults of the section `things` whose values are valid one by one."""
     first: dict[str, int] = {}
     for index, entry in enumerate(things):
         key = f"things[{index}]"
@@ -167,12 +167,12 @@ def _faults_of_body(loaded: Loaded[S], key: str, entry: ThingEntry) -> Iterator[
 
 
 def fault_of_thing(thing: Thing, farthest: float, longest: int) -> str | None:
-    """Why a thing that somebody else describes is none, for people; None where it can be put somewhere.
+    """Return the fault of a thing that a client describes, for people, or None if it is valid.
 
     Args:
         thing: as described.
-        farthest: metres; no map is that large.
-        longest: characters of its name.
+        farthest: greatest coordinate, metres.
+        longest: greatest length of its name, characters.
     """
     places = ((thing.base_in_map.x, thing.base_in_map.y), (thing.base_in_map.theta, 0.0), *thing.path)
     if not 0 < len(thing.name) <= longest:
@@ -187,7 +187,7 @@ def fault_of_thing(thing: Thing, farthest: float, longest: int) -> str | None:
 
 
 def faults_of_mishaps(loaded: Loaded[S], mishaps: Sequence[MishapEntry], robots: int) -> Iterator[BadFile]:
-    """What is wrong with the section `mishaps`, though each value is allowed."""
+    """Yield faults of the section `mishaps` whose values are valid one by one."""
     for index, entry in enumerate(mishaps):
         key = f"mishaps[{index}]"
         if entry.robot > robots:

@@ -1,1 +1,1 @@
-"""Recordings run again: a fresh session gets what came from outside, and must say what the recorded one said."""
+"""Replay of recordings: a fresh session gets the recorded inputs, and must send the recorded messages."""

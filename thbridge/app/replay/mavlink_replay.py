@@ -1,7 +1,7 @@
-"""Frames alone: a fresh session hears what a recording's vehicles were told, and nothing else from outside.
+"""Replay of MAVLink frames: a fresh session gets the frames that a recording's vehicles received, and no other input.
 
-Any bag with topics `/robotN/mavlink/to` will do, also one that mavros' users made. Each frame is heard by the robot on
-whose topic it stands, in the tick in which it was recorded.
+Any bag with topics `/robotN/mavlink/to` is accepted, also one that mavros recorded. Each frame goes to the robot of its
+topic, in the tick in which it was recorded.
 """
 
 import dataclasses
@@ -36,16 +36,16 @@ from thbridge.wire.router import MessageRouter
 
 _TOPIC = re.compile(r"(?:/robot([1-9]\d{0,2}))?/mavlink/to")
 _LEAD = 1_000_000_000
-"""Nanoseconds for the game to begin in, before a bag of others does."""
+"""Nanoseconds for the game to begin, before the start of a bag of another program."""
 
 
 @dataclass(frozen=True, slots=True)
 class FramesOptions:
-    """How frames are given to a fresh session.
+    """Options of a replay of frames.
 
     Attributes:
-        rate: simulated seconds per second; 0 as fast as it can.
-        to: where to keep the new recording; None for nowhere.
+        rate: simulated seconds per second; 0 as fast as possible.
+        to: path of a new recording; None for none.
         longer: seconds to go on after the end of the recording.
     """
 
@@ -71,11 +71,11 @@ class Arrival:
 
 @dataclass(frozen=True, slots=True)
 class HuntResult:
-    """What became of a game.
+    """Result of a game.
 
     Attributes:
         arrivals: in order.
-        score: points; 0 before anything was scored.
+        score: points; 0 before the first.
     """
 
     arrivals: tuple[Arrival, ...]
@@ -83,24 +83,24 @@ class HuntResult:
 
     @property
     def order(self) -> tuple[tuple[int, int], ...]:
-        """Which robot reached which room, in order."""
+        """Pairs of robot and room, in the order of arrival."""
         return tuple((arrival.robot, arrival.room) for arrival in self.arrivals)
 
 
 @dataclass(frozen=True, slots=True)
 class FramesReplayed:
-    """What came of it.
+    """Result of a replay of frames.
 
     Attributes:
-        frames: how many were given to vehicles.
-        unusable: messages that held no frame, or were for a robot that there is not.
-        ticks: how many were run.
-        recorded: the hunt of the recording; None where that has none.
-        replayed: the hunt of the fresh session.
-        compared: how many times it was seen whether a robot is where it was in the recording.
-        parted: seconds at which a robot first was not there, to the last bit; None when that never was so.
-        finished: the end was reached; or else somebody stopped it.
-        wall_seconds: real time it took.
+        frames: number of frames given to vehicles.
+        unusable: number of messages without a frame, or for a robot that does not exist.
+        ticks: number of ticks run.
+        recorded: result of the recorded game; None where the recording has none.
+        replayed: result of the fresh session's game.
+        compared: number of true poses compared with the recorded ones.
+        parted: seconds of the first pose that differs in any bit; None when all are equal.
+        finished: True when the end was reached, False when it was stopped.
+        wall_seconds: real time of the replay.
     """
 
     frames: int
@@ -115,13 +115,13 @@ class FramesReplayed:
 
     @property
     def same(self) -> bool:
-        """Whether rooms were reached in the recorded order, with the recorded score."""
+        """True when rooms were reached in the recorded order, with the recorded score."""
         was, now = self.recorded, self.replayed
         return was is not None and (was.order, was.score) == (now.order, now.score)
 
 
 def has_session(path: Path) -> bool:
-    """Whether a bag tells its study. Raises BadFile when it cannot be read."""
+    """Return True when a bag holds its study. Raises BadFile when it cannot be read."""
     return _is_ours(bag_reader.info(path))
 
 
@@ -130,12 +130,12 @@ def _is_ours(info: BagInfo) -> bool:
 
 
 def _tells_hunt(info: BagInfo) -> bool:
-    """Whether a bag is ours, and what became of the game was not cut out of it."""
+    """Return True when a bag is ours and still has the game's events."""
     return _is_ours(info) and any(topic.name == names.GAME_EVENTS for topic in info.topics)
 
 
 def hunt_result_of(path: Path) -> HuntResult:
-    """What became of a recorded game. Raises BadFile."""
+    """Return the result of a recorded game. Raises BadFile."""
     arrivals: list[Arrival] = []
     score = 0
     for message in bag_reader.messages(path, [names.GAME_EVENTS, names.SCORE]):
@@ -162,8 +162,8 @@ async def replay_frames(
     Args:
         path: the bag.
         setting: the study; the robots are vehicles in it, whatever it says.
-        options: how.
-        progress: told of every tick.
+        options: of the replay.
+        progress: takes every tick.
 
     Raises:
         BadFile: the bag cannot be read or has no frames, or the new one cannot be written (as `BagNotWritten`).
@@ -173,7 +173,7 @@ async def replay_frames(
     heard = _RecordedFrames(path, info)
     last_tick = heard.tick_at(info.end_ns or 0) + round(options.longer * TICKS_PER_SECOND)
     recorded = hunt_result_of(path) if _tells_hunt(info) else None
-    # Other programs' robots may have a truth of their own, which is none here.
+    # The true poses in a bag of another program cannot be compared.
     ways, hunt = _PoseComparison(path, setting.study.robots if _is_ours(info) else 0), _HuntRecorder()
     with ExitStack() as opened:
         listening: list[Listener] = [ways]
@@ -211,11 +211,11 @@ def _with_vehicles(setting: StudySetting) -> StudySetting:
 
 
 class _RecordedFrames:
-    """The frames of a recording, which vehicles hear again.
+    """The recorded frames, for vehicles of the fresh session.
 
     Attributes:
-        given: how many were.
-        unusable: messages that held no frame, or were for a robot that there is not.
+        given: number of frames so far.
+        unusable: number of messages without a frame, or for a robot that does not exist.
     """
 
     def __init__(self, path: Path, info: BagInfo) -> None:
@@ -231,11 +231,11 @@ class _RecordedFrames:
         self._links: dict[str, LinkId] = {}
 
     def tick_at(self, stamp_ns: int) -> int:
-        """The tick that was recorded with this stamp."""
+        """Return the tick that was recorded with this stamp."""
         return (stamp_ns - self._start_ns) // TICK_NS
 
     def give(self, session: Session, robots: int) -> None:
-        """What was heard up to the tick that comes; of a team of this size."""
+        """Pass on the frames up to the next tick, to a team of this size."""
         while self._next is not None and self.tick_at(self._next.stamp_ns) <= session.tick + 1:
             message, self._next = self._next, next(self._messages, None)
             robot = self._robots[message.topic]
@@ -255,17 +255,17 @@ class _RecordedFrames:
 
 
 def _robot_of(topic: str) -> int | None:
-    """The robot that hears what is said on a topic, from 0; None: the topic is another. Without a number it is 0."""
+    """Return the robot, from 0, that receives a topic's frames (0 without a number); None for another topic."""
     match = _TOPIC.fullmatch(topic)
     return None if match is None else int(match[1] or 1) - 1
 
 
 class _PoseComparison:
-    """Holds where robots truly are against a recording.
+    """Compares true poses of robots with a recording.
 
     Attributes:
-        compared: how often it did.
-        parted: session time at which one first was elsewhere, seconds.
+        compared: number of poses compared.
+        parted: session time of the first that differs, seconds.
     """
 
     def __init__(self, path: Path, robots: int) -> None:
@@ -291,14 +291,14 @@ class _PoseComparison:
 
 
 class _HuntRecorder:
-    """Takes down what becomes of a game."""
+    """Records the result of a game."""
 
     def __init__(self) -> None:
         self.arrivals: list[Arrival] = []
         self.score = 0
 
     def record(self, moment: TickRecord) -> None:
-        """See `Witness`."""
+        """See `TickRecorder`."""
         for event in moment.events:
             if isinstance(event, Arrived) and moment.snapshot is not None:
                 seconds = moment.snapshot.tick * TICK

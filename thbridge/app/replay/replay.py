@@ -1,8 +1,8 @@
-"""Replay: a fresh session is given what came from outside in a recorded one, and must say what that one said.
+"""Replay: a fresh session gets the inputs of a recorded one, and must send the same messages.
 
-A recording is read a tick at a time. The inputs of the tick go in by the same doors as when they were recorded, and
-each message that the fresh session says is held against the recorded one, bit for bit. The session's own record is
-left out: it tells which versions of the programs ran, and those of today may be others.
+A recording is read a tick at a time. The inputs of the tick go in by the same methods as when they were recorded, and
+each message of the fresh session is compared with the recorded one, bit for bit. The session record is left out: it
+holds the versions of the programs, which may be others today.
 """
 
 from collections import Counter
@@ -63,12 +63,12 @@ class Difference:
     """The first message in which a replay is not its recording.
 
     Attributes:
-        number: of the message among all that were compared, from 1.
-        topic: of the recorded message; where there is none, of the one that was said instead.
-        topic_number: which message of that topic it is, from 1.
-        seconds: session time at which it was recorded or said.
+        number: of the message among all compared, from 1.
+        topic: of the recorded message; where there is none, of the new one.
+        topic_number: of the message within its topic, from 1.
+        seconds: session time of the message.
         what: one sentence.
-        fields: what it was and what it is, where both are messages of one type.
+        fields: recorded and new values, where both are messages of one type.
     """
 
     number: int
@@ -81,15 +81,15 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class Replayed:
-    """How a replay went.
+    """Result of a replay.
 
     Attributes:
-        ticks: how many were run.
-        messages: how many were found equal.
+        ticks: number of ticks run.
+        messages: number of messages found equal.
         difference: the first, or None when all were equal.
-        cut_off: the recording ends amid a tick; all that it has of it is equal.
-        finished: the recording's end was reached, or a difference; or else somebody stopped the replay.
-        wall_seconds: real time it took.
+        cut_off: True when the recording ends within a tick, and its messages of that tick are equal.
+        finished: True when the recording's end or a difference was reached, False when the replay was stopped.
+        wall_seconds: real time of the replay.
     """
 
     ticks: int
@@ -102,15 +102,15 @@ class Replayed:
 
 @dataclass(frozen=True, slots=True)
 class ReplayOptions:
-    """How a recording is run again.
+    """Options of a replay.
 
     Attributes:
-        rate: simulated seconds per second; 0 as fast as it can.
-        start: session time up to which it runs as fast as it can anyway, seconds.
-        to: where to keep the new recording; None for nowhere.
-        to_the_end: go on after a difference.
-        participant: lets a simulated participant play anew, where one played or a person did; None: what the recorded
-            participant said is said again, whether or not it still fits.
+        rate: simulated seconds per second; 0 as fast as possible.
+        start: session time up to which it runs as fast as possible in any case, seconds.
+        to: path of a new recording; None for none.
+        to_the_end: True to go on after a difference.
+        participant: strategy of a simulated participant who plays anew in place of the recorded one; None: the recorded
+            participant's messages are sent again, even if they no longer fit.
     """
 
     rate: float
@@ -122,7 +122,7 @@ class ReplayOptions:
 
 @dataclass(frozen=True, slots=True)
 class RecordedTick:
-    """One tick of a recording: what came from outside, and all that was said."""
+    """One tick of a recording: its inputs and all its messages."""
 
     number: int
     inputs: tuple[Input, ...]
@@ -130,10 +130,10 @@ class RecordedTick:
 
 
 def session_of(path: Path) -> SessionRecord:
-    """What a recording says of its session.
+    """Return the session record of a recording.
 
     Raises:
-        BadFile: it cannot be read, it is not one of ours, or it is of a release that recorded less.
+        BadFile: it cannot be read, it is not one of ours, it is of another release, or its robots were real.
     """
     first = next(bag_reader.messages(path, [names.SESSION]), None)
     if first is None:
@@ -155,7 +155,7 @@ def session_of(path: Path) -> SessionRecord:
 
 
 def ticks_of(path: Path) -> Iterator[RecordedTick]:
-    """A recording, tick by tick. Raises BadFile."""
+    """Yield a recording tick by tick. Raises BadFile."""
     for stamp_ns, messages in groupby(bag_reader.messages(path), key=lambda message: message.stamp_ns):
         said = tuple(message for message in messages if message.topic != names.SESSION)
         inputs = tuple(_input(path, message) for message in said if message.topic == names.INPUTS)
@@ -170,17 +170,17 @@ def _input(path: Path, message: RawMessage) -> Input:
 
 
 class ReplayedSession(Protocol):
-    """A session that is run again."""
+    """A session that is replayed."""
 
     @property
     def tick(self) -> int:
         """The number of the next tick."""
 
     def take(self, item: Input) -> None:
-        """Take an input as it came in then."""
+        """Pass an input on by the method that took it when it was recorded."""
 
     def step(self) -> None:
-        """One tick."""
+        """Run one tick."""
 
 
 async def replay(
@@ -191,8 +191,8 @@ async def replay(
     Args:
         path: the bag.
         setting: the study to run it with; the recorded one, or a changed one.
-        options: how.
-        progress: told of every tick from the start that `options` names.
+        options: of the replay.
+        progress: takes every tick from `options.start` on.
 
     Raises:
         BadFile: the bag cannot be read, or the new one not be written (as `BagNotWritten`).
@@ -237,7 +237,7 @@ async def replay(
 def _replayed_session(
     setting: StudySetting, record: SessionRecord, participant: BotStrategy | None, witnesses: Sequence[TickRecorder]
 ) -> ReplayedSession:
-    """The programs that ran inside the recorded session; lines of its participant are inputs."""
+    """Return the roles of the recorded session; messages of its participant are inputs."""
     simr = setting.simr()
     if record.program == SIMR:
         return _ReplayedSimr(SimrSession(simr, witnesses))
@@ -255,7 +255,7 @@ def _replayed_session(
 
 
 class _RecordedParticipant:
-    """The participant of a replay: says what the recorded one said."""
+    """The participant of a replay: sends the messages of the recorded one."""
 
     name = legacy.TABUI
 
@@ -263,10 +263,10 @@ class _RecordedParticipant:
         self._lines: list[text.TextMessage] = []
 
     def connected(self) -> None:
-        """The recorded participant introduced itself, which is one of the lines."""
+        """Do nothing: the recorded participant's introduction is one of the messages."""
 
     def prompt(self, line: text.TextMessage) -> None:
-        """Say this with the next step."""
+        """Send this with the next step."""
         self._lines.append(line)
 
     def step(self, tick: int, messages: Sequence[text.TextMessage]) -> list[text.TextMessage]:
@@ -340,7 +340,7 @@ class _ReplayedSimr:
 
 
 class _ProgressReporter:
-    """Passes moments on, from some time on."""
+    """Passes tick records on, from some time on."""
 
     def __init__(self, progress: Callable[[TickRecord], None], start: float) -> None:
         self._progress = progress
@@ -352,7 +352,7 @@ class _ProgressReporter:
 
 
 class _MessageBuffer:
-    """Holds what was said since somebody asked."""
+    """Collects messages until `drain`."""
 
     def __init__(self) -> None:
         self._messages: list[RosMessage] = []
@@ -361,16 +361,16 @@ class _MessageBuffer:
         self._messages += messages
 
     def drain(self) -> list[RosMessage]:
-        """What was said since the last call, but for the session's own record."""
+        """Return the messages since the last call, without the session record."""
         messages, self._messages = self._messages, []
         return [message for message in messages if message.topic.name != names.SESSION]
 
 
 class Comparison:
-    """Holds a replay against its recording, tick by tick.
+    """Compares a replay with its recording, tick by tick.
 
     Attributes:
-        messages: how many were found equal.
+        messages: number of messages found equal.
         difference: the first; None as long as all are equal.
     """
 
@@ -382,11 +382,11 @@ class Comparison:
 
     @property
     def cut_off(self) -> bool:
-        """Whether the recording ends amid its last tick, as that of a program that was killed does."""
+        """True when the recording ends within its last tick, as after a program was killed."""
         return self._missing is not None
 
     def compare(self, was: Sequence[RawMessage], now: Sequence[RosMessage]) -> None:
-        """Compare all that was said in the next tick."""
+        """Compare the messages of the next tick."""
         if self.difference is not None:
             return
         if self._missing is not None:  # and the recording goes on

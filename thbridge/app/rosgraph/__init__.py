@@ -1,1 +1,1 @@
-"""A session on a live ROS graph: says there what a bag would hold, and takes what ROS clients ask."""
+"""A session on a live ROS graph: publishes what a bag holds, and takes requests of ROS clients."""

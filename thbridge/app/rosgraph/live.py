@@ -1,7 +1,7 @@
-"""A session on a ROS graph: says there all that a bag would hold, and passes on what clients ask of the robots.
+"""A session on a ROS graph: publishes all that a bag holds, and passes on clients' requests to the robots.
 
-Nothing that a client does acts at once: it becomes a request that the session takes between two ticks and records.
-Questions (the map, a plan) are answered at once and change nothing.
+A client's message does not act at once: it becomes a request that the session takes between two ticks and records.
+Queries (the map, a plan) are answered at once and change no state.
 """
 
 import logging
@@ -50,24 +50,24 @@ FIRST_GOAL = 1_000_000_000
 
 
 class SimulatedTeam(Protocol):
-    """A team of ours, as a graph looks at it; see `sim.team.Team`."""
+    """A simulated team, as the graph uses it; see `sim.team.Team`."""
 
     @property
     def parameters(self) -> tuple[RobotParameters, ...]:
-        """Of each robot's software, as they are now."""
+        """Current parameters of each robot's software."""
 
     def make_plan(self, robot: int, start: Pose2 | None, goal: Pose2, tolerance: float) -> FloatArray | NoPlan:
-        """Answer a question; nothing that follows changes by it."""
+        """Return the plan for a query; it does not change the simulation."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TeamDescription:
-    """What a graph is told of a team.
+    """Description of a team for a ROS graph.
 
     Attributes:
-        topics: all that will be said.
+        topics: to advertise.
         grid: the map.
-        rest: of the study, as parameters.
+        rest: parameters of the study beside the robots'.
     """
 
     topics: Sequence[Topic]
@@ -76,14 +76,14 @@ class TeamDescription:
 
 
 class LiveGraph:
-    """One node that stands for all of ROS's: map_server, amcl, move_base, the robots' drivers.
+    """One node in place of map_server, amcl, move_base and the robots' drivers.
 
     Args:
-        graph: where.
-        facts: about the team.
+        graph: the ROS graph.
+        description: of the team.
         team: its robots.
-        ask: takes what clients want of the robots, with the client's name.
-        hear: takes MAVLink frames for one robot; None where robots are no vehicles.
+        ask: takes clients' requests, with the client's name.
+        receive_frame: takes MAVLink frames for one robot; None where robots are no vehicles.
     """
 
     def __init__(
@@ -128,17 +128,17 @@ class LiveGraph:
         await self._node.ros.stop()
 
     def _told_to_go(self, reason: str) -> None:
-        # The hunt is the participant's, and nobody on the graph may end it.
+        # The hunt is the participant's: a node of the graph must not end it.
         _log.warning("the session leaves the ROS graph (%s) and goes on without it", reason)
         self._node.ros.leave()
 
     @property
     def dropped(self) -> int:
-        """Messages that slow subscribers did not get."""
+        """Number of messages that slow subscribers did not get."""
         return sum(publication.dropped for publication in self._publications.values())
 
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
-        """Say what is said in one tick, the time first."""
+        """Publish the messages of one tick, the clock first."""
         self._tick = tick
         self._door.tick()
         self._parameters.follow(self._team.parameters)
@@ -147,7 +147,7 @@ class LiveGraph:
             if not message.foreign:
                 self._publications[message.topic.name].publish(message.data)
 
-    # What clients want
+    # Messages of clients
 
     def _listen_to_clients(self, robot: int, named: RobotNames) -> None:
         for topic, msgtype, heard in (
@@ -214,9 +214,9 @@ class LiveGraph:
         return CancelRequest(robot, found.goal_id, self._not_ahead(found.stamp_ns))
 
     def _not_ahead(self, stamp: int) -> int:
-        """A client's time, or now if its clock is ahead, as that of one without /use_sim_time is.
+        """Return a client's stamp, or now if its clock is ahead, as without /use_sim_time.
 
-        The newest goal wins: in ROS such a client shuts out all others until its time has come.
+        The goal with the newest stamp wins: in ROS such a client would block all others until its stamp has passed.
         """
         return min(stamp, stamp_ns(self._tick))
 
@@ -259,7 +259,7 @@ class LiveGraph:
             return ServiceFailed(question.sentence)
         plan = self._team.make_plan(robot, question.start, question.goal, question.tolerance)
         if isinstance(plan, NoPlan):
-            # move_base, too, answers with an empty plan; why, only its log says.
+            # move_base also answers with an empty plan, and only logs the reason.
             _log.info("%s: no plan: %s", self._robots[robot].topic("move_base/make_plan"), plan.sentence)
             return pack.path(self._tick, MAP_FRAME, NO_POSES)
         return pack.path(self._tick, MAP_FRAME, plan)
@@ -269,12 +269,12 @@ class LiveGraph:
 async def on_graph(
     live: LiveGraph, graph: GraphAddress, joined: Callable[[MasterPresence | CannotListen], None]
 ) -> AsyncIterator[None]:
-    """While it lasts the session is on the graph.
+    """Join the graph, and leave it at the end of the context.
 
     Args:
         live: the session's node.
-        graph: where.
-        joined: told who is the master, or why we cannot be, or cannot be called; it may raise.
+        graph: the ROS graph.
+        joined: takes the master, or the reason why there is none or the node cannot listen; it may raise.
     """
     async with master_of(graph) as master:
         joined(master)

@@ -1,6 +1,6 @@
-"""The robots' parameters on a ROS graph: on the parameter server, and in the hands of dynamic_reconfigure.
+"""The robots' parameters on a ROS graph: on the parameter server, and by dynamic_reconfigure.
 
-Either way what may change acts, as a request that the session takes and records, and the other way tells of it.
+A change by either acts as a request that the session takes and records, and the other one shows it.
 """
 
 import json
@@ -29,16 +29,16 @@ _log = logging.getLogger(__name__)
 
 
 class LiveParameters:
-    """What the robots' parameters are now, for everybody on the graph who looks or turns them.
+    """Current parameters of the robots, for nodes of the graph to read and change.
 
     Differs: in ROS a parameter that is set on the parameter server is read once, when its node starts; here it acts at
     once, as by dynamic_reconfigure.
 
     Args:
-        node: says and hears it all.
-        software: of each robot, as it begins.
-        door: says when somebody turns them too often.
-        ask: takes what is asked of the robots, with the name of the parameters or of the service that was asked.
+        node: of the session.
+        software: parameters of each robot at the start.
+        limiter: limits the rate of changes.
+        ask: takes requests, with the name of the parameters or of the service.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class LiveParameters:
                 self._offer(robot, section)
 
     def follow(self, software: Sequence[RobotParameters]) -> None:
-        """A tick has passed: tell what has changed, whoever changed it, and what has not since its robot was dead."""
+        """Publish changes of the last tick from any client, and changes that a dead robot did not take."""
         for robot, now in enumerate(software):
             before, self._software[robot] = self._software[robot], now
             if now is not before and now != before:
@@ -84,7 +84,7 @@ class LiveParameters:
         self._node.serve(service, types.RECONFIGURE, partial(self._reconfigure, robot, section, service))
 
     def _reconfigure(self, robot: int, section: ReconfigureServer, service: str, data: bytes) -> bytes | ServiceFailed:
-        """A client of dynamic_reconfigure turns parameters; the answer is what they are then."""
+        """Serve a change by a client of dynamic_reconfigure; the response holds the resulting values."""
         if not self._door.admits(service, "clients"):
             return ServiceFailed("it is asked too often")
         changes = reconfigure.requested_changes(section, self._software[robot], data)
@@ -95,20 +95,20 @@ class LiveParameters:
         return self._publish(robot, section)
 
     def _set(self, robot: int, key: str, value: XmlRpcValue) -> None:
-        """Somebody set a parameter, or many below one key: what may change acts, the rest is put back."""
+        """Take a change of a parameter, or of many below one key: valid changes act, the rest is set back."""
         named, before = self._robots[robot], self._software[robot]
         given = [
             (path, _readable(leaf)) for name, leaf in leaves(key.rstrip("/"), value) if (path := path_of(named, name))
         ]
-        # Anybody may keep parameters of their own beside ours.
+        # Other nodes may keep parameters of their own beside these.
         changes = [(path, leaf) for path, leaf in given if has(before, path) and leaf != value_at(before, path)]
         if self._door.admits(key, "clients"):
             self._change(robot, changes, named.topic("parameters"))
-        # Also what was set as it stands: a master that is restarted hears of it only from us.
+        # Also values that did not change: a restarted master gets them only from this node.
         self._tell(robot, [path for path, _ in changes])
 
     def _change(self, robot: int, changes: Sequence[tuple[str, SetValue]], sender: str) -> None:
-        """Turn parameters: what cannot be done together is done one by one, as far as it goes."""
+        """Change parameters: if they are not valid together, one by one as far as they are."""
         whole = with_values(self._software[robot], changes)
         for values in [changes] if not isinstance(whole, ParameterRejection) else [[one] for one in changes]:
             after = with_values(self._software[robot], values)
@@ -119,7 +119,7 @@ class LiveParameters:
                 self._ask(sender, SetParameters(robot, tuple(values)))
 
     def _tell(self, robot: int, paths: Sequence[str]) -> None:
-        """Tell everybody what some parameters are now."""
+        """Publish the values of some parameters, on the parameter server and by dynamic_reconfigure."""
         self._declare(robot, paths)
         touched = {path.rpartition(".")[0] for path in paths}
         for section in reconfigure.reconfigure_servers():
@@ -127,24 +127,24 @@ class LiveParameters:
                 self._publish(robot, section)
 
     def _declare(self, robot: int, paths: Iterable[str]) -> None:
-        """Tell the parameter server what some parameters are now."""
+        """Set the values of some parameters on the parameter server."""
         for path in paths:
             now = value_at(self._software[robot], path)
             if now is not None:
                 self._node.ros.declare_param(name_of(self._robots[robot], path), sendable(now))
 
     def _publish(self, robot: int, section: ReconfigureServer) -> bytes:
-        """Tell dynamic_reconfigure's clients what a section's parameters are now; returns what they are told."""
+        """Publish a section's values to dynamic_reconfigure's clients; return the message."""
         now = reconfigure.config(section, self._software[robot])
         self._updates[robot, section.path].publish(now)
         return now
 
 
 def sendable(value: ParameterValue) -> XmlRpcValue:
-    """A parameter's value as the parameter server takes it: the same, which types cannot tell."""
+    """Return a parameter's value as the parameter server takes it: the same, under another type."""
     return cast(XmlRpcValue, value)
 
 
 def _readable(value: object) -> SetValue:
-    """A parameter's value as requests hold it: lists, such as footprints, as text."""
+    """Return a parameter's value as requests hold it: lists, such as footprints, as text."""
     return value if isinstance(value, bool | int | float | str | None) else json.dumps(value, default=str)

@@ -1,4 +1,4 @@
-"""A node's topics and services by the names of their types alone."""
+"""Topics and services of a node, declared by the names of their types alone."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from thbridge.sockets.rosgraph.tcpros_server import ServiceHandler
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TypedNode:
-    """A node together with what ROS knows of its types.
+    """A node together with the definitions of its message types.
 
     Attributes:
         ros: the node.

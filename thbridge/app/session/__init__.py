@@ -1,1 +1,1 @@
-"""The session: programs around one router, the tick they share, what comes in from outside, what is recorded."""
+"""The session: roles around one router, the tick they share, inputs from outside, recording."""

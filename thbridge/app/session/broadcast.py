@@ -1,4 +1,4 @@
-"""What a session says, said to everybody who listens: a bag, a ROS graph."""
+"""Broadcast of a session's ROS messages to its listeners: a bag, a ROS graph, a watch server."""
 
 from collections.abc import Iterable, Sequence
 from typing import Protocol
@@ -10,20 +10,20 @@ from thbridge.ros.publisher import RosMessage, TeamPublisher
 
 
 class Listener(Protocol):
-    """Whoever takes the messages of a session."""
+    """Receiver of a session's messages."""
 
     def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
-        """Take all that is said in one tick; ticks come in order. May raise; the session then ends."""
+        """Take the messages of one tick; ticks come in order. May raise; the session then ends."""
 
 
 class Broadcast:
-    """Turns ticks into messages, once for all listeners: what is live and what is recorded are the same.
+    """Turns ticks into messages, once for all listeners: live and recorded messages are the same.
 
     Args:
         publisher: of the team.
-        session: what it takes to run this session again; said first.
+        session: the record from which the session can be replayed; sent first.
         grid: the map.
-        listeners: hear the opening at once.
+        listeners: get the opening at once.
     """
 
     def __init__(
@@ -34,7 +34,7 @@ class Broadcast:
         self._say(0, publisher.opening(0, session, grid))
 
     def record(self, snapshot: TeamSnapshot, records: Iterable[Record] = ()) -> None:
-        """Say one tick. Ticks come in order, from 0 on. Raises what a listener raises."""
+        """Send one tick. Ticks come in order, from 0 on. Raises what a listener raises."""
         self._say(snapshot.tick, self._publisher.tick(snapshot, records))
 
     def _say(self, tick: int, messages: Sequence[RosMessage]) -> None:

@@ -1,8 +1,8 @@
-"""What comes into a session from outside: all that a run depends on beside its study.
+"""Inputs of a session from outside: all that a run depends on beside its study.
 
-Each input is a value. It is taken between two ticks and acts in the one that follows, or, where somebody inside speaks
-freely (a person, a simulated participant), in the tick in which it was said. A recording holds every input, before
-whatever follows from it; a session that is given the same ones in the same ticks does the same.
+Each input is a value. It is taken between two ticks and acts in the one that follows; a message of the participant in
+this process (a person, a bot) acts in the tick in which it was sent. A recording holds every input, before its effects;
+a session that is given the same ones in the same ticks does the same.
 """
 
 import json
@@ -31,7 +31,7 @@ class Opened:
 
 @dataclass(frozen=True, slots=True)
 class Received:
-    """Bytes came in at the text server: a line, or part of one. `sender` is what the connection was called then."""
+    """Bytes came in at the text server: a line, or part of one. `sender` is the connection's name at that time."""
 
     connection: ConnectionId
     sender: str
@@ -49,7 +49,7 @@ class Closed:
 
 @dataclass(frozen=True, slots=True)
 class Backlogged:
-    """So many bytes waited for a connection that it was given up."""
+    """A connection was closed because so many bytes waited for it."""
 
     connection: ConnectionId
     sender: str
@@ -58,33 +58,33 @@ class Backlogged:
 
 @dataclass(frozen=True, slots=True)
 class Advanced:
-    """The text server's clock showed `now` seconds, and somebody was pinged or dropped for it."""
+    """The text server's clock advanced to `now` seconds, and a connection was pinged or dropped for it."""
 
     now: float
 
 
 @dataclass(frozen=True, slots=True)
 class Said:
-    """The participant inside this process said something."""
+    """The participant inside this process sent a message."""
 
     message: TextMessage
 
 
 @dataclass(frozen=True, slots=True)
 class Registered:
-    """The server has (again) accepted the name of a program that runs by itself."""
+    """The server of another process has (again) accepted this program's name."""
 
 
 @dataclass(frozen=True, slots=True)
 class Heard:
-    """The server passed a message on to a program that runs by itself."""
+    """The server of another process forwarded a message to this program."""
 
     message: TextMessage
 
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """Somebody, for example the ROS node of this name, asked something of the robots."""
+    """A client, for example the ROS node of this name, sent a request."""
 
     sender: str
     request: Request
@@ -97,7 +97,7 @@ class LinkOpened:
     Attributes:
         link: its number.
         name: of the link.
-        robot: the only one that is to be found there, from 0; None: all are.
+        robot: the only robot on the link, from 0; None: all robots.
     """
 
     link: LinkId
@@ -118,10 +118,10 @@ class Framed:
     """A frame came in on a link, checked and without its signature.
 
     Attributes:
-        link: which.
-        sender: the link's name.
-        frame: what came.
-        robot: the only one that is to hear it; None: whoever it is meant for.
+        link: its number.
+        sender: name of the link.
+        frame: the frame.
+        robot: the only robot that gets it, from 0; None: its addressees.
     """
 
     link: LinkId
@@ -132,7 +132,7 @@ class Framed:
 
 @dataclass(frozen=True, slots=True)
 class KeptAlive:
-    """The session stood, or was slow, while time went on for ground stations; vehicles said that they are there."""
+    """The session was paused or slow, and vehicles sent heartbeats to ground stations in real time."""
 
 
 Input: TypeAlias = (
@@ -157,7 +157,7 @@ _REQUESTS: dict[str, type[Request]] = {kind.__name__: kind for kind in get_args(
 
 
 def to_record(item: Input) -> InputRecord:
-    """The input as it is recorded; nothing of it is lost."""
+    """Return the record of an input, which holds all of it."""
     kind = type(item).__name__.lower()
     if isinstance(item, Asked):
         line = _readable(f"{type(item.request).__name__} {_json(item.request)}")
@@ -166,7 +166,7 @@ def to_record(item: Input) -> InputRecord:
 
 
 def from_record(record: InputRecord) -> Input:
-    """The input that was recorded.
+    """Return the input of a record.
 
     Raises:
         ValueError: it is none, or one of another release.
@@ -179,16 +179,16 @@ def from_record(record: InputRecord) -> Input:
 
 
 def encode_request(sender: str, request: Request | PaceRequest) -> str:
-    """A request as JSON, in one line: who asks, its name, its fields."""
+    """Return a request as JSON, in one line: sender, name, fields."""
     name = type(request).__name__
     return f'{{"sender":{json.dumps(sender)},"request":{json.dumps(name)},"fields":{_json(request)}}}'
 
 
 def decode_request(value: object) -> Asked:
-    """What the JSON of a request asks.
+    """Return the request in its JSON.
 
     Raises:
-        ValueError: nobody can be asked for that.
+        ValueError: it is no request.
     """
     match value:
         case {"sender": str(sender), "request": str(name), "fields": fields} if name in _REQUESTS:
@@ -197,7 +197,7 @@ def decode_request(value: object) -> Asked:
 
 
 def _for_people(item: Input) -> tuple[str, str]:
-    """Who it came from, and what it was."""
+    """Return the sender of an input, and a description for people."""
     match item:
         case Opened(connection):
             return f"connection {connection}", "a connection is opened"
@@ -226,12 +226,12 @@ def _for_people(item: Input) -> tuple[str, str]:
 
 
 def _readable(text: str) -> str:
-    """Text that a bag can hold: what UTF-8 cannot (lone surrogates) becomes a question mark."""
+    """Return text that a bag can hold: characters outside UTF-8 (lone surrogates) become question marks."""
     return text.encode(errors="replace").decode()
 
 
 def _json(value: object) -> str:
-    """A dataclass as JSON: floats to their last bit, infinities and NaN by Python's names, bytes in base 64."""
+    """Return a dataclass as JSON: floats to their last bit, infinities and NaN by Python's names, bytes in base 64."""
     return json.dumps(msgspec.to_builtins(value, enc_hook=_plain), separators=(",", ":"))
 
 
@@ -243,7 +243,7 @@ def _plain(value: object) -> object:
 
 
 def decode_value(value: object, kind: type[T]) -> T:
-    """The dataclass that JSON tells. Raises ValueError."""
+    """Return the dataclass of a JSON value. Raises ValueError."""
     try:
         return msgspec.convert(value, kind, dec_hook=_array)
     except msgspec.ValidationError as error:

@@ -1,4 +1,4 @@
-"""MAVLink's frames, and how vehicles stand, in the words of mavros: to its messages and back."""
+"""Conversion of MAVLink frames and vehicle states to mavros' messages and back."""
 
 from thbridge.ros.messages.records import MavlinkFrame, VehicleFrame, VehicleState
 from thbridge.wire.mavlink.dialect import crc_extra
@@ -8,7 +8,7 @@ from thbridge.wire.mavlink.outgoing import VehicleStatus
 
 
 def frame_record(traffic: Traffic) -> VehicleFrame:
-    """What a vehicle heard or said, for its topic."""
+    """Return the record of a frame that a vehicle received or sent, for its topic."""
     frame = traffic.frame
     told = MavlinkFrame(
         link=traffic.link,
@@ -26,7 +26,7 @@ def frame_record(traffic: Traffic) -> VehicleFrame:
 
 
 def state_record(robot: int, status: VehicleStatus) -> VehicleState:
-    """How a vehicle stands, for its topic."""
+    """Return the record of a vehicle's state, for its topic."""
     return VehicleState(
         robot=robot,
         connected=status.connected,
@@ -39,10 +39,10 @@ def state_record(robot: int, status: VehicleStatus) -> VehicleState:
 
 
 def frame_in(told: MavlinkFrame) -> Frame:
-    """The frame that a message holds, without its signature.
+    """Return the frame in a message, without its signature.
 
     Raises:
-        ValueError: it is none, or one of a message that nobody here knows.
+        ValueError: it is no frame, or its MAVLink message is unknown.
     """
     if told.magic not in {V1, V2}:
         raise ValueError(f"no frame begins with {told.magic}")

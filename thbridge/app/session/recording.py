@@ -1,4 +1,4 @@
-"""From what happened in a session to what goes into its bag."""
+"""Recorders of a session: its bag and its telemetry log."""
 
 import json
 from collections.abc import Iterator
@@ -36,24 +36,24 @@ from thbridge.wire.mavlink.outgoing import VehicleStatus
 from thbridge.wire.router import Forwarded
 
 JUMP = 0.2
-"""Metres in one tick that no robot drives: it was put there."""
+"""Metres in one tick beyond what a robot can drive: it was carried."""
 
 STATE_PERIOD = TICKS_PER_SECOND
-"""Ticks after which the state of a vehicle is said again when it has not changed."""
+"""Ticks after which the state of a vehicle is recorded again when it has not changed."""
 
 
 class TickPublisher(Protocol):
-    """Says ticks to whoever listens; see `Broadcast`."""
+    """Publisher of ticks; see `Broadcast`."""
 
     def record(self, snapshot: TeamSnapshot, records: tuple[Record, ...]) -> None:
-        """Say one tick."""
+        """Publish one tick."""
 
 
 class BagRecorder:
-    """Takes down every tick of a session that has robots.
+    """Records every tick of a session that has robots.
 
     Args:
-        speaker: says them.
+        publisher: of the ticks.
     """
 
     def __init__(self, publisher: TickPublisher) -> None:
@@ -67,7 +67,7 @@ class BagRecorder:
         self._vehicles: tuple[VehicleStatus, ...] = ()
 
     def record(self, moment: TickRecord) -> None:
-        """Write down one tick; raises what the speaker raises."""
+        """Record one tick; raises what the publisher raises."""
         if moment.snapshot is not None:
             self._speaker.record(moment.snapshot, tuple(self._records(moment)))
 
@@ -96,19 +96,19 @@ class BagRecorder:
             yield score
 
     def _asked(self, moment: TickRecord, request: GraphRequest) -> Iterator[Record]:
-        """What a ROS client said, if there is such a robot."""
+        """Yield the request of a ROS client, if its robot exists."""
         if moment.snapshot is not None and request.robot < len(moment.snapshot.robots):
             yield request
 
     def _states(self, moment: TickRecord) -> Iterator[Record]:
-        """How vehicles stand, of those for which it has changed, and now and then of all."""
+        """Yield the states of vehicles that have changed, and every `STATE_PERIOD` of all."""
         before, self._vehicles = self._vehicles, moment.vehicles
         for robot, status in enumerate(moment.vehicles):
             if moment.tick % STATE_PERIOD == 0 or not before or status != before[robot]:
                 yield state_record(robot, status)
 
     def _touches(self, snapshot: TeamSnapshot) -> Iterator[GameEvent]:
-        """A robot that has begun to touch a wall or another robot."""
+        """Yield the robots that have begun to touch a wall or another robot."""
         counts = tuple(snapshot.truth.collisions.tolist())
         before, self._collisions = self._collisions, counts
         for robot, count in enumerate(counts):
@@ -117,7 +117,7 @@ class BagRecorder:
                 yield GameEvent("collision", robot, None, text)
 
     def _incidents(self, snapshot: TeamSnapshot) -> Iterator[GameEvent]:
-        """Things that came or went, robots that died, revived or were put elsewhere."""
+        """Yield things that appeared or vanished, and robots that died, revived or were carried."""
         things = tuple(presence.thing.name for presence in snapshot.truth.things if presence.appeared)
         before, self._things = self._things, things
         for kind, names, others in (("appeared", things, before), ("vanished", before, things)):
@@ -136,17 +136,17 @@ class BagRecorder:
 
 
 class TlogRecorder:
-    """Takes down what vehicles hear and say.
+    """Records the frames that vehicles receive and send.
 
     Args:
-        tlog: somebody else closes it.
+        tlog: the file; the caller closes it.
     """
 
     def __init__(self, tlog: TlogFile) -> None:
         self._tlog = tlog
 
     def record(self, moment: TickRecord) -> None:
-        """Write down one tick. Raises BadFile when it cannot be written."""
+        """Record one tick. Raises BadFile when it cannot be written."""
         if moment.snapshot is not None and moment.traffic:
             self._tlog.record(stamp_ns(moment.snapshot.tick), moment.traffic)
 

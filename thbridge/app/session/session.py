@@ -1,7 +1,7 @@
-"""The session: programs of this process around one router, and the tick they share.
+"""The session: roles of this process around one router, and the tick they share.
 
-Whatever comes from outside comes in between two ticks, by the methods of `Session` (or of `Outpost`, for robots whose
-server is another process), and becomes an `Input` of the next one.
+Inputs from outside come in between two ticks, by the methods of `Session` (or of `SimrSession`, for robots whose
+server is another process), and are recorded as an `Input` of the next one.
 """
 
 from collections.abc import Callable, Sequence
@@ -42,19 +42,19 @@ from thbridge.wire.text import TextMessage
 
 @dataclass(frozen=True, slots=True)
 class TickRecord:
-    """All that happened in one tick.
+    """Record of one tick of a session.
 
     Attributes:
-        tick: which one.
-        inputs: what had come from outside, in order.
+        tick: its number.
+        inputs: from outside, in order.
         snapshot: of the robots; None where they are another program's.
         forwarded: the lines that were passed on, in order.
         events: of the game.
         utterances: of its dialogues.
-        held: what waits for whoever speaks in robots' place.
-        game: as it stands now; None before the first.
-        traffic: the frames that vehicles heard since the last tick, and said since then and in this one, in order.
-        vehicles: how each stands; empty where the robots are none.
+        wizard: robots that a person speaks for, and the turns that wait for that person.
+        game: after this tick; None before the first.
+        traffic: frames that vehicles received since the last tick, and sent since then and in this one, in order.
+        vehicles: status of each vehicle; empty where the robots are none.
     """
 
     tick: int
@@ -70,37 +70,37 @@ class TickRecord:
 
 
 class TickRecorder(Protocol):
-    """Whoever keeps a record of a session."""
+    """Recorder of a session."""
 
     def record(self, moment: TickRecord) -> None:
-        """Take down one tick. May raise; the session then ends."""
+        """Record one tick. May raise; the session then ends."""
 
 
 class EventLog(Protocol):
-    """Where the game's events go before anything follows from them."""
+    """Log of the game's events, written before any of their effects."""
 
     def append(self, events: Sequence[Event]) -> None:
-        """Returns when they are safe."""
+        """Write the events; return when they are safe."""
 
 
 class Session:
-    """Runs the programs of one process in step: what one says in a tick, the others hear in the next.
+    """Runs the roles of one process in step: messages sent in one tick arrive in the next.
 
     Args:
-        router: where they meet, and where programs of other processes join; from now on only through this session.
+        router: connects the roles, and programs of other processes; from now on only this session uses it.
         keeper: of the game.
-        roles: the other programs of this process.
+        roles: the other roles of this process.
         log: of the game's events.
-        witnesses: who record.
-        participant: whoever plays in this process, if anybody; what they say comes from outside.
-        vehicles: makes the robots MAVLink vehicles, given who takes what these ask of robots and game; what they ask
-            follows from frames, and so is no input. None: they are none.
+        recorders: take every tick.
+        participant: the participant's role in this process, if any; its messages are inputs.
+        vehicles: makes the robots MAVLink vehicles, given a sink of their requests to robots and game; these requests
+            follow from frames, and so are no inputs. None: the robots are no vehicles.
 
     Attributes:
         tick: the number of the next tick.
-        perform: carries out what the router decides. A server of outside connections takes this over, and must give
-            every `Forwarded` to `hear`. This session is the switchboard of such a server.
-        transmit: sends frames on their links, of which it may not know all. Whoever serves links takes this over.
+        perform: carries out the router's outputs. A server of outside connections replaces it, and must pass every
+            `Forwarded` to `note_forwarded`; to that server this session is the router.
+        transmit: sends frames on their links; it may not know all of them. A server of links replaces it.
 
     Raises:
         ValueError: two roles have the same name, or one is held already.
@@ -137,22 +137,22 @@ class Session:
 
     @property
     def has_vehicles(self) -> bool:
-        """Whether the robots are MAVLink vehicles."""
+        """True when the robots are MAVLink vehicles."""
         return self._vehicles is not None
 
     @property
     def game(self) -> GameState | None:
-        """The game as it stands."""
+        """State of the game; None before the first."""
         return self._keeper.state
 
     def note_forwarded(self, forwarded: Forwarded) -> None:
-        """The router passed a line on: the tap of this session."""
+        """Take a line that the router forwarded, for the keeper and the record."""
         self._heard.append(forwarded)
 
-    # What comes from outside
+    # Inputs from outside
 
     def ask(self, sender: str, request: Request) -> None:
-        """Ask something of the robots, or in a robot's place of the game, in the name of whoever wants it.
+        """Pass on a request to robots or game, in the name of its sender.
 
         Raises:
             ValueError: the robots are another program's.
@@ -161,14 +161,14 @@ class Session:
         self._inputs.append(Asked(sender, request))
 
     def connect(self, now: float) -> ConnectionId | TurnedAway:
-        """See `Router`, for this and the next ones; only what makes a difference counts as an input."""
+        """See the router, for this and the next ones; only calls with an effect are recorded as inputs."""
         connection = self._router.connect(now)
         if not isinstance(connection, TurnedAway):
             self._inputs.append(Opened(connection, now))
         return connection
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[RouterOutput]:
-        """Each line is an input of its own."""
+        """Take bytes of a connection; each line is an input of its own."""
         outputs: list[RouterOutput] = []
         for line in data.splitlines(keepends=True):
             sender = self._router.called(connection)
@@ -179,14 +179,14 @@ class Session:
         return outputs
 
     def eof(self, connection: ConnectionId) -> list[RouterOutput]:
-        """A connection that is open ends."""
+        """Note the end of a connection."""
         sender = self._router.called(connection)
         if sender is not None:
             self._inputs.append(Closed(connection, sender))
         return self._router.eof(connection)
 
     def report_backlog(self, connection: ConnectionId, size: int) -> list[RouterOutput]:
-        """Somebody does not read."""
+        """Note that a connection's client does not read."""
         sender = self._router.called(connection)
         outputs = self._router.report_backlog(connection, size)
         if sender is not None and outputs:
@@ -194,22 +194,22 @@ class Session:
         return outputs
 
     def advance(self, now: float) -> list[RouterOutput]:
-        """Time has passed."""
+        """Advance the router's clock."""
         outputs = self._router.advance(now)
         if outputs:
             self._inputs.append(Advanced(now))
         return outputs
 
     def stop(self) -> list[RouterOutput]:
-        """The end: nothing comes in any more."""
+        """Stop the router; no input comes in any more."""
         return self._router.stop()
 
     def open_link(self, name: str, robot: int | None = None) -> LinkId:
-        """Somebody may speak to the robots' vehicles, on a link of this name.
+        """Open a link to the robots' vehicles.
 
         Args:
             name: of the link.
-            robot: the only one that is to be found there, from 0; None: all are.
+            robot: the only robot on the link, from 0; None: all robots.
 
         Raises:
             ValueError: the robots are no vehicles.
@@ -221,44 +221,44 @@ class Session:
         return link
 
     def close_link(self, link: LinkId) -> None:
-        """A link ends, if it has not ended before."""
+        """Close a link, unless it is closed already."""
         name = None if self._vehicles is None else self._vehicles.name_of(link)
         if self._vehicles is not None and name is not None:
             self._vehicles.close(link)
             self._inputs.append(LinkClosed(link, name))
 
     def report(self, link: LinkId) -> LinkReport | None:
-        """How a link stands; None: there is no such link."""
+        """Return the report of a link; None: there is no such link."""
         return None if self._vehicles is None else self._vehicles.report(link)
 
     def why_not(self, link: LinkId, frame: Frame) -> DropReason | None:
-        """Why a frame that comes in on a link would be dropped; None: it would be taken."""
+        """Return the reason why a frame that comes in on a link would be dropped; None: it would be taken."""
         return None if self._vehicles is None else self._vehicles.why_not(link, frame)
 
     def receive_frame(self, link: LinkId, frame: Frame, robot: int | None = None) -> list[OutgoingFrame]:
-        """A frame came in.
+        """Take a frame that came in.
 
-        It acts at once on vehicles, as these stood after the last tick; what they ask of robots and game for it, is
-        done with the next.
+        It acts at once on vehicles, whose state is that after the last tick; requests of vehicles to robots and game
+        act in the next tick.
 
         Args:
-            link: where; a frame of a link that there is not is forgotten.
+            link: its number; a frame of an unknown link is dropped.
             frame: checked, and without its signature.
-            robot: the only one that is to hear it; None: whoever it is meant for.
+            robot: the only robot that gets it, from 0; None: its addressees.
 
         Returns:
-            What goes out for it, for `transmit`.
+            The frames sent in reply, for `transmit`.
         """
         name = None if self._vehicles is None else self._vehicles.name_of(link)
         if self._vehicles is None or name is None:
             return []
-        # What is dropped changes nothing, and may be a secret: it is not recorded.
+        # A dropped frame has no effect, and may hold a secret: it is not recorded.
         if self._vehicles.why_not(link, frame) is None:
             self._inputs.append(Framed(link, name, frame, robot))
         return self._vehicles.receive(link, frame, robot)
 
     def keep_alive(self) -> None:
-        """Time has passed for ground stations and none for the session: robots say that they are alive."""
+        """Send heartbeats in real time while the session is paused or slow."""
         if self._vehicles is not None:
             self._inputs.append(KeptAlive())
             self.transmit(self._vehicles.keep_alive())
@@ -266,12 +266,12 @@ class Session:
     # The tick
 
     def step(self) -> TickRecord:
-        """One tick.
+        """Run one tick.
 
         Raises:
-            Exception: whatever the log or a witness raises when it cannot write; the session must end then.
+            Exception: of the log or a recorder that cannot write; the session must end then.
         """
-        # What comes in from here on, a reader that lags behind what is sent now for example, is the next tick's.
+        # Inputs from here on, such as the backlog of a reader of what is sent now, are the next tick's.
         inputs, self._inputs = self._inputs, []
         self.perform(self._router.exchange())
         heard, self._heard = tuple(self._heard), []
@@ -304,7 +304,7 @@ class Session:
         return moment
 
     def _pass_on(self, request: Request, researcher: str | None = None) -> None:
-        """To the role that does what is asked; see `ask`."""
+        """Pass a request on to its role; see `ask`."""
         if isinstance(request, GameRequest):
             self._keeper.ask(request)
         elif self._simr is None:
@@ -325,4 +325,4 @@ class Session:
 
 
 def _untransmitted(sent: Sequence[OutgoingFrame]) -> None:
-    """Nobody serves links."""
+    """Drop the frames, because no server of links has replaced this function."""

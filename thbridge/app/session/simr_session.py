@@ -1,4 +1,4 @@
-"""The robots by themselves, at a text server of another process: what comes from outside, and the tick."""
+"""The session of the robots alone, at a text server of another process."""
 
 from collections.abc import Sequence
 
@@ -12,11 +12,11 @@ from thbridge.wire.text import TextMessage
 
 
 class SimrSession:
-    """The robots by themselves, at a text server of another process.
+    """Session of SimR at a text server of another process.
 
     Args:
         simr: the robots' role.
-        witnesses: who record.
+        recorders: take every tick.
 
     Attributes:
         tick: the number of the next tick.
@@ -28,13 +28,13 @@ class SimrSession:
         self._witnesses = tuple(recorders)
         self._inputs: list[Input] = []
 
-    # What comes from outside
+    # Inputs from outside
 
     def ask(self, sender: str, request: Request) -> None:
-        """Ask something of the robots, in the name of whoever wants it.
+        """Pass on a request to the robots, in the name of its sender.
 
         Raises:
-            ValueError: it is asked of the game, which is another program's.
+            ValueError: it is a request to the game, which is another program's.
         """
         if isinstance(request, GameRequest):
             raise ValueError("the game is not in this process")
@@ -42,21 +42,21 @@ class SimrSession:
         self._inputs.append(Asked(sender, request))
 
     def connected(self) -> None:
-        """The server has (again) accepted the name."""
+        """Note that the server has (again) accepted the name."""
         self._inputs.append(Registered())
         self._simr.connected()
 
     def receive(self, message: TextMessage) -> None:
-        """Somebody said something to the robots."""
+        """Take a message to SimR."""
         self._inputs.append(Heard(message))
 
     # The tick
 
     def step(self) -> list[TextMessage]:
-        """One tick; what SimR says in it, for the server.
+        """Run one tick; return SimR's messages for the server.
 
         Raises:
-            Exception: whatever a witness raises when it cannot write; the program must end then.
+            Exception: of a recorder that cannot write; the program must end then.
         """
         inputs, self._inputs = tuple(self._inputs), []
         heard = [item.message for item in inputs if isinstance(item, Heard)]

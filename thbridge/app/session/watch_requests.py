@@ -1,4 +1,4 @@
-"""What may be asked at the watch door: of the robots, and of the session's pace."""
+"""Requests of watchers (researchers' windows): to the robots, and about the session's pace."""
 
 import logging
 from collections.abc import Callable, Iterable, Mapping
@@ -47,19 +47,19 @@ from thbridge.study.things import fault_of_thing
 from thbridge.timing.pacer import Pacer
 
 FIRST_GOAL = 2_000_000_000
-"""Number of the first goal that is set here; those of the game and of clients on a graph are below."""
+"""Number of the first goal of a watcher; those of the game and of clients on a graph are below."""
 
 MOST_PENDING = 200
-"""Requests that may come between two ticks; more than hands can do in a pause."""
+"""Requests that may come between two ticks; more than a person makes in a pause."""
 
 MOST_CHARACTERS = 500
-"""Characters of a name, and of what is said in a robot's place."""
+"""Characters of a name, and of a sentence in a robot's place."""
 
 WATCH_SENDER = "watch"
-"""Who asks where nobody asks any more."""
+"""Sender of the requests that follow when the last watcher has left."""
 
 SLOWEST, FASTEST = 0.01, 1000.0
-"""Rates that can be asked for, besides 0."""
+"""Rates that can be requested, besides 0."""
 
 MOST_STEPS = 600 * TICKS_PER_SECOND
 
@@ -85,7 +85,7 @@ WatchRequest: TypeAlias = (
     | SpeakFor
     | AdviseFor
 )
-"""What is granted. The rest of what a session can be asked is the game's own, or has another form here."""
+"""Requests that watchers may send. Others belong to the game, or have another form here."""
 
 _GRANTED: tuple[type[WatchRequest], ...] = get_args(WatchRequest)
 _PACES: dict[str, type[PaceRequest]] = {kind.__name__: kind for kind in get_args(PaceRequest)}
@@ -94,18 +94,18 @@ _log = logging.getLogger(__name__)
 
 
 def request_line(sender: str, request: Request | PaceRequest) -> bytes:
-    """What a watcher says to ask for something."""
+    """Return the line of a watcher's request."""
     return encode_request(sender, request).encode() + b"\n"
 
 
 class WatchRequestHandler:
-    """Grants what watchers wish, or says why not.
+    """Grants or refuses requests of watchers.
 
     Args:
-        ask: takes what is wanted of the session, with the name of whoever wants it.
-        robots: whom it is about.
+        ask: takes granted requests, with the name of the sender.
+        robots: the team.
         pacer: of the session.
-        has_game: whether the game is this session's, so that one can speak in a robot's place.
+        has_game: True when the game is this session's, so that a watcher can speak in a robot's place.
     """
 
     def __init__(self, ask: Callable[[str, Request], None], robots: RobotTeam, pacer: Pacer, *, has_game: bool) -> None:
@@ -118,22 +118,22 @@ class WatchRequestHandler:
         self._waiting = 0
 
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
-        """A tick has come: what waited for it is done."""
+        """Note a tick: the session has taken the waiting requests."""
         self._waiting = 0
 
     def pace(self) -> SessionPace:
-        """How the session runs."""
+        """Return the pace of the session."""
         return SessionPace(self._pacer.paused, self._pacer.rate, self._pacer.lag)
 
     def unwatched(self) -> None:
-        """Nobody watches any more: nothing waits for anybody there any longer, neither the session nor its robots."""
+        """Undo pause and puppets after the last watcher has left, so that neither session nor robots wait for one."""
         self._pacer.resume()
         for robot in sorted(self._puppets):
             self._ask(WATCH_SENDER, Puppeteer(robot, on=False))
         self._puppets.clear()
 
     def ask(self, watcher: str, wish: Mapping[str, object]) -> str | None:
-        """Grant a wish, the JSON of a request; None, or why not."""
+        """Grant a request in JSON; return None, or the reason for a refusal."""
         name = wish.get("request")
         kind = _PACES.get(name) if isinstance(name, str) else None
         try:
@@ -178,7 +178,7 @@ class WatchRequestHandler:
         return None
 
     def _numbered(self, request: WatchRequest) -> WatchRequest:
-        """Goals get a number of their own, whatever the watcher gave them."""
+        """Return a request in which a goal has a new number, whatever the watcher gave it."""
         match request:
             case Go(_, goal):
                 return replace(request, goal=replace(goal, id=next(self._goals)))
@@ -188,7 +188,7 @@ class WatchRequestHandler:
 
 
 def _lies_far(fields: object) -> bool:
-    """Whether a thing in these fields lies beyond all sense, so that even to look at it would overflow."""
+    """Return True when a thing's coordinates are so large that checks of its shape would overflow."""
     match fields:
         case {"thing": {**thing}}:
             return any(_is_far(thing.get(key)) for key in ("base_in_map", "footprint", "path"))
@@ -207,9 +207,9 @@ def _is_far(value: object) -> bool:
 
 
 def objection(request: WatchRequest, robots: RobotTeam) -> str | None:
-    """Why this cannot be asked of these robots, for people; None where it can.
+    """Return the reason why these robots cannot take a request, for people; None where they can.
 
-    A session takes what it is asked at its word, so whatever a stranger could say is looked at here.
+    A session does not check requests, so all checks of a client's input are here.
     """
     if not isinstance(request, PutThing | RemoveThing | SpeakFor) and not 0 <= request.robot < robots.size:
         return f"robot counts from 0 here, and there are {robots.size}"

@@ -1,1 +1,1 @@
-"""The keeper of the game, what it grants and shows: the one authority for what is hidden, visited, spent, scored."""
+"""The keeper: the one authority for a game's state. It judges requests, and sends orders, views and pictures."""

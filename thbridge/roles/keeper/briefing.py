@@ -1,4 +1,4 @@
-"""What participants' programs are given beside the state of the game: the study's part."""
+"""Briefing of participants: what their programs get from the study beside the state of the game."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -8,13 +8,13 @@ from thbridge.roles.notices import House
 
 @dataclass(frozen=True, slots=True)
 class Briefing:
-    """What a study shows its participants, and asks of them.
+    """Map, names, pictures and consent text that a study has for its participants.
 
     Attributes:
-        house: where the game takes place; None where nobody knows.
-        names: that treasures may have; told once one was sensed.
-        pictures: image files by name; each is told once it was taken.
-        consent: what participants have to agree to before anything else; None asks nothing.
+        floor_plan: of the game's map; None where it is unknown.
+        names: possible names of treasures; sent once one was sensed.
+        pictures: image files by name; each is sent once it was taken.
+        consent: text that participants have to agree to before anything else; None asks nothing.
     """
 
     floor_plan: House | None = None

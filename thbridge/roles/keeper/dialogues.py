@@ -1,4 +1,4 @@
-"""What robots and the participant are talking about, and what they agreed on and have not done yet."""
+"""Open dialogues of robots and participant, and agreements that were not acted upon yet."""
 
 from dataclasses import dataclass
 
@@ -20,14 +20,14 @@ MATTERS: dict[Scenario, DialogueMatter] = {
 
 @dataclass(frozen=True, slots=True)
 class HeldTurn:
-    """A puppet's turn in a dialogue that waits for whoever speaks in its place.
+    """A puppet's turn in a dialogue, which waits for the person who speaks in its place.
 
     Attributes:
         dialogue: its number.
         turn: place of the move in it, from 0.
-        robot: which, from 0.
-        scenario: what it is about.
-        room: that it is about, as people count.
+        robot: index in the team, from 0.
+        scenario: matter of the dialogue.
+        room: the room it is about, as people count.
         sentences: for the legal moves, in their order.
     """
 
@@ -43,11 +43,11 @@ class GameDialogues:
     """The open dialogues of one game and the consents they led to.
 
     Args:
-        engine: the way of talking.
-        puppets: robots that somebody else speaks for.
+        engine: runs the dialogues.
+        puppets: robots that a person speaks for (Wizard-of-Oz).
 
     Attributes:
-        puppets: as they are now.
+        puppets: the current ones.
         asked_for_advice: puppets that the participant has asked where to go, in the order of asking; no dialogue yet.
     """
 
@@ -65,20 +65,20 @@ class GameDialogues:
         return self._consents
 
     def take_utterances(self) -> list[DialogueUtterance]:
-        """What was said since the last call, in order."""
+        """Return the utterances since the last call, in order."""
         said, self._utterances = self._utterances, []
         return said
 
     def open(self, state: GameState, scenario: Scenario, robot: int, room: Room) -> RequestRefused | None:
-        """Open a dialogue; what was being said or agreed with this robot before no longer holds."""
+        """Open a dialogue; an earlier one with this robot is withdrawn, and an agreement on the same matter too."""
         self._forget(robot, MATTERS[scenario])
         topic = _topic(state, scenario, robot, room)
         return self._follow(self._engine.open(self._dialogues, topic, held=robot in self.puppets))
 
     def await_advice(self, robot: int) -> None:
-        """The participant asked a puppet where to go; what was being said or agreed before no longer holds.
+        """Note that the participant asked a puppet where to go; earlier dialogue and agreement are withdrawn.
 
-        Programs ask again until they see an answer: one that has been given, and not been answered, stands.
+        Programs repeat the request until they see an answer: a suggestion that was made, and not answered yet, stands.
         """
         given = self._dialogues.of_robot(robot)
         is_answered = given is not None and any(turn.speaker is Speaker.PERSON for turn in given.turns)
@@ -88,7 +88,7 @@ class GameDialogues:
             self.asked_for_advice += (robot,)
 
     def answer(self, number: int, turn: int, choice: int) -> RequestRefused | None:
-        """Make the participant's choice; one for a turn that is past changes nothing."""
+        """Make the participant's choice; one for an earlier turn changes nothing."""
         dialogue = self._dialogues.numbered(number)
         if dialogue is None or len(dialogue.turns) != turn:
             return None
@@ -101,11 +101,11 @@ class GameDialogues:
     # In a robot's place
 
     def hold(self, robot: int) -> None:
-        """Somebody else speaks for this robot from now on."""
+        """Let a person speak for this robot from now on."""
         self.puppets |= {robot}
 
     def release(self, robot: int) -> None:
-        """The robot speaks for itself again, at once where its turn is waited for; advice is asked for no more."""
+        """Let the robot speak for itself again, at once if it is its turn; a waiting request for advice is dropped."""
         self.puppets -= {robot}
         self._forget_advice(robot)
         dialogue = self._dialogues.of_robot(robot)
@@ -113,7 +113,7 @@ class GameDialogues:
             self._follow(self._engine.release(self._dialogues, dialogue.number))
 
     def speak_for(self, number: int, turn: int, move: int, text: str) -> None:
-        """Make the move of a puppet that is waited for; one for a turn that is past changes nothing."""
+        """Make a puppet's move; one for an earlier turn changes nothing."""
         dialogue = self._dialogues.numbered(number)
         if dialogue is None or len(dialogue.turns) != turn:
             return
@@ -122,7 +122,7 @@ class GameDialogues:
             self._follow(self._engine.speak(self._dialogues, number, choices[move].move, text))
 
     def held_turns(self) -> tuple[HeldTurn, ...]:
-        """Puppets' turns that are waited for."""
+        """Return the turns of puppets that wait for a person."""
         return tuple(
             HeldTurn(
                 dialogue=dialogue.number,
@@ -136,25 +136,25 @@ class GameDialogues:
             if (choices := self._engine.choices(dialogue, Speaker.ROBOT))
         )
 
-    # What holds
+    # Agreements
 
     def is_agreed(self, robot: int, matter: DialogueMatter, room: Room) -> bool:
-        """Whether the participant may act on this now."""
+        """Return True when the participant may act on this now."""
         return Consent(robot, matter, room.people) in self._consents
 
     def use_consent(self, robot: int, matter: DialogueMatter) -> None:
-        """An agreement was acted upon."""
+        """Use up an agreement that was acted upon."""
         self._withdraw_consent(robot, matter)
 
     def other_candidate(self, room: Room, robot: int) -> int | None:
-        """Another robot that is being talked with, or was agreed with, about going to this room."""
+        """Return another robot that has an open dialogue or an agreement about going to this room, or None."""
         talks = [(d.topic.robot, MATTERS[d.topic.scenario], d.topic.room.people) for d in self._dialogues.open]
         talks += [(consent.robot, consent.matter, consent.room) for consent in self._consents]
         others = (other for other, matter, about in talks if matter == "select-room" and about == room.people)
         return next((other for other in others if other != robot), None)
 
     def drop_stale(self, state: GameState) -> None:
-        """Close what need no longer be talked over: the robot left, the room is taken, the treasure is decided."""
+        """Withdraw dialogues without purpose: the robot left, the room is taken, or the treasure is decided."""
         for dialogue in self._dialogues.open:
             topic = dialogue.topic
             if not _still_open(state, topic.robot, MATTERS[topic.scenario], topic.room):
@@ -171,7 +171,7 @@ class GameDialogues:
         )
 
     def views(self) -> tuple[DialogueView, ...]:
-        """The open dialogues as the participant sees them."""
+        """Return the open dialogues as the participant sees them."""
         return tuple(
             DialogueView(
                 dialogue=dialogue.number,
@@ -197,7 +197,7 @@ class GameDialogues:
         return None
 
     def _forget(self, robot: int, matter: DialogueMatter) -> None:
-        """What was being said with a robot, and agreed on this matter, no longer holds."""
+        """Withdraw a robot's dialogue, its request for advice, and its agreement on this matter."""
         self._withdraw_consent(robot, matter)
         self._forget_advice(robot)
         former = self._dialogues.of_robot(robot)

@@ -1,4 +1,4 @@
-"""What of a game's state the participant gets to see."""
+"""The participant's view, made from the state of a game."""
 
 import math
 from collections.abc import Collection
@@ -21,7 +21,7 @@ def view_of(
     robots_ready: bool,
     asked_back: Collection[int] = (),
 ) -> View:
-    """The participant's view; the treasures themselves are never looked at, only what was found out about them."""
+    """Return the participant's view; it never reads the treasures themselves, only what was found out about them."""
     return View(
         game=state.started.game,
         ready=robots_ready,
@@ -42,7 +42,7 @@ def view_of(
 
 
 def plain_costs(costs: CostMatrix) -> tuple[tuple[float | None, ...], ...]:
-    """A cost matrix as JSON can hold it: None where there is no move."""
+    """Return a cost matrix as JSON can hold it: None where there is no move."""
     return tuple(tuple(None if math.isinf(cost) else cost for cost in row) for row in costs.rows)
 
 
@@ -58,7 +58,7 @@ def _robot(state: GameState, number: int, asked_back: bool) -> RobotView:
         blocked=robot.is_blocked,
         condition=robot.condition,
         commander=command.by,
-        # What programs of researchers are called is not for participants.
+        # Participants do not see the names of researchers' programs.
         commander_name=command.name if command.by is Commander.GROUND_STATION else "",
         asked_back=asked_back,
     )

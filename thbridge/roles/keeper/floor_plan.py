@@ -1,4 +1,4 @@
-"""The house of a game, small enough for one line of the wire, and back again."""
+"""Floor plan of a game's map: packed into one line of the wire, and unpacked again."""
 
 import base64
 import binascii
@@ -13,21 +13,21 @@ from sim.common.grid import FREE, OCCUPIED, Cells, OccupancyGrid
 from thbridge.roles.notices import House, RoomOutline
 
 MOST_PACKED = 40_000
-"""Characters of packed cells beyond which a map is thinned."""
+"""Characters of packed cells beyond which the map's resolution is halved."""
 MOST_CELLS = 64_000_000
-"""More than any map has; a number beyond it is a mistake."""
+"""Upper limit of the cells of a received map; more than any map has."""
 
 _OF_CODE: Cells = np.array([FREE, OCCUPIED, -1], dtype=np.int8)
-"""What the codes 0, 1 and 2 of `House.cells` are in an occupancy grid."""
+"""Occupancy of the codes 0, 1 and 2 of `FloorPlan.cells`."""
 
 
 def floor_plan_of(
     name: str, grid: OccupancyGrid, rooms: Sequence[RoomOutline], footprint: tuple[tuple[float, float], ...]
 ) -> House:
-    """The house that this map shows.
+    """Return the floor plan of a map.
 
-    A map that does not pack into one line is thinned: two by two cells become one, as often as need be. Of them a wall
-    wins, then free floor.
+    While the map does not pack into one line, its resolution is halved: two by two cells become one, a wall if one of
+    them is, else free if one of them is.
 
     Args:
         name: of the map.
@@ -47,10 +47,10 @@ def floor_plan_of(
 
 
 def grid_of(house: House) -> OccupancyGrid:
-    """The map in a house.
+    """Return the map of a floor plan.
 
     Raises:
-        ValueError: its cells are not what it says they are.
+        ValueError: its cells do not unpack to the size it states.
     """
     count = house.width * house.height
     if min(house.width, house.height) < 1 or count > MOST_CELLS or not house.resolution > 0.0:
@@ -72,7 +72,7 @@ def _packed(codes: NDArray[np.uint8]) -> str:
 
 
 def _halved(codes: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Two by two cells in one; what lies beyond the last row or column is unknown."""
+    """Return codes with two by two cells in one; cells beyond the last row or column are unknown."""
     rows, cols = codes.shape
     even = np.pad(codes, ((0, rows % 2), (0, cols % 2)), constant_values=2)
     blocks = even.reshape(even.shape[0] // 2, 2, even.shape[1] // 2, 2)

@@ -1,4 +1,4 @@
-"""The participant asks for robots back: passed on at once, and for the same robot every ten seconds at most."""
+"""The participant's requests to get robots back: at most one for the same robot in ten seconds."""
 
 from sim.common.observations import TICKS_PER_SECOND
 
@@ -7,7 +7,7 @@ _AGAIN = 10 * TICKS_PER_SECOND
 
 
 class HandbackRequests:
-    """The robots that were asked for just now, and since when."""
+    """Robots that were asked for recently, each with the tick of the request."""
 
     def __init__(self) -> None:
         self._tick = 0
@@ -19,7 +19,7 @@ class HandbackRequests:
         return frozenset(self._since)
 
     def advance(self, tick: int) -> bool:
-        """It is this tick now; whether there is a robot that may be asked for again."""
+        """Set the current tick; return True when a robot may be asked for again."""
         self._tick = tick
         over = [robot for robot, since in self._since.items() if tick - since >= _AGAIN]
         for robot in over:
@@ -27,13 +27,13 @@ class HandbackRequests:
         return bool(over)
 
     def add(self, robot: int) -> None:
-        """Whoever commands this robot was just told that the participant asks for it."""
+        """Note that the participant has asked for this robot now."""
         self._since[robot] = self._tick
 
     def forget(self, robot: int) -> None:
-        """The robot has another commander, whom nobody has asked yet."""
+        """Forget the request for a robot that has another commander now."""
         self._since.pop(robot, None)
 
     def clear(self) -> None:
-        """Another game begins."""
+        """Forget all requests, because another game begins."""
         self._since.clear()

@@ -1,7 +1,7 @@
 """The keeper of the game: the one authority for what is hidden, visited, spent and scored.
 
-It lives beside the router, hears every line that is forwarded (a *tap*), and is asked things by notices. What it
-decides becomes events; the caller must write them to the journal before it passes on the messages of the same step.
+It lives beside the router, sees every line that is forwarded (a *tap*), and takes requests as notices. Its decisions
+are events; the caller must write them to the journal before it passes on the messages of the same step.
 """
 
 import math
@@ -52,7 +52,7 @@ from thbridge.wire.router import Forwarded
 from thbridge.wire.text import TextMessage
 
 MOST_ROBOTS = 250
-"""In a team: MAVLink numbers vehicles up to there, and leaves the numbers above to ground stations."""
+"""Greatest size of a team: MAVLink system ids up to 250 are for vehicles, those above for ground stations."""
 
 _BEFORE_AGREEING = RequestRefused(KeeperReason.NOT_AGREED, "You have not agreed to take part yet.")
 _AFTER_AGREEING = {wish.__name__ for wish in get_args(ParticipantRequest)} - {Agree.__name__}
@@ -60,10 +60,10 @@ _AFTER_AGREEING = {wish.__name__ for wish in get_args(ParticipantRequest)} - {Ag
 
 @dataclass(frozen=True, slots=True)
 class GameRules:
-    """What a study decides about the game.
+    """Rules of the game that a study sets.
 
     Attributes:
-        seed: what the game's chance is keyed by; recorded.
+        seed: of the game's random numbers; recorded.
         energy: of each robot at the start.
         picture_cost: energy of taking a picture.
         identify_cost: energy of naming a treasure.
@@ -79,7 +79,7 @@ class GameRules:
 
 @dataclass(frozen=True, slots=True)
 class KeeperDecisions:
-    """What one step of the keeper brought about, in order; and what waits for whoever speaks in robots' place."""
+    """Events and utterances of one step of the keeper, in order, and the turns that wait for a wizard."""
 
     events: tuple[Event, ...]
     utterances: tuple[DialogueUtterance, ...]
@@ -91,10 +91,10 @@ class Keeper:
 
     Args:
         rules: of the game.
-        engine: how robots and the participant talk, given the game's number.
-        history: the events of the game under way, oldest first, as the journal has them; empty for none.
-        last_game: the number of the last game there ever was; the next one gets the number after it.
-        briefing: what participants are given beside the state of the game.
+        engine: makes the dialogue engine of a game, given the game's number.
+        history: events of the game in progress, oldest first, as the journal has them; empty for none.
+        last_game: number of the last game so far; the next one gets the number after it.
+        briefing: for participants, beside the state of the game.
     """
 
     name = KEEPER
@@ -113,13 +113,13 @@ class Keeper:
         self._book.restore(history)
         return_robots(self._book)
         self._overhearing = LegacyLines(self._book)
-        # Who is there, and what they were told last.
+        # The programs that are connected, and what they were sent last.
         self._team: RobotsReady | None = None
         self._hider_ready = False
         self._audience = Participants(KEEPER, self._briefing)
         self._poses: tuple[tuple[float, float, float], ...] | None = None
         self._ordered: Orders | None = None
-        # Of the step under way, and of the last one.
+        # Of the current step, and of the last one.
         self._heard_anything = False
         self._asked: list[GameRequest] = []
         self._said: list[TextMessage] = []
@@ -127,7 +127,7 @@ class Keeper:
 
     @property
     def state(self) -> GameState | None:
-        """The game under way or just over; None before the first."""
+        """The current game, or the last one if it is over; None before the first."""
         return self._book.state
 
     @property
@@ -136,16 +136,16 @@ class Keeper:
         return self._decided
 
     def connected(self) -> None:
-        """Nobody needs to be told: the others introduce themselves to the keeper."""
+        """Do nothing: the other programs introduce themselves to the keeper."""
 
     def tap(self, forwarded: Sequence[Forwarded]) -> None:
-        """Hear what was forwarded since the last step; call it right before `step`."""
+        """Take the lines that were forwarded since the last step; call it right before `step`."""
         for item in forwarded:
             if is_notice(item.message):
                 continue
             self._heard_anything = True
             if self.state is not None:
-                # The programs of 2016 hold their dialogues themselves, where nobody can hear them.
+                # Programs of 2016 hold their dialogues internally: no consent of theirs is visible here.
                 ours = item.sender_extended and item.message.sender in self._audience
                 wish = request_kind(item.message)
                 if ours and wish is not None and self._must_agree(self.state):
@@ -156,11 +156,11 @@ class Keeper:
                     self._tell(legacy.HIDER, Reply(reply.command, reply.text))
 
     def ask(self, request: GameRequest) -> None:
-        """Do this with the next step, before what is said to the keeper then."""
+        """Queue a request for the next step, before the messages of that step."""
         self._asked.append(request)
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
-        """One tick; see `Role`."""
+        """Run one tick; see `Role`."""
         if self._book.handback_requests.advance(tick):
             self._heard_anything = True
         asked, self._asked = self._asked, []
@@ -178,7 +178,7 @@ class Keeper:
                 self._heard_anything = True
                 self._heed(value)
         held = self._decided.wizard
-        # Whatever changes does so because of something heard; most ticks are silent.
+        # State changes only by messages and requests; most ticks have none.
         if self._heard_anything:
             self._heard_anything = False
             if self.state is not None:
@@ -191,7 +191,7 @@ class Keeper:
         said, self._said = self._said, []
         return said
 
-    # What our own programs say
+    # Notices to the keeper
 
     def _heed(self, notice: Notice) -> None:
         if (robots := decode_notice(notice, RobotsReady)) is not None:
@@ -215,11 +215,11 @@ class Keeper:
             )
 
     def _awaits_treasures(self, state: GameState) -> bool:
-        """Whether Hider is about to hide them."""
+        """Return True while Hider is about to hide the treasures."""
         return self._hider_ready and state.treasures is None
 
     def _must_agree(self, state: GameState) -> bool:
-        """Whether the participant has to agree to take part before anything else."""
+        """Return True while the participant has to agree to take part before anything else."""
         return self._briefing.consent is not None and not state.agreed
 
     def _robots(self, sender: str, robots: RobotsReady) -> None:
@@ -252,7 +252,7 @@ class Keeper:
             wrong_share=chosen.wrong_share,
             costs=costs,
         )
-        # Whoever agreed, and whoever commands a robot, goes on doing so.
+        # Agreement to take part, and commands of ground stations, outlast a game.
         former = self.state
         agreed = (Agreed(),) if former is not None and former.agreed else ()
         kept = () if former is None else kept_commands(former, robots)
@@ -305,11 +305,11 @@ class Keeper:
                 self._book.apply_ruling("Commanded", rules.intervene(self.state, robot, researcher))
 
     def _see_to_end(self) -> None:
-        """Programs of 2016 never say that they give a treasure up, so nobody waits for them to."""
+        """End the game when it is over; no decision of 2016's programs, which never give a treasure up, is awaited."""
         if self.state is not None:
             self._book.record(rules.ending(self.state, wait_for_decisions=not self._audience.is_empty))
 
-    # What the keeper says
+    # Notices of the keeper
 
     def _tell(self, receiver: str, value: StateNotice) -> None:
         self._said.append(encode_notice(self.name, receiver, value))
@@ -349,7 +349,7 @@ class Keeper:
 
 
 def costs_of(rows: Sequence[Sequence[float | None]]) -> CostMatrix | RequestRefused:
-    """The cost matrix that `plain_costs` wrote."""
+    """Return the cost matrix that `plain_costs` wrote."""
     try:
         return CostMatrix(tuple(tuple(math.inf if cost is None else cost for cost in row) for row in rows))
     except ValueError as error:

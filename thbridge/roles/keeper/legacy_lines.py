@@ -1,7 +1,7 @@
-"""The lines of 2016, as the keeper overhears them: what they mean for the game, and what Hider shall answer.
+"""Lines of 2016 that are forwarded: their effect on the game, and Hider's answers.
 
-With a Hider of ours the keeper knows the treasures, judges a question when it is asked and says what to reply. A Hider
-of 2016 keeps them to itself; then the game learns from its answers.
+With a Hider of ours the keeper knows the treasures, judges each question and determines the reply. A Hider of 2016
+does not reveal them; then the game learns from its answers.
 """
 
 from collections.abc import Callable, Mapping
@@ -24,32 +24,32 @@ _WISHES: Mapping[type, str] = {
 
 
 def request_kind(message: TextMessage) -> str | None:
-    """The kind of the wish that a line of 2016 says; None when it says none."""
+    """Return the kind of the request in a line of 2016; None when it holds none."""
     return _WISHES.get(type(legacy.decode(message)))
 
 
 class LegacyLines:
-    """Hears one line after the other.
+    """Handles one line after the other.
 
     Args:
-        book: of the game.
+        open_game: the game in progress.
     """
 
     def __init__(self, book: OpenGame) -> None:
         self._book = book
-        # An identification whose verdict a Hider of 2016 has not told yet: the game's number, the room, the name.
+        # An identification whose points a Hider of 2016 has not sent yet: the game's number, the room, the name.
         self._named: tuple[int, Room, str] | None = None
 
     def handle(self, state: GameState, message: TextMessage, *, needs_consent: bool) -> TextMessage | None:
-        """Take in a line that was forwarded.
+        """Handle a line that was forwarded.
 
         Args:
-            state: the game as it stands.
+            state: of the game.
             message: the line.
-            needs_consent: whether its sender holds its dialogues with us, and so must have agreed on what it asks.
+            needs_consent: True when the sender holds its dialogues with this keeper, and so needs an agreement.
 
         Returns:
-            What Hider shall say to the participant now, if it is ours.
+            The message that a Hider of ours shall send to the participant now, or None.
         """
         book = self._book
         match legacy.decode(message):
@@ -89,7 +89,7 @@ class LegacyLines:
 
     def _arrived(self, state: GameState, robot: int, room: Room) -> None:
         here = state.robots[robot] if state.has_robot(robot) else None
-        # SimR says it again when it cannot know whether it was heard.
+        # SimR repeats the line when it cannot know whether it arrived.
         if here is not None and (here.bound_for is not None or here.at != room):
             self._book.apply_ruling("Arrived", rules.arrive(state, robot, room))
 
@@ -105,7 +105,7 @@ class LegacyLines:
         if state.treasures is None:
             return None
         ruling = rules.picture(state, room)
-        # A picture that was taken is shown again without talking about it again.
+        # A picture that was taken is shown again without another dialogue.
         if needs_consent and state.has_room(room) and state.room(room).image is None:
             ruling = self._agreed(ruling, state, room, "take-picture")
         if not self._book.apply_ruling(TakePicture.__name__, ruling):
@@ -121,7 +121,7 @@ class LegacyLines:
             return None
         decided = state.room(room).points if state.has_room(room) else None
         if decided is not None:
-            # The answer got lost: the verdict stands, and is said again.
+            # The answer got lost: the verdict stands, and is sent again.
             return legacy.PointsAwarded(decided).message()
         ruling = rules.identify(state, room, name)
         if needs_consent:
@@ -131,7 +131,7 @@ class LegacyLines:
         return legacy.PointsAwarded(self._book.state.room(room).points or 0).message()
 
     def _agreed(self, ruling: rules.Ruling, state: GameState, room: Room, matter: DialogueMatter) -> rules.Ruling:
-        """The ruling, if robot and participant agreed on it; the agreement is used up."""
+        """Return the ruling if robot and participant agreed on it, else a refusal; the agreement is used up."""
         robot = state.decider(room)
         if isinstance(ruling, RequestRefused) or robot is None:
             return ruling
@@ -143,7 +143,7 @@ class LegacyLines:
         return ruling
 
     def _if_told(self, state: GameState, rule: Callable[[], rules.Ruling]) -> None:
-        """A Hider of 2016 gave an answer; ours only repeats what the keeper decided."""
+        """Apply the answer of a Hider of 2016; one of ours only repeats what the keeper decided."""
         if state.treasures is None:
             ruling = rule()
             if isinstance(ruling, tuple):

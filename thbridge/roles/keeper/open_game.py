@@ -1,4 +1,4 @@
-"""The book of the game under way: its state, what was decided in this step, the talks, the last refusal."""
+"""The open game: its state, the events of this step, the dialogues, the last refusal."""
 
 from collections.abc import Callable, Iterable, Sequence
 from enum import StrEnum
@@ -16,7 +16,7 @@ from thbridge.roles.view import RefusalView
 
 
 class KeeperReason(StrEnum):
-    """Why the keeper refuses what the rules would allow."""
+    """Reason of the keeper for a refusal of what the rules allow."""
 
     NO_CONSENSUS = "no-consensus"
     NOT_READY = "not-ready"
@@ -27,11 +27,11 @@ class KeeperReason(StrEnum):
 
 
 class OpenGame:
-    """Everything the keeper knows of the game; all changes are events and go through here.
+    """The game in progress, as the keeper knows it; every change is an event and passes through here.
 
     Args:
-        engine: how robots and the participant talk, given the game's number.
-        last_game: the number of the last game there ever was.
+        engine: makes the dialogue engine of a game, given the game's number.
+        last_game: number of the last game so far.
     """
 
     def __init__(self, engine: Callable[[int], Engine], last_game: int) -> None:
@@ -42,21 +42,20 @@ class OpenGame:
         self.handback_requests = HandbackRequests()
         self.refusal: RefusalView | None = None
         self._refusals = 0
-        # The number of each robot's latest move in this game, and how many moves there were.
+        # The number of each robot's latest move in this game; then those of them that are ordered to SimR.
         self._moves: list[int] = []
-        # Likewise, those that the robots were told of.
         self._ordered: list[int] = []
         self._departures = 0
         self._recalled: set[int] = set()
         self._events: list[Event] = []
 
     def restore(self, history: Iterable[Event]) -> None:
-        """Take in the events of a game that was cut off; they are not decided anew."""
+        """Restore the state from the events of an unfinished game; they are not recorded again."""
         for event in history:
             self._apply(event)
 
     def record(self, events: Sequence[Event]) -> None:
-        """These events are decided."""
+        """Apply events, and queue them for the journal."""
         for event in events:
             self._apply(event)
             self._events.append(event)
@@ -64,7 +63,7 @@ class OpenGame:
             self.dialogues.drop_stale(self.state)
 
     def apply_ruling(self, request: str, ruling: rules.Ruling) -> bool:
-        """Let happen what the rules allow; remember what they refuse. Whether it was allowed."""
+        """Record the events of a ruling, or keep its refusal for the view; return True if it was allowed."""
         if isinstance(ruling, RequestRefused):
             self.refuse(request, ruling)
             return False
@@ -72,23 +71,23 @@ class OpenGame:
         return True
 
     def refuse(self, request: str, refused: RequestRefused) -> None:
-        """Remember that a wish was not granted, and why."""
+        """Keep a refusal for the view."""
         self._refusals += 1
         self.refusal = RefusalView(self._refusals, request, refused.reason, refused.sentence)
 
     def recall(self, robot: int) -> None:
-        """A robot under way shall stop; its move ends when SimR reports how far it came, or now if it never set out."""
+        """Call a moving robot back; its move ends when SimR reports how far it came, or now if it was never ordered."""
         if self.state is not None and self._ordered[robot] != self._moves[robot]:
             self.apply_ruling("Failed", rules.fail(self.state, robot, CALLED_BACK, 0.0))
         else:
             self._recalled.add(robot)
 
     def is_recalled(self, robot: int) -> bool:
-        """Whether a robot under way was told to stop."""
+        """Return True while a robot that was called back has not stopped yet."""
         return robot in self._recalled
 
     def is_executing(self, robot: int, move: int) -> bool:
-        """Whether a robot is under way by the move of this number."""
+        """Return True while a robot executes the move of this number."""
         return (
             self.state is not None
             and self.state.has_robot(robot)
@@ -97,7 +96,7 @@ class OpenGame:
         )
 
     def orders(self, state: GameState) -> tuple[MoveOrder | None, ...]:
-        """What each robot shall do; they are told of it now."""
+        """Return the order of each robot, and note these as sent."""
         self._ordered = list(self._moves)
         return tuple(
             None
@@ -107,7 +106,7 @@ class OpenGame:
         )
 
     def take_events(self) -> tuple[Event, ...]:
-        """What was decided since the last call, in order."""
+        """Return the events since the last call, in order."""
         events = tuple(self._events)
         self._events.clear()
         return events

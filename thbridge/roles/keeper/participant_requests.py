@@ -1,4 +1,4 @@
-"""What the participant wishes beyond the lines of 2016: talking, giving up a treasure, calling a robot back."""
+"""The participant's requests beyond the lines of 2016: dialogues, giving up a treasure, calling a robot back."""
 
 from thbridge.dialogue.moves import Scenario
 from thbridge.hunt import rules
@@ -15,13 +15,13 @@ from thbridge.wire.notice import Notice
 
 
 def handle_participant_request(book: OpenGame, state: GameState, notice: Notice, *, awaits_treasures: bool) -> None:
-    """Grant a wish, or remember why not; a notice that is no wish changes nothing.
+    """Grant a request, or keep its refusal; another notice changes nothing.
 
     Args:
-        book: of the game.
-        state: the game as it stands.
-        notice: what was said.
-        awaits_treasures: Hider is about to hide them; nobody is sent before.
+        open_game: the game in progress.
+        state: of the game.
+        notice: the request.
+        awaits_treasures: Hider is about to hide them; until then no robot is sent.
     """
     if decode_notice(notice, Agree) is not None:
         book.apply_ruling(Agree.__name__, rules.agree(state))
@@ -76,7 +76,7 @@ def _suggest(book: OpenGame, state: GameState, number: int, awaits_treasures: bo
 
 
 def suggest_or_await(book: OpenGame, state: GameState, number: int) -> None:
-    """A robot that could go somewhere suggests a room; or whoever speaks in its place is waited for."""
+    """Let a robot suggest a room, or wait for the person who speaks in its place."""
     room = suggested_room(book, state, number)
     if isinstance(room, RequestRefused):
         book.refuse(Unsure.__name__, room)
@@ -87,12 +87,12 @@ def suggest_or_await(book: OpenGame, state: GameState, number: int) -> None:
 
 
 def open_suggestion(book: OpenGame, state: GameState, number: int, room: Room) -> None:
-    """A robot suggests a room."""
+    """Open the dialogue in which a robot suggests a room."""
     _open(book, state, (), Scenario.DONT_KNOW, number, room)
 
 
 def suggested_room(book: OpenGame, state: GameState, number: int) -> Room | RequestRefused:
-    """Where a robot itself would suggest to go: rooms that are talked about with others are left to those."""
+    """Return the room that a robot itself suggests; rooms that other robots have dialogues about are left out."""
     robot = state.robots[number]
     free = [room for room in state.free_rooms if book.dialogues.other_candidate(room, number) is None]
     return suggest(state.started.costs, robot.at, free, robot.energy, state.started.identify_cost)
@@ -113,14 +113,14 @@ def _discuss(book: OpenGame, state: GameState, discuss: Discuss) -> None:
 
 
 def _open(book: OpenGame, state: GameState, ruling: rules.Ruling, scenario: Scenario, robot: int, room: Room) -> None:
-    """Open a dialogue about something that the rules would allow."""
+    """Open a dialogue about something that the rules allow, or keep the refusal."""
     refused = ruling if isinstance(ruling, RequestRefused) else book.dialogues.open(state, scenario, robot, room)
     if refused is not None:
         book.refuse(MATTERS[scenario], refused)
 
 
 def _immovable(state: GameState, robot: int, awaits_treasures: bool) -> RequestRefused | None:
-    """Why this robot cannot be talked into any move, or None."""
+    """Return the reason why this robot cannot make any move, or None."""
     if awaits_treasures:
         return RequestRefused(KeeperReason.NOT_READY, "The treasures are not hidden yet.")
     ruling = rules.move(state, robot, next(iter(state.free_rooms), Room(1)))
@@ -129,5 +129,5 @@ def _immovable(state: GameState, robot: int, awaits_treasures: bool) -> RequestR
 
 
 def _room(number: int) -> Room:
-    """The room people call this number. A negative one becomes the corridor, which every rule refuses."""
+    """Return the room of a number as people count. A negative one becomes the corridor, which every rule refuses."""
     return Room(max(number, 0))

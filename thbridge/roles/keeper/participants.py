@@ -1,4 +1,4 @@
-"""The participants' programs, and what the keeper tells them: the house, the view, the pictures taken."""
+"""The participants' programs, and the notices to them: floor plan, views, pieces of pictures."""
 
 import base64
 from collections import deque
@@ -12,16 +12,16 @@ from thbridge.wire.notice import notice
 from thbridge.wire.text import TextMessage
 
 PIECE_SIZE = 30_000
-"""Bytes of a picture in one line; in base 64 they are 40000."""
+"""Bytes of a picture in one line; 40,000 characters in base 64."""
 PIECE_PERIOD = TICKS_PER_SECOND // 12
-"""Ticks from one piece to the next: a large picture must not be what a slow connection is cut off for."""
+"""Ticks from one piece to the next: a large picture must not get a slow connection cut off."""
 
 
 class Participants:
-    """Knows who is there, and tells each what changed, and newcomers everything.
+    """The participants' programs that are connected: each gets what changed, a newcomer everything.
 
     Args:
-        sender: in whose name they are told.
+        sender: name of the sending role.
         briefing: the study's part.
     """
 
@@ -31,7 +31,7 @@ class Participants:
         self._members: dict[str, None] = {}
         self._newcomers: dict[str, None] = {}
         self._shown: View | None = None
-        # The pictures that all but newcomers were told, by room; pieces that wait, each with who is to hear it.
+        # The pictures that all but newcomers have, by room; pieces that wait, each with its receiver.
         self._taken: dict[int, str] = {}
         self._pieces: deque[tuple[str, Picture]] = deque()
         self._next_piece = 0
@@ -41,15 +41,15 @@ class Participants:
 
     @property
     def is_empty(self) -> bool:
-        """Whether nobody is there."""
+        """True when no participant's program is connected."""
         return not self._members
 
     def join(self, name: str, map_name: str | None) -> list[TextMessage]:
-        """Somebody is there, perhaps again: what is to be told at once.
+        """Add a participant's program, perhaps again; return the messages to send at once.
 
         Args:
-            name: whose.
-            map_name: of the map that the robots are on; None while that is open.
+            name: of the program.
+            map_name: of the map that the robots are on; None while that is unknown.
         """
         self._members[name] = None
         self._newcomers[name] = None
@@ -61,7 +61,7 @@ class Participants:
         return [encode_notice(self._sender, name, house)]
 
     def show(self, view: View) -> list[TextMessage]:
-        """The view for those who do not have it; pictures that it names follow by and by (`pieces`)."""
+        """Return the messages of the view, for those who do not have it; its pictures follow through `pieces`."""
         self._queue_pictures(view)
         listeners = self._newcomers if view == self._shown else self._members
         self._shown = view
@@ -70,7 +70,7 @@ class Participants:
         return said
 
     def pieces(self, tick: int) -> list[TextMessage]:
-        """The next piece of a picture, if one is due."""
+        """Return the next piece of a picture, if one is due."""
         if not self._pieces or tick < self._next_piece:
             return []
         self._next_piece = tick + PIECE_PERIOD
@@ -91,7 +91,7 @@ class Participants:
 
 
 def _pieces(game: int, room: int, image: bytes) -> Iterator[Picture]:
-    """A picture taken apart."""
+    """Yield the pieces of a picture."""
     starts = range(0, len(image), PIECE_SIZE)
     for number, start in enumerate(starts):
         data = base64.b64encode(image[start : start + PIECE_SIZE]).decode("ascii")

@@ -1,4 +1,4 @@
-"""What ground stations ask of the game: the same rules as for the participant hold, without anything to talk over."""
+"""Requests of ground stations to the game: by the same rules as the participant's, without dialogues."""
 
 from typing import TypeAlias
 
@@ -26,13 +26,13 @@ _Judged: TypeAlias = TakeCommand | ReleaseCommand | SendFor | PictureFor | Ident
 def handle_station_request(
     book: OpenGame, state: GameState, request: CommandRequest, *, awaits_treasures: bool
 ) -> None:
-    """Do what a ground station asks; what the rules refuse is left, and the participant is not bothered with it.
+    """Carry out the request of a ground station; one that the rules refuse is dropped, unseen by the participant.
 
     Args:
-        book: of the game.
-        state: the game as it stands.
-        request: what is asked.
-        awaits_treasures: Hider is about to hide them; nobody is sent before.
+        open_game: the game in progress.
+        state: of the game.
+        request: the request.
+        awaits_treasures: Hider is about to hide them; until then no robot is sent.
     """
     match request:
         case CallBackFor(robot):
@@ -47,9 +47,9 @@ def handle_station_request(
 
 
 def sense_for_stations(book: OpenGame, state: GameState) -> None:
-    """Let robots that a ground station commands tell what they see where they arrived: no wish asks them to.
+    """Let robots that a ground station commands sense the treasure on arrival, since no station requests it.
 
-    A Hider of 2016 keeps the treasures to itself: then there is nothing to tell.
+    A Hider of 2016 does not reveal the treasures: then there is nothing to sense.
     """
     for robot in state.robots:
         held = robot.holder.by is Commander.GROUND_STATION
@@ -60,7 +60,7 @@ def sense_for_stations(book: OpenGame, state: GameState) -> None:
 
 
 def kept_commands(former: GameState, robots: int) -> tuple[Commanded, ...]:
-    """What makes ground stations command the same robots in another game, of so many robots."""
+    """Return the events that keep ground stations in command of their robots in the next game, of so many robots."""
     return tuple(
         Commanded(number, robot.holder.by, robot.holder.name)
         for number, robot in enumerate(former.robots[:robots])
@@ -69,7 +69,7 @@ def kept_commands(former: GameState, robots: int) -> tuple[Commanded, ...]:
 
 
 def return_robots(book: OpenGame) -> None:
-    """Give all robots to the participant: after a restart nobody is there any more who commanded them."""
+    """Give all robots to the participant: after a restart no other commander is connected any more."""
     robots = () if book.state is None else book.state.robots
     book.record(
         tuple(
@@ -81,7 +81,7 @@ def return_robots(book: OpenGame) -> None:
 
 
 def _stop(book: OpenGame, state: GameState, robot: int) -> None:
-    """Call a robot back, once; whose robot it is, if it is the participant's, has to know who did that."""
+    """Call a robot back, once; a participant who commands it learns by a refusal who stopped it."""
     if not book.is_recalled(robot) and state.robots[robot].command.by is Commander.PARTICIPANT:
         sentence = f"A ground station has stopped {rules.robot_name(robot)}."
         book.refuse(SendRobot.__name__, RequestRefused(KeeperReason.STOPPED, sentence))

@@ -1,7 +1,7 @@
 """Wizard-of-Oz: a person, unknown to the participant, speaks and advises in the place of robots.
 
-What waits for that person is a level, told whenever it changes; a robot that nobody speaks for any more decides at once
-what waited.
+The turns that wait for that person are a state, recorded whenever it changes; a robot that is released decides them at
+once by its own strategy.
 """
 
 from dataclasses import dataclass
@@ -20,12 +20,12 @@ from thbridge.roles.robot_requests import AdviseFor, Puppeteer, SpeakFor, Wizard
 
 @dataclass(frozen=True, slots=True)
 class HeldAdvice:
-    """A participant's "don't know" that waits for whoever speaks in a puppet's place.
+    """A participant's "don't know", which waits for the person who speaks in a puppet's place.
 
     Attributes:
-        robot: which is asked, from 0.
+        robot: index of the robot asked, from 0.
         costs: energy by room that it may suggest, as people count rooms.
-        suggestion: what it would say itself; None: nothing any more.
+        suggestion: the room of its own strategy; None: there is none any more.
     """
 
     robot: int
@@ -35,26 +35,26 @@ class HeldAdvice:
 
 @dataclass(frozen=True, slots=True)
 class WizardState:
-    """For which robots a person speaks, and what waits for that person."""
+    """Robots that a person speaks for, and the turns and advice that wait for that person."""
 
     puppets: tuple[int, ...] = ()
     turns: tuple[HeldTurn, ...] = ()
     advice: tuple[HeldAdvice, ...] = ()
 
     def json(self) -> str:
-        """All of it, an object."""
+        """Return it as a JSON object."""
         return msgspec.json.encode(self).decode()
 
 
 def wizard_state(book: OpenGame, state: GameState | None) -> WizardState:
-    """What waits in this game."""
+    """Return what waits for the wizard in this game."""
     talks = book.dialogues
     advice = () if state is None else tuple(_advice(book, state, robot) for robot in talks.asked_for_advice)
     return WizardState(tuple(sorted(talks.puppets)), talks.held_turns(), advice)
 
 
 def handle_wizard_request(book: OpenGame, state: GameState | None, request: WizardRequest) -> None:
-    """Do what is asked in a robot's place; what is not waited for any more changes nothing."""
+    """Carry out a wizard's request; one for a turn that is past changes nothing."""
     match request:
         case Puppeteer(robot, True):
             book.dialogues.hold(robot)
@@ -79,7 +79,7 @@ def _advice(book: OpenGame, state: GameState, robot: int) -> HeldAdvice:
 
 
 def _rooms(book: OpenGame, state: GameState, robot: int) -> list[Room]:
-    """Where a robot may be advised to go."""
+    """Return the rooms that a robot may suggest."""
     return [
         room
         for room in state.free_rooms

@@ -1,1 +1,1 @@
-"""SimR, the robots' program: drives a team by the keeper's orders, and tells where robots are."""
+"""SimR, the robots' program: drives a team by the keeper's orders, and sends pose telemetry."""

@@ -1,4 +1,4 @@
-"""The robots' controls: what is asked of them beside the game, and what becomes of it."""
+"""Controls of the robots: requests beside the game, and their effects."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,12 +12,12 @@ from thbridge.ros.actionlib import ActionRequest, MoveBaseServer
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 
 MANUAL_DRIVE_TICKS = TICKS_PER_SECOND // 2
-"""Ticks that one command of somebody who drives by hand lasts; then the base stops, as real ones do."""
+"""Ticks that one command of manual driving lasts; then the base stops, as real ones do."""
 
 
 @dataclass(frozen=True, slots=True)
 class _ManualDrive:
-    """Somebody drives a robot by hand for so many more ticks; a researcher of this name, or None."""
+    """Manual driving of a robot for so many more ticks, by the researcher of this name, or None."""
 
     ticks: int
     researcher: str | None
@@ -27,7 +27,7 @@ class RobotControls:
     """Takes requests between two ticks of a team, and turns them into its inputs for the next.
 
     Args:
-        robots: somebody else steps them.
+        robots: the team; the caller steps it.
     """
 
     def __init__(self, robots: RobotTeam) -> None:
@@ -36,16 +36,16 @@ class RobotControls:
         self._actions: list[ActionRequest] = []
         self._inputs: list[TeamInput] = []
         self._by_hand: dict[int, _ManualDrive] = {}
-        # Researchers by robot and number of the goal that they have set.
+        # Researchers, by robot and number of the goal that they have set.
         self._goals: dict[tuple[int, int], str] = {}
         self._researchers: tuple[str | None, ...] = (None,) * robots.size
 
     def ask(self, request: RobotRequest, researcher: str | None = None) -> None:
-        """Do this in the next tick; requests to robots that there are not are forgotten.
+        """Queue a request for the next tick; a request to a robot that does not exist is dropped.
 
         Args:
-            request: what.
-            researcher: the name of whoever intervenes by it; None: nobody does.
+            request: the request.
+            researcher: name of the researcher who intervenes by it; None: it is no intervention.
         """
         if not (isinstance(request, PutThing | RemoveThing) or 0 <= request.robot < self._robots.size):
             return
@@ -68,7 +68,7 @@ class RobotControls:
                 self._take(request, researcher)
 
     def take_inputs(self, tick: int) -> list[TeamInput]:
-        """What the team shall do in its next step, that of this tick: as asked; then what clients' goals come to."""
+        """Return the team's inputs for the step of this tick: requests as they came, then goals of action clients."""
         actions, self._actions = self._actions, []
         for robot, server in enumerate(self._servers):
             for decided in server.take(tick, [action for action in actions if action.robot == robot]):
@@ -77,7 +77,7 @@ class RobotControls:
         return inputs
 
     def follow(self, snapshot: TeamSnapshot) -> None:
-        """See what became of it."""
+        """Update action servers and researchers from the team's step."""
         self._by_hand = {
             robot: replace(hand, ticks=hand.ticks - 1) for robot, hand in self._by_hand.items() if hand.ticks > 1
         }
@@ -91,12 +91,12 @@ class RobotControls:
             server.follow(snapshot.tick, navigation, output.estimate.base_in_map)
 
     def is_driven(self, robot: int) -> bool:
-        """Whether somebody drives a robot by hand just now."""
+        """Return True while a robot is driven by hand."""
         return robot in self._by_hand
 
     @property
     def researchers(self) -> tuple[str | None, ...]:
-        """By robot, who intervenes just now: whose goal it drives to, or who drives it by hand; None: nobody."""
+        """The researcher who intervenes, by robot: who set its goal, or drives it by hand; None: nobody."""
         return self._researchers
 
     def _take(self, item: TeamInput, researcher: str | None = None) -> None:
@@ -108,9 +108,9 @@ class RobotControls:
         self._inputs.append(item)
 
     def tuning(self, robot: int) -> Tuning | None:
-        """What can be changed of a robot, as it will be when all that was asked so far is done.
+        """Return a robot's parameters as they will be after all requests so far.
 
-        None where it is not ours to change.
+        None for real robots, whose parameters cannot be changed here.
         """
         if robot >= len(self._robots.parameters):
             return None

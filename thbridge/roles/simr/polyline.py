@@ -1,4 +1,4 @@
-"""Lines of many points, told in few."""
+"""Polyline simplification."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,14 +7,14 @@ from sim.common.geometry import FloatArray
 
 
 def needed_points(points: FloatArray, tolerance: float) -> NDArray[np.bool_]:
-    """Which of a line's points are enough to draw it.
+    """Return the points of a polyline that are needed to draw it within a tolerance.
 
     Args:
         points: (m, 2); at least one.
-        tolerance: by how much a point left out may be off the line drawn, in the unit of the points.
+        tolerance: greatest distance of a removed point from the drawn line, in the unit of the points.
 
     Returns:
-        (m,) whether each is needed; both ends are.
+        (m,) True for the points to keep; both ends are.
 
     Source: Ramer, An iterative procedure for the polygonal approximation of plane curves (1972); Douglas and Peucker
     (1973).
@@ -36,7 +36,7 @@ def needed_points(points: FloatArray, tolerance: float) -> NDArray[np.bool_]:
 
 
 def _off(points: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
-    """(m,) distances of (m, 2) points from the stretch between two."""
+    """Return the (m,) distances of (m, 2) points from the segment between two."""
     along = end - start
     length = float(along @ along)
     if length == 0.0:

@@ -1,6 +1,6 @@
-"""What SimR tells those who follow the robots on a map: where they are and what they do, many times a second.
+"""Pose telemetry: SimR sends poses, activities and planned paths of the robots to subscribers, many times a second.
 
-What the study does not show never leaves: it is not written and then hidden, it is not written.
+Values that the study does not show are never sent; a receiver has nothing to hide.
 """
 
 import math
@@ -20,20 +20,20 @@ from thbridge.roles.simr.polyline import needed_points
 from thbridge.wire.text import TextMessage
 
 POSE_PERIOD = TICKS_PER_SECOND // 25
-"""Ticks from one word about the robots' whereabouts to the next."""
+"""Ticks from one message of poses to the next."""
 PATH_PERIOD = TICKS_PER_SECOND // 10
-"""Ticks from one word about the ways that lie ahead of them to the next, if they change."""
+"""Ticks from one message of planned paths to the next, if they change."""
 SUBSCRIPTION_TICKS = 60 * TICKS_PER_SECOND
-"""Ticks a subscription lasts unless it is renewed: long enough for windows that renew it in real time, where the
+"""Ticks that a subscription lasts unless it is renewed: long enough for windows that renew it in real time while the
 simulation runs many times as fast."""
 
 PATH_TOLERANCE = 0.01
-"""Metres by which points left out may be off a way. It may be twice as much where the robot is, that is not quite on it
-either; with the rounding to centimetres a way that is told is off by less than 0.03 m."""
+"""Metres by which removed points may be off a path. The error doubles at the robot, which is itself up to this far off
+its path; with the rounding to centimetres a path that is sent is off by less than 0.03 m."""
 MOST_PATH_POINTS = 2000
-"""Of all ways in one line."""
+"""Points of all paths in one message."""
 CHI_SQUARE_95 = 5.991
-"""Of a normal distribution in the plane lie within this squared Mahalanobis distance (chi-square, 2 dof)."""
+"""Squared Mahalanobis distance that holds 95 % of a normal distribution in the plane (chi-square, 2 dof)."""
 
 Triple = tuple[float, float, float]
 Line = tuple[tuple[float, float], ...]
@@ -41,12 +41,12 @@ Line = tuple[tuple[float, float], ...]
 
 @dataclass(frozen=True, slots=True)
 class TelemetryOptions:
-    """What a study shows of robots, beside where they believe they are and what they do.
+    """Options of what a study shows of robots, beside estimated poses and activities.
 
     Attributes:
-        way: the ways that lie ahead of them.
-        uncertainty: how sure they are of their places.
-        truth: where they really are.
+        path: planned paths.
+        uncertainty: ellipses of the estimated positions.
+        truth: true poses.
     """
 
     path: bool = True
@@ -55,11 +55,11 @@ class TelemetryOptions:
 
 
 class TelemetryPublisher:
-    """Knows who wants to be told, and what they were told last.
+    """Publisher of pose telemetry to its subscribers.
 
     Args:
-        sender: in whose name they are told.
-        shows: what they may know.
+        sender: name of the sending role.
+        shows: what subscribers may know.
     """
 
     def __init__(self, sender: str, shows: TelemetryOptions) -> None:
@@ -71,7 +71,7 @@ class TelemetryPublisher:
         self._ways: tuple[Line, ...] = ()
 
     def subscribe(self, name: str, tick: int) -> None:
-        """Somebody wants to be told from now on, or goes on wanting it."""
+        """Begin a subscription, or renew it."""
         self._until[name] = tick + SUBSCRIPTION_TICKS
         if self._shows.path:
             self._newcomers[name] = None
@@ -83,13 +83,13 @@ class TelemetryPublisher:
         conditions: Sequence[Condition],
         progress: Mapping[int, float],
     ) -> list[TextMessage]:
-        """What there is to say in this tick.
+        """Return the messages of this tick.
 
         Args:
             tick: of the role.
             snapshot: of the robots.
-            conditions: how each is.
-            progress: share of its way that is driven, of each robot that is under way.
+            conditions: of each robot.
+            progress: driven share of the path, of each robot that drives for the game.
         """
         self._until = {name: until for name, until in self._until.items() if until > tick}
         said: list[TextMessage] = []
@@ -108,7 +108,7 @@ class TelemetryPublisher:
         return [encode_notice(self._sender, name, value) for name in names]
 
     def _ahead(self, snapshot: TeamSnapshot, conditions: Sequence[Condition]) -> tuple[Line, ...]:
-        """The way ahead of each robot that answers."""
+        """Return the path ahead of each robot that responds."""
         count = len(snapshot.robots)
         if len(self._plans) != count:
             self._plans = tuple(_Plan(max(2, MOST_PATH_POINTS // count)) for _ in range(count))
@@ -137,7 +137,9 @@ class TelemetryPublisher:
 
 
 def ellipse_of(covariance: FloatArray) -> Ellipse:
-    """Where 95 % of a belief of this (2 or more, 2 or more) covariance lie; of a pose, its place. In m^2."""
+    """Return the ellipse that holds 95 % of a belief; its covariance is at least 2 x 2, x and y first, in m^2.
+
+    The half axes are the square roots of the eigenvalues of the 2 x 2 covariance, scaled by the chi-square quantile."""
     (xx, xy), (_, yy) = covariance[:2, :2].tolist()
     mean, spread = 0.5 * (xx + yy), math.hypot(0.5 * (xx - yy), xy)
     major, minor = (math.sqrt(CHI_SQUARE_95 * max(0.0, variance)) for variance in (mean + spread, mean - spread))
@@ -167,8 +169,10 @@ def _motion(output: RobotOutput, condition: Condition, progress: float) -> Robot
 class _Plan:
     """A robot's plan in few points: thinned when it is new, and only cut while it is driven.
 
+    A plan that were thinned anew at each step would jump on the map.
+
     Args:
-        most: points to tell of it.
+        most: number of points to send.
     """
 
     def __init__(self, most: int) -> None:
@@ -177,7 +181,7 @@ class _Plan:
         self._kept: NDArray[np.bool_] = np.empty(0, dtype=np.bool_)
 
     def ahead(self, output: RobotOutput) -> Line:
-        """The way from the robot's place on; none where it has none, or one that it only wishes for."""
+        """Return the path from the robot's position on; empty unless the robot is driving along a plan."""
         navigation, here = output.navigation, output.estimate.base_in_map
         points = navigation.plan[1:, :2]
         if navigation.state != "controlling" or not len(points):
@@ -203,5 +207,5 @@ def _triple(pose: FloatArray) -> Triple:
 
 
 def _milli(number: float) -> float:
-    """To the millimetre, or thousandth of a radian: nobody sees more, and lines stay short."""
+    """Round to the millimetre, or thousandth of a radian: nobody sees more, and lines stay short."""
     return round(number, 3)

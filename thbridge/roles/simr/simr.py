@@ -1,4 +1,4 @@
-"""SimR: the robots' program. It drives a team of robots by the keeper's orders and tells where they got to."""
+"""SimR: the robots' program. It drives a team of robots by the keeper's orders and reports the results."""
 
 import math
 from collections.abc import Sequence
@@ -34,13 +34,13 @@ from thbridge.wire.notice import Notice, parse_notice
 from thbridge.wire.text import TextCommand, TextMessage
 
 STATUS_PERIOD = TICKS_PER_SECOND
-"""Ticks from one status to the next; one is also sent whenever a move ends."""
+"""Ticks from one status to the next; one is also sent whenever a move, a condition or a researcher changes."""
 
 KEEPER_TIMEOUT = TICKS_PER_SECOND
-"""Ticks that a `%%goto` waits for a keeper; when none was ever heard, it is obeyed as in 2016."""
+"""Ticks that a `%%goto` waits for a keeper; without orders of a keeper it is then obeyed as in 2016."""
 
 RESPONSE_TIMEOUT = 5 * TICKS_PER_SECOND
-"""What `SimR` takes for silence, unless it is told otherwise, ticks."""
+"""Default ticks without observations after which a robot counts as silent."""
 
 MANUAL_SPEEDS = {
     canonical.MoveDirection.FORWARD: (1.0, 0.0),
@@ -50,17 +50,17 @@ MANUAL_SPEEDS = {
     canonical.MoveDirection.TURN_CLOCKWISE: (0.0, -1.0),
     canonical.MoveDirection.TURN_ANTICLOCKWISE: (0.0, 1.0),
 }
-"""Shares of forward speed and rate of turn, at full intensity 0.5 m/s and 1 rad/s."""
+"""Shares of forward speed and turn rate; at full intensity 0.5 m/s and 1 rad/s."""
 
 
 @dataclass(frozen=True, slots=True)
 class GameMap:
-    """Where robots may be sent: the map as SimR needs it.
+    """The map of the game as SimR needs it.
 
     Attributes:
         name: of the map.
-        goals: the goal pose of each room, room 1 first.
-        starts: a start pose a robot.
+        goals: goal pose of each room, room 1 first.
+        starts: start pose of each robot.
         costs: energy from place to place as people count them, None where there is no move.
     """
 
@@ -72,7 +72,7 @@ class GameMap:
 
 @dataclass(frozen=True, slots=True)
 class _Move:
-    """A move under way. `length` is the longest plan it has had, metres; 0 until there is one."""
+    """A move in progress. `length` is its longest plan so far, metres; 0 until there is one."""
 
     order: MoveOrder
     recalled: bool = False
@@ -86,15 +86,15 @@ class _Move:
 class SimR:
     """The robots' role.
 
-    Moves come as the keeper's orders. Where no keeper was ever heard (a server of another make), a `%%goto` is obeyed
-    as SimR did in 2016. In either case it answers `%%where`, takes `%%move`, and goes to points in metres.
+    Moves are the keeper's orders. Without a keeper (at a server of another make) a `%%goto` is obeyed as SimR did in
+    2016. In either case SimR answers `%%where`, takes `%%move`, and goes to points in metres.
 
     Args:
         robots: the team.
-        field: where they may be sent.
-        dialect: which reading of `%%goto` comes first.
-        silence: ticks after which a robot that says nothing any more counts as silent, and its move has failed.
-        shows: what those who follow the robots on a map are told of them.
+        game_map: rooms, start poses and costs.
+        dialect: the reading of `%%goto` that is tried first.
+        response_timeout: ticks without observations after which a robot counts as silent and its move has failed.
+        telemetry: what subscribers of pose telemetry may know.
     """
 
     name = legacy.SIMR
@@ -129,35 +129,35 @@ class SimR:
 
     @property
     def snapshot(self) -> TeamSnapshot | None:
-        """What the team did in the last step; None before the first."""
+        """The team after the last step; None before the first."""
         return self._snapshot
 
     @property
     def rejection(self) -> str | None:
-        """Why the keeper does not take these robots into its game; None when it does."""
+        """The keeper's reason for not taking these robots into its game; None when it takes them."""
         return self._unfit
 
     def connected(self) -> None:
-        """Tell the keeper with the next step that the robots are there."""
+        """Introduce the robots to the keeper with the next step."""
         self._introduce = True
 
     def ask(self, request: RobotRequest, researcher: str | None = None) -> None:
-        """Do this with the next step, before what is said to SimR then; an order of the game goes on afterwards.
+        """Queue a request for the next step, before the messages of that step; a move of the game resumes afterwards.
 
         Args:
-            request: what.
-            researcher: the name of whoever intervenes by it, and so commands the robot while it lasts; None: nobody.
+            request: the request.
+            researcher: name of the researcher who intervenes by it, and so commands the robot; None: nobody.
         """
         self._controls.ask(request, researcher)
 
     def tuning(self, robot: int) -> Tuning | None:
-        """What can be changed of a robot; see `Controls.tuning`."""
+        """Return a robot's parameters; see `RobotControls.tuning`."""
         return self._controls.tuning(robot)
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
-        """One tick of the role and of the team; see `Role`."""
+        """Run one tick of the role and of the team; see `Role`."""
         said: list[TextMessage] = []
-        # What robots had forgotten comes first: what is asked of them is newer, and what is ordered now even more so.
+        # Goals to restore come first: requests are newer than they are, and orders of this tick newer still.
         resumed, self._inputs = self._inputs, []
         if self._introduce:
             self._introduce = False
@@ -180,7 +180,7 @@ class SimR:
         progress = {robot: way.share() for robot, way in self._ways.items()}
         return said + self._bulletin.messages(tick, self._snapshot, self._conditions, progress)
 
-    # What is said to SimR
+    # Messages to SimR
 
     def _hear(self, tick: int, message: TextMessage) -> list[TextMessage]:
         match message.command:
@@ -219,7 +219,7 @@ class SimR:
             self._unfit = unfit.sentence
 
     def _can_follow(self, orders: Orders) -> bool:
-        """Whether these are orders for this team on this map; anything else is noise."""
+        """Return True for orders that fit this team and map; others come from a faulty sender and are ignored."""
         team, places = self._team.size, range(len(self._field.goals) + 1)
         return (
             orders.game > 0
@@ -230,7 +230,7 @@ class SimR:
         )
 
     def _follow(self, orders: Orders) -> None:
-        """Make the robots do what the keeper says they do."""
+        """Start and stop moves as the keeper orders."""
         if orders.game != self._game:
             self._begin(orders)
         for robot, order in enumerate(orders.moves):
@@ -243,7 +243,7 @@ class SimR:
         self._inputs += [SetCharge(robot, charge) for robot, charge in enumerate(orders.energy)]
 
     def _begin(self, orders: Orders) -> None:
-        """A new game, or back in one that was under way: put every robot where it belongs."""
+        """Put every robot in its place for a new game, or for one in progress that SimR comes back to."""
         again = self._game != 0
         self._game = orders.game
         self._waiting.clear()
@@ -272,7 +272,7 @@ class SimR:
         return Goal(order.move, self._field.goals[Room.of_people(order.room).wire])
 
     def _obey_unjudged(self, tick: int) -> None:
-        """Obey what has waited for a keeper long enough; with a keeper there is nothing to obey but its orders."""
+        """Obey lines that have waited for a keeper until the timeout; with a keeper only its orders count."""
         if self._game != 0:
             self._waiting.clear()
         while self._waiting and tick - self._waiting[0][0] >= KEEPER_TIMEOUT:
@@ -281,7 +281,7 @@ class SimR:
             self._go(goto.robot, MoveOrder(self._without_keeper, Room.of_wire(goto.room).people))
 
     def _is_free(self, robot: int) -> bool:
-        """Whether a line may drive a robot beside the game: it is under way in it nowhere, and nobody has taken it."""
+        """Return True when a text line may drive a robot: it has no move of the game, and nobody else commands it."""
         return 0 <= robot < self._team.size and robot not in self._ways and robot not in self._taken
 
     def _go_to_point(self, goto: GotoPoint) -> None:
@@ -291,7 +291,7 @@ class SimR:
         heading = math.atan2(goto.y - here.y, goto.x - here.x) if goto.heading is None else goto.heading
         self._inputs.append(Go(goto.robot, Goal(0, Pose2(goto.x, goto.y, heading))))
 
-    # What SimR tells
+    # Messages of SimR
 
     def _ended(self, snapshot: TeamSnapshot) -> list[TextMessage]:
         said = []
@@ -309,7 +309,7 @@ class SimR:
             if self._is_silent(snapshot, output):
                 self._fail(robot, way, reasons.unresponsive_sentence(robot))
             elif result is not None and result.goal != goal:
-                pass  # The end of an earlier goal, or of one that somebody else set.
+                pass  # The result of an earlier goal, or of one that somebody else set.
             elif isinstance(result, GoalReached):
                 del self._ways[robot]
                 self._results[robot] = MoveResult(way.order.move, True, "", 1.0)
@@ -320,7 +320,7 @@ class SimR:
                 if way.recalled:
                     self._fail(robot, way, reasons.CALLED_BACK)
                 elif not self._controls.is_driven(robot):
-                    # It was dead for a moment, or sent elsewhere or driven by hand, and has forgotten its order.
+                    # It was dead for a while, or sent elsewhere or driven by hand: its navigator has lost the goal.
                     self._inputs.append(Go(robot, goal))
         return said
 
@@ -329,11 +329,11 @@ class SimR:
         self._results[robot] = MoveResult(way.order.move, False, sentence, way.share())
 
     def _is_silent(self, snapshot: TeamSnapshot, robot: RobotOutput) -> bool:
-        """Whether a robot has said nothing for so long that it counts as silent."""
+        """Return True for a robot whose last observations are older than the timeout."""
         return snapshot.tick - robot.observations.tick >= self._silence
 
     def _conditions_in(self, snapshot: TeamSnapshot) -> tuple[Condition, ...]:
-        """How each robot is, as far as it can be heard."""
+        """Return the condition of each robot, as far as its messages show it."""
         return tuple(
             Condition.SILENT
             if self._is_silent(snapshot, robot)
@@ -352,6 +352,6 @@ class SimR:
 
 
 def _believed(snapshot: TeamSnapshot) -> tuple[tuple[float, float, float], ...]:
-    """Where the robots believe they are."""
+    """Return the estimated x, y, theta of the robots."""
     poses = (output.estimate.base_in_map for output in snapshot.robots)
     return tuple((pose.x, pose.y, pose.theta) for pose in poses)

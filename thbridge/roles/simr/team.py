@@ -1,4 +1,4 @@
-"""The robots that SimR commands: simulated ones (`sim.team.Team`), or those of others."""
+"""The robots that SimR commands: simulated (`sim.team.Team`) or real."""
 
 from collections.abc import Sequence
 from typing import Protocol
@@ -13,15 +13,15 @@ class RobotTeam(Protocol):
 
     @property
     def size(self) -> int:
-        """How many robots."""
+        """Number of robots."""
 
     @property
     def parameters(self) -> tuple[RobotParameters, ...]:
-        """Of each robot's software, as they are now; empty where they are not ours to change."""
+        """Current parameters of each robot's software; empty for real robots."""
 
     @property
     def worlds(self) -> tuple[WorldParameters, ...]:
-        """What is true of each robot's body, motors and sensors now; empty where `parameters` is."""
+        """True properties of each robot's body, motors and sensors now; empty where `parameters` is."""
 
     def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
-        """One tick, with what is asked of the robots, in its order; what robots cannot do, they leave."""
+        """Run one tick with these inputs, in their order; inputs that a robot cannot carry out have no effect."""

@@ -1,19 +1,19 @@
-"""What the study's parameters are called in MAVLink: at most 16 characters of A-Z, 0-9 and _.
+"""MAVLink names of the study's parameters: at most 16 characters of A-Z, 0-9 and _.
 
-A name is what its path begins with, shortened, and then the parameter's own name, shortened: as a whole where a table
-has it, or else word by word. `GC_INFL_RADIUS` is `global_costmap.inflation_layer.inflation_radius`. Ground stations
-group parameters by what stands before the first `_`: one group for each of ROS's nodes, costmaps and planners, and SIM
-for what the simulator makes true sensors do, as ArduPilot calls it.
+A name is a shortened prefix of the parameter's path, and then the parameter's own name, shortened: as a whole where a
+table has it, or else word by word. `GC_INFL_RADIUS` is `global_costmap.inflation_layer.inflation_radius`. Ground
+stations group parameters by the part before the first `_`: one group for each of ROS's nodes, costmaps and planners,
+and SIM for the noise of simulated sensors, as in ArduPilot.
 """
 
 from collections.abc import Mapping
 
 LONGEST = 16
-"""Characters that MAVLink has room for."""
+"""Characters of a parameter's name in MAVLink (`param_id`)."""
 
 _BEGINNINGS: Mapping[str, str] = {
     "amcl.": "AMCL",
-    "amcl.laser_": "AMCL",  # As amcl calls them among itself.
+    "amcl.laser_": "AMCL",  # amcl's own groups of parameters.
     "amcl.odom_": "AMCL",
     "amcl.beam_skip_": "AMCL_BSKIP",
     "ekf.": "EKF",
@@ -36,7 +36,7 @@ _BEGINNINGS: Mapping[str, str] = {
     "world.laser.": "SIM_LASER",
     "world.laser.range_": "SIM_LASER",
 }
-"""The longest that fits counts."""
+"""Prefixes of paths; the longest that fits counts."""
 
 _OWN: Mapping[str, str] = {
     "recovery_alpha_slow": "RECOV_SLOW",
@@ -64,7 +64,7 @@ _OWN: Mapping[str, str] = {
     "make_plan_add_unreachable_goal": "PLAN_ADD_GOAL",
     "shutdown_costmaps": "SHUT_COSTMAPS",
 }
-"""Whole names that words would make too long, or that repeat what stands before them."""
+"""Whole names that would be too long word by word, or that repeat their prefix."""
 
 _WORDS: Mapping[str, str] = {
     "angle": "ANG",
@@ -116,19 +116,19 @@ GROUPS: Mapping[str, str] = {
     "MB": "move_base",
     "SIM": "How the simulator lets true sensors err",
 }
-"""Who has the parameters whose names begin so."""
+"""Owner of the parameters of each group, by the group's prefix."""
 
 
 def group_of(name: str) -> str:
-    """What a name begins with, a key of `GROUPS`."""
+    """Return the group of a name, a key of `GROUPS`."""
     return name.partition("_")[0]
 
 
 def name_of(path: str) -> str:
-    """The name of the parameter at a path.
+    """Return the name of the parameter at a path.
 
     Raises:
-        ValueError: MAVLink has no room for it: a table above must learn to shorten it.
+        ValueError: it is too long for MAVLink: a table above must shorten it.
     """
     beginning = max((each for each in _BEGINNINGS if path.startswith(each)), key=len)
     whole = path.rpartition(".")[2]

@@ -1,8 +1,8 @@
-"""A robot's parameters as MAVLink has them: numbers under short names, that a ground station may turn while it drives.
+"""A robot's parameters as MAVLink has them: numbers under short names, which a ground station may change at any time.
 
-MAVLink tells numbers in 32 bits. What is told is the nearest of those to the value in force; what is set means the
-shortest decimal that is told so, and nothing where that is told already: 0.1 stays 0.1, through any number of
-ground stations that send back what they have read.
+MAVLink sends 32-bit floats. The number sent is the 32-bit float nearest to the value in force. A number received means
+the shortest decimal with that nearest float, and no change if the value in force has it already: so 0.1 stays 0.1,
+however often ground stations send back what they have read.
 """
 
 import math
@@ -23,24 +23,24 @@ from thbridge.wire.mavlink.vehicle_interface import Denied, ParameterDescription
 
 @dataclass(frozen=True, slots=True)
 class VehicleParameter:
-    """A parameter of the study that MAVLink can tell.
+    """A parameter of the study that MAVLink can represent.
 
     Attributes:
         name: at most 16 characters of A-Z, 0-9 and _.
-        knob: how it is declared.
+        declaration: its path, type, unit, bounds and choices.
     """
 
     name: str
     declaration: LiveParameter
 
     def to_number(self, value: ParameterValue) -> float:
-        """The number that a value is told as: of words their place among the choices; 0 where there is none."""
+        """Return the number for a value: of a word its place among the choices; 0 for None."""
         if isinstance(value, str):
             return float(self.declaration.choices.index(value))
         return float(value or 0)
 
     def from_number(self, told: float) -> ParameterValue | Denied:
-        """The value that is meant by a number, which is one of 32 bits; its bounds are not looked at."""
+        """Return the value for a 32-bit number, or the reason why it has none; bounds are not checked."""
         types, choices = self.declaration.types, self.declaration.choices
         if float in types:
             return None if told == 0.0 and NoneType in types else float(str(np.float32(told)))
@@ -55,7 +55,7 @@ class VehicleParameter:
         return choices[int(told)]
 
     def description(self, default: ParameterValue) -> ParameterDescription:
-        """What it means; `default` is its value at first."""
+        """Return its description for ground stations; `default` is its value at the start of the session."""
         knob = self.declaration
         path = knob.path if knob.path.startswith(WORLD_PREFIX) else f"robot.{knob.path}"
         may_be_none = NoneType in knob.types
@@ -83,7 +83,7 @@ PARAMETERS = tuple(
     for knob in (*live_parameters(), *live_parameters(WorldParameters, WORLD_PREFIX[:-1]))
     if _is_numeric(knob)
 )
-"""All of them, in the order in which they are told: those of the software, then how true sensors err."""
+"""All of them, in the order of sending: those of the software, then the noise of true sensors."""
 
 _PLACES = {parameter.name: place for place, parameter in enumerate(PARAMETERS)}
 
@@ -96,24 +96,24 @@ _IN_TUNING = attrgetter(
 
 
 def values_of(tuning: Tuning) -> tuple[ParameterValue, ...]:
-    """The values in force, in the order of `PARAMETERS`."""
+    """Return the values in force, in the order of `PARAMETERS`."""
     return cast(tuple[ParameterValue, ...], _IN_TUNING(tuning))
 
 
 class Tunable(Protocol):
-    """Whoever knows a team's parameters, and has them changed."""
+    """Access to a team's parameters, which `SimR` provides."""
 
     def tuning(self, robot: int) -> Tuning | None:
-        """What can be changed of a robot, as it will be when all that was asked so far is done."""
+        """Return a robot's parameters as they will be after all requests so far; None for a real robot."""
 
     def ask(self, request: SetParameters) -> None:
-        """Do this with the next step."""
+        """Queue a request for the next step."""
 
 
 class VehicleParameters:
-    """The parameters of one robot's vehicle. Whoever else changes them, these tell what is in force.
+    """The parameters of one robot's vehicle, always the values in force, also when another client changed them.
 
-    A robot whose parameters are not ours to change, a real one, has none.
+    A real robot, whose parameters cannot be changed here, has none.
 
     Args:
         robot: its index in the team.
@@ -128,14 +128,14 @@ class VehicleParameters:
         self._settings: tuple[ParameterSetting, ...] = ()
 
     def descriptions(self) -> Sequence[ParameterDescription]:
-        """What each of them means, and was when the session began."""
+        """Return their descriptions, with the values at the start of the session as defaults."""
         if self._at_first is None:
             return ()
         values = values_of(self._at_first)
         return tuple(parameter.description(value) for parameter, value in zip(PARAMETERS, values, strict=True))
 
     def settings(self) -> Sequence[ParameterSetting]:
-        """All of them, always in the same order, as they are or are about to be."""
+        """Return all of them, always in the same order, as they will be after all requests so far."""
         tuning = self._robots.tuning(self._robot)
         if tuning is not None and tuning != self._of:
             told = (parameter.to_number(value) for parameter, value in zip(PARAMETERS, values_of(tuning), strict=True))
@@ -145,22 +145,22 @@ class VehicleParameters:
         return self._settings
 
     def setting(self, name: str) -> ParameterSetting | None:
-        """One of them; None where there is none of this name."""
+        """Return one of them; None for an unknown name."""
         place, settings = _PLACES.get(name), self.settings()
         return None if place is None or not settings else settings[place]
 
     def change(self, name: str, value: float) -> ParameterSetting | Denied:
-        """Set one of them; what it is now, or why it keeps its value.
+        """Set one of them; return its new setting, or the reason why it keeps its value.
 
         Args:
             name: of the parameter.
-            value: any number; as a 32-bit float it counts.
+            value: any number; it is rounded to a 32-bit float.
         """
         before, tuning = self.setting(name), self._robots.tuning(self._robot)
         if before is None or tuning is None:
             return Denied(f"There is no parameter {name}.")
         parameter = PARAMETERS[_PLACES[name]]
-        with np.errstate(over="ignore"):  # What is beyond all numbers of 32 bits is infinite.
+        with np.errstate(over="ignore"):  # Too large for 32 bits: infinite.
             wanted = float(np.float32(value))
         if not math.isfinite(wanted):
             return Denied(f"{name} is a number, not {wanted:g}.")

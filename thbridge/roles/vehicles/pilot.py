@@ -1,7 +1,7 @@
-"""At a robot's helm: what ground stations ask of it becomes moves of the game, or goals and hand-driving beside it.
+"""Pilot of one robot: requests of ground stations become moves of the game, or goals and manual driving beside it.
 
-A point in a room is a move of the game: its rules hold, energy is paid, what is there is told. Any other point, and one
-in the room where the robot stands, is a goal of its navigator that the game does not notice.
+A point in a room is a move of the game: its rules hold, energy is paid, the treasure is sensed. Any other point, and
+one in the room where the robot stands, is a goal of its navigator that the game does not notice.
 """
 
 import math
@@ -54,13 +54,13 @@ from thbridge.wire.mavlink.vehicle_interface import (
 
 @dataclass(frozen=True, slots=True)
 class GameSetup:
-    """What all pilots of a team know of the game before it begins.
+    """Facts about the game that all pilots of a team know before it begins.
 
     Attributes:
         floor: of the map.
-        rooms: on it.
-        names: what treasures may be called, in alphabetical order.
-        energy: what each robot starts with.
+        rooms: on the map.
+        names: possible names of treasures, in alphabetical order.
+        energy: of each robot at the start.
     """
 
     floor: TraversabilityMap
@@ -69,21 +69,21 @@ class GameSetup:
     energy: float
 
     def room_at(self, x: float, y: float) -> RoomOutline | None:
-        """The room that a point of the map lies in."""
+        """Return the room that contains a point of the map, or None."""
         xs, ys = np.array([x]), np.array([y])
         return next((room for room in self.rooms if inside(room.region, xs, ys)[0]), None)
 
 
 class Pilot:
-    """A `Helm` of one robot.
+    """The `VehicleInterface` of one robot.
 
     Args:
-        robot: its index in the team.
-        premises: of the game.
-        start: where the robot starts, map frame.
-        speeds: how fast it may drive.
-        settings: the same as MAVLink has them.
-        ask: takes what is asked of robots and game; it is done with the next tick, and nobody asked it from outside.
+        robot: its index in the team, from 0.
+        setup: of the game.
+        start: start pose, map frame.
+        speeds: its speed limit.
+        settings: its parameters as MAVLink has them.
+        ask: takes requests to robots and game for the next tick; they follow from frames, and so are no inputs.
     """
 
     def __init__(
@@ -105,7 +105,7 @@ class Pilot:
         self._trip: VehicleTrip | None = None
         self._snapshot: TeamSnapshot | None = None
         self._game: GameState | None = None
-        # What was asked of the game since the last tick, and whether its move under way has to end.
+        # Requests to the game since the last tick, and whether its current move has to end.
         self._given: CommandHolder | None = None
         self._sent = False
         self._stopping = False
@@ -113,7 +113,7 @@ class Pilot:
     # Command
 
     def take(self, station: Station) -> Denied | None:
-        """See `Helm`; a robot that does not answer cannot be taken."""
+        """See `VehicleInterface`; a robot that does not respond cannot be taken."""
         if self._game is None or self._snapshot is None:
             return _NO_GAME
         if not is_responding(self._snapshot, self._robot):
@@ -122,7 +122,7 @@ class Pilot:
         return None
 
     def release(self) -> None:
-        """See `Helm`."""
+        """See `VehicleInterface`."""
         self._give(ReleaseCommand(self._robot), CommandHolder())
 
     def _give(self, request: TakeCommand | ReleaseCommand, command: CommandHolder) -> None:
@@ -132,7 +132,7 @@ class Pilot:
     # Driving
 
     def go_to(self, target: Target) -> int | Denied:
-        """See `Helm`; the game's rules are asked at once, the navigator only when the robot sets out."""
+        """See `VehicleInterface`; the game's rules judge at once, the navigator only when the robot sets out."""
         if not all(map(math.isfinite, (target.x, target.y, target.heading or 0.0))):
             return Denied("That is no point of a map.")
         state = self._able()
@@ -155,13 +155,13 @@ class Pilot:
         return trip.leg.number
 
     def halt(self) -> None:
-        """See `Helm`."""
+        """See `VehicleInterface`."""
         self._give_up(reasons.STOPPED)
         self._stop_move()
         self._ask(Halt(self._robot))
 
     def drive(self, twist: Twist) -> Denied | None:
-        """See `Helm`; a leg or a move of the game under way is given up for it."""
+        """See `VehicleInterface`; it aborts a leg or a move of the game in progress."""
         state = self._able()
         if isinstance(state, Denied):
             return state
@@ -171,11 +171,11 @@ class Pilot:
         return None
 
     def fastest(self) -> Twist:
-        """See `Helm`."""
+        """See `VehicleInterface`."""
         return self._speeds.fastest()
 
     def limit_speed(self, speed: float) -> Denied | None:
-        """See `Helm`; a robot never drives faster than the study lets it."""
+        """See `VehicleInterface`; a robot never drives faster than the study allows."""
         values = self._speeds.limit(speed)
         if isinstance(values, Denied):
             return values
@@ -183,11 +183,11 @@ class Pilot:
         return None
 
     def start(self) -> Pose2:
-        """See `Helm`."""
+        """See `VehicleInterface`."""
         return self._start
 
     def misplaced(self, x: float, y: float) -> Denied | None:
-        """See `Helm`; told in the words in which a way there would fail."""
+        """See `VehicleInterface`; with the sentence of a navigator that fails for the same reason."""
         floor, point = self._premises.floor, Pose2(x, y, 0.0)
         if not floor.grid.contains(*floor.grid.cell_of(x, y)):
             return Denied(reasons.failure_sentence(self._robot, "goal_outside"))
@@ -216,11 +216,11 @@ class Pilot:
     # Treasures
 
     def photograph(self) -> Denied | None:
-        """See `Helm`."""
+        """See `VehicleInterface`."""
         return self._about_treasure(PictureFor(self._robot), rules.picture)
 
     def identify(self, number: int) -> Denied | None:
-        """See `Helm`."""
+        """See `VehicleInterface`."""
         names = self._premises.names
         if not 1 <= number <= len(names):
             return Denied(f"Treasures have {len(names)} names, numbered from 1.")
@@ -228,7 +228,7 @@ class Pilot:
         return self._about_treasure(IdentifyFor(self._robot, name), lambda state, at: rules.identify(state, at, name))
 
     def leave(self) -> Denied | None:
-        """See `Helm`."""
+        """See `VehicleInterface`."""
         return self._about_treasure(LeaveFor(self._robot), rules.leave)
 
     def _about_treasure(self, request: Request, rule: Callable[[GameState, Room], rules.Ruling]) -> Denied | None:
@@ -241,10 +241,10 @@ class Pilot:
         self._ask(request)
         return None
 
-    # What becomes of it
+    # The tick
 
     def follow(self, snapshot: TeamSnapshot, game: GameState | None) -> RobotReadings:
-        """A tick has passed: go on with what is under way, and read the robot's instruments."""
+        """Update the trip after a tick, and return the robot's readings."""
         news = () if game is None else tuple(game_texts(self._robot, self._game, game))
         asked = () if game is None else tuple(handback_texts(self._robot, self._game, game))
         self._snapshot, self._game, self._given, self._sent = snapshot, game, None, False
@@ -258,9 +258,9 @@ class Pilot:
         return replace(self._readings(snapshot, game), news=news, asked=asked)
 
     def _set_out(self, trip: VehicleTrip, state: GameState) -> VehicleTrip:
-        """Ask for a trip, unless a move of the game has to end first.
+        """Request a trip, unless a move of the game has to end first.
 
-        A way home outlives the command of a station that was lost, as long as nobody else sends the robot anywhere.
+        A return home outlives the command of a station that was lost, until somebody else sends the robot elsewhere.
         """
         mover = state.robots[self._robot]
         if self._sent or mover.bound_for is not None:
@@ -300,10 +300,10 @@ class Pilot:
             leg=None if self._trip is None else self._trip.leg,
         )
 
-    # What holds
+    # Conditions
 
     def _able(self) -> GameState | Denied:
-        """The game as it will be once all that was asked is done; or why no ground station moves this robot now."""
+        """Return the game as it will be after all requests so far, or the reason why no station can move the robot."""
         if self._game is None or self._snapshot is None:
             return _NO_GAME
         state = self._game
@@ -321,7 +321,7 @@ class Pilot:
         return state
 
     def _judge(self, state: GameState, room: Room) -> rules.Ruling:
-        """What the rules say to a move; of a robot under way, as if it had not set out, for it will be called back."""
+        """Return the rules' verdict on a move; a moving robot is judged as stopped, because it is called back first."""
         back = rules.fail(state, self._robot, "", 0.0)
         for event in () if isinstance(back, RequestRefused) else back:
             state = apply(state, event)
@@ -331,7 +331,7 @@ class Pilot:
         return VehicleTrip(HelmLeg(self._legs + 1, LegState.UNDER_WAY, self._here().distance(target)), target, room)
 
     def _pose_at(self, target: Target) -> Pose2:
-        """Where any heading will do, the one in which the target lies from here."""
+        """Return the goal pose; without a heading the direction from here to the target is used."""
         here, heading = self._here(), target.heading
         ahead = math.atan2(target.y - here.y, target.x - here.x)
         return Pose2(target.x, target.y, ahead if heading is None else heading)
@@ -340,12 +340,12 @@ class Pilot:
         return self._start if self._snapshot is None else self._snapshot.robots[self._robot].estimate.base_in_map
 
     def _give_up(self, reason: str) -> None:
-        """The leg under way, if any, comes to nothing."""
+        """Abort the leg in progress, if any."""
         if self._trip is not None and self._trip.under_way:
             self._trip = self._trip.failed(reason)
 
     def _stop_move(self) -> None:
-        """Let the game's move under way end, or the one just asked for; it takes some ticks, and is asked till then."""
+        """Stop the game's current move, or the one just requested; it takes some ticks, and is requested until then."""
         under_way = self._game is not None and self._game.robots[self._robot].bound_for is not None
         if under_way:
             self._ask(CallBackFor(self._robot))
@@ -353,7 +353,7 @@ class Pilot:
 
 
 def _words(command: CommandHolder) -> str:
-    """Who commands, in words without an article."""
+    """Return the name of a commander, without an article."""
     match command.by:
         case Commander.GROUND_STATION:
             return command.name

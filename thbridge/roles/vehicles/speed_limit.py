@@ -1,4 +1,4 @@
-"""How fast a ground station may have a robot drive: never faster than the study lets it."""
+"""Speed limits that ground stations set: never above the study's."""
 
 import math
 
@@ -9,16 +9,16 @@ from thbridge.roles.vehicles.parameters import Tunable
 from thbridge.wire.mavlink.vehicle_interface import DenialKind, Denied
 
 DEFAULT_FASTEST = Twist(0.5, 1.0)
-"""The fastest that hands drive robots whose software is not ours."""
+"""Greatest speeds of manual driving for robots whose parameters are unknown."""
 
 
 class SpeedLimit:
-    """The speeds of one robot.
+    """The speed limit of one robot.
 
     Args:
-        robot: its index in the team.
+        robot: its index in the team, from 0.
         study: its software's parameters, as the study has them.
-        robots: know what they are now, by whomever they were changed.
+        robots: provide the parameters in force.
     """
 
     def __init__(self, robot: int, study: RobotParameters, robots: Tunable) -> None:
@@ -28,7 +28,7 @@ class SpeedLimit:
         self._limit = math.inf
 
     def fastest(self) -> Twist:
-        """What the local planner in use keeps to, if that is known; both positive."""
+        """Return the greatest speeds of the local planner in use, or `DEFAULT_FASTEST` if unknown; both positive."""
         now = self._robots.tuning(self._robot)
         if now is None:
             return DEFAULT_FASTEST
@@ -36,11 +36,11 @@ class SpeedLimit:
         return Twist(min(max(planner.max_vel_x, 0.0), self._limit), planner.max_vel_theta)
 
     def bounded(self, twist: Twist) -> Twist:
-        """The same within the limit set here."""
+        """Return the twist within the limit set here."""
         return Twist(min(max(twist.linear, -self._limit), self._limit), twist.angular)
 
     def limit(self, speed: float) -> tuple[tuple[str, float], ...] | Denied:
-        """Set the limit, m/s, or lift it by a negative one; the parameters that then hold, by path."""
+        """Set the limit in m/s, or lift it by a negative one; return the parameters to set, by path."""
         now = self._robots.tuning(self._robot)
         if now is None:
             return Denied("The speed of this robot is not ours to change.", DenialKind.UNSUPPORTED)
@@ -58,7 +58,7 @@ class SpeedLimit:
         return tuple(values)
 
     def _bounds(self, with_dwa: bool) -> tuple[tuple[str, float], ...]:
-        """What bounds the speed of a local planner, by path, as the study has it."""
+        """Return the study's speed bounds of the local planner, by path."""
         if with_dwa:
             dwa = self._study.DWAPlannerROS
             return ("DWAPlannerROS.max_vel_x", dwa.max_vel_x), ("DWAPlannerROS.max_vel_trans", dwa.max_vel_trans)

@@ -1,4 +1,4 @@
-"""What people at ground stations are told of the game by a robot: what it reached and found, and how that ended."""
+"""Texts for people at ground stations about the game: rooms reached, treasures found, results."""
 
 from collections.abc import Iterator
 
@@ -9,7 +9,7 @@ from thbridge.hunt.rules import robot_name
 
 
 def game_texts(robot: int, before: GameState | None, now: GameState) -> Iterator[str]:
-    """What is new about a robot and the room where it stands since the game was as `before`; sentences."""
+    """Yield sentences about changes of a robot and of the room where it stands since `before`."""
     if before is None or before.started != now.started:
         return
     was, mover = before.robots[robot], now.robots[robot]
@@ -22,7 +22,7 @@ def game_texts(robot: int, before: GameState | None, now: GameState) -> Iterator
 
 
 def handback_texts(robot: int, before: GameState | None, now: GameState) -> Iterator[str]:
-    """What the participant asks of the ground station in command of a robot, since the game was as `before`."""
+    """Yield the participant's requests, since `before`, to the ground station that commands a robot."""
     if before is None or now.robots[robot].holder.by is not Commander.GROUND_STATION:
         return
     if now.robots[robot].asked_back > before.robots[robot].asked_back:

@@ -1,4 +1,4 @@
-"""Where a robot was told to go from its helm, and how that ends: a move of the game, or a goal of its navigator."""
+"""Trips that ground stations send a robot on: a move of the game, or a goal of its navigator beside it."""
 
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -14,14 +14,14 @@ from thbridge.roles import failure_reasons as reasons
 from thbridge.wire.mavlink.vehicle_interface import HelmLeg, LegState
 
 FIRST_GOAL = 3_000_000_000
-"""Number of the first goal that is set from a helm; those of the game and of researchers are below."""
+"""Number of the first goal of a ground station; those of the game and of researchers are below."""
 
 RESPONSE_TIMEOUT = TICKS_PER_SECOND
-"""Ticks after which a robot that is not heard does not answer, and one that says nothing of a goal has forgotten it."""
+"""Ticks without observations after which a robot counts as silent, and without news of a goal after which it fails."""
 
 
 class TripStage(Enum):
-    """How far a trip is on: the move of the game before it has to end; it is asked for; the robot is on its way."""
+    """Stage of a trip: an earlier move of the game has to end; the trip is requested; the robot drives."""
 
     WAITING = 0
     ASKED = 1
@@ -30,15 +30,15 @@ class TripStage(Enum):
 
 @dataclass(frozen=True, slots=True)
 class VehicleTrip:
-    """A leg and what it takes.
+    """A leg and its execution.
 
     Attributes:
-        leg: as it stands.
-        target: where the base shall end, map frame.
-        room: the move of the game that it is; None: a goal beside the game.
-        stage: how far it is on.
-        silence: ticks for which the navigator has said nothing of the goal.
-        trouble: what the navigator said when it gave up a move, for people; the game says only that it has failed.
+        leg: its state as ground stations see it.
+        target: goal pose of the base, map frame.
+        room: destination of a move of the game; None: a goal beside the game.
+        stage: of the execution.
+        unanswered_ticks: ticks without news of the goal from the navigator.
+        failure: the navigator's reason when it gave up a move, for people; the game records only the failure.
     """
 
     leg: HelmLeg
@@ -50,30 +50,30 @@ class VehicleTrip:
 
     @property
     def goal(self) -> int:
-        """The number of the navigator's goal beside the game."""
+        """Number of the navigator's goal beside the game."""
         return FIRST_GOAL + self.leg.number
 
     @property
     def under_way(self) -> bool:
-        """Whether it has not ended."""
+        """True until it has ended."""
         return self.leg.state is LegState.UNDER_WAY
 
     def ended(self, state: LegState, reason: str = "") -> "VehicleTrip":
-        """The same, at its end."""
+        """Return the trip at its end."""
         return replace(self, leg=HelmLeg(self.leg.number, state, 0.0, reason))
 
     def failed(self, reason: str) -> "VehicleTrip":
-        """The same, given up for this reason."""
+        """Return the trip, given up for this reason."""
         return self.ended(LegState.FAILED, reason)
 
 
 def is_responding(snapshot: TeamSnapshot, robot: int) -> bool:
-    """Whether a robot's software was heard within the last second."""
+    """Return True when a robot's observations are less than a second old."""
     return snapshot.tick - snapshot.robots[robot].observations.tick < RESPONSE_TIMEOUT
 
 
 def advanced(trip: VehicleTrip, snapshot: TeamSnapshot, game: GameState, robot: int) -> VehicleTrip:
-    """A trip of a robot that is asked for or under way, as this tick has left it."""
+    """Return a trip as it stands after this tick."""
     trip = _with_remaining(trip, snapshot.robots[robot])
     if trip.stage is TripStage.WAITING:
         return trip
@@ -81,7 +81,7 @@ def advanced(trip: VehicleTrip, snapshot: TeamSnapshot, game: GameState, robot: 
 
 
 def _by_game(trip: VehicleTrip, snapshot: TeamSnapshot, game: GameState, robot: int) -> VehicleTrip:
-    """A move of the game, as the game sees it."""
+    """Return the trip of a move of the game, by the state of the game."""
     result, mover = snapshot.robots[robot].navigation.result, game.robots[robot]
     if isinstance(result, NoPath):
         trip = replace(trip, failure=reasons.failure_sentence(robot, result.reason))
@@ -96,9 +96,9 @@ def _by_game(trip: VehicleTrip, snapshot: TeamSnapshot, game: GameState, robot: 
 
 
 def _by_navigator(trip: VehicleTrip, snapshot: TeamSnapshot, robot: int) -> VehicleTrip:
-    """A goal beside the game, as the navigator sees it."""
+    """Return the trip of a goal beside the game, by the state of the navigator."""
     navigation = snapshot.robots[robot].navigation
-    # What a dead robot said last is no news.
+    # The last result of a dead robot is outdated.
     if robot not in snapshot.dead:
         match navigation.result:
             case GoalReached(goal) if goal.id == trip.goal:
@@ -115,7 +115,7 @@ def _by_navigator(trip: VehicleTrip, snapshot: TeamSnapshot, robot: int) -> Vehi
 
 
 def _with_remaining(trip: VehicleTrip, output: RobotOutput) -> VehicleTrip:
-    """The same, with what is left of the way: of the navigator's plan, or as the crow flies while there is none."""
+    """Return the trip with its remaining distance: of the navigator's plan, or straight while there is none."""
     navigation = output.navigation
     planned = trip.stage is TripStage.GOING and navigation.state == "controlling"
     left = navigation.remaining if planned else output.estimate.base_in_map.distance(trip.target)

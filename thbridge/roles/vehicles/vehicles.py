@@ -1,4 +1,4 @@
-"""The robots of a game as MAVLink vehicles: their hub, stepped with the session, and whoever is at their helms."""
+"""The robots of a game as MAVLink vehicles: their hub, stepped with the session, and their pilots."""
 
 from collections.abc import Callable, Sequence
 from itertools import count
@@ -16,22 +16,22 @@ from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
 from thbridge.wire.mavlink.vehicle_interface import RobotReadings, VehicleInterface
 
 RequestSink: TypeAlias = Callable[[Request], None]
-"""Takes what is wanted of the robots or of the game; it is done with the next tick."""
+"""Takes requests to robots and game for the next tick."""
 
 
 class VehiclePilot(VehicleInterface, Protocol):
-    """Holds a robot's helm, and knows how robot and game stand."""
+    """A vehicle interface that follows robot and game."""
 
     def follow(self, snapshot: TeamSnapshot, game: GameState | None) -> RobotReadings:
-        """A tick has passed; what the robot knows of itself now."""
+        """Update after a tick, and return the robot's readings."""
 
 
 class Vehicles:
     """All vehicles of a team, and the links to them.
 
     Args:
-        steersmen: of each robot, in the team's order.
-        options: what the study says.
+        pilots: one for each robot, in the team's order.
+        options: of the study.
     """
 
     def __init__(self, pilots: Sequence[VehiclePilot], options: VehicleOptions) -> None:
@@ -43,23 +43,23 @@ class Vehicles:
 
     @property
     def statuses(self) -> tuple[VehicleStatus, ...]:
-        """How each vehicle stands."""
+        """Status of each vehicle."""
         return tuple(vehicle.status for vehicle in self._hub.vehicles)
 
     def open(self, name: str, robot: int | None) -> LinkId:
-        """From now on there is a link of this name; its number was never another's. See `Hub.open`."""
+        """Open a link of this name; its number was never used before. See `Hub.open`."""
         link = LinkId(next(self._numbers))
         self._names[link] = name
         self._hub.open(link, name, robot)
         return link
 
     def close(self, link: LinkId) -> None:
-        """A link that there is, is no more."""
+        """Close an open link."""
         del self._names[link]
         self._hub.close(link)
 
     def name_of(self, link: LinkId) -> str | None:
-        """What a link is called; None: there is none of this number."""
+        """Return the name of a link; None: it is not open."""
         return self._names.get(link)
 
     def report(self, link: LinkId) -> LinkReport | None:
@@ -71,13 +71,13 @@ class Vehicles:
         return self._hub.why_not(link, frame)
 
     def receive(self, link: LinkId, frame: Frame, robot: int | None) -> list[OutgoingFrame]:
-        """See `Hub.receive`; a frame for a robot that there is not is nobody's."""
+        """See `Hub.receive`; a frame for a robot that does not exist is dropped."""
         if robot is not None and not 0 <= robot < len(self._steersmen):
             return []
         return self._hub.receive(link, frame, robot)
 
     def step(self, snapshot: TeamSnapshot, game: GameState | None) -> list[OutgoingFrame]:
-        """A tick of robots and game has passed; what the vehicles say by themselves."""
+        """Update after a tick of robots and game, and return the frames that vehicles send by themselves."""
         readings = [steersman.follow(snapshot, game) for steersman in self._steersmen]
         return self._hub.step(snapshot.tick, readings)
 
@@ -86,5 +86,5 @@ class Vehicles:
         return self._hub.keep_alive()
 
     def take_traffic(self) -> tuple[Traffic, ...]:
-        """What vehicles heard and said since the last call, in order."""
+        """Return the frames that vehicles received and sent since the last call, in order."""
         return self._hub.take_traffic()
