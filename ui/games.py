@@ -11,7 +11,8 @@ from thbridge.app.compose import StudySetting
 from thbridge.app.listeners import StartupCallbacks
 from thbridge.app.play import HuntOutcome, HuntUnfinished, PlayOptions
 from thbridge.app.session.session import TickRecord
-from thbridge.sockets.text_server import CannotListen, ListeningAddress
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from thbridge.study.study_file import Study, with_team_size
 from ui.hosting import GameVisit, PlayGame, host
 from ui.model.lobby import Offer

@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 
 from sim.common.kernels import is_compiled
-from thbridge.sockets.text_server import ListeningAddress
+from thbridge.sockets.addresses import ListeningAddress
 from ui.model.lobby import Back, Begin, Join, Offer, Practise, Preparing, WindowClosed
 from ui.window_process import WindowProcess
 

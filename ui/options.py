@@ -17,11 +17,12 @@ from thbridge.files.signing_key import read_signing_key
 from thbridge.files.yaml.tree import read_text
 from thbridge.recording.recordings import make_room, try_place
 from thbridge.roles.bots import BotStrategy
-from thbridge.sockets.addresses import Address, address_in
+from thbridge.sockets.addresses import Address, ListeningAddress, address_in
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.server import MavlinkPorts
 from thbridge.sockets.mavlink.udp import target_in
 from thbridge.sockets.rosgraph.joining import DEFAULT_URI, GraphAddress, MasterPresence, is_master_uri
-from thbridge.sockets.text_server import DEFAULT_HOST, DEFAULT_PORT, CannotListen, ListeningAddress
+from thbridge.sockets.text_server import DEFAULT_HOST, DEFAULT_PORT
 from thbridge.sockets.watch_server import DEFAULT_PORT as WATCH_PORT
 from thbridge.study.study_file import Study, load_study
 from thbridge.wire.mavlink.options import AutopilotIdentity

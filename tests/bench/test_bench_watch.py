@@ -20,7 +20,8 @@ from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.roles.tabui import TabUI
 from thbridge.ros.topics import RosMessage
-from thbridge.sockets.text_server import CannotListen, ListeningAddress
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.watch_server import WatchServer
 from thbridge.study.study_file import Study
 

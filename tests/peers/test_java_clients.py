@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.sockets.text_server import ListeningAddress, TextServer
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.text_server import TextServer
 from thbridge.wire import legacy
 from thbridge.wire.router import MessageRouter
 from thbridge.wire.text import TextMessage, parse_line

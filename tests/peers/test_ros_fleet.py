@@ -22,11 +22,11 @@ from thbridge.recording.real_robots import FleetRecorder
 from thbridge.ros.messages.records import SessionRecord
 from thbridge.ros.remote import RemoteRobot
 from thbridge.ros.remote.goals import FOREIGN_GOAL
+from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
 from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.rosgraph.master_server import MasterServer
 from thbridge.sockets.rosgraph.node import NodeStarted
-from thbridge.sockets.text_server import ListeningAddress
 from thbridge.study.real_robots import FleetNames
 
 PYTHON = "/usr/bin/python3"

@@ -16,7 +16,8 @@ from thbridge.app.play import HuntUnfinished, PlayOptions, play
 from thbridge.recording.bag.reader import info
 from thbridge.recording.bag.repair import reindex
 from thbridge.roles.tabui import TabUI
-from thbridge.sockets.text_server import CannotListen, ListeningAddress
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from thbridge.study.study_file import Study
 
 STUDY = dataclasses.replace(Study(), seed=7, server=dataclasses.replace(Study().server, port=0))

@@ -4,7 +4,7 @@ import asyncio
 import sys
 from pathlib import Path
 
-from thbridge.sockets.text_server import ListeningAddress
+from thbridge.sockets.addresses import ListeningAddress
 from ui.hosting import GameVisit, host
 from ui.model.lobby import Offer
 from ui.window_process import WindowProcess

@@ -13,8 +13,9 @@ from thbridge.app.session.broadcast import Listener
 from thbridge.app.session.watch_requests import WatchRequestHandler
 from thbridge.roles.robot_requests import Request
 from thbridge.ros.publisher import TeamPublisher
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence
-from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.sockets.watch_server import WatchServer
 from thbridge.timing.pacer import Pacer
 from thbridge.wire.mavlink.frames.frame import Frame

@@ -20,9 +20,11 @@ from thbridge.roles.role import Role
 from thbridge.roles.simr.simr import SimR
 from thbridge.roles.tabui import TabUI
 from thbridge.ros.names import GRAPH_LINK
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
 from thbridge.sockets.rosgraph.joining import GraphAddress
-from thbridge.sockets.text_server import CannotListen, ListeningAddress, TextServer
+from thbridge.sockets.text_server import TextServer
 from thbridge.timing.keepalive import kept_alive
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer

@@ -20,9 +20,11 @@ from thbridge.roles.robot_requests import Request
 from thbridge.roles.role import Role
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import View
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.text_client import ConnectionLost, LossReason, TextClient
-from thbridge.sockets.text_server import CannotListen, ListeningAddress, TextServer
+from thbridge.sockets.text_server import TextServer
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 from thbridge.wire.client import NameRegistered

@@ -13,10 +13,10 @@ from thbridge.app.session.simr_session import SimrSession
 from thbridge.recording.real_robots import FleetRecorder
 from thbridge.ros.remote import RemoteRobot
 from thbridge.ros.topics import RosMessage
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
 from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.text_client import ConnectionLost, TextClient
-from thbridge.sockets.text_server import CannotListen
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 from thbridge.wire import legacy

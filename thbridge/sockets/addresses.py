@@ -1,5 +1,6 @@
 """Where programs are reached, as people write it: HOST:PORT."""
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 
@@ -11,6 +12,14 @@ class Address(NamedTuple):
 
     def __str__(self) -> str:
         return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
+
+
+@dataclass(frozen=True, slots=True)
+class ListeningAddress:
+    """Address of an open server."""
+
+    host: str
+    port: int
 
 
 def address_in(text: str) -> Address | None:

@@ -12,10 +12,11 @@ import time
 from asyncio import BufferedProtocol, Transport
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from typing import Protocol
 
 from thbridge.files.errors import reason_of
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from thbridge.wire.router import (
     ClientJoined,
     ClientLeft,
@@ -41,29 +42,6 @@ _LINGER = 1.0
 
 _CHECK_INTERVAL = 1.0
 """Seconds between two looks for silent clients."""
-
-
-@dataclass(frozen=True, slots=True)
-class ListeningAddress:
-    """Where a server can be reached."""
-
-    host: str
-    port: int
-
-
-@dataclass(frozen=True, slots=True)
-class CannotListen:
-    """Why a server could not be opened; as text, one line for people."""
-
-    host: str
-    port: int
-    reason: str
-
-    def __str__(self) -> str:
-        return (
-            f"cannot listen on {self.host}:{self.port}: {self.reason}. "
-            "Stop the program that uses the port, or choose another host or port."
-        )
 
 
 class RouterInterface(Protocol):

@@ -19,7 +19,8 @@ from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.stream import BEGINNING, BagStream, ChunkMaker
 from thbridge.ros.messages import types
 from thbridge.ros.topics import RosMessage, Topic
-from thbridge.sockets.text_server import CannotListen, ListeningAddress
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from thbridge.wire.backlog import Backlog
 from thbridge.wire.watch_protocol import (
     STATUS,

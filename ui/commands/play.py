@@ -9,7 +9,8 @@ import typer
 from thbridge.app import play as hunt
 from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.app.session.session import TickRecord
-from thbridge.sockets.text_server import CannotListen, ListeningAddress
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from thbridge.study.real_robots import RobotsFrom
 from thbridge.wire import legacy
 from ui.display import why_no_window

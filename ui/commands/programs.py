@@ -16,8 +16,9 @@ from thbridge.files.resources import shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.recording.journals import JournalStore
 from thbridge.roles.view import View
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.text_client import ConnectionLost
-from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.study.real_robots import RobotsFrom
 from thbridge.study.study_file import Study
 from ui.display import why_no_window

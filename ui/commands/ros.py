@@ -8,8 +8,9 @@ import typer
 
 from thbridge.files.ros.package import write_packages
 from thbridge.ros.rviz import configuration
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph import master_server
-from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from ui.options import MapName, Robots, StudyFile, setting_of, study_of
 from ui.terminal import BAD_INPUT, bad_input, fail, note
 

@@ -7,8 +7,9 @@ from typing import TypeVar
 
 import pytest
 
+from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.text_client import Backoff, ConnectionLost, LossReason, TextClient
-from thbridge.sockets.text_server import ListeningAddress, TextServer
+from thbridge.sockets.text_server import TextServer
 from thbridge.wire.client import NameRegistered
 from thbridge.wire.router import MessageRouter
 from thbridge.wire.text import TextMessage

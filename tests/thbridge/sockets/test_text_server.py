@@ -9,7 +9,9 @@ from contextlib import asynccontextmanager
 import pytest
 
 from thbridge.sockets import text_server
-from thbridge.sockets.text_server import CannotListen, ListeningAddress, TextServer
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.text_server import TextServer
 from thbridge.wire.router import Forwarded, MessageRouter
 from thbridge.wire.text import TextMessage
 

@@ -11,8 +11,9 @@ import pytest
 from thbridge.files.ros.definitions import Definitions
 from thbridge.ros.messages import pack, types
 from thbridge.ros.topics import RosMessage, Topic
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.text_client import Backoff, ConnectionLost, LossReason
-from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.sockets.watch_client import WatchClient, WatchConnected, WatchEvent
 from thbridge.sockets.watch_server import CALLERS, WATCHERS, SessionPace, WatchServer
 from thbridge.wire.watch_protocol import MISTAKES, STATUS, BagStreamReader, SessionMessage, WatchStatus, status_in

@@ -33,11 +33,11 @@ from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import CALLER, MAP_FRAME, RobotNames
 from thbridge.ros.parameters import Tree
 from thbridge.ros.topics import CLOCK, RosMessage, Topic, VehicleTopics
-from thbridge.sockets.rosgraph.connections import WarnOnce
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence, master_of
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 from thbridge.sockets.rosgraph.request_queue import RequestQueue
-from thbridge.sockets.text_server import CannotListen
+from thbridge.sockets.warn_once import WarnOnce
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.rosgraph.links import ServiceFailed
 
@@ -167,7 +167,7 @@ class LiveGraph:
             return
         request = read(data)
         if isinstance(request, InvalidMessage):
-            self._complaints.tell(f"{topic}: what {caller} said is of no use: {request.sentence}")
+            self._complaints.warn(f"{topic}: what {caller} said is of no use: {request.sentence}")
         else:
             self._ask(caller, request)
 
@@ -182,7 +182,7 @@ class LiveGraph:
         try:
             frame = frame_in(unpack.mavlink(data))
         except ValueError as error:
-            self._complaints.tell(f"{topic}: what {caller} said is of no use: {error}")
+            self._complaints.warn(f"{topic}: what {caller} said is of no use: {error}")
         else:
             hear(frame)
 

@@ -21,7 +21,7 @@ from thbridge.ros.messages import types
 from thbridge.ros.names import RobotNames
 from thbridge.ros.parameters import ParameterValue, has, leaves, name_of, path_of, robot_tree, value_at
 from thbridge.ros.reconfigure import ReconfigureServer
-from thbridge.sockets.rosgraph.connections import WarnOnce
+from thbridge.sockets.warn_once import WarnOnce
 from thbridge.wire.rosgraph.links import ServiceFailed
 from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue
 
@@ -113,7 +113,7 @@ class LiveParameters:
         for values in [changes] if not isinstance(whole, ParameterRejection) else [[one] for one in changes]:
             after = with_values(self._software[robot], values)
             if isinstance(after, ParameterRejection):
-                self._complaints.tell(f"{name_of(self._robots[robot], after.path)} keeps its value: {after.sentence}")
+                self._complaints.warn(f"{name_of(self._robots[robot], after.path)} keeps its value: {after.sentence}")
             elif after != self._software[robot]:
                 self._software[robot] = after
                 self._ask(sender, SetParameters(robot, tuple(values)))

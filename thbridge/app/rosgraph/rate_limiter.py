@@ -3,7 +3,7 @@
 import logging
 from collections import Counter
 
-from thbridge.sockets.rosgraph.connections import WarnOnce
+from thbridge.sockets.warn_once import WarnOnce
 
 REQUESTS_PER_TICK = 10
 """Requests of one client on one topic between two ticks: 500 a second, ten times what a robot can execute."""
@@ -27,7 +27,7 @@ class RateLimiter:
         self._asked[topic, client] += 1
         if self._asked[topic, client] <= REQUESTS_PER_TICK:
             return True
-        self._complaints.tell(
+        self._complaints.warn(
             f"{topic}: {client} asks more than {REQUESTS_PER_TICK} times in a tick; what is more is dropped"
         )
         return False

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from thbridge.sockets.rosgraph.connections import WarnOnce
+from thbridge.sockets.warn_once import WarnOnce
 from thbridge.wire.mavlink.frames.channel import Channel
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.frames.signing import SignatureTimestamps, Signing, SigningKey
@@ -132,7 +132,7 @@ class MavlinkLinks:
         frames = channel.receive_data(data, self._clock())
         self._received += len(frames)
         if channel.complaint:
-            self.complaints.tell(f"MAVLink: {name}: thrown away: {channel.complaint}")
+            self.complaints.warn(f"MAVLink: {name}: thrown away: {channel.complaint}")
         return frames
 
     def receive(self, link: LinkId, frames: Iterable[Frame]) -> None:
@@ -143,7 +143,7 @@ class MavlinkLinks:
         for frame in frames:
             why = self._exchange.why_not(link, frame)
             if why is not None:
-                self.complaints.tell(f"MAVLink: {self._links[link].name}: a frame goes nowhere: {why}")
+                self.complaints.warn(f"MAVLink: {self._links[link].name}: a frame goes nowhere: {why}")
             answers += self._exchange.receive_frame(link, frame)
         self.transmit(answers)
 
@@ -161,4 +161,4 @@ class MavlinkLinks:
             self._sent += len(frames) - unsent
             self._unsent += unsent
             if unsent:
-                self.complaints.tell(f"MAVLink: {there.name}: frames could not be sent and are lost")
+                self.complaints.warn(f"MAVLink: {there.name}: frames could not be sent and are lost")

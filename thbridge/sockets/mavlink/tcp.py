@@ -9,8 +9,8 @@ from collections.abc import Sequence
 
 from thbridge.files.errors import reason_of
 from thbridge.sockets.addresses import Address
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.links import GARBAGE, MavlinkLinks
-from thbridge.sockets.text_server import CannotListen
 from thbridge.wire.mavlink.frames.channel import Channel
 from thbridge.wire.mavlink.outgoing import LinkId
 
@@ -107,7 +107,7 @@ class _Connection(Protocol):
         self._name = f"tcp {Address(peer[0], peer[1])}"
         self._transport = transport
         if self._port.is_full:
-            self._port.links.complaints.tell(f"MAVLink: {CONNECTIONS} are connected by TCP; others are turned away")
+            self._port.links.complaints.warn(f"MAVLink: {CONNECTIONS} are connected by TCP; others are turned away")
             transport.abort()
             return
         self._port.came(self)
@@ -144,7 +144,7 @@ class _Connection(Protocol):
 
     def _cut_off(self, why: str) -> None:
         if self._transport is not None and not self._transport.is_closing():
-            self._port.links.complaints.tell(f"MAVLink: {self._name} {why}, and is cut off")
+            self._port.links.complaints.warn(f"MAVLink: {self._name} {why}, and is cut off")
             self._transport.abort()
 
     def _leave(self) -> None:

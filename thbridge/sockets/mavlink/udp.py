@@ -11,8 +11,8 @@ from typing import NamedTuple, cast
 
 from thbridge.files.errors import reason_of
 from thbridge.sockets.addresses import Address, address_in
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.links import GARBAGE, MavlinkLinks
-from thbridge.sockets.text_server import CannotListen
 from thbridge.wire.mavlink.frames.channel import Channel
 from thbridge.wire.mavlink.outgoing import LinkId
 
@@ -183,7 +183,7 @@ class UdpPort:
         elif peer.channel.spoiled > GARBAGE:
             peer.channel.spoiled = 0
             peer.muted = now + MUTED
-            self._links.complaints.tell(f"MAVLink: {_name(address)} sends nothing of use, and is not listened to")
+            self._links.complaints.warn(f"MAVLink: {_name(address)} sends nothing of use, and is not listened to")
 
     def _meet(self, address: SocketAddress, now: float) -> _Peer:
         if len(self._peers) > PEERS:

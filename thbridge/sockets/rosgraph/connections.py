@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import logging
 import socket
 from asyncio import Transport
 
@@ -12,9 +11,6 @@ HANDSHAKE_SECONDS = 10.0
 
 _LINGER = 60.0
 """Seconds that a closed connection has to take what it was sent before: a large map, over a poor radio."""
-
-_REMEMBERED = 256
-"""Complaints that are told apart; peers word them, so there must be an end to them."""
 
 
 def keep_alive(transport: Transport) -> None:
@@ -37,19 +33,3 @@ def endpoints(transport: Transport) -> tuple[int, str, int, int]:
     here = transport.get_extra_info("sockname")
     there = transport.get_extra_info("peername") or ("", 0)  # it was gone before it was asked
     return here[1], there[0], there[1], transport.get_extra_info("socket").fileno()
-
-
-class WarnOnce:
-    """Warns of each thing once, however often a peer tries."""
-
-    def __init__(self, log: logging.Logger) -> None:
-        self._log = log
-        self._told: set[str] = set()
-
-    def tell(self, complaint: str) -> None:
-        """Warn, unless this was said before."""
-        if complaint in self._told or len(self._told) >= _REMEMBERED:
-            self._log.debug("%s", complaint)
-            return
-        self._told.add(complaint)
-        self._log.warning("%s", complaint)

@@ -20,11 +20,11 @@ from thbridge.ros.remote import RemoteRobot
 from thbridge.ros.remote.clock import RosClock
 from thbridge.ros.remote.robot import missing_of, tick_of
 from thbridge.ros.topics import RosMessage
-from thbridge.sockets.rosgraph.connections import WarnOnce
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 from thbridge.sockets.rosgraph.publications import Publication
-from thbridge.sockets.text_server import CannotListen
+from thbridge.sockets.warn_once import WarnOnce
 from thbridge.wire.rosgraph import links
 
 CALLER = "/thbridge_fleet"
@@ -168,7 +168,7 @@ class Fleet:
                 if self._last is None or self._last.robots[robot].estimate.base_in_map.distance(pose) > AT_HOME:
                     _log.warning("robot %d belongs at (%.2f, %.2f): somebody must bring it", robot + 1, pose.x, pose.y)
             case _:
-                self._complaints.tell(f"real robots cannot be asked to {type(item).__name__}")
+                self._complaints.warn(f"real robots cannot be asked to {type(item).__name__}")
 
     # The graph
 
@@ -198,7 +198,7 @@ class Fleet:
             try:
                 clock.receive(Cursor(data).stamp(), self._wall())
             except ValueError as error:
-                self._complaints.tell(f"{names.CLOCK}: what {publisher} says is of no use: {error}")
+                self._complaints.warn(f"{names.CLOCK}: what {publisher} says is of no use: {error}")
 
         self._node.subscribe(names.CLOCK, types.CLOCK, self._definitions.of(types.CLOCK).md5, heard)
 
@@ -209,7 +209,7 @@ class Fleet:
             self._met[topic, publisher] = said
             if said.md5 not in wanted.values() and wanted:
                 kind = next(iter(robots.values()))
-                self._complaints.tell(f"{topic}: {publisher} says {said.type} there, but {kind} was expected")
+                self._complaints.warn(f"{topic}: {publisher} says {said.type} there, but {kind} was expected")
 
         def heard(data: bytes, publisher: str) -> None:
             if publisher == CALLER or self._clock is None:
@@ -219,7 +219,7 @@ class Fleet:
             self._ear.heard(said, publisher, now_ns, data)
             for robot, md5 in wanted.items():
                 if said.md5 == md5 and isinstance(refused := robot.receive(topic, data, now_ns), InvalidMessage):
-                    self._complaints.tell(f"{topic}: what {publisher} says is of no use: {refused.sentence}")
+                    self._complaints.warn(f"{topic}: what {publisher} says is of no use: {refused.sentence}")
 
         self._node.subscribe(topic, "*", "*", heard, met=met)
 

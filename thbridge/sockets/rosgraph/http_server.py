@@ -15,7 +15,8 @@ from typing import TypeAlias
 import h11
 
 from thbridge.files.errors import reason_of
-from thbridge.sockets.text_server import CannotListen, ListeningAddress
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from thbridge.wire.rosgraph.xmlrpc import (
     MAX_BYTES,
     Fault,

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from enum import Enum
 from urllib.parse import urlsplit
 
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.master_server import DEFAULT_PORT, MasterServer
-from thbridge.sockets.text_server import CannotListen
 
 DEFAULT_URI = f"http://127.0.0.1:{DEFAULT_PORT}"
 

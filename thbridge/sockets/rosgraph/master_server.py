@@ -11,10 +11,11 @@ from collections import OrderedDict
 from collections.abc import Awaitable, Callable
 from types import TracebackType
 
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import XmlRpcServer
 from thbridge.sockets.rosgraph.rosout import rosout_node
-from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.timing.loop import stopping
 from thbridge.wire.rosgraph.master import (
     ERROR,

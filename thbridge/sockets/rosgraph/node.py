@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from thbridge.files.errors import reason_of
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import HttpLimits, XmlRpcServer
 from thbridge.sockets.rosgraph.publications import Publication
@@ -42,7 +43,6 @@ from thbridge.sockets.rosgraph.subscriptions import (
     take_no_notice,
 )
 from thbridge.sockets.rosgraph.tcpros_server import ServiceHandler, TcprosServer
-from thbridge.sockets.text_server import CannotListen
 from thbridge.wire.rosgraph.links import ServiceFailed, ServiceHeader, TopicHeader
 from thbridge.wire.rosgraph.outbound import ServiceClientLink
 from thbridge.wire.rosgraph.slave import (

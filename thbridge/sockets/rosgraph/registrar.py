@@ -9,9 +9,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
 
-from thbridge.sockets.rosgraph.connections import WarnOnce
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.replies import value_of
+from thbridge.sockets.warn_once import WarnOnce
 from thbridge.wire.rosgraph.xmlrpc import Fault, MethodResponse, XmlRpcValue
 
 _HEARTBEAT = 1.0
@@ -207,7 +207,7 @@ class Registrar:
                 return False
             outcome = value_of(self._master_uri, reply)
             if isinstance(outcome, CallFailed):
-                self._complaints.tell(f"the master does not take {key}: {outcome.reason}")
+                self._complaints.warn(f"the master does not take {key}: {outcome.reason}")
             if self._parameters[key] is value:  # Else it was declared anew meanwhile.
                 del self._unset[key]
         for registration in [each for each in self._wanted if each not in self._registered]:
@@ -218,7 +218,7 @@ class Registrar:
                 return False
             answer = value_of(self._master_uri, reply)
             if isinstance(answer, CallFailed):
-                self._complaints.tell(f"the master does not accept {registration.name}: {answer.reason}")
+                self._complaints.warn(f"the master does not accept {registration.name}: {answer.reason}")
                 complete = False
             else:
                 self._registered.add(registration)
@@ -233,7 +233,7 @@ class Registrar:
             self._reached = False
             self._happenings.lost()
         else:
-            self._complaints.tell(f"the master is not there: {failed}; it is waited for")
+            self._complaints.warn(f"the master is not there: {failed}; it is waited for")
 
     async def _call(self, method: str, *params: XmlRpcValue) -> MethodResponse | Fault | CallFailed:
         return await self._client.call(self._master_uri, method, self._caller, *params)

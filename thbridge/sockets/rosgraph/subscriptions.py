@@ -10,9 +10,10 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from thbridge.files.errors import reason_of
-from thbridge.sockets.rosgraph.connections import HANDSHAKE_SECONDS, WarnOnce, endpoints, keep_alive
+from thbridge.sockets.rosgraph.connections import HANDSHAKE_SECONDS, endpoints, keep_alive
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.replies import value_of
+from thbridge.sockets.warn_once import WarnOnce
 from thbridge.wire.rosgraph.links import LinkEnded, LinkRefused, MessageReceived, PublisherAccepted, TopicHeader
 from thbridge.wire.rosgraph.outbound import SubscriberLink
 from thbridge.wire.rosgraph.slave import TRANSPORT, BusConnection
@@ -95,7 +96,7 @@ class Subscription:
     def name_publishers(self, uris: Sequence[str]) -> None:
         """Hear who publishes the topic now."""
         if len(uris) > PUBLISHER_LIMIT:
-            self._complaints.tell(f"{self.what.topic} has more than {PUBLISHER_LIMIT} publishers; not all are heard")
+            self._complaints.warn(f"{self.what.topic} has more than {PUBLISHER_LIMIT} publishers; not all are heard")
         self._named = frozenset(uris[:PUBLISHER_LIMIT])
         for uri in self._named - self._followed.keys():
             self._followed[uri] = asyncio.ensure_future(self._follow(uri))
@@ -124,7 +125,7 @@ class Subscription:
                     self._listening.pop(uri, None)
                     listener.cut_off()
                 if isinstance(end, LinkRefused):
-                    self._complaints.tell(f"{uri} does not let us hear {self.what.topic}: {end.reason}")
+                    self._complaints.warn(f"{uri} does not let us hear {self.what.topic}: {end.reason}")
                 else:
                     _log.debug("%s is not heard from %s: %s", self.what.topic, uri, end.reason)
                 await asyncio.sleep(pause)

@@ -13,9 +13,11 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from thbridge.files.errors import reason_of
-from thbridge.sockets.rosgraph.connections import HANDSHAKE_SECONDS, WarnOnce, close_gently, keep_alive
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.rosgraph.connections import HANDSHAKE_SECONDS, close_gently, keep_alive
 from thbridge.sockets.rosgraph.publications import WAITING_LIMIT, Publication, SubscriberQueue
-from thbridge.sockets.text_server import CannotListen, ListeningAddress
+from thbridge.sockets.warn_once import WarnOnce
 from thbridge.wire.rosgraph.inbound import InboundLink
 from thbridge.wire.rosgraph.links import (
     InboundEvent,
@@ -130,7 +132,7 @@ class TcprosServer:
     def admit(self, connection: _Inbound) -> bool:
         """Take a new connection on, unless there are too many."""
         if len(self._connections) >= self._limit:
-            self.complaints.tell(f"more than {self._limit} connections; further ones are turned away")
+            self.complaints.warn(f"more than {self._limit} connections; further ones are turned away")
             return False
         self._connections.add(connection)
         return True
@@ -233,7 +235,7 @@ class _Inbound(asyncio.Protocol):
                     if answer is not None:
                         waiting.extend(self._link.respond(answer))
                 case LinkRefused(reason):
-                    self._server.complaints.tell(f"a peer is refused: {reason}")
+                    self._server.complaints.warn(f"a peer is refused: {reason}")
                     self._end(self._transport)
                 case LinkEnded(reason):
                     _log.debug("a connection ends: %s", reason)

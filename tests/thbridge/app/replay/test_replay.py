@@ -59,8 +59,9 @@ from thbridge.ros.messages import unpack
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
 from thbridge.ros.publisher import RosMessage, Topic
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.text_client import TextClient
-from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.sockets.watch_client import WatchClient
 from thbridge.study.overrides import StudyChange, with_changes
 from thbridge.study.study_file import RecordingSection, Study, read_study_text

@@ -15,9 +15,9 @@ from thbridge.files.ros.definitions import Definitions
 from thbridge.roles.robot_requests import Request, SetParameters
 from thbridge.ros.messages import types
 from thbridge.ros.messages.types import service_type
+from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.rosgraph.master_server import MasterServer
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
-from thbridge.sockets.text_server import ListeningAddress
 from thbridge.wire.rosgraph.links import ServiceFailed
 
 PATIENCE = 30.0

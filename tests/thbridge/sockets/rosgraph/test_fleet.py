@@ -23,11 +23,11 @@ from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.messages.records import InputRecord, SendRobots, SessionRecord
 from thbridge.ros.remote import RemoteNames, RemoteRobot
+from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
 from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.rosgraph.master_server import MasterServer
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
-from thbridge.sockets.text_server import ListeningAddress
 from thbridge.study.real_robots import FleetNames
 
 PATIENCE = 30.0

@@ -6,10 +6,11 @@ from contextlib import asynccontextmanager
 
 import pytest
 
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.http_client import XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import XmlRpcServer
 from thbridge.sockets.rosgraph.master_server import MasterServer
-from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.wire.rosgraph.xmlrpc import Fault, MethodCall, MethodResponse, XmlRpcValue
 
 PATIENCE = 20

@@ -15,13 +15,14 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph import connections as sockets
 from thbridge.sockets.rosgraph import publications, registrar, subscriptions, tcpros_server
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import XmlRpcServer
 from thbridge.sockets.rosgraph.master_server import MasterServer
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
-from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.wire.rosgraph.links import ServiceFailed
 from thbridge.wire.rosgraph.tcpros import decode_header, encode_header, frame
 from thbridge.wire.rosgraph.xmlrpc import MethodResponse
@@ -666,6 +667,6 @@ def test_complaints_come_to_an_end(caplog):
     complaints = sockets.WarnOnce(logging.getLogger("test"))
     with caplog.at_level(logging.WARNING):
         for number in range(10_000):
-            complaints.tell(f"stranger {number}")
-            complaints.tell("stranger 0")
+            complaints.warn(f"stranger {number}")
+            complaints.warn("stranger 0")
     assert 0 < len(caplog.records) < 1000
