@@ -17,7 +17,6 @@ import pytest
 
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.rosgraph import connections as sockets
 from thbridge.sockets.rosgraph import publications, registrar, subscriptions, tcpros_server
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import XmlRpcServer
@@ -661,12 +660,3 @@ async def test_mutated_traffic_harms_nobody_and_leaves_nothing_behind(rounds):
             chatter.publish(b"all is well")
             assert await witness.hears() == b"all is well"
             witness.goes()
-
-
-def test_complaints_come_to_an_end(caplog):
-    complaints = sockets.WarnOnce(logging.getLogger("test"))
-    with caplog.at_level(logging.WARNING):
-        for number in range(10_000):
-            complaints.warn(f"stranger {number}")
-            complaints.warn("stranger 0")
-    assert 0 < len(caplog.records) < 1000
