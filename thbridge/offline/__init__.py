@@ -1,1 +1,1 @@
-"""Parts of a robot run by themselves, on maps and recordings that need not be ours: localise, plan, drive, scan."""
+"""Single parts of a robot run on any maps and recordings: localise, plan, drive, scan, measure."""

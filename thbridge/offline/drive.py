@@ -1,4 +1,4 @@
-"""One robot driven to one goal on any map: what came of it, told by the truth."""
+"""One robot driven to one goal on any map, with results from the ground truth."""
 
 import dataclasses
 import math
@@ -18,13 +18,13 @@ from sim.world.physics import Misplaced, World
 
 @dataclass(frozen=True, slots=True)
 class DriveTask:
-    """What is to be driven.
+    """A drive from a start to a goal.
 
     Attributes:
-        start: of the base, map frame.
-        goal: of the base, map frame.
-        any_heading: whether the heading at the goal does not matter.
-        timeout: simulated seconds after which it is given up.
+        start: pose of the base, map frame.
+        goal: pose of the base, map frame.
+        any_heading: True when the heading at the goal does not matter.
+        timeout: simulated seconds after which the drive is given up.
     """
 
     start: Pose2
@@ -35,15 +35,15 @@ class DriveTask:
 
 @dataclass(frozen=True, slots=True)
 class DriveResult:
-    """How an errand went.
+    """The result of a drive.
 
     Attributes:
-        reached: whether the robot said that it had arrived, standing.
-        collided: whether its body ever touched a wall.
-        seconds: simulated, until it arrived or gave up.
-        distance: metres that the base truly moved.
-        min_clearance: the least distance that the body's outline ever truly had from a wall, metres; inf where there
-            are no walls.
+        reached: True when the robot reported that it stands at the goal.
+        collided: True when its body ever touched a wall.
+        seconds: simulated seconds until it arrived or gave up.
+        distance: true distance driven, metres.
+        min_clearance: least true distance of the body's outline from a wall during the drive, metres; inf without
+            walls.
         reason: why it did not arrive, as a sentence; None if it did.
     """
 
@@ -58,17 +58,17 @@ class DriveResult:
 def drive(
     grid: OccupancyGrid, world: WorldParameters, robot: RobotParameters, errand: DriveTask, seed: int
 ) -> DriveResult | Misplaced:
-    """Drive an errand, alone on the map; or say why the robot cannot stand at its start.
+    """Drive to a goal, alone on the map; or return why the robot cannot stand at its start.
 
     Args:
         grid: the map, true and known to the robot; its origin may be turned.
         world: bodies, motors and sensors.
         robot: the software that drives.
-        errand: where from and where to.
-        seed: of all chance.
+        errand: start and goal.
+        seed: seed of all random numbers.
     """
     if grid.origin.theta != 0.0:
-        # Navigators plan on maps that lie straight: drive in the grid's own frame, in which all lengths are the same.
+        # Navigators need maps that are not rotated: drive in the grid's own frame, in which all lengths are the same.
         in_grid = grid.origin.inverse()
         errand = dataclasses.replace(errand, start=in_grid.compose(errand.start), goal=in_grid.compose(errand.goal))
         grid = OccupancyGrid(grid.cells, grid.resolution, Pose2(0.0, 0.0, 0.0))
@@ -109,10 +109,10 @@ def _heedless_of_heading(robot: RobotParameters) -> RobotParameters:
 
 
 class _Room:
-    """How near a body has come to the walls.
+    """Tracks the least distance of a body from the walls.
 
     Args:
-        grid: the map; not turned.
+        grid: the map, not rotated.
         footprint: (n, 2) corners of the body, base frame.
     """
 
@@ -127,11 +127,11 @@ class _Room:
         self.least = math.inf
 
     def enter(self, pose: FloatArray) -> None:
-        """The body is at (x, y, theta) now."""
+        """Take in the body's pose (x, y, theta)."""
         if self._walls is None:
             return
         nearest, _ = self._walls.query(pose[:2])
-        # The body within its circle, a cell within its own.
+        # Bounds by circumscribed circles: that of the body, and that of a cell.
         around = self._radius + self._half * math.sqrt(2)
         if nearest - around >= self.least:
             return
@@ -144,7 +144,7 @@ class _Room:
 
 def _to_squares(body: FloatArray, centres: FloatArray, half: float) -> float:
     """Metres from a polygon to the nearest of (k, 2) upright squares, none of which it covers; 0 where one overlaps."""
-    # Where two such figures are apart, a corner of one of them is as near to the other as they come.
+    # The least distance of two polygons apart is always between a corner of one and an edge of the other.
     beside = np.maximum(np.abs(body[:, np.newaxis] - centres) - half, 0.0)
     corners = centres[:, np.newaxis] + half * np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)])
     ends = np.roll(body, -1, axis=0)

@@ -1,4 +1,4 @@
-"""Scans as drivers write them, as values of the simulation."""
+"""Conversion of drivers' scan messages to scans of the simulation."""
 
 import math
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from thbridge.ros.frames import PlanarMount
 from thbridge.ros.messages.unpack import LaserScan
 
 FAR = 30.0
-"""Taken for the range of a laser whose driver does not say one, metres."""
+"""Range of a laser whose driver does not give a valid one, metres."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -19,9 +19,9 @@ class Laser:
     """Reads the scans of one laser.
 
     Attributes:
-        mount: where it sits and the beams of its first scan; all others are read at these.
-        first: the scan whose beams those are.
-        upside_down: whether its beams turn clockwise, seen from above.
+        mount: its pose on the base, and the beams of its first scan, which are used for all scans.
+        first: the first scan.
+        upside_down: True when its beams turn clockwise, seen from above.
     """
 
     mount: LaserMount
@@ -30,7 +30,7 @@ class Laser:
 
     @classmethod
     def of(cls, first: LaserScan, seat: PlanarMount) -> "Laser":
-        """A laser whose first usable scan (see `usable`) is this one."""
+        """The laser with this first usable scan (see `usable`) and this mounting."""
         sign = -1.0 if seat.upside_down else 1.0
         range_min = first.range_min if first.range_min > 0.0 else 0.0
         range_max = first.range_max
@@ -48,17 +48,17 @@ class Laser:
         return cls(mount, first, seat.upside_down)
 
     def scan(self, tick: int, read: LaserScan) -> Scan:
-        """A scan of this laser.
+        """Convert a scan message of this laser.
 
-        Readings of the range and beyond, and those too short to be any, saw nothing: +inf, as amcl takes them. Beams
-        that other scans have elsewhere are read at the nearest one, and are lost (NaN) where there is none.
+        Readings outside the laser's range become +inf (nothing seen), as in amcl. If a scan has other beams than the
+        first, the nearest beam is taken; a beam without a near one is lost (NaN).
         """
         ranges = read.ranges if self.same_beams(read) else self._nearest(read)
         nothing = (ranges >= self.mount.range_max) | (ranges <= self.mount.range_min)
         return Scan(tick, self.mount, np.where(nothing, np.float32(np.inf), ranges))
 
     def same_beams(self, read: LaserScan) -> bool:
-        """Whether a scan has the beams of the first, to within a tenth of the angle between two."""
+        """Return True when a scan has the beams of the first, within a tenth of the angle between two beams."""
         first = self.first
         if len(read.ranges) != len(first.ranges):
             return False
@@ -79,7 +79,7 @@ class Laser:
 
 
 def increment_of(scan: LaserScan) -> float:
-    """The angle from beam to beam; 0 when the message does not tell."""
+    """The angle between two beams; 0 when the message does not have it."""
     if scan.angle_increment != 0.0 and math.isfinite(scan.angle_increment):
         return scan.angle_increment
     spread = (scan.angle_max - scan.angle_min) / max(1, len(scan.ranges) - 1)
@@ -87,5 +87,5 @@ def increment_of(scan: LaserScan) -> float:
 
 
 def usable(scan: LaserScan) -> bool:
-    """Whether a message says where its beams look."""
+    """Return True when a message has the angles of at least two beams."""
     return len(scan.ranges) >= 2 and math.isfinite(scan.angle_min) and increment_of(scan) != 0.0

@@ -1,4 +1,4 @@
-"""AMCL after the fact: a particle filter over the scans of a recording."""
+"""Localisation by amcl's particle filter in a recording."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
@@ -18,7 +18,7 @@ from thbridge.ros.frames import frame_name
 
 
 class SkipReason(StrEnum):
-    """Why a scan was not given to the filter."""
+    """Reason for leaving out a scan."""
 
     NO_ODOMETRY = "no odometry near its time"
     NOT_NEWER = "not newer than the one before"
@@ -31,10 +31,10 @@ class FilterUpdate:
     """One update of the filter.
 
     Attributes:
-        stamp_ns: of the scan that was weighed.
-        base_in_map: where the robot was held to be.
+        stamp_ns: stamp of the scan.
+        base_in_map: the estimated pose.
         covariance: (3, 3) of x, y, theta.
-        lost: whether the filter itself did not believe it.
+        lost: True when the filter reported that the robot is lost.
     """
 
     stamp_ns: int
@@ -45,14 +45,14 @@ class FilterUpdate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalizationResult:
-    """What came of it.
+    """The result of a localisation.
 
     Attributes:
         fixes: every update, in order.
-        last: the filter's word at the last scan it was given.
-        scans: how many it was given; those after little motion it does not weigh.
-        skipped: how many it was not given, by reason.
-        cpu_seconds: what the filter's updates took of the clock, reading the bag not counted.
+        last: the estimate at the last scan.
+        scans: number of scans given to the filter, which ignores those after too little motion.
+        skipped: number of scans left out, by reason.
+        cpu_seconds: processor time of the filter's updates, without reading the bag.
     """
 
     updates: tuple[FilterUpdate, ...]
@@ -70,16 +70,16 @@ def localize(
     clock: Callable[[], float],
     progress: Callable[[], None],
 ) -> LocalizationResult | RequestRefused:
-    """Follow a robot through a recording.
+    """Localise a robot in a recording.
 
-    Each scan is weighed at the odometry of its own stamp, as amcl looks it up in tf.
+    Each scan is used with the odometry at its stamp, as amcl gets it from tf.
 
     Args:
-        localizer: told where the robot starts.
-        laser: reads the scans.
-        odometry: of the whole recording.
-        scans: in the order of recording.
-        clock: seconds of the processor.
+        localizer: the filter, initialised at the start pose.
+        laser: converts the scans.
+        odometry: the odometry of the whole recording.
+        scans: the scans in the order of recording.
+        clock: processor time, seconds.
         progress: called once for each scan.
     """
     fixes: list[FilterUpdate] = []
@@ -106,7 +106,7 @@ def localize(
         given += 1
         scan = laser.scan(tick, read.scan)
         started = clock()
-        # The tick is the scan's number, not its time: the filter's chance is keyed by it.
+        # The tick is the scan's number, not its time: it is the key of the filter's random numbers.
         last = localizer.update(Odometry(tick, base_in_odom, STANDSTILL), Imu(tick, 0.0), scan)
         cpu_seconds += clock() - started
         if last.updated:
@@ -118,12 +118,12 @@ def localize(
 
 
 def warm_up(localizer: Amcl, parameters: AmclParameters, scan: Scan) -> None:
-    """Have everything compiled that updates run through, on a filter that is then thrown away.
+    """Compile all code of updates, by running a filter that is not used further.
 
     Args:
-        localizer: made like the one that counts, and started like it.
-        parameters: its.
-        scan: any of its laser.
+        localizer: a filter made and initialised like the one to measure.
+        parameters: its parameters.
+        scan: any scan of its laser.
     """
     stride = 1.01 * parameters.update_min_d + 0.01
     for tick in range(2 * parameters.resample_interval + 1):

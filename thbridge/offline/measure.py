@@ -1,4 +1,4 @@
-"""How long a robot takes from room to room: what fills a `mapTimes` file."""
+"""Measurement of travel times between rooms, for a `mapTimes` file."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -14,18 +14,18 @@ from thbridge.files.map_files import Map
 from thbridge.hunt.rooms import Room
 
 LIMIT = 3600.0
-"""Simulated seconds after which a trip is given up; a navigator gives up much earlier by itself."""
+"""Simulated seconds after which a trip is given up; normally the navigator gives up much earlier."""
 
 
 @dataclass(frozen=True, slots=True)
 class MeasurementSetup:
-    """What trips are measured on.
+    """The map, world and robot with which trips are measured.
 
     Attributes:
         place: the map.
         world: bodies, motors and sensors.
         robot: the software that drives.
-        seed: of all chance.
+        seed: seed of all random numbers.
     """
 
     place: Map
@@ -36,10 +36,10 @@ class MeasurementSetup:
 
 @dataclass(frozen=True, slots=True, order=True)
 class RoomTrip:
-    """One drive: from where a robot stands after it was sent to `start`, to the goal of the room `goal`.
+    """One drive from the goal pose of room `start` to that of room `goal`.
 
-    The corridor as a start stands for the map's start poses: run 0 leaves from the first, run 1 from the second, and
-    so on. The number of the run also chooses the noise.
+    The corridor as `start` means the map's start poses: run 0 starts at the first, run 1 at the second, and so on. The
+    number of the run also selects the noise.
     """
 
     start: Room
@@ -49,7 +49,7 @@ class RoomTrip:
 
 @dataclass(frozen=True, slots=True)
 class TripResult:
-    """How a trip went: simulated seconds, or the sentence with which it was given up."""
+    """The result of a trip: simulated seconds, or the reason for giving up, as a sentence."""
 
     trip: RoomTrip
     seconds: float | None
@@ -58,13 +58,13 @@ class TripResult:
 
 @dataclass(frozen=True, slots=True)
 class TripTimes:
-    """The trips of one pair of places.
+    """The results of all trips between two rooms.
 
     Attributes:
-        start: where they began.
-        goal: where they ended.
-        seconds: of each that arrived.
-        refusals: the sentences of those that did not.
+        start: the room of the start.
+        goal: the room of the goal.
+        seconds: simulated seconds of each trip that arrived.
+        refusals: reasons of those that did not arrive.
     """
 
     start: Room
@@ -84,7 +84,7 @@ class TripTimes:
 
 
 def trips(place: Map, runs: int) -> Iterator[RoomTrip]:
-    """All trips of a measurement: from the corridor and every room to every other room, `runs` times each."""
+    """Yield all trips of a measurement: from the corridor and every room to every other room, `runs` times each."""
     rooms = [entry.room for entry in place.rooms]
     for run in range(runs):
         for start in [Room(0), *rooms]:
@@ -113,7 +113,7 @@ def drive(course: MeasurementSetup, trip: RoomTrip) -> TripResult:
 
 
 def by_pair(done: Iterable[TripResult]) -> tuple[TripTimes, ...]:
-    """The times of each pair of places, ordered by start and goal, in whatever order the trips ended."""
+    """The results of each pair of rooms, ordered by start and goal, independent of the order of `done`."""
     pairs: dict[tuple[Room, Room], list[TripResult]] = {}
     for driven in sorted(done, key=lambda driven: driven.trip):
         pairs.setdefault((driven.trip.start, driven.trip.goal), []).append(driven)

@@ -1,7 +1,7 @@
-"""What noise does: where wheels say that a robot went, where a particle filter believes it may be, what a laser sees.
+"""Effects of noise for drawings: spread of odometry, spread of a particle filter without scans, a noisy laser scan.
 
-The models are those of the simulation: the wheels' of `sim.world.physics`, amcl's of `sim.robot.localization.motion`,
-the laser's of `sim.world.sensors`. Seeds are fixed, so that two drawings differ by what was changed and nothing else.
+The models are those of the simulation: odometry of `sim.world.physics`, amcl's of `sim.robot.localization.motion`, the
+laser's of `sim.world.sensors`. Seeds are fixed, so that two drawings differ only by the changed parameters.
 """
 
 import math
@@ -23,32 +23,32 @@ from sim.world.sensor_noise import WheelNoise, measured_increment, wheel_noise_o
 from sim.world.sensors import Sensors
 
 PATHS = 200
-"""Paths in a fan."""
+"""Number of paths in a spread."""
 SEED = 1
 _KEPT = 60
-"""Points of a path; more would not be seen."""
+"""Points of a drawn path."""
 _CHI_SQUARE_95 = 5.991464547107979
-"""Of two degrees of freedom: within it lie 95 % of a normal distribution in the plane."""
+"""95 % quantile of the chi-square distribution with two degrees of freedom, for the 95 % ellipse in the plane."""
 
 CourseShape = Literal["straight", "square"]
 
 STRAIGHT = 10.0
-"""Metres."""
+"""Length of the straight course, metres."""
 SIDE = 2.5
-"""Metres: a square of the same length."""
+"""Side of the square course, which has the same length, metres."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PathSpread:
-    """Many paths of one drive.
+    """Many random paths of one drive.
 
     Attributes:
-        driven: (k, 2) the true path, or the one that the wheels report, metres; from the origin along x.
-        paths: (n, k, 2) what it may look like.
+        driven: (k, 2) the path without noise, metres; from the origin along x.
+        paths: (n, k, 2) the paths with noise.
         centre: (2,) mean of the paths' ends.
-        ellipse: (m, 2) the outline that holds 95 % of the ends.
-        along: half axis of that ellipse in metres, the longer one.
-        across: the shorter one.
+        ellipse: (m, 2) outline of the 95 % ellipse of the ends.
+        along: longer half axis of that ellipse, metres.
+        across: shorter half axis, metres.
     """
 
     driven: FloatArray
@@ -60,14 +60,14 @@ class PathSpread:
 
 
 def odometry_spread(noise: OdometryNoise, course: CourseShape, speed: float, turn: float) -> PathSpread:
-    """Where the wheels say that a robot went which drove a course exactly.
+    """Paths that odometry reports for a robot that drives a course exactly.
 
     Args:
-        noise: how wheels truly err.
+        noise: the true noise of the wheels' odometry.
         course: 10 m straight, or once around a square of 2.5 m.
-        speed: of driving, m/s. The error of a tick is a share of the way of that tick, so that a slow drive, of many
-            ticks, averages out more of it.
-        turn: of turning on the spot, rad/s.
+        speed: driving speed, m/s. The error of a tick is a share of the distance of that tick, so that a slow drive, of
+            many ticks, averages out more of it.
+        turn: speed of turning on the spot, rad/s.
     """
     movements = _movements(course, speed, turn)
     stride = max(1, len(movements) // _KEPT)
@@ -75,13 +75,13 @@ def odometry_spread(noise: OdometryNoise, course: CourseShape, speed: float, tur
 
 
 def belief_spread(amcl: AmclParameters, course: CourseShape, speed: float, turn: float) -> PathSpread:
-    """Where amcl's particles go, without any scan, when the wheels report a course.
+    """Paths of amcl's particles without scans, when odometry reports a course exactly.
 
     Args:
-        amcl: the model and its alphas, and how far the robot goes from one update to the next.
-        course: as for `wheels_fan`.
-        speed: of driving, m/s.
-        turn: of turning on the spot, rad/s.
+        amcl: motion model, alphas, and least motion between two updates.
+        course: as for `odometry_spread`.
+        speed: driving speed, m/s.
+        turn: speed of turning on the spot, rad/s.
     """
     driven = _poses(_movements(course, speed, turn))
     alphas = Alphas(amcl.odom_alpha1, amcl.odom_alpha2, amcl.odom_alpha3, amcl.odom_alpha4, amcl.odom_alpha5)
@@ -103,7 +103,7 @@ def belief_spread(amcl: AmclParameters, course: CourseShape, speed: float, turn:
 
 
 def _movements(course: CourseShape, speed: float, turn: float) -> FloatArray:
-    """(k, 2) what a robot does in each tick: length of the chord, and half of the angle turned."""
+    """(k, 2) motion of a robot in each tick: length of the chord (m), and half of the angle turned (rad)."""
     if course == "straight":
         return _in_ticks(STRAIGHT, 0.0, STRAIGHT / speed)
     side, corner = _in_ticks(SIDE, 0.0, SIDE / speed), _in_ticks(0.0, 0.25 * math.pi, 0.5 * math.pi / turn)
@@ -117,7 +117,7 @@ def _in_ticks(distance: float, half: float, seconds: float) -> FloatArray:
 
 @lru_cache(maxsize=4)
 def _draws(ticks: int) -> FloatArray:
-    """(n, ticks, 3) standard normals: the same for all noise, so that only what is changed makes a difference."""
+    """(n, ticks, 3) standard normals, the same for all parameters, so that drawings differ only by the parameters."""
     keys = np.array([key(SEED, "fan", f"path{i + 1}") for i in range(PATHS)], dtype=np.uint64)
     draws = np.empty((PATHS, ticks, 3))
     for i in range(PATHS):
@@ -133,7 +133,7 @@ def _draw(key: np.uint64, out: FloatArray) -> None:
 
 @njit(cache=True, nogil=True)
 def _reported(movements: FloatArray, draws: FloatArray, wheels: WheelNoise, stride: int) -> FloatArray:
-    """(n, k, 2) where the wheels of n robots say that they are: at the start, every `stride` ticks, at the end."""
+    """(n, k, 2) positions reported by the odometry of n robots: at the start, every `stride` ticks, and at the end."""
     ticks = movements.shape[0]
     kept = 1 + (ticks + stride - 1) // stride
     paths = np.zeros((draws.shape[0], kept, 2))
@@ -152,7 +152,7 @@ def _reported(movements: FloatArray, draws: FloatArray, wheels: WheelNoise, stri
 
 @njit(cache=True)
 def _poses(movements: FloatArray) -> FloatArray:
-    """(k + 1, 3) the poses of a robot that makes these movements exactly."""
+    """(k + 1, 3) poses of a robot that makes these movements exactly."""
     poses = np.zeros((movements.shape[0] + 1, 3))
     for tick in range(movements.shape[0]):
         chord, half = movements[tick]
@@ -175,15 +175,15 @@ def _fan(driven: FloatArray, paths: FloatArray) -> PathSpread:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RoomScan:
-    """One sweep in a room. The map frame, metres.
+    """One laser scan in a room, in the map frame, metres.
 
     Attributes:
         walls: (k, 2, 2) ends of the walls' lines.
-        laser: (2,) where the laser is.
-        true: (m, 2) where the beams truly end, of those that end within range.
-        seen: (j, 2) where the laser says that beams end.
-        lost: how many beams should end somewhere and return nothing.
-        beams: of the sweep.
+        laser: (2,) position of the laser.
+        true: (m, 2) true ends of the beams that end within range.
+        seen: (j, 2) ends of the beams in the noisy scan.
+        lost: number of beams that end within range, but have no reading.
+        beams: number of beams.
     """
 
     walls: FloatArray
@@ -195,7 +195,7 @@ class RoomScan:
 
 
 def room_scan(world: WorldParameters) -> RoomScan:
-    """A sweep of this laser, and the same without noise, in a room of 6 m by 4 m with a pillar and a door.
+    """A scan of this laser with and without noise, in a room of 6 m by 4 m with a pillar and a door.
 
     Raises:
         ValueError: the laser's limits are the wrong way round, or its rate does not divide the ticks of a second.
@@ -231,11 +231,11 @@ _WALLS = (
 
 
 def _sweep(world: WorldParameters) -> Scan:
-    """The scan of a robot that stands in the room."""
+    """The scan of a robot in the room."""
     grid = _room()
     state = World(grid, world, SEED, 1.0).start([Pose2(*_LASER_STANDS)])
     if isinstance(state, Misplaced):
-        # A body larger than the room sees as much as a small one.
+        # A body too large for the room is replaced by the standard one; the scan does not depend on it.
         return _sweep(replace(world, footprint=WorldParameters().footprint))
     scan = Sensors(grid, world, SEED, 1.0).sense(state, 0).scan
     if scan is None:
@@ -244,7 +244,7 @@ def _sweep(world: WorldParameters) -> Scan:
 
 
 def _ends(laser: FloatArray, theta: float, scan: Scan) -> FloatArray:
-    """(m, 2) where the beams end; not finite where they do not."""
+    """(m, 2) ends of the beams; not finite for beams without a reading."""
     angles = theta + scan.mount.angles()
     ranges = scan.ranges.astype(np.float64)
     with np.errstate(invalid="ignore"):
@@ -254,10 +254,10 @@ def _ends(laser: FloatArray, theta: float, scan: Scan) -> FloatArray:
 
 @lru_cache(maxsize=1)
 def _room() -> OccupancyGrid:
-    """Walls one cell thick around and in the room; beyond its door lies another room's far wall."""
+    """The grid of the room, with walls one cell thick; behind its door is the far wall of another room."""
     cells = np.full((82, 162), FREE, dtype=np.int8)
     cells[0, :] = cells[-1, :] = cells[:, 0] = cells[:, -1] = OCCUPIED
-    # One cell around the room, so that its inner faces lie at 0 and 6 m, 0 and 4 m.
+    # The outer walls are one cell outside the room, so that their inner faces are at 0 and 6 m, 0 and 4 m.
     cells[:, 121] = OCCUPIED
     cells[31:51, 121] = FREE
     cells[51:61, 71:81] = OCCUPIED
@@ -265,10 +265,10 @@ def _room() -> OccupancyGrid:
 
 
 def covered(true: PathSpread, believed: PathSpread) -> float:
-    """Share of the true ends that lie where the belief has 95 % of its own.
+    """Share of the true ends within the 95 % ellipse of the belief.
 
-    The two fans are mirror images: one has the robot on its course and its wheels elsewhere, the other the wheels on
-    the course and the robot elsewhere. Over such short ways the errors themselves are the same.
+    The two spreads are mirror images: in one the robot is on the course and its odometry is not, in the other it is
+    the other way round. Over such short distances the errors are the same.
     """
     spread = np.cov(believed.paths[:, -1].T) + 1e-12 * np.eye(2)
     off = believed.centre - believed.driven[-1] - (true.paths[:, -1] - true.driven[-1])

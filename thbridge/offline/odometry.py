@@ -1,4 +1,4 @@
-"""Odometry of a recording, asked for at any time."""
+"""Odometry of a recording, interpolated at any time."""
 
 import math
 from bisect import bisect_right
@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 
 CLOCK_SET_BACK_NS = 1_000_000_000
-"""Stamps that go back farther than this were not reordered under way: the clock was set back."""
+"""Stamps that go back farther than this are not reordered messages: the clock was set back."""
 LONGEST_GAP_NS = 1_000_000_000
-"""Between odometry messages farther apart than this nobody knows where the robot was."""
+"""Longest time between two odometry messages over which poses are interpolated."""
 REACH_NS = 100_000_000
-"""How far beyond the first and the last message a motion may be carried on; amcl's transform_tolerance."""
+"""Longest extrapolation before the first and after the last message; amcl's transform_tolerance."""
 
 
 class OdometrySample(NamedTuple):
-    """One odometry message: when it was recorded, its stamp, the pose of the base in odom."""
+    """One odometry message: stamp of recording, its own stamp, pose of the base in odom."""
 
     received_ns: int
     stamp_ns: int
@@ -31,9 +31,9 @@ class OdometrySegment:
     """Odometry between two jumps of the clock.
 
     Attributes:
-        received_ns: when its first message was recorded.
+        received_ns: stamp of recording of its first message.
         stamps: (n,) int64 nanoseconds, strictly increasing; n at least 1.
-        poses: (n, 3) of the base in odom.
+        poses: (n, 3) poses of the base in odom.
     """
 
     received_ns: int
@@ -42,13 +42,13 @@ class OdometrySegment:
 
     @classmethod
     def of(cls, steps: list[OdometrySample]) -> "OdometrySegment":
-        """Sorts by stamp; of equal stamps the last holds, as in tf."""
+        """The segment of some samples, sorted by stamp; of equal stamps the last is kept, as in tf."""
         newest = {step.stamp_ns: step.base_in_odom for step in steps}
         stamps = np.array(sorted(newest), dtype=np.int64)
         return cls(steps[0].received_ns, stamps, np.array([newest[int(stamp)].array() for stamp in stamps]))
 
     def at(self, stamp_ns: int) -> Pose2 | None:
-        """The pose at a time, on the straight line between its neighbours; None where they are too far away."""
+        """The pose at a time, interpolated linearly; None where the nearest samples are too far away."""
         if not self.stamps[0] - REACH_NS <= stamp_ns <= self.stamps[-1] + REACH_NS:
             return None
         if len(self.stamps) == 1:
@@ -66,14 +66,14 @@ class OdometrySegment:
 
 
 class OdometryTrack:
-    """All odometry of a recording, whatever its stamps do.
+    """All odometry of a recording; its clock may have been set back.
 
-    Messages may come in any order; where the stamps go back by more than `CLOCK_SET_BACK_NS` a new run begins, and a
-    scan is looked up in the run that was recorded around it.
+    Messages may come in any order; where stamps go back by more than `CLOCK_SET_BACK_NS` a new segment begins. A scan
+    is looked up in the segment that was recorded at the same time.
     """
 
     def __init__(self, steps: list[OdometrySample]) -> None:
-        """Args: `steps` in the order of recording; those that are not finite are left out."""
+        """Make segments of samples in the order of recording; those that are not finite are left out."""
         runs: list[list[OdometrySample]] = []
         latest = 0
         for step in steps:
@@ -87,20 +87,20 @@ class OdometryTrack:
         self._runs = [OdometrySegment.of(run) for run in runs]
 
     def __len__(self) -> int:
-        """Poses there are."""
+        """Number of poses."""
         return sum(len(run.stamps) for run in self._runs)
 
     @property
     def clock_set_back(self) -> int:
-        """How often the stamps went back."""
+        """Number of times that the clock was set back."""
         return max(0, len(self._runs) - 1)
 
     def at(self, stamp_ns: int, received_ns: int) -> Pose2 | None:
-        """Where the base was in odom; None when no odometry is near.
+        """The pose of the base in odom; None when no odometry is near.
 
         Args:
-            stamp_ns: the time asked for.
-            received_ns: when the question was recorded; tells the runs apart where their stamps overlap.
+            stamp_ns: the time of the pose.
+            received_ns: stamp of recording of the scan, which selects the segment where stamps of segments overlap.
         """
         current = bisect_right([run.received_ns for run in self._runs], received_ns) - 1
         for index in (current, current - 1, current + 1):

@@ -1,4 +1,4 @@
-"""Paths over any map, for a round robot that knows the map alone."""
+"""Path planning on any map, for a round robot without sensors."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -28,14 +28,14 @@ Algorithm = Literal["navfn", "astar"]
 
 @dataclass(frozen=True, slots=True)
 class PlanResult:
-    """What became of one query.
+    """The result of one query.
 
     Attributes:
-        found: whether there is a path.
-        length: of the path, metres; None when there is none.
-        milliseconds: that planning took, of a program that has warmed up.
-        reason: why there is none, as a sentence; None when there is one.
-        code: the same for programs.
+        found: True when there is a path.
+        length: length of the path, metres; None without a path.
+        milliseconds: planning time, without compilation.
+        reason: why there is no path, as a sentence; None when there is one.
+        code: the same reason as a code for programs.
     """
 
     found: bool
@@ -50,8 +50,8 @@ def costmap(grid: OccupancyGrid, radius: float, inflation: float) -> Costs:
 
     Args:
         grid: the map.
-        radius: of the robot, metres.
-        inflation: how far costs reach from an occupied cell, metres; they reach at least as far as the radius.
+        radius: radius of the robot, metres.
+        inflation: inflation radius, metres; at least `radius` is used.
     """
     parameters = InflationParameters(
         inflation_radius=max(inflation, radius), cost_scaling_factor=_COSTMAP.inflation_layer.cost_scaling_factor
@@ -71,23 +71,23 @@ def plan(
     algorithm: Algorithm,
     seconds: Callable[[], float],
 ) -> list[PlanResult]:
-    """Answer queries in their order.
+    """Plan a path for each query, in their order.
 
     Args:
         grid: the map; its origin may be turned.
         queries: (n, 4) x and y of the start, x and y of the goal, map frame, metres; n at least 1.
-        radius: as `costmap`.
-        inflation: as `costmap`.
-        algorithm: in which order navfn's wave spreads: Dijkstra's or A*'s.
-        seconds: the clock that times the answers.
+        radius: as for `costmap`.
+        inflation: as for `costmap`.
+        algorithm: order in which navfn expands cells: "navfn" is Dijkstra's, "astar" is A*'s.
+        seconds: clock for the planning times, seconds.
     """
     planner = PotentialPlanner(Navfn(NavfnParameters(use_astar=algorithm == "astar")))
     costs = costmap(grid, radius, inflation)
-    # In the grid's own frame, which is not turned.
+    # Planners need maps that are not rotated, so queries are converted to the grid's own frame.
     to_grid = grid.origin.inverse()
     ends = np.column_stack([to_grid.transform(queries[:, :2]), to_grid.transform(queries[:, 2:])]).tolist()
     frame = CostFrame(0.0, 0.0, grid.resolution)
-    # What is compiled or reserved once is no part of any query.
+    # Compilation and first allocations are not part of the planning times.
     planner.plan(np.zeros((9, 9), np.uint8), CostFrame(0.0, 0.0, 1.0), Pose2(2.5, 2.5, 0.0), Pose2(6.5, 6.5, 0.0))
     asked = [(Pose2(x, y, 0.0), Pose2(u, v, 0.0)) for x, y, u, v in ends]
     planner.plan(costs, frame, *asked[0])

@@ -1,4 +1,4 @@
-"""What localisation needs of a bag, found in it: scans, odometry, and where the laser sits."""
+"""Finds in a bag the data for localisation: scans, odometry, and the mounting of the laser."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -22,15 +22,15 @@ T = TypeVar("T")
 
 TF_TYPES = (TFMESSAGE, "tf/tfMessage")
 SCANS = ("scan", "base_scan", "scan_filtered")
-"""What lasers are called by which robots localise themselves, the usual first."""
+"""Usual topics of the lasers by which robots localise themselves, the most usual first."""
 BASE_FRAMES = ("base_footprint", "base_link")
 LEVEL = math.radians(10)
-"""A laser tilted by more than this does not see what a map of the plane shows."""
+"""Tilt above which a laser does not see the plane of the map, radians."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StampedScan:
-    """A scan, when it was sensed, and when it was recorded."""
+    """A scan with its stamp and the stamp of recording."""
 
     stamp_ns: int
     received_ns: int
@@ -39,16 +39,16 @@ class StampedScan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalizationBag:
-    """A bag that a robot can be localised in.
+    """A bag with the data for localising a robot.
 
     Attributes:
         path: the bag.
-        scan_topic: where its scans are.
-        messages: how many scans.
-        laser: reads them.
-        odometry: of the same robot.
-        odometry_source: the topic it is from, or the frames of tf.
-        notices: what was found out or assumed, for people.
+        scan_topic: topic of the scans.
+        messages: number of scans.
+        laser: converts the scans.
+        odometry: odometry of the same robot.
+        odometry_source: topic of the odometry, or its frames in tf.
+        notices: sentences on assumptions and oddities.
     """
 
     path: Path
@@ -60,24 +60,24 @@ class LocalizationBag:
     notices: tuple[str, ...]
 
     def scans(self) -> Iterator[StampedScan]:
-        """Every scan in the order of recording. Raises BadFile: the bag is damaged."""
+        """Yield every scan in the order of recording. Raises BadFile: the bag is damaged."""
         return _scans(self.path, self.scan_topic)
 
 
 def open_recording(
     path: Path, scan_topic: str | None, odom_topic: str | None, laser_in_base: Pose2 | None
 ) -> LocalizationBag:
-    """Find everything in a bag.
+    """Find scans, odometry and the laser's mounting in a bag.
 
     Args:
         path: a ROS 1 bag.
-        scan_topic: of type sensor_msgs/LaserScan; None: the only robot's, by its type.
-        odom_topic: of type nav_msgs/Odometry; None: of the robot whose scans these are. Where it is missing, tf is
-            asked.
-        laser_in_base: where the laser sits; None: as tf says.
+        scan_topic: topic of type sensor_msgs/LaserScan; None finds that of the only robot.
+        odom_topic: topic of type nav_msgs/Odometry; None finds that of the same robot. Without such a topic odometry is
+            taken from tf.
+        laser_in_base: pose of the laser on the base; None takes it from tf.
 
     Raises:
-        BadFile: the bag cannot be read, or lacks something; says what it has instead.
+        BadFile: the bag cannot be read, or lacks something; the message tells what it has instead.
     """
     topics = info(path).topics
     notices: list[str] = []
@@ -91,7 +91,7 @@ def open_recording(
         problem = "no scan has two beams and an angle between them"
         raise BadFile(path, None, scans.name, problem, "name another topic by --scan-topic")
 
-    # Robots with a tf of their own all have the same frames in it.
+    # Several robots with separate tf topics may all have the same frame names, so only this robot's tf is read.
     robot = namespace_of(scans.name)
     tf_topics = [
         topic.name
@@ -143,7 +143,7 @@ def open_recording(
 
 
 def _only_scans(path: Path, topics: tuple[TopicInfo, ...], notices: list[str]) -> str:
-    """The topic of the scans, by type; which of several lasers a robot localises by is told by their names."""
+    """The topic of the scans, by type; of several lasers of a robot the one with the most usual name."""
     names = usual_first(_of_type(topics, LASER_SCAN), SCANS)
     robots = sorted({namespace_of(name) for name in names})
     if len(robots) > 1:
@@ -155,11 +155,11 @@ def _only_scans(path: Path, topics: tuple[TopicInfo, ...], notices: list[str]) -
 
 
 def _odometry_beside(scans: str, topics: tuple[TopicInfo, ...], notices: list[str]) -> str:
-    """The topic of the odometry of the robot that the scans are of."""
+    """The odometry topic of the robot with these scans."""
     names = [name for name in _of_type(topics, ODOMETRY) if not is_truth(name)]
     robots = {namespace_of(name) for name in (*names, scans)}
     own = usual_first((name for name in names if owner_of(name, robots) == owner_of(scans, robots)), (ODOM_FRAME,))
-    # Where only nodes have odometry, it is the one robot's, whatever its scans are called.
+    # Odometry in the namespace of a node belongs to the only robot, whatever the namespace of the scans is.
     own = own or usual_first((name for name in names if not namespace_of(name)), (ODOM_FRAME,))
     if len(own) > 1:
         notices.append(f"Odometry is taken from {own[0]}; there is also {', '.join(own[1:])}.")
@@ -197,7 +197,7 @@ def _scans(path: Path, topic: str) -> Iterator[StampedScan]:
 
 
 def _odometry_of_topic(path: Path, topic: str) -> tuple[list[OdometrySample], str]:
-    """All of it, and the frame it tells of; drivers that do not stamp have the time of recording."""
+    """All odometry of a topic, and its child frame; zero stamps are replaced by the time of recording."""
     steps = []
     child = ""
     for raw in messages(path, (topic,)):
@@ -217,7 +217,7 @@ def _odometry_of_tf(path: Path, topics: list[str], edge: tuple[str, str]) -> lis
 
 
 def _frames(path: Path, topics: list[str], enough: Callable[[FrameTree], bool]) -> FrameTree:
-    """The frames of a bag, read until they are enough."""
+    """The frame tree of a bag, read until it is sufficient."""
     tree = FrameTree()
     for raw in messages(path, topics):
         news = [tree.add(transform) for transform in _decoded(raw, unpack.spatial_transforms, path)]
@@ -227,7 +227,7 @@ def _frames(path: Path, topics: list[str], enough: Callable[[FrameTree], bool]) 
 
 
 def _base_names(child: str, laser: str) -> tuple[str, ...]:
-    """What the base may be called: as odometry says, or as usual, under the laser's prefix."""
+    """Possible names of the base frame: odometry's child frame, or usual names with the laser's prefix."""
     prefix = frame_name(laser).rpartition("/")[0]
     usual = [f"{prefix}/{name}" if prefix else name for name in BASE_FRAMES]
     return tuple(dict.fromkeys(name for name in (frame_name(child), *usual) if name))
@@ -239,7 +239,7 @@ def _seat(tree: FrameTree, laser: str, bases: tuple[str, ...]) -> PlanarMount | 
 
 
 def _odom_edge(tree: FrameTree, laser: str, certain: bool) -> tuple[str, str] | None:
-    """The transform of tf that is odometry: the one above the laser, or else, unless it must be certain, the only."""
+    """The transform with odometry: the one above the laser, or else, unless `certain`, the only one there is."""
     chain = tree.chain(laser)
     for child, parent in pairwise(chain):
         if is_odom_frame(parent):

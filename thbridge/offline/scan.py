@@ -1,4 +1,4 @@
-"""What a laser without noise would see on a map."""
+"""Scans of a laser without noise on a map."""
 
 import math
 
@@ -12,7 +12,7 @@ from sim.common.raycast import Raycaster
 def beam_angles(beams: int, angle_min: float, angle_max: float | None) -> FloatArray:
     """(beams,) radians, evenly from `angle_min` to `angle_max`, both included, as in sensor_msgs/LaserScan.
 
-    Without an `angle_max` they go once around: the last beam is one step short of the first.
+    Without an `angle_max` they are a full circle: the last beam is one step before the first.
     """
     last = angle_min + math.tau * (beams - 1) / beams if angle_max is None else angle_max
     return np.linspace(angle_min, last, beams)
@@ -22,8 +22,8 @@ def scan(grid: OccupancyGrid, poses: FloatArray, angles: FloatArray, range_max: 
     """Exact ranges from every pose.
 
     Args:
-        grid: what beams meet: its occupied cells; unknown ones and the outside of the map let them pass.
-        poses: (n, 3) of the laser in the map frame.
+        grid: the map; beams end at occupied cells, and pass unknown ones and the outside of the map.
+        poses: (n, 3) poses of the laser in the map frame.
         angles: (m,) radians in the laser's frame.
         range_max: metres, finite.
 

@@ -1,16 +1,16 @@
-"""The action server move_base of one robot, as clients see it: a pure account of whose goals stand how.
+"""The action server move_base of one robot, as clients see it: the list of all goals with their states.
 
-Clients set goals and take them back; the game, too, sets goals, and is one client among them. The newest goal wins.
-Twice in a tick the account is asked: `take` says what the navigator is to do about the requests that came in, `follow`
-learns what it did and says what goes out. The same requests and the same navigation give the same account, so whoever
-moves the robot and whoever writes down what is said may each keep one.
+Clients set and cancel goals; the game sets goals, too, as one client among them. The newest goal wins. The server is
+called twice a tick: `take` turns the requests of clients into inputs of the navigator, `follow` reads what the
+navigator did and returns the messages to publish. The same requests and the same navigation give the same messages,
+so the program that moves the robot and the one that records it may each have a server of their own.
 
 Source: actionlib, action_server.py, simple_action_server.py and server_goal_handle.py; ros-planning/navigation,
 move_base.cpp.
-Differs: within a tick requests come first and the newest goal is accepted then, without threads between. A goal of the
-game is under way whatever its time stamp: the navigator has taken it. One that only points at the map is named before
-it is said, so that what came of it can be found. While a robot is dead its server is, too; goals under way end when
-it revives. However many goals clients set, the list of those that ended has a bound.
+Differs: there are no threads; within a tick requests are read first, then the newest goal is accepted. A goal of the
+game is active whatever its time stamp is, because the navigator has taken it. A simple goal (a pose without an id)
+gets its id before it is published, so that its result can be found. While a robot is dead its server is, too; active
+goals end when it revives. The list of ended goals has a limit, however many goals clients set.
 """
 
 from collections.abc import Iterable
@@ -27,13 +27,13 @@ from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import RobotNames
 
 STATUS_PERIOD = TICKS_PER_SECOND // 5
-"""Ticks from one word about all goals to the next, besides those when something changes: actionlib_status_frequency."""
+"""Ticks between two status lists when no goal changes: actionlib_status_frequency."""
 FEEDBACK_PERIOD = TICKS_PER_SECOND // 10
-"""Ticks from one word about the base on its way to the next."""
+"""Ticks between two feedback messages."""
 LISTED_NS = 5_000_000_000
-"""How long a goal stays listed after its end: status_list_timeout."""
+"""Nanoseconds for which a goal stays in the status list after its end: status_list_timeout."""
 LISTED = 64
-"""How many goals that ended stay listed at most; the list is said whenever one of them changes."""
+"""Largest number of ended goals in the status list, which is published at every change of a goal."""
 
 ActionRequest: TypeAlias = GoalRequest | CancelRequest | SimpleGoal
 
@@ -45,7 +45,7 @@ _DIED = "the robot stopped working"
 
 @dataclass(frozen=True, slots=True)
 class GoalSet:
-    """A goal that did not come from a client of the action: the game's, or a place somebody pointed at."""
+    """A goal that did not come from a client of the action: one of the game, or a simple goal."""
 
     goal: GoalId
     base_in_map: Pose2
@@ -53,14 +53,14 @@ class GoalSet:
 
 @dataclass(frozen=True, slots=True)
 class StatusList:
-    """How all goals stand, those that ended of late among them."""
+    """The states of all goals, with those that ended recently."""
 
     entries: tuple[GoalStatus, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Feedback:
-    """Where the base is on its way to a goal."""
+    """The pose of the base while it drives to a goal."""
 
     entry: GoalStatus
     base_in_map: Pose2
@@ -68,7 +68,7 @@ class Feedback:
 
 @dataclass(frozen=True, slots=True)
 class GoalEnded:
-    """How a goal ended."""
+    """The final state of a goal."""
 
     entry: GoalStatus
 
@@ -81,13 +81,13 @@ class _Entry:
     """One goal in the list.
 
     Attributes:
-        goal: its name and time.
-        status: how it stands.
-        text: why.
-        target: what the navigator is to be told of it; None where it cannot be used.
-        refusal: why it cannot be used.
-        came: whether the goal itself did; a client may take one back before.
-        left_ns: when it ended, from when on it is listed only for a while; None: it has not.
+        goal: its id and time stamp.
+        status: its state.
+        text: the reason for this state, for people.
+        target: the navigator's goal; None where the pose cannot be used.
+        refusal: the reason why the pose cannot be used.
+        came: True when the goal itself was received; its cancel request may come first.
+        left_ns: time of its end, after which it stays listed for `LISTED_NS`; None before its end.
     """
 
     goal: GoalId
@@ -107,7 +107,7 @@ class _Entry:
 
 
 class MoveBaseServer:
-    """The account of one robot's action server.
+    """One robot's action server.
 
     Args:
         robot: its index in the team.
@@ -128,14 +128,14 @@ class MoveBaseServer:
         self._said: list[ActionServerMessage] = []
 
     def take(self, tick: int, requests: Iterable[ActionRequest]) -> list[Go | Halt]:
-        """Hear what clients want, before the robots' tick.
+        """Read the requests of clients, before the robots' tick.
 
         Args:
-            tick: of the step in which the robot's navigator does what is returned.
-            requests: to this robot, in their order.
+            tick: the step in which the robot's navigator obeys the returned inputs.
+            requests: the requests to this robot, in their order.
 
         Returns:
-            What the navigator is to do; a dead robot's server hears nothing.
+            Inputs of the navigator; none of a dead robot.
         """
         if self._dead:
             return []
@@ -156,12 +156,12 @@ class MoveBaseServer:
         return self._execute()
 
     def follow(self, tick: int, navigation: Navigation | None, base_in_map: Pose2) -> list[ActionServerMessage]:
-        """Learn what the navigator did in the tick, and say what there is to say.
+        """Read what the navigator did in the tick, and return the messages to publish.
 
         Args:
-            tick: which one.
-            navigation: of this tick; None: the robot is dead.
-            base_in_map: where the robot believes it is.
+            tick: the number of the tick.
+            navigation: the navigator's output of this tick; None when the robot is dead.
+            base_in_map: the estimated pose of the robot.
         """
         if navigation is None:
             self._dead = True
@@ -181,7 +181,7 @@ class MoveBaseServer:
         said, self._said = self._said, []
         return said
 
-    # What clients want
+    # Requests of clients
 
     def _hear_goal(self, goal: GoalId, base: Pose2 | None, number: int, refusal: str) -> None:
         known = next((entry for entry in self._listed if entry.goal.id == goal.id), None)
@@ -195,7 +195,7 @@ class MoveBaseServer:
         target = None if base is None else Goal(number, base)
         entry = _Entry(named, GoalStatusCode.PENDING, target=target, refusal=refusal)
         self._listed.append(entry)
-        # A goal without a time is never too old; the clock is asked for the list only.
+        # A goal without a time stamp is never too old: here counts the client's stamp, not the one that we fill in.
         if 0 < goal.stamp_ns <= self._last_cancel_ns:
             self._end(entry, GoalStatusCode.RECALLED, _TAKEN_BACK)
         elif any(other is not None and named.stamp_ns < other.goal.stamp_ns for other in (self._current, self._next)):
@@ -224,7 +224,7 @@ class MoveBaseServer:
                 entry.status = GoalStatusCode.PREEMPTING
                 self._say_status()
         if asked.id and not found:
-            # It may be faster than its goal.
+            # A cancel request can overtake its goal.
             self._listed.append(_Entry(asked, GoalStatusCode.RECALLING, came=False, left_ns=self._now))
         self._last_cancel_ns = max(self._last_cancel_ns, asked.stamp_ns)
 
@@ -233,7 +233,7 @@ class MoveBaseServer:
         seconds, nanoseconds = divmod(self._now, 1_000_000_000)
         return f"{self._names.topic('move_base')}-{self._named}-{seconds}.{nanoseconds}"
 
-    # What is done about it
+    # Effects on the navigator
 
     def _execute(self) -> list[Go | Halt]:
         current, entry = self._current, self._next
@@ -262,14 +262,14 @@ class MoveBaseServer:
         self._current = self._next = entry
 
     def _end_driven(self, result: GoalResult) -> None:
-        """The navigator is done with a goal."""
+        """Take in the navigator's result of a goal."""
         known = [entry for entry in self._listed if entry.target == result.goal]
         entry = next((entry for entry in known if entry.under_way), None)
         if entry is None and not known:
             entry = self._adopt(result.goal)  # set and given up within one tick
         self._driven = None
         if entry is None:
-            return  # Its client knows already.
+            return  # its end was published before
         match result:
             case GoalReached():
                 self._end(entry, GoalStatusCode.SUCCEEDED, "Goal reached.")
@@ -281,11 +281,11 @@ class MoveBaseServer:
                 assert_never(result)
 
     def _adopt(self, goal: Goal) -> _Entry | None:
-        """The navigator drives to a goal; None where a client's, which is known, came of it."""
+        """Add a goal that the navigator took from the game; None when it is a known goal of a client."""
         if any(entry.target == goal and entry.under_way for entry in self._listed):
             return None
         named = GoalId(f"{self._names.namespace[1:]}-{goal.id}", self._now)
-        # The game may take up a goal once more.
+        # The game may set the same goal again.
         self._listed = [entry for entry in self._listed if entry.goal.id != named.id]
         entry = _Entry(named, GoalStatusCode.ACTIVE, _ACCEPTED, goal)
         self._replace_current(entry)

@@ -1,6 +1,6 @@
-"""What ROS clients say to robots, as values: estimates, goals, velocities, questions about plans.
+"""Messages of ROS clients to robots, decoded: pose estimates, goals, velocities, plan requests.
 
-Clients are strangers: whatever their bytes are, the answer is a value or a `Refused`, whose sentence is for their log.
+Clients are not ours: any bytes give a value or an `InvalidMessage`, whose sentence is for the client's log.
 """
 
 import math
@@ -15,13 +15,13 @@ from thbridge.ros.messages.cursor import FLOAT32, Cursor
 from thbridge.ros.names import MAP_FRAME
 
 _GOAL_ID_LENGTH = 512
-"""actionlib's names are the client's node, a number and a time; every list of goals repeats them."""
+"""actionlib's goal ids consist of node, number and time; every status list repeats them."""
 _PLANAR = np.ix_((0, 1, 5), (0, 1, 5))
 """x, y and yaw among x, y, z, roll, pitch, yaw."""
 FARTHEST = 1e6
-"""Metres: no map is that large, and squares of farther numbers leave what can be counted with."""
+"""Metres: no map is that large, and the squares of larger numbers lose their precision."""
 _FLAT = math.cos(math.radians(10.0))
-"""move_base, too, takes a goal's tilt of some degrees for noise and more than that for a mistake."""
+"""Cosine of the largest tilt of a goal: move_base, too, takes a few degrees for noise and more for a mistake."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ class InvalidMessage:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PoseEstimate:
-    """Where a robot is, and how sure that is: (3, 3) covariance of x, y, theta."""
+    """A robot's pose with its (3, 3) covariance of x, y, theta."""
 
     base_in_map: Pose2
     covariance: FloatArray
@@ -41,7 +41,7 @@ class PoseEstimate:
 
 @dataclass(frozen=True, slots=True)
 class ActionGoal:
-    """A goal with the name and the time that its client gave it; `pose` says if it cannot be driven to."""
+    """A goal with the id and the time stamp that its client gave it; `pose` is invalid if it cannot be driven to."""
 
     goal_id: str
     stamp_ns: int
@@ -50,7 +50,7 @@ class ActionGoal:
 
 @dataclass(frozen=True, slots=True)
 class ActionCancel:
-    """Goals to be given up: that of this name, and all up to this time; all of them when both are empty."""
+    """Goals to cancel: the one with this id, and all up to this time; all goals when both are empty."""
 
     goal_id: str
     stamp_ns: int
@@ -58,7 +58,7 @@ class ActionCancel:
 
 @dataclass(frozen=True, slots=True)
 class PlanRequest:
-    """nav_msgs/GetPlan: from where (None: where the robot is), to where, and how far beside it will do, metres."""
+    """nav_msgs/GetPlan: start (None: the robot's own pose), goal, and tolerance around the goal in metres."""
 
     start: Pose2 | None
     goal: Pose2
@@ -82,7 +82,7 @@ def pose_estimate(data: bytes) -> PoseEstimate | InvalidMessage:
 
 
 def is_covariance(matrix: FloatArray) -> bool:
-    """Whether (3, 3) numbers are a covariance of a pose that can be counted with."""
+    """Return True when a (3, 3) matrix is a covariance of a pose: positive semi-definite, and not too large."""
     if matrix.shape != (3, 3) or not bool((np.abs(matrix) <= FARTHEST**2).all()):
         return False
     return bool(np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min() >= -1e-9)
@@ -121,7 +121,7 @@ def action_cancel(data: bytes) -> ActionCancel | InvalidMessage:
 
 
 def velocity(data: bytes) -> Twist | InvalidMessage:
-    """geometry_msgs/Twist; of a robot with two wheels only x forward and z around count."""
+    """geometry_msgs/Twist; a robot with two wheels uses only linear x and angular z."""
     try:
         six = Cursor(data).reals(6)
     except ValueError as error:
@@ -132,7 +132,7 @@ def velocity(data: bytes) -> Twist | InvalidMessage:
 
 
 def plan_request(data: bytes) -> PlanRequest | InvalidMessage:
-    """The request of nav_msgs/GetPlan; a start without a frame is the robot's own place, as in move_base."""
+    """The request of nav_msgs/GetPlan; a start without a frame means the robot's own pose, as in move_base."""
     try:
         cursor = Cursor(data)
         _, start_frame = cursor.header()

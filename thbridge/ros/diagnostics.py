@@ -1,4 +1,4 @@
-"""Watching over a team: one line of the log for each fact that people should know, and how every part of it is."""
+"""The log and the diagnostics of a team: a line for each event that people should know, and each part's state."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -14,9 +14,9 @@ from thbridge.ros.messages.records import CancelRequest, GoalRequest, LogLevel, 
 from thbridge.ros.names import CALLER, RobotNames
 
 SPREAD = 0.5
-"""Metres of standard deviation from which a robot had better be doubted."""
+"""Standard deviation of the position above which a robot counts as unsure, metres."""
 LOW_CHARGE = 0.2
-"""Share of the energy under which a robot should be watched."""
+"""Share of the energy below which a robot gets a warning."""
 
 _ENDS = {
     GoalStatusCode.SUCCEEDED: (LogLevel.INFO, "is reached"),
@@ -33,7 +33,7 @@ _STATES: dict[NavigatorState, tuple[DiagnosticLevel, str]] = {
 
 
 class RobotDiagnostics:
-    """Over one robot.
+    """The log lines and diagnostics of one robot.
 
     Args:
         robot: its index in the team.
@@ -53,12 +53,12 @@ class RobotDiagnostics:
     def log_lines(
         self, snapshot: TeamSnapshot, output: RobotOutput, goals: Sequence[ActionServerMessage]
     ) -> Iterator[LogLine]:
-        """What is new in a tick.
+        """Yield a line for each change in a tick.
 
         Args:
-            snapshot: of the team.
-            output: of this robot.
-            goals: what its action server said.
+            snapshot: the team in this tick.
+            output: the output of this robot's software.
+            goals: the messages of its action server.
         """
         dead = self._robot in snapshot.dead
         if dead != self._dead:
@@ -83,7 +83,7 @@ class RobotDiagnostics:
             yield from self._goal(said)
 
     def log_request(self, request: ActionRequest) -> Iterator[LogLine]:
-        """That a client wants something of the robot, which hears it unless it is dead."""
+        """Yield a line for a client's request; none for a dead robot, which does not receive it."""
         match request:
             case GoalRequest(_, goal_id, _, Pose2() as base) if not self._dead:
                 yield LogLine(
@@ -104,7 +104,7 @@ class RobotDiagnostics:
                 yield LogLine(level, self._navigator, f"goal {entry.goal.id} {what}{why}")
 
     def diagnoses(self, snapshot: TeamSnapshot, output: RobotOutput) -> Iterator[DiagnosticStatus]:
-        """How each part of the robot is."""
+        """Yield the state of each part of the robot."""
         if self._robot in snapshot.dead:
             yield self._diagnosis(DiagnosticLevel.STALE, "software", "has stopped")
             return

@@ -1,4 +1,4 @@
-"""The tree of frames that tf messages describe: who hangs on whom, and where, in three dimensions."""
+"""The tree of frames that tf messages describe, with the poses of children in their parents, in three dimensions."""
 
 import math
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ def matrix(transform: SpatialTransform) -> FloatArray:
     """(4, 4) homogeneous transform from the child's coordinates to the parent's."""
     x, y, z, w = transform.orientation
     norm = math.sqrt(x * x + y * y + z * z + w * w)
-    # A quaternion that nobody filled in is all zero, and meant as no rotation.
+    # Drivers that leave the quaternion all zero mean no rotation.
     x, y, z, w = (x / norm, y / norm, z / norm, w / norm) if norm > 0.0 else (0.0, 0.0, 0.0, 1.0)
     whole = np.eye(4)
     whole[:3, :3] = (
@@ -31,16 +31,16 @@ def matrix(transform: SpatialTransform) -> FloatArray:
 
 
 class FrameTree:
-    """Frames and the first that was said of each; names without leading slash.
+    """Frames with the first transform received of each; names without leading slash.
 
-    The first word holds: amcl, too, asks once where a laser sits and remembers it.
+    Later transforms of the same frame are ignored: amcl, too, looks up the pose of a laser once and keeps it.
     """
 
     def __init__(self) -> None:
         self._above: dict[str, tuple[str, FloatArray]] = {}
 
     def add(self, transform: SpatialTransform) -> bool:
-        """Take in one transform; whether it was news."""
+        """Take in one transform. Return True when it was new and valid."""
         child = frame_name(transform.child)
         if child in self._above or not np.isfinite((*transform.position, *transform.orientation)).all():
             return False
@@ -52,7 +52,7 @@ class FrameTree:
         return [(parent, child) for child, (parent, _) in self._above.items()]
 
     def chain(self, frame: str) -> list[str]:
-        """The frame and all it hangs on, nearest first."""
+        """The frame and its ancestors, nearest first."""
         chain = [frame_name(frame)]
         while chain[-1] in self._above:
             parent = self._above[chain[-1]][0]
@@ -62,7 +62,7 @@ class FrameTree:
         return chain
 
     def pose(self, frame: str, reference: str) -> FloatArray | None:
-        """(4, 4) pose of a frame in a reference frame, over whatever both hang on; None where nothing joins them."""
+        """(4, 4) pose of a frame in a reference frame by way of their common ancestor; None without one."""
         up, down = self.chain(frame), self.chain(reference)
         common = next((name for name in up if name in down), None)
         if common is None:
@@ -80,11 +80,11 @@ class FrameTree:
 
 @dataclass(frozen=True, slots=True)
 class PlanarMount:
-    """How a planar laser sits on a base.
+    """The mounting of a planar laser on a base.
 
     Attributes:
-        laser_in_base: where, and which way its x axis looks.
-        upside_down: whether its z axis points to the ground, so that its beams turn clockwise.
+        laser_in_base: pose of the laser in the base frame, seen from above.
+        upside_down: True when its z axis points to the ground, so that its beams turn clockwise.
         tilt: angle between its plane and the base's, radians in [0, pi/2].
     """
 
@@ -94,7 +94,7 @@ class PlanarMount:
 
     @classmethod
     def of(cls, pose: FloatArray) -> "PlanarMount":
-        """From a (4, 4) pose in the base frame, seen from above."""
+        """The mounting for a (4, 4) pose of the laser in the base frame."""
         yaw = math.atan2(pose[1, 0], pose[0, 0])
         upward = float(pose[2, 2])
         return cls(

@@ -1,10 +1,10 @@
-"""What things are called in ROS: namespaces and frames of robots, topics of the whole team."""
+"""Names in ROS: namespaces and frames of robots, topics of the whole team."""
 
 from dataclasses import dataclass
 
 MAP_FRAME = "map"
 CALLER = "/thbridge"
-"""The one node that publishes everything, in bags and in a live graph."""
+"""Name of our node, the only publisher in bags and in a live graph."""
 
 TF = "/tf"
 TF_STATIC = "/tf_static"
@@ -23,11 +23,11 @@ ROSOUT = "/rosout"
 DIAGNOSTICS = "/diagnostics"
 CLOCK = "/clock"
 GRAPH_LINK = "ros"
-"""The MAVLink link on which ROS's own clients speak to vehicles."""
+"""Name of the MAVLink link of ROS clients, by the topic mavlink/to."""
 STATIC_MAP = "/static_map"
-"""A service."""
+"""Name of a service."""
 USE_SIM_TIME = "/use_sim_time"
-"""A parameter."""
+"""Name of a parameter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ class RobotNames:
 
     @property
     def odom(self) -> str:
-        """Frame in which the wheels count."""
+        """Frame of the wheels' odometry."""
         return self.frame("odom")
 
     @property

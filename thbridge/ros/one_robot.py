@@ -1,4 +1,4 @@
-"""What the ROS nodes of one robot say, tick by tick: driver, localiser and navigator."""
+"""Messages of one robot's ROS nodes (driver, localiser, navigator), tick by tick."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -26,22 +26,22 @@ from thbridge.ros.names import MAP_FRAME, RobotNames
 from thbridge.ros.topics import Planners, RobotTopics, RosMessage, Topic
 
 COMMAND_PERIOD = 5
-"""Ticks after which an unchanged command is said again while a goal is under way: 10 Hz, base drivers time out."""
+"""Ticks after which an unchanged command is repeated while there is a goal: 10 Hz, because base drivers time out."""
 GLOBAL_FOOTPRINT_PERIOD = TICKS_PER_SECOND
 LOCAL_FOOTPRINT_PERIOD = TICKS_PER_SECOND // 5
-"""Ticks from one footprint to the next; move_base says them with every update of a costmap."""
+"""Ticks between two footprints; move_base publishes them with every update of a costmap."""
 
 UNMEASURED = 1e6
-"""Variance by which ROS drivers say that a robot of the plane measures no z, roll and pitch."""
+"""Variance of z, roll and pitch, which a planar robot does not measure, as ROS drivers give it."""
 
 _ODOM_POSE = pack.covariance(np.diag([1e-3, 1e-3, 1e-3]), UNMEASURED)
 _ODOM_TWIST = pack.covariance(np.diag([1e-3, 1e-3, 1e-3]), UNMEASURED)
 """Nominal and constant, as drivers of real bases give them: filters that fuse odometry (robot_pose_ekf,
-robot_localization) take steps from it, and a covariance that grows with the way would make them distrust every step."""
+robot_localization) use its increments, and a covariance that grows with the distance would make them distrust each."""
 
 
 class RobotPublisher:
-    """One robot's topics, and what it said last where only changes are worth saying.
+    """Makes one robot's messages; keeps the last of those that are published only when they change.
 
     Args:
         robot: its index in the team.
@@ -49,8 +49,8 @@ class RobotPublisher:
         planners: names of its planners.
 
     Attributes:
-        names: what it is called.
-        topics: all that it speaks on.
+        names: its namespace and frames.
+        topics: all topics that it publishes.
     """
 
     def __init__(self, robot: int, scan_period: float, planners: Planners) -> None:
@@ -68,7 +68,7 @@ class RobotPublisher:
         self._local_plan: FloatArray = self._plan
 
     def received(self, stamp_ns: int, tick: int, request: ActionRequest) -> Iterator[RosMessage]:
-        """What a client said, as far as that was a message at all."""
+        """Yield the message of a client's request; none when it cannot be written as one."""
         match request:
             case GoalRequest(_, goal_id, goal_stamp_ns, Pose2() as base):
                 data = pack.move_base_goal(tick, GoalId(goal_id, goal_stamp_ns), MAP_FRAME, base)
@@ -85,25 +85,25 @@ class RobotPublisher:
     def goals(
         self, tick: int, requests: Sequence[ActionRequest], output: RobotOutput, dead: bool
     ) -> list[ActionServerMessage]:
-        """What the action server says in a tick, given what clients asked of it in that tick."""
+        """Return the action server's messages in a tick, given the clients' requests in that tick."""
         self._server.take(tick, requests)
         return self._server.follow(tick, None if dead else output.navigation, output.estimate.base_in_map)
 
     def truth(self, tick: int, base_in_map: Pose2, twist: Twist) -> tuple[Topic, bytes]:
-        """Where the robot really is; known of a dead one, too."""
+        """The true pose and twist of the robot; of a dead one, too."""
         data = pack.odometry(tick, MAP_FRAME, self.base_footprint, base_in_map, twist)
         return self.topics.base_pose_ground_truth, data
 
     def tick(
         self, tick: int, command: Twist, output: RobotOutput, goals: Sequence[ActionServerMessage]
     ) -> Iterator[tuple[Topic, bytes]]:
-        """What a robot that lives says in one tick.
+        """Yield the messages of a robot in one tick; it must not be dead.
 
         Args:
-            tick: which one.
-            command: what its motors were told.
-            output: what it makes of the tick.
-            goals: what its action server says.
+            tick: the number of the tick.
+            command: the command to its motors.
+            output: the output of its software.
+            goals: the messages of its action server.
         """
         topics, observations, estimate = self.topics, output.observations, output.estimate
         sensed = observations.odometry
@@ -173,7 +173,7 @@ class RobotPublisher:
 
 
 def _is_rest(plan: FloatArray, last: FloatArray) -> bool:
-    """Whether a plan is the last one, or what is left of it to drive from a new place: not worth saying."""
+    """True when a plan is the last one, or its rest from the present pose; such a plan is not published again."""
     if plan is last:
         return True
     if not len(plan):

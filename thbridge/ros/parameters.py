@@ -1,7 +1,7 @@
-"""Parameters of the study under the names that they have on ROS's parameter server.
+"""The study's parameters under their names on ROS's parameter server.
 
-What `amcl` has of a robot is `/robot1/amcl/...`; all that lives in move_base (costmaps, planners) is
-`/robot1/move_base/...`, move_base's own at its top; the rest of the study is `/thbridge/...`.
+Parameters of `amcl` are `/robot1/amcl/...`; those of move_base and of all that runs inside it (costmaps, planners) are
+`/robot1/move_base/...`; the rest of the study is `/thbridge/...`.
 """
 
 import dataclasses
@@ -20,12 +20,12 @@ ParameterValue: TypeAlias = "bool | int | float | str | list[ParameterValue] | d
 Tree: TypeAlias = dict[str, ParameterValue]
 
 NODES = ("amcl", "ekf", "fake_localization")
-"""Sections that are nodes of their own in ROS."""
+"""Sections that are separate nodes in ROS."""
 MOVE_BASE = "move_base"
 
 
 def robot_tree(software: RobotParameters) -> Tree:
-    """All that stands under a robot's namespace: its software, by node."""
+    """The parameters under a robot's namespace: its software, by node."""
     whole = tree_of(software)
     nodes: Tree = {name: whole[name] for name in NODES}
     own = cast(Tree, whole[MOVE_BASE])
@@ -39,7 +39,7 @@ def robot_tree(software: RobotParameters) -> Tree:
 
 
 def tree_of(section: "DataclassInstance") -> Tree:
-    """A section as a tree of parameters; what has no value (null) is left out, as ROS has no word for it."""
+    """A section as a tree of parameters. Values of null are left out: ROS's parameter server has no null."""
     tree: Tree = {}
     listed = cast(str | None, getattr(type(section), "sections_named_in", None))
     for field in dataclasses.fields(section):
@@ -73,7 +73,7 @@ def _value(value: object) -> ParameterValue:
 
 
 def leaves(key: str, value: object) -> Iterator[tuple[str, object]]:
-    """Every single parameter at or below a key, by its full name."""
+    """Yield every single parameter at or below a key, with its full name."""
     if not isinstance(value, dict):
         yield key, value
         return
@@ -82,7 +82,7 @@ def leaves(key: str, value: object) -> Iterator[tuple[str, object]]:
 
 
 def has(software: RobotParameters, path: str) -> bool:
-    """Whether this is the place of a parameter, and not of a section or of nothing."""
+    """True when a path names a parameter, not a section and not nothing."""
     section: object = software
     for name in path.split("."):
         if not dataclasses.is_dataclass(section) or name not in {field.name for field in dataclasses.fields(section)}:
@@ -92,7 +92,7 @@ def has(software: RobotParameters, path: str) -> bool:
 
 
 def value_at(software: RobotParameters, path: str) -> "ParameterValue | None":
-    """The value at a place of the software ("amcl.min_particles"); None where it has none."""
+    """The value of the parameter at a path ("amcl.min_particles"); None where it is null."""
     section: object = software
     for name in path.split("."):
         section = cast(object, getattr(section, name))
@@ -100,10 +100,10 @@ def value_at(software: RobotParameters, path: str) -> "ParameterValue | None":
 
 
 def path_of(robot: RobotNames, key: str) -> str | None:
-    """The place in `RobotParameters` ("amcl.min_particles") of a parameter of this robot; None if it is not one.
+    """The path in `RobotParameters` ("amcl.min_particles") of a parameter of this robot; None for other keys.
 
     Args:
-        robot: whose namespace.
+        robot: the robot's names.
         key: the parameter's full name, "/robot1/amcl/min_particles".
     """
     below = key.removeprefix(f"{robot.namespace}/")

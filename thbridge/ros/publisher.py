@@ -1,4 +1,4 @@
-"""Which messages a session says, tick by tick: the one order of topics that bags and live graphs share."""
+"""The messages of a session, tick by tick, in one order for bags and live graphs."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
@@ -63,27 +63,27 @@ from thbridge.ros.topics import (
 __all__ = ["Planners", "RosMessage", "TeamPublisher", "Topic", "clock_message", "messages_of"]
 
 THINGS_PERIOD = 5
-"""Ticks from one word about things that walk to the next: 10 Hz."""
+"""Ticks between two messages about moving things: 10 Hz."""
 DIAGNOSTICS_PERIOD = TICKS_PER_SECOND
 
 
 def clock_message(tick: int) -> RosMessage:
-    """The time, for a graph whose nodes live in simulated time; bags hold none."""
+    """The message of /clock, for graphs in simulated time; bags have none, because `rosbag play` publishes its own."""
     return RosMessage(CLOCK, stamp_ns(tick), pack.clock(tick))
 
 
 class TeamPublisher:
-    """Turns each tick of a team into the messages that its ROS nodes would publish.
+    """Converts each tick of a team to the messages that its ROS nodes would publish.
 
     Args:
-        robots: size of the team.
-        mount: the laser that every robot carries.
+        robots: number of robots.
+        mount: the laser of every robot.
         scan_period: seconds between two scans of one robot.
-        planners: names of each robot's planners; None: move_base's usual ones.
-        vehicles: whether the robots are MAVLink vehicles, too.
+        planners: names of each robot's planners; None: move_base's default ones.
+        vehicles: True when the robots are MAVLink vehicles, too.
 
     Raises:
-        ValueError: robots and planners differ in number.
+        ValueError: the numbers of robots and planners differ.
     """
 
     def __init__(
@@ -106,12 +106,12 @@ class TeamPublisher:
 
     @property
     def topics(self) -> tuple[Topic, ...]:
-        """All topics on which anything may ever be said, the clock's aside."""
+        """All topics on which messages may be published, except the clock."""
         own = tuple(topic for robot in self._robots for topic in robot.topics.all())
         return TEAM_TOPICS + own + tuple(topic for robot in self._vehicles for topic in robot.all())
 
     def opening(self, tick: int, session: SessionRecord, grid: OccupancyGrid) -> list[RosMessage]:
-        """What is said once, before all else: session, frames that never move, the map. All of it is latched."""
+        """The first messages, published once and latched: session, static transforms, map."""
         stamp = stamp_ns(tick)
         static = [
             transform
@@ -129,10 +129,10 @@ class TeamPublisher:
         ]
 
     def tick(self, snapshot: TeamSnapshot, records: Iterable[Record] = ()) -> list[RosMessage]:
-        """What is said in one tick: what came from outside, then the robots in their order, then the other records.
+        """The messages of one tick: inputs from outside, then the robots in their order, then the other records.
 
         Raises:
-            ValueError: the team is not as large as was said.
+            ValueError: the team has another number of robots than this publisher.
         """
         tick, stamp = snapshot.tick, stamp_ns(snapshot.tick)
         records = tuple(records)
@@ -197,7 +197,7 @@ class TeamPublisher:
             yield Transform(robot.odom, robot.base_footprint, output.observations.odometry.base_in_odom)
 
     def _things(self, snapshot: TeamSnapshot) -> Iterator[tuple[Topic, bytes]]:
-        """All things, whenever one came, went or walked."""
+        """Yield the outlines of all things, whenever one appeared, disappeared or moved."""
         bodies = snapshot.truth.bodies
         walks_only = len(bodies.circles) == len(self._bodies.circles)
         if bodies is self._bodies or (walks_only and snapshot.tick - self._bodies_tick < THINGS_PERIOD):
@@ -209,7 +209,7 @@ class TeamPublisher:
 
 
 def messages_of(stamp: int, tick: int, record: Record) -> Iterator[RosMessage]:
-    """What is said of a record, after what robots say; stamped with these nanoseconds, its header with the tick."""
+    """Yield the message of a record that comes after those of the robots; `tick` is for its header."""
     match record:
         case GameEvent():
             yield RosMessage(GAME_EVENTS, stamp, pack.game_event(tick, record))
@@ -226,10 +226,10 @@ def messages_of(stamp: int, tick: int, record: Record) -> Iterator[RosMessage]:
         case LogLine():
             yield RosMessage(ROSOUT, stamp, pack.log(tick, record))
         case InputRecord() | GoalRequest() | CancelRequest() | SimpleGoal() | InitialPose():
-            pass  # Said before all else.
+            pass  # published before the robots' messages
         case VelocityCommand():
-            pass  # What the motors were told of it is on cmd_vel.
+            pass  # the motors' command is on cmd_vel
         case VehicleFrame() | VehicleState():
-            pass  # On the robot's own topics.
+            pass  # on the robot's own topics
         case _:
             assert_never(record)

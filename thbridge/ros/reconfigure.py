@@ -1,12 +1,12 @@
-"""What a dynamic_reconfigure server says of a robot's live parameters, and what its clients ask of them.
+"""Messages of dynamic_reconfigure servers and their clients, for a robot's live parameters.
 
-In ROS every node, costmap, layer and planner that has such parameters is a server with a name of its own. The same
-sections of `RobotParameters` are here. A parameter's description is its knob's, so nothing is said twice.
+In ROS every node, costmap, layer and planner with such parameters is a server with its own name. Here each section of
+`RobotParameters` with live parameters is one. Descriptions are taken from the parameters' declarations.
 
 Source: ros/dynamic_reconfigure, server.h, config_tools.h and encoding.py; its messages Config and ConfigDescription.
 
-Differs: no parameter has a level, as nobody needs to be told what has to start anew; `restore_defaults` is missing.
-A choice of words that ROS leaves to the typist is an enum.
+Differs: all levels are 0, as no part has to be restarted; `restore_defaults` is missing. Parameters that take one of a
+few words are enums, where ROS takes any text.
 """
 
 import json
@@ -29,12 +29,12 @@ ParameterType = Literal["bool", "int", "str", "double"]
 Value = bool | int | str | float
 
 _KINDS: tuple[ParameterType, ...] = get_args(ParameterType)
-"""In the order in which a Config lists them."""
+"""The types in the order in which a Config lists them."""
 
 _FLOAT64 = Struct("<d")
 _GROUP = "Default"
 _GROUP_IDS = INT32.pack(0) * 2
-"""The group's own number and its parent's: all parameters are in the one group that there always is."""
+"""The ids of the group and of its parent: all parameters are in the default group."""
 _GROUP_STATE = string(_GROUP) + UINT8.pack(True) + _GROUP_IDS
 _NO_LEVEL = UINT32.pack(0)
 
@@ -50,7 +50,7 @@ _NUMBERED: Mapping[str, Mapping[str, int]] = {
         "Rightward": 6,
     },
 }
-"""Numbers that have names in ROS's .cfg files."""
+"""Parameters whose numbers have names in ROS's .cfg files."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,13 +59,13 @@ class DescribedParameter:
 
     Attributes:
         name: within its section.
-        path: its place in `RobotParameters`, such as "amcl.kld_err".
+        path: its path in `RobotParameters`, such as "amcl.kld_err".
         kind: ROS's name of its type.
-        description: for people, with the unit.
+        description: a sentence for people, with the unit.
         edit_method: its choices, as the text of a Python dictionary that clients evaluate; empty when it is free.
-        minimum: least value; of text empty.
-        maximum: greatest value; of text empty.
-        default: ROS's.
+        minimum: least value; empty for text.
+        maximum: greatest value; empty for text.
+        default: the default value.
     """
 
     name: str
@@ -78,13 +78,13 @@ class DescribedParameter:
     default: Value
 
     def clamped(self, value: Value) -> Value:
-        """The nearest value within the bounds, as every such server does it; NaN remains."""
+        """The nearest value within the bounds, as dynamic_reconfigure's servers do it; NaN remains."""
         if isinstance(value, str):
             return value
         return min(max(value, cast(float, self.minimum)), cast(float, self.maximum))
 
     def reported(self, software: RobotParameters) -> Value:
-        """Its value in a robot's software. A number without a value (null) is told as 0, as messages have no null."""
+        """Its value in a robot's software. A number that is null is given as 0, because messages have no null."""
         value = value_at(software, self.path)
         if self.kind == "double":
             return float(cast("float | None", value) or 0.0)
@@ -96,8 +96,8 @@ class ReconfigureServer:
     """The live parameters of one server.
 
     Attributes:
-        path: its place in `RobotParameters`: "amcl", "local_costmap.inflation_layer".
-        parameters: in the order in which they are declared.
+        path: its path in `RobotParameters`: "amcl", "local_costmap.inflation_layer".
+        parameters: the parameters, in the order in which they are declared.
     """
 
     path: str
@@ -166,7 +166,7 @@ def _edit_method(kind: ParameterType, help_: str, choices: Mapping[str, Value]) 
     return repr({"enum_description": help_, "enum": enum})
 
 
-# What a server says
+# Messages of a server
 
 
 def description(section: ReconfigureServer) -> bytes:
@@ -188,7 +188,7 @@ def description(section: ReconfigureServer) -> bytes:
 
 
 def config(section: ReconfigureServer, software: RobotParameters) -> bytes:
-    """dynamic_reconfigure/Config: the values in force; also the answer of dynamic_reconfigure/Reconfigure."""
+    """dynamic_reconfigure/Config: the present values; also the response of dynamic_reconfigure/Reconfigure."""
     return _config((each, each.reported(software)) for each in section.parameters)
 
 
@@ -208,21 +208,21 @@ _WRITE: Mapping[ParameterType, Callable[[Value], bytes]] = {
 }
 
 
-# What a client asks
+# Requests of a client
 
 
 def requested_changes(
     section: ReconfigureServer, software: RobotParameters, data: bytes
 ) -> tuple[tuple[str, Value], ...] | InvalidMessage:
-    """What the request of dynamic_reconfigure/Reconfigure changes: values by their paths, within their bounds.
+    """The changes in a request of dynamic_reconfigure/Reconfigure: values by their paths, within their bounds.
 
-    As in ROS, names that the server does not know, or knows as of another type, and the states of groups are passed
-    over. What is as it was told is no change: a client that sends everything back means only what it changed.
+    As in ROS, unknown names, names with another type, and the states of groups are ignored. A value equal to the one in
+    `config` is no change: clients send all values back, also those that they did not change.
 
     Args:
-        section: the server's.
-        software: as it is.
-        data: the request.
+        section: the server.
+        software: the present parameters.
+        data: the request's bytes.
     """
     try:
         given = _given(Cursor(data))
@@ -239,7 +239,7 @@ def requested_changes(
 def _given(cursor: Cursor) -> Mapping[tuple[ParameterType, str], Value]:
     given: dict[tuple[ParameterType, str], Value] = {}
     for kind in _KINDS:
-        for _ in range(cursor.integer(UINT32)):  # Each takes some bytes, so a count that lies ends soon.
+        for _ in range(cursor.integer(UINT32)):  # a forged count ends soon, because each item takes some bytes
             name = cursor.string()
             given[kind, name] = _READ[kind](cursor)
     return given

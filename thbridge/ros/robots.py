@@ -1,8 +1,8 @@
-"""Whose a topic or a frame is, and what it is for, by the names and types that robots of the field use.
+"""Owner and purpose of topics and frames, guessed from the names that robots commonly use.
 
-Names differ: Stage says `/robot_0/base_scan`, TurtleBot `/odom`, robot_localization `/odometry/filtered`, a camera
-`/camera/odom/sample`. What a message is can be told from its type; whose it is, from the prefix of its frame, and else
-from its namespace, unless that names a node.
+Names differ: Stage has `/robot_0/base_scan`, TurtleBot `/odom`, robot_localization `/odometry/filtered`, a camera
+`/camera/odom/sample`. The purpose of a message follows from its type; its robot from the prefix of its frame, or else
+from its namespace, unless that is the name of a node.
 """
 
 import re
@@ -11,9 +11,9 @@ from collections.abc import Collection, Iterable, Mapping
 from thbridge.ros.frames import frame_name
 
 MAP_FRAMES = frozenset({"map", "world", "static_map"})
-"""Frames that a map is in, by their last word."""
+"""Last words of the frames that maps are in."""
 ODOM_FRAME = "odom"
-"""What frames of odometry begin with, by their last word: odom, odom_combined."""
+"""Beginning of the last word of odometry frames: odom, odom_combined."""
 
 _OWN_TOPICS = frozenset(
     {
@@ -21,31 +21,31 @@ _OWN_TOPICS = frozenset(
         *("particlecloud", "initialpose", "robot_pose"),
     }
 )
-"""Topics that stand in a robot's own namespace."""
+"""Topics that are directly in a robot's namespace."""
 _NODES = re.compile(
     r"odom|pose|[eu]kf|filter|camera|slam|locali[sz]|base$|driver|controller|move_base|amcl|imu|gps|zed|t265|gazebo|ground"
 )
-"""What namespaces are called that are a node's, not a robot's."""
+"""Words in namespaces that belong to a node and not to a robot."""
 _TRUTH = re.compile(r"ground_?truth|(^|[/_])(gt|truth|mocap|vicon|vrpn\w*|optitrack)([/_]|$)")
 
 
 def last_word(name: str) -> str:
-    """What a topic or frame is called without its namespace or prefix."""
+    """A topic or frame without its namespace or prefix."""
     return name.rpartition("/")[2]
 
 
 def is_map_frame(frame: str) -> bool:
-    """Whether poses in a frame are places on a map."""
+    """True when a frame is that of a map."""
     return last_word(frame_name(frame)) in MAP_FRAMES
 
 
 def is_odom_frame(frame: str) -> bool:
-    """Whether poses in a frame are counted by odometry."""
+    """True when a frame is that of odometry."""
     return last_word(frame_name(frame)).startswith(ODOM_FRAME)
 
 
 def is_truth(topic: str) -> bool:
-    """Whether a topic of poses is called as topics are that know the truth: of simulators, of motion capture."""
+    """True when a topic of poses has a name of ground truth, from a simulator or from motion capture."""
     return _TRUTH.search(topic.lower()) is not None
 
 
@@ -65,9 +65,9 @@ def namespace_of(topic: str) -> str:
 
 
 def owner_of(topic: str, robots: Collection[str]) -> str:
-    """The robot among those known that a topic belongs to.
+    """The robot, among those known, to which a topic belongs.
 
-    The one whose namespace it is in; else the only one there is; else the one without a name.
+    It is the robot whose namespace the topic is in; else the only one; else the one without a name.
     """
     path = topic.strip("/")
     within = [robot for robot in robots if robot and path.startswith(f"{robot}/")]
@@ -77,13 +77,13 @@ def owner_of(topic: str, robots: Collection[str]) -> str:
 
 
 def usual_first(topics: Iterable[str], usual: Collection[str]) -> list[str]:
-    """Topics in the order of choice: those called as usual, in that order, then short ones."""
+    """Topics in order of preference: first those with usual names, in that order, then short ones."""
     ranks = {name: rank for rank, name in enumerate(usual)}
     return sorted(topics, key=lambda topic: (ranks.get(last_word(topic), len(ranks)), topic.count("/"), topic))
 
 
 def owner_of_edge(key: tuple[str, str, str]) -> str:
-    """Whose a transform is: as the prefix of a frame says, else the namespace of its tf.
+    """The robot of a transform: the prefix of one of its frames, else the namespace of the tf topic.
 
     Args:
         key: namespace of the topic, parent frame, child frame.
@@ -95,11 +95,11 @@ def owner_of_edge(key: tuple[str, str, str]) -> str:
 def robots_among(
     odometry: Mapping[str, str], edges: Iterable[tuple[str, str, str]], others: Iterable[str]
 ) -> frozenset[str]:
-    """Prefixes of frames and namespaces that are robots; "" is one without.
+    """Names of the robots: prefixes of frames, and namespaces; "" for a robot without either.
 
     Args:
-        odometry: topics of odometry, each with the frame whose pose it says.
-        edges: of tf, as for `owner_of_edge`, from frames of odometry.
+        odometry: topics of odometry, each with its child frame.
+        edges: transforms with a parent of odometry, as for `owner_of_edge`.
         others: topics that only a robot has.
     """
     found = {prefix_of(child) or namespace_of(topic) for topic, child in odometry.items()}
@@ -112,6 +112,6 @@ def robots_among(
 
 
 def by_number(robot: str) -> tuple[int, str]:
-    """What robots are sorted by: robot2 comes before robot10."""
+    """Sort key of robots: robot2 comes before robot10."""
     digits = "".join(sign for sign in robot if sign.isdigit())
     return int(digits or 0), robot

@@ -1,6 +1,6 @@
 """A configuration of rviz that shows a whole team: map, robots, scans, particle clouds, plans, costmaps.
 
-Source: what rviz 1.14 saves itself; what is left out here it takes from its own defaults.
+Source: files saved by rviz 1.14. rviz has defaults for all that is left out here.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,13 +20,13 @@ Value: TypeAlias = "bool | int | float | str | Sequence[Value] | Mapping[str, Va
 Section: TypeAlias = dict[str, Value]
 
 COLOURS = ("0; 114; 178", "213; 94; 0", "0; 158; 115", "204; 121; 167", "230; 159; 0", "86; 180; 233", "120; 94; 240")
-"""One a robot, in turn; they stay apart for colour-blind eyes (Okabe and Ito; the yellow is lost on a white floor)."""
+"""One colour a robot, distinguishable for colour-blind people (Okabe and Ito, without the yellow: it is too pale)."""
 
 WINDOW = (1280, 900)
 """Pixels, width and height."""
 
 _SHARE_OF_WINDOW = 0.9
-"""Of the space for the view that the map fills."""
+"""Share of the view that the map fills."""
 _PANEL = 320
 """Pixels of width that the list of displays takes."""
 _PANELS = (
@@ -34,16 +34,16 @@ _PANELS = (
     "00790073010000004100000320000000dd00ffffff000003c00000032000000004000000040000000800000008fc0000"
     "000100000002000000010000000a0054006f006f006c00730100000000ffffffff0000000000000000"
 )
-"""Where panels are, as Qt writes it (QMainWindow::saveState): the displays at the left, 300 pixels wide. Without it
-they would cover the map."""
+"""Positions of the panels in Qt's format (QMainWindow::saveState): the displays at the left, 300 pixels wide. Without
+it they would cover the map."""
 
 
 def configuration(software: Sequence[RobotParameters], grid: OccupancyGrid) -> str:
-    """The file for a team on this map, seen from above.
+    """The configuration file for a team on this map, seen from above.
 
     Args:
-        software: of each robot; its planners name the topics of its plans.
-        grid: the map, for where to look and how near.
+        software: the parameters of each robot, whose planners name the topics of its plans.
+        grid: the map, which sets centre and scale of the view.
     """
     team = [RobotNames.of(number) for number in range(len(software))]
     topics = [RobotTopics.of(robot, Planners.of(own)) for robot, own in zip(team, software, strict=True)]
@@ -83,7 +83,7 @@ def colour_of(robot: int) -> str:
 
 
 def _display(kind: str, name: str, topic: str | None, enabled: bool, **properties: Value) -> Section:
-    """One display; rviz keeps whether it is on twice."""
+    """One display. rviz stores twice that it is switched on: in Enabled and in Value."""
     given = {key.replace("_", " "): value for key, value in properties.items()}
     about = {} if topic is None else {"Topic": topic}
     return {"Class": f"rviz/{kind}", "Name": name, "Enabled": enabled, "Value": enabled, **about, **given}
@@ -92,7 +92,7 @@ def _display(kind: str, name: str, topic: str | None, enabled: bool, **propertie
 def _shared(team: Sequence[RobotNames]) -> Iterator[Section]:
     yield _display("Map", "map", names.MAP, True, Color_Scheme="map", Alpha=0.6, Draw_Behind=True)
     yield _display("MarkerArray", "things", None, True, **{"Marker Topic": names.THINGS})
-    # Of each robot one frame: with odom and the laser's the names would hide the map.
+    # Only one frame of each robot is shown: more names would hide the map.
     shown = {MAP_FRAME: False} | {
         frame: frame == robot.base_link
         for robot in team
@@ -138,13 +138,13 @@ def _robot(robot: RobotNames, of: RobotTopics, colour: str) -> Section:
 
 
 def _tools(of: RobotTopics) -> Iterator[Section]:
-    """rviz has one button for each; without names of their own they are told apart by their topics only."""
+    """Yield the two buttons of a robot. rviz's tools have no names of their own, only topics."""
     yield {"Class": "rviz/SetInitialPose", "Topic": of.initialpose.name}
     yield {"Class": "rviz/SetGoal", "Topic": of.simple_goal.name}
 
 
 def _from_above(grid: OccupancyGrid) -> Section:
-    """A view of the whole map; rviz's scale is in pixels a metre."""
+    """The view of the whole map; rviz's scale is in pixels per metre."""
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
     scale = _SHARE_OF_WINDOW * min((WINDOW[0] - _PANEL) / width, (WINDOW[1] - 120) / height)
     middle = grid.origin.compose(Pose2(width / 2, height / 2, 0.0))

@@ -10,7 +10,7 @@ from thbridge.ros.names import RobotNames
 
 
 class Topic(NamedTuple):
-    """A topic with the type of its messages; who comes late to a latched one gets its last message."""
+    """A topic with its message type; late subscribers of a latched one get its last message."""
 
     name: str
     msgtype: str
@@ -18,13 +18,13 @@ class Topic(NamedTuple):
 
 
 class RosMessage(NamedTuple):
-    """One message.
+    """A message on a topic.
 
     Attributes:
         topic: its topic.
-        stamp_ns: when it was said, nanoseconds of ROS time.
+        stamp_ns: time of publication, nanoseconds of ROS time.
         data: its bytes.
-        heard: whether somebody else said it on a ROS graph: it is recorded, and not said there once more.
+        foreign: True when another node of the ROS graph published it: it is recorded, but not published again.
     """
 
     topic: Topic
@@ -34,7 +34,7 @@ class RosMessage(NamedTuple):
 
 
 CLOCK = Topic(names.CLOCK, types.CLOCK)
-"""Said on a graph only: who plays a bag makes the clock."""
+"""Published on a graph only: `rosbag play` makes its own clock."""
 TF = Topic(names.TF, types.TFMESSAGE)
 TF_STATIC = Topic(names.TF_STATIC, types.TFMESSAGE, latched=True)
 MAP = Topic(names.MAP, types.OCCUPANCY_GRID, latched=True)
@@ -68,31 +68,31 @@ TEAM_TOPICS = (
     ROSOUT,
     DIAGNOSTICS,
 )
-"""All that no single robot has."""
+"""The topics that belong to no single robot."""
 
 
 @dataclass(frozen=True, slots=True)
 class Planners:
-    """Names of a robot's planners, by which move_base calls the topics of their plans."""
+    """Names of a robot's planners, which are part of the topic names of their plans in move_base."""
 
     base_global_planner: str = "NavfnROS"
     base_local_planner: str = "TrajectoryPlannerROS"
 
     @classmethod
     def of(cls, parameters: RobotParameters) -> "Planners":
-        """Those that a robot uses: "navfn/NavfnROS" is called NavfnROS."""
+        """The planners of a robot: "navfn/NavfnROS" becomes NavfnROS."""
         chosen = parameters.move_base
         return cls(chosen.base_global_planner.rpartition("/")[2], chosen.base_local_planner.rpartition("/")[2])
 
 
 @dataclass(frozen=True, slots=True)
 class VehicleTopics:
-    """Those of one robot as a MAVLink vehicle, as mavros calls them.
+    """The topics of one robot as a MAVLink vehicle, with mavros' names.
 
     Attributes:
-        said: what it says.
-        heard: what is said to it, by whichever link.
-        state: how it stands.
+        sent: frames that it sends.
+        received: frames that it receives, on any link.
+        state: its state.
     """
 
     sent: Topic
@@ -156,12 +156,12 @@ class RobotTopics:
             status=Topic(robot.topic("move_base/status"), types.GOAL_STATUS_ARRAY, latched=True),
             feedback=Topic(robot.topic("move_base/feedback"), types.MOVE_BASE_FEEDBACK),
             result=Topic(robot.topic("move_base/result"), types.MOVE_BASE_RESULT),
-            # ROS's are not latched, but said again and again; ours only when they change, the last one being empty.
+            # ROS repeats its plans; ours are latched, published only when they change, and end with an empty one.
             plan=Topic(robot.topic(f"move_base/{planners.base_global_planner}/plan"), types.PATH, latched=True),
             local_plan=Topic(
                 robot.topic(f"move_base/{planners.base_local_planner}/local_plan"), types.PATH, latched=True
             ),
-            # costmap_2d sends its last costmap to whoever comes late: as good as latched.
+            # costmap_2d sends its last costmap to every new subscriber, like a latched topic.
             global_costmap=Topic(robot.topic("move_base/global_costmap/costmap"), types.OCCUPANCY_GRID, latched=True),
             local_costmap=Topic(robot.topic("move_base/local_costmap/costmap"), types.OCCUPANCY_GRID, latched=True),
             global_footprint=Topic(robot.topic("move_base/global_costmap/footprint"), types.POLYGON_STAMPED),

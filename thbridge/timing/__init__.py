@@ -1,1 +1,1 @@
-"""Wall clocks and loops: ticks kept to the clock until somebody stops the program."""
+"""The loop of ticks in wall time: pace, end of the program, heartbeats during pauses."""

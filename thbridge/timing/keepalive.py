@@ -1,7 +1,7 @@
-"""Keeps ground stations from taking robots for dead while their time stands, or runs slower than the clock.
+"""Sends heartbeats to ground stations while simulated time is paused or slow, so that robots do not count as lost.
 
-Stations give a robot up some seconds of their own time after its last heartbeat; the robots' only clock is simulated
-time. It ends with the session, on whose event loop it is: no fault is outlived.
+Heartbeats are due in simulated time, but stations wait only some seconds of wall time for the next one. The task ends
+with the session, on whose event loop it runs: heartbeats never continue after an error of the session.
 """
 
 import asyncio
@@ -13,10 +13,10 @@ from sim.common.observations import TICKS_PER_SECOND
 from thbridge.timing.pacer import Pacer
 
 _LOOK = 1.0
-"""Seconds between two looks."""
+"""Seconds between two checks."""
 
 _ENOUGH = 4 * TICKS_PER_SECOND // 5
-"""Ticks in a second of the clock with which heartbeats come often enough by themselves."""
+"""Ticks per second of wall time with which heartbeats come often enough by themselves."""
 
 
 class SessionWithVehicles(Protocol):
@@ -27,14 +27,13 @@ class SessionWithVehicles(Protocol):
         """The number of the next tick."""
 
     def keep_alive(self) -> None:
-        """Let vehicles say that they are there."""
+        """Let vehicles send heartbeats."""
 
 
 class KeepAlive:
-    """Looks at a session once a second.
+    """Checks a session once a second.
 
-    A session that nobody asks to keep to the clock is left alone, unless it is paused: what it says must not depend on
-    how fast the machine is.
+    A session without a rate is left alone, unless it is paused: its messages must not depend on the machine's speed.
     """
 
     def __init__(self, session: SessionWithVehicles, pacer: Pacer) -> None:
@@ -43,7 +42,7 @@ class KeepAlive:
         self._tick = session.tick
 
     def check(self) -> None:
-        """A second has passed."""
+        """Let the session send heartbeats if too few ticks have passed since the last check."""
         passed, self._tick = self._session.tick - self._tick, self._session.tick
         if passed < _ENOUGH and (self._pacer.paused or self._pacer.rate > 0.0):
             self._session.keep_alive()
@@ -51,7 +50,7 @@ class KeepAlive:
 
 @asynccontextmanager
 async def kept_alive(session: SessionWithVehicles, pacer: Pacer) -> AsyncIterator[None]:
-    """As long as this lasts, a session says every second that it is there."""
+    """Check a session every second within this block."""
 
     async def watch() -> None:
         keep_alive = KeepAlive(session, pacer)

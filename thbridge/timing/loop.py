@@ -1,4 +1,4 @@
-"""The loop of a program: ticks kept to the wall clock until one is the last, or somebody stops the program."""
+"""The loop of a program: ticks in wall time until one is the last, or until Ctrl-C or SIGTERM."""
 
 import asyncio
 import gc
@@ -12,17 +12,17 @@ from dataclasses import dataclass
 from thbridge.timing.pacer import Pacer
 
 _TURN = 0.0005
-"""Seconds after which another thread, one that packs a recording for example, has to let the ticks go on; Python's own
-five milliseconds are a fourth of a tick."""
+"""Longest time in seconds for which another thread, for example one that packs a recording, may hold the interpreter;
+Python's default of 5 ms is a fourth of a tick."""
 
 
 @dataclass(frozen=True, slots=True)
 class LoopResult:
-    """How a loop ended.
+    """The end of a loop.
 
     Attributes:
-        finished: a tick was the last; or else somebody stopped the program (Ctrl-C, SIGTERM).
-        seconds: of wall time that it took.
+        finished: True when a tick was the last, False when the program was stopped (Ctrl-C, SIGTERM).
+        seconds: wall time that it took.
     """
 
     finished: bool
@@ -30,17 +30,17 @@ class LoopResult:
 
 
 def _pass() -> None:
-    """Nobody else need be told."""
+    """Do nothing."""
 
 
 async def run_ticks(tick: Callable[[], bool], pacer: Pacer) -> LoopResult:
-    """Run ticks until one returns False, or until Ctrl-C or SIGTERM, after which one more comes.
+    """Run ticks until one returns False, or until Ctrl-C or SIGTERM, after which there is one more.
 
-    That last one takes in what came since the one before it: in a pause that may be much, and worth a recording.
+    The last one reads and records all inputs since the one before it, which may be many after a pause.
 
     Args:
-        tick: one tick; whether another one is to follow.
-        pacer: says when the next one is due.
+        tick: runs one tick, and returns True when another one is to follow.
+        pacer: waits until the next one is due.
     """
     started = time.monotonic()
     with stopping(pacer.resume) as stopped, _standing_spared(), _short_turns():
@@ -54,7 +54,7 @@ async def run_ticks(tick: Callable[[], bool], pacer: Pacer) -> LoopResult:
 
 @contextmanager
 def stopping(on_stop: Callable[[], None] = _pass) -> Iterator[asyncio.Event]:
-    """An event that Ctrl-C and SIGTERM set instead of ending the program where it stands; `told` is called then."""
+    """An event that Ctrl-C and SIGTERM set, instead of ending the program at once; they also call `on_stop`."""
     loop = asyncio.get_running_loop()
     stopped = asyncio.Event()
 
@@ -74,9 +74,9 @@ def stopping(on_stop: Callable[[], None] = _pass) -> Iterator[asyncio.Event]:
 
 @contextmanager
 def _standing_spared() -> Iterator[None]:
-    """Keep the garbage collector from what stands already: modules and compiled code, which no tick throws away.
+    """Exclude the present objects (modules, compiled code) from garbage collection: they are never freed anyway.
 
-    To walk all of that takes several ticks' time, and the collector would do so in the midst of a session.
+    A full collection over them takes several ticks, and would happen in the middle of a session.
     """
     gc.freeze()
     try:
@@ -87,7 +87,7 @@ def _standing_spared() -> Iterator[None]:
 
 @contextmanager
 def _short_turns() -> Iterator[None]:
-    """Let no other thread keep the interpreter from the ticks for long."""
+    """Shorten the time for which other threads may hold the interpreter."""
     usual = sys.getswitchinterval()
     sys.setswitchinterval(min(usual, _TURN))
     try:

@@ -1,4 +1,4 @@
-"""Keeps a loop of ticks to the wall clock, as long as nobody holds it."""
+"""The pace of a loop of ticks: rate in wall time, pause, single steps."""
 
 import asyncio
 import logging
@@ -11,24 +11,25 @@ from sim.common.observations import TICK
 _log = logging.getLogger(__name__)
 
 _BREATH = 25
-"""Ticks that run on end before sockets get a turn, when there is no clock to keep to."""
+"""Number of ticks between two turns of the event loop, when there is no rate to keep."""
 
 _LAG = 1.0
-"""Seconds of delay that are made up for by running faster; beyond that the session's time lags for good."""
+"""Largest delay in seconds that is made up for by running faster; beyond it simulated time lags for good."""
 
 _LOOK = 0.1
-"""Seconds between two looks, in a pause, whether anybody still wants one."""
+"""Seconds between two calls of `pause_abandoned` in a pause."""
 
 
 class Pacer:
-    """Waits between ticks; a machine too slow makes simulated time lag, and never skips a tick.
+    """Waits between ticks. On a machine too slow for the rate simulated time lags; ticks are never skipped.
 
     The pace can be changed while the loop runs, on the thread of its event loop.
 
     Args:
         rate: simulated seconds per second; 0 runs as fast as the machine can.
-        clock: seconds, never backwards.
-        let_go: asked ten times a second while paused whether nobody wants to pause any more; None: somebody does.
+        clock: monotonic clock, seconds.
+        pause_abandoned: called ten times a second while paused; True ends the pause, because no client wants it any
+            more. None: pauses last until `resume`.
     """
 
     def __init__(
@@ -50,37 +51,37 @@ class Pacer:
 
     @property
     def rate(self) -> float:
-        """Simulated seconds per second that are asked for; 0: as fast as the machine can."""
+        """Simulated seconds per second; 0: as fast as the machine can."""
         return self._rate
 
     @property
     def paused(self) -> bool:
-        """Whether no tick comes until somebody says so."""
+        """True during a pause, which lasts until `resume` or `step`."""
         return self._paused
 
     @property
     def lag(self) -> float:
-        """Seconds by which the ticks are behind what the rate asks for, those included that were given up."""
+        """Delay of the ticks against the rate in seconds, with delays that are not made up for."""
         behind = 0.0 if self._due is None else max(self._clock() - self._due - self._period, 0.0)
         return self._given_up + behind
 
     def set_rate(self, rate: float) -> None:
-        """Go on at another rate, a pause aside; 0 is as fast as the machine can."""
+        """Change the rate; a pause goes on. 0 is as fast as the machine can."""
         self._rate = rate
         self._due = None
 
     def pause(self) -> None:
-        """Let no tick come; those that `step` had granted do not come either."""
+        """Stop ticks, also those left of an earlier `step`."""
         self._paused = True
         self._steps = 0
 
     def resume(self) -> None:
-        """Let ticks come again."""
+        """End a pause."""
         self._paused = False
         self._changed.set()
 
     def step(self, ticks: int) -> None:
-        """Let so many ticks more come, at the rate, and pause."""
+        """Run so many more ticks, at the rate, then pause."""
         self._paused = True
         self._steps += ticks
         self._changed.set()
@@ -92,7 +93,7 @@ class Pacer:
             if self._steps:
                 self._steps -= 1
                 return
-            self._due = None  # Time that nobody wanted to pass is no delay.
+            self._due = None  # the time of a pause is no delay
             self._changed.clear()
             with suppress(TimeoutError):
                 await asyncio.wait_for(self._changed.wait(), None if self._let_go is None else _LOOK)

@@ -1,4 +1,4 @@
-"""Walks through the bytes of a ROS message: little-endian, fields in order, a 32-bit length before what can be long."""
+"""A reader of ROS message bytes: little-endian, fields in order, a 32-bit length before strings and arrays."""
 
 import math
 from struct import Struct, error
@@ -18,7 +18,7 @@ POSE = Struct("<7d")
 
 
 class Cursor:
-    """Walks through the fields of a message; each method raises ValueError when the message ends before."""
+    """Reads the fields of a message one by one; each method raises ValueError when the message ends too early."""
 
     def __init__(self, data: bytes) -> None:
         self._data = data
@@ -26,7 +26,7 @@ class Cursor:
 
     @property
     def has_more(self) -> bool:
-        """Whether there is anything more."""
+        """True when there are bytes left to read."""
         return self._at < len(self._data)
 
     def take(self, count: int) -> bytes:
@@ -39,11 +39,11 @@ class Cursor:
         return taken
 
     def remaining(self) -> bytes:
-        """All that is left, which stays left."""
+        """All bytes not yet read, without moving on."""
         return self._data[self._at :]
 
     def integer(self, form: Struct) -> int:
-        """One number of this form."""
+        """One integer of this struct format."""
         try:
             (value,) = form.unpack_from(self._data, self._at)
         except error:
@@ -65,7 +65,7 @@ class Cursor:
         return self.take(self.integer(UINT32)).decode(errors="replace")
 
     def stamp(self) -> int:
-        """A time, nanoseconds."""
+        """A time in nanoseconds."""
         seconds, nanoseconds = STAMP.unpack(self.take(STAMP.size))
         return int(seconds) * 1_000_000_000 + int(nanoseconds)
 
@@ -75,7 +75,7 @@ class Cursor:
         return self.stamp(), self.string()
 
     def spatial_pose(self) -> tuple[float, float, float, float, float, float, float]:
-        """A pose: x, y, z and a quaternion x, y, z, w."""
+        """A pose in three dimensions: x, y, z and a quaternion x, y, z, w."""
         x, y, z, qx, qy, qz, qw = POSE.unpack(self.take(POSE.size))
         return x, y, z, qx, qy, qz, qw
 

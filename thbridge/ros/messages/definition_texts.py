@@ -1,4 +1,4 @@
-"""Fields of ROS's types that rosbags' store lacks, as its .msg and .srv files have them, without their comments."""
+"""Definitions of ROS types that the library rosbags lacks, as in ROS's .msg and .srv files, without comments."""
 
 _MAVROS_MODES = {
     "APM_PLANE": "MANUAL CIRCLE STABILIZE TRAINING ACRO FBWA FBWB CRUISE AUTOTUNE AUTO RTL LOITER LAND GUIDED "
@@ -9,9 +9,9 @@ _MAVROS_MODES = {
     "PX4": "MANUAL ACRO ALTITUDE=ALTCTL POSITION=POSCTL OFFBOARD STABILIZED RATTITUDE MISSION=AUTO.MISSION "
     "LOITER=AUTO.LOITER RTL=AUTO.RTL LAND=AUTO.LAND RTGS=AUTO.RTGS READY=AUTO.READY TAKEOFF=AUTO.TAKEOFF",
 }
-"""The flight modes that mavros_msgs/State names, by kind of vehicle: constants, and so part of its sum.
+"""The flight modes that mavros_msgs/State names, by kind of vehicle. Constants count in the md5 sum of a type.
 
-NAME=VALUE where the value is not the name."""
+A word is NAME=VALUE where the value differs from the name."""
 
 
 def _mode_constants() -> str:
@@ -87,4 +87,4 @@ uint8 system_status
     "robot_localization/SetPoseRequest": "geometry_msgs/PoseWithCovarianceStamped pose",
     "robot_localization/SetPoseResponse": "",
 }
-"""ROS's types that rosbags' store lacks; a service's request and response are types like others."""
+"""ROS types that rosbags lacks, by name; request and response of a service are types like others."""

@@ -1,4 +1,4 @@
-"""In which fields two messages of one type differ."""
+"""The fields in which two messages of one type differ."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, is_dataclass
@@ -10,18 +10,18 @@ from rosbags.typesys.msg import normalize_msgtype
 from thbridge.ros.messages.types import typestore
 
 MOST = 20
-"""Differing fields that are told of one message."""
+"""Largest number of differing fields that are reported of one message."""
 _BEFORE, _EXCERPT = 12, 40
-"""Of long texts: signs that are told before the first that differs, and altogether."""
+"""Excerpts of long texts: characters before the first difference, and in all."""
 
 
 @dataclass(frozen=True, slots=True)
 class FieldDifference:
-    """One field in which a message is not what it was.
+    """One field in which two messages differ.
 
     Attributes:
         field: its path, for example "pose.pose.position.x" or "ranges[17]".
-        was: its value before, as text; "nothing" beyond the end of a list.
+        was: its value in the first message, as text; "nothing" beyond the end of a list.
         now: its value in the other message.
     """
 
@@ -34,9 +34,9 @@ def differences(msgtype: str, was: bytes, now: bytes) -> tuple[FieldDifference, 
     """The first fields that differ, at most `MOST`, in the order of the type's definition.
 
     Args:
-        msgtype: for example "nav_msgs/Odometry"; one that a session says.
-        was: a message of this type.
-        now: another one.
+        msgtype: a type that sessions publish, for example "nav_msgs/Odometry".
+        was: the first message.
+        now: the other one.
     """
     store, name = typestore(), normalize_msgtype(msgtype)
     before, after = (store.deserialize_ros1(data, name) for data in (was, now))
@@ -64,7 +64,7 @@ def _between(path: str, was: object, now: object) -> Iterator[FieldDifference]:
 
 
 def _text(value: object) -> str:
-    """A value such that values that differ by a bit read differently; two NaN are the same."""
+    """A value as text, with all its digits, so that values that differ by one bit have different texts; NaN is NaN."""
     if value is None:
         return "nothing"
     return repr(value.item()) if isinstance(value, np.generic) else repr(value)

@@ -1,11 +1,11 @@
-"""Goals of actionlib: their names, and how they stand."""
+"""Goals of actionlib: their ids and states."""
 
 from enum import IntEnum
 from typing import NamedTuple
 
 
 class GoalStatusCode(IntEnum):
-    """How a goal stands, in the codes of actionlib_msgs/GoalStatus."""
+    """The state of a goal, in the codes of actionlib_msgs/GoalStatus."""
 
     PENDING = 0
     ACTIVE = 1
@@ -29,18 +29,18 @@ ENDED = frozenset(
         GoalStatusCode.LOST,
     }
 )
-"""What a goal does not come back from."""
+"""The final states of a goal."""
 
 
 class GoalId(NamedTuple):
-    """actionlib_msgs/GoalID: the name that a client gave its goal, and when it did (nanoseconds of ROS time)."""
+    """actionlib_msgs/GoalID: the id that a client gave its goal, and the time stamp (nanoseconds of ROS time)."""
 
     id: str
     stamp_ns: int
 
 
 class GoalStatus(NamedTuple):
-    """actionlib_msgs/GoalStatus: how a goal stands, and why, for people."""
+    """actionlib_msgs/GoalStatus: the state of a goal, with the reason for people."""
 
     goal: GoalId
     status: GoalStatusCode

@@ -1,6 +1,6 @@
-"""What goes into a bag besides the robots' own topics: the session, the game, the talk, and what people did.
+"""Records for a bag besides the robots' own topics: session, game, dialogue, inputs, requests, vehicles.
 
-Robots are indices of the team, from 0; rooms are numbers as people say them, 0 the corridor. In the messages robots
+Robots are indices in the team, from 0. Rooms are numbers as people say them; 0 is the corridor. In messages robots
 count from 1, as their namespaces do.
 """
 
@@ -13,15 +13,15 @@ from sim.common.observations import Twist
 
 @dataclass(frozen=True, slots=True)
 class SessionRecord:
-    """What is needed to run the session again; the first record of its bag.
+    """All that is needed to run a session again; the first record of its bag.
 
     Attributes:
         study: the resolved study file, YAML.
-        seed: of every chance; 0 to 2^64 - 1.
-        versions: of the programs and libraries, by name.
-        program: that was run: "play", or "simr" by itself at a server of another process.
-        roles: that ran inside it, besides the keeper.
-        participant: who played inside it, for example "person" or "suggestion"; empty when nobody did.
+        seed: seed of all random numbers; 0 to 2^64 - 1.
+        versions: versions of the programs and libraries, by name.
+        program: the program that was run: "play", or "simr" by itself at a server of another process.
+        roles: the roles that ran inside it, besides the keeper.
+        participant: the participant inside it, for example "person" or "suggestion"; empty when there was none.
     """
 
     study: str
@@ -34,13 +34,13 @@ class SessionRecord:
 
 @dataclass(frozen=True, slots=True)
 class GameEvent:
-    """Something happened in the game.
+    """An event of the game.
 
     Attributes:
         kind: one word, for example "arrived".
-        robot: whom it concerns, or None.
+        robot: the robot it concerns, or None.
         room: the room it concerns, or None.
-        json: all of it.
+        json: the whole event.
     """
 
     kind: str
@@ -51,13 +51,13 @@ class GameEvent:
 
 @dataclass(frozen=True, slots=True)
 class ScoreRecord:
-    """How the game stands; recorded whenever that changes.
+    """Score, rooms and energy of a game; recorded whenever one of them changes.
 
     Attributes:
         score: points so far.
         visited: rooms visited.
         rooms: rooms there are.
-        energy: what each robot has left, in the game's units.
+        energy: the energy left of each robot, in the game's units.
     """
 
     score: int
@@ -68,17 +68,17 @@ class ScoreRecord:
 
 @dataclass(frozen=True, slots=True)
 class UtteranceRecord:
-    """One thing said in a dialogue.
+    """One utterance of a dialogue.
 
     Attributes:
         dialogue: number of the dialogue.
         speaker: "robot" or "human".
-        robot: the robot that talks or is talked to.
-        room: what room it is about, or None.
+        robot: the robot that speaks or is addressed.
+        room: the room it is about, or None.
         scenario: for example "select-room".
         text: the sentence.
-        move: the move it stands for, for example "continue".
-        author: who decided on it: "robot", its strategy; "person"; "wizard", somebody who spoke in the robot's place.
+        move: the dialogue move that it makes, for example "continue".
+        author: who chose it: "robot" (its strategy), "person", or "wizard" (a person in the robot's place).
     """
 
     dialogue: int
@@ -93,10 +93,10 @@ class UtteranceRecord:
 
 @dataclass(frozen=True, slots=True)
 class HeldTurns:
-    """What waits for whoever speaks in robots' place; recorded whenever it changes.
+    """Robots' turns that wait for the wizard, a person in their place; recorded whenever they change.
 
     Attributes:
-        json: all of it.
+        json: all waiting turns.
     """
 
     json: str
@@ -104,13 +104,13 @@ class HeldTurns:
 
 @dataclass(frozen=True, slots=True)
 class InputRecord:
-    """Something that came into a session from outside, exactly as it came; said before what follows from it.
+    """An input that came into a session from outside, exactly as it came; recorded before its effects.
 
     Attributes:
         kind: one word, for example "received" or "asked".
         sender: the program, connection or window it came from; empty for the clock.
-        line: what it was, for people.
-        json: all of it.
+        line: the input as one line for people.
+        json: the whole input.
     """
 
     kind: str
@@ -121,25 +121,25 @@ class InputRecord:
 
 @dataclass(frozen=True, slots=True)
 class SendRobots:
-    """A raw %%goto line, on the topic that the system of 2016 had for it."""
+    """A raw %%goto line, for the topic that the system of 2016 had for it."""
 
     line: str
 
 
 @dataclass(frozen=True, slots=True)
 class Success:
-    """A raw %%error line, on the topic that the system of 2016 had for it."""
+    """A raw %%error line, for the topic that the system of 2016 had for it."""
 
     line: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InitialPose:
-    """A person told a robot where it is.
+    """A pose estimate that a person gave a robot (rviz: 2D Pose Estimate).
 
     Attributes:
-        robot: which.
-        base_in_map: where.
+        robot: the robot.
+        base_in_map: the estimate.
         covariance: (3, 3) of x, y, theta in the map frame.
     """
 
@@ -150,15 +150,15 @@ class InitialPose:
 
 @dataclass(frozen=True, slots=True)
 class GoalRequest:
-    """A client of a robot's action server move_base set a goal.
+    """A goal that a client set at a robot's action server move_base.
 
     Attributes:
-        robot: which.
-        goal_id: the client's name for it; empty where it left naming to the server.
-        stamp_ns: when the client says that it was, nanoseconds of ROS time; 0: now.
-        base_in_map: where the base shall end; None where that cannot be used.
-        number: the `Goal.id` it has in the simulation, another one for every goal.
-        refusal: why it cannot be used, for people.
+        robot: the robot.
+        goal_id: the client's id of the goal; empty when the server shall choose one.
+        stamp_ns: the client's time stamp, nanoseconds of ROS time; 0: now.
+        base_in_map: the goal of the base; None where it cannot be used.
+        number: the `Goal.id` it has in the simulation, unique for every goal.
+        refusal: the reason why it cannot be used, for people.
     """
 
     robot: int
@@ -171,12 +171,12 @@ class GoalRequest:
 
 @dataclass(frozen=True, slots=True)
 class CancelRequest:
-    """A client of a robot's action server move_base took goals back.
+    """A cancel request of a client to a robot's action server move_base.
 
     Attributes:
-        robot: which.
-        goal_id: that of the goal; empty: no single one.
-        stamp_ns: goals of this time and before, nanoseconds of ROS time; 0 and no goal_id: all goals.
+        robot: the robot.
+        goal_id: the goal to cancel; empty: no single one.
+        stamp_ns: cancels all goals up to this time stamp, nanoseconds of ROS time; 0 and no goal_id: all goals.
     """
 
     robot: int
@@ -186,7 +186,7 @@ class CancelRequest:
 
 @dataclass(frozen=True, slots=True)
 class SimpleGoal:
-    """Somebody pointed at the map to send a robot there (rviz: 2D Nav Goal); attributes as in `GoalRequest`."""
+    """A goal that a person pointed at on the map (rviz: 2D Nav Goal); attributes as in `GoalRequest`."""
 
     robot: int
     base_in_map: Pose2 | None
@@ -196,14 +196,14 @@ class SimpleGoal:
 
 @dataclass(frozen=True, slots=True)
 class VelocityCommand:
-    """Somebody drives a robot by hand."""
+    """A velocity command of a person or program that drives a robot by hand."""
 
     robot: int
     twist: Twist
 
 
 class LogLevel(IntEnum):
-    """How grave a line of the log is, in the codes of rosgraph_msgs/Log."""
+    """Severity of a log line, in the codes of rosgraph_msgs/Log."""
 
     DEBUG = 1
     INFO = 2
@@ -214,12 +214,12 @@ class LogLevel(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class LogLine:
-    """One fact for the log that ROS nodes share.
+    """One line of the log that ROS nodes share (/rosout).
 
     Attributes:
-        level: how grave.
-        name: of the node that says it, for example "/robot1/move_base".
-        text: the fact.
+        level: severity.
+        name: the node that logs it, for example "/robot1/move_base".
+        text: the message.
     """
 
     level: LogLevel
@@ -229,18 +229,18 @@ class LogLine:
 
 @dataclass(frozen=True, slots=True)
 class MavlinkFrame:
-    """A MAVLink frame as mavros_msgs/Mavlink tells it, without its signature.
+    """A MAVLink frame with the fields of mavros_msgs/Mavlink, without its signature.
 
     Attributes:
-        link: what the header's frame says; the name of a link, where we recorded it.
-        magic: first byte of the frame, which tells its version.
-        incompat_flags: of version 2, as the next one.
-        compat_flags: see there.
-        sequence: the sender's count.
-        system: of the sender.
-        component: of the sender.
-        message_id: what kind of message.
-        checksum: as it stands, or is said to stand, in the frame.
+        link: frame_id of the message's header; in our recordings the name of the link.
+        magic: first byte of the frame; 254 for MAVLink 1, 253 for MAVLink 2.
+        incompat_flags: flags of MAVLink 2 that a receiver must know.
+        compat_flags: flags of MAVLink 2 that a receiver may ignore.
+        sequence: the sender's sequence number.
+        system: system id of the sender.
+        component: component id of the sender.
+        message_id: type of the message.
+        checksum: the frame's checksum field, not verified here.
         payload: at most 255 bytes.
     """
 
@@ -258,12 +258,12 @@ class MavlinkFrame:
 
 @dataclass(frozen=True, slots=True)
 class VehicleFrame:
-    """A MAVLink frame that a robot's vehicle heard or said.
+    """A MAVLink frame that a robot's vehicle received or sent.
 
     Attributes:
-        robot: whose.
-        heard: whether the vehicle heard it; or else it said it.
-        frame: which.
+        robot: the robot.
+        received: True when the vehicle received the frame, False when it sent it.
+        frame: the frame.
     """
 
     robot: int
@@ -273,15 +273,15 @@ class VehicleFrame:
 
 @dataclass(frozen=True, slots=True)
 class VehicleState:
-    """How a robot stands as a MAVLink vehicle, in the words of mavros.
+    """The state of a robot as a MAVLink vehicle, with the fields of mavros_msgs/State.
 
     Attributes:
-        robot: which.
-        connected: its software answers: mavros hears its heartbeat.
-        armed: its motors obey.
-        guided: it goes where it is told.
-        manual_input: it goes as a hand drives it.
-        mode: its mode's name.
+        robot: the robot.
+        connected: True when its heartbeat is received.
+        armed: True when its motors obey commands.
+        guided: True when it drives to given goals.
+        manual_input: True when it is driven by hand.
+        mode: name of its mode.
         system_status: a code of MAV_STATE.
     """
 
@@ -295,10 +295,10 @@ class VehicleState:
 
 
 GraphRequest = GoalRequest | CancelRequest | SimpleGoal | VelocityCommand | InitialPose
-"""What others on a ROS graph ask of a robot by topics."""
+"""A request that came on a topic of a ROS graph."""
 
 VehicleRecord = VehicleFrame | VehicleState
-"""What there is of a robot only where it is a MAVLink vehicle."""
+"""A record that only robots with a MAVLink vehicle have."""
 
 Record = (
     GameEvent

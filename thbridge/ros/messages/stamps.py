@@ -1,4 +1,4 @@
-"""Ticks as ROS time."""
+"""Conversion of ticks to ROS time."""
 
 from sim.common.observations import TICKS_PER_SECOND
 

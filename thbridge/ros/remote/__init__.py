@@ -1,6 +1,6 @@
-"""Robots that are not ours to simulate: what is known of them from their messages, and what is said to them.
+"""Real robots: their state from the messages that they publish, and the messages to them.
 
-Without sockets and clocks: messages go in with the time of their arrival, values and messages come out.
+There are no sockets and no clocks here: messages go in with the time of their arrival, values and messages come out.
 """
 
 from thbridge.ros.remote.names import RemoteNames

@@ -1,16 +1,17 @@
-"""ROS time as a program needs it that drives robots: it goes on, and never back."""
+"""ROS time that never stands still and never goes back, for programs that drive robots."""
 
 CLOCK_TIMEOUT_NS = 2_000_000_000
-"""A simulated clock that stands for longer is not waited for: whoever has died cannot stop the time of the others."""
+"""After this time without a message on /clock, ROS time goes on with the wall clock: a simulator that died must not
+stop the time of the other robots."""
 SET_BACK_NS = 1_000_000_000
-"""A clock that goes back by more was set, or its program started anew; by less, it is waited for."""
+"""A clock that goes back by more than this was set, or its program restarted; if it goes back by less, time waits."""
 
 
 class RosClock:
     """The time of a graph.
 
     Args:
-        simulated: whether time is what `/clock` says; else it is that of the wall.
+        simulated: True when time comes from `/clock`, False when it is wall time.
     """
 
     def __init__(self, simulated: bool) -> None:
@@ -21,15 +22,15 @@ class RosClock:
 
     @property
     def runs(self) -> bool:
-        """Whether the time is known."""
+        """True when the time is known."""
         return not self._simulated or self._said is not None
 
     def receive(self, ros_ns: int, wall_ns: int) -> None:
-        """Word of `/clock`."""
+        """Take in a message of `/clock` that came at a wall time."""
         self._said = ros_ns, wall_ns
 
     def now(self, wall_ns: int) -> int:
-        """Nanoseconds of ROS time when the wall clock shows this; from 1 ns on, for 0 means no time to ROS."""
+        """Nanoseconds of ROS time at a wall time; at least 1 ns, because 0 means "no time" in ROS."""
         source_ns = wall_ns
         if self._simulated and self._said is not None:
             ros_ns, heard_ns = self._said

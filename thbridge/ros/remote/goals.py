@@ -1,11 +1,11 @@
-"""A client of a real robot's action server move_base: every goal ends, whatever becomes of robot and server.
+"""A client of a real robot's action server move_base. Every goal gets a result, even if robot or server fail.
 
-Source: actionlib, simple_action_client.py and comm_state_machine.py, for what servers say when; move_base.cpp for the
-texts of its results.
-Differs: one goal at a time. How goals stand is taken from the list that the server says again and again as much as from
-results, of which each is said once: a result may get lost when a network breaks. A goal that the server does not list
-is sent once more, as the server may have been restarted. Goals of ours that nobody wants any more, of an earlier run
-too, are cancelled until the server lets go of them.
+Source: actionlib, simple_action_client.py and comm_state_machine.py, for the order of the server's messages;
+move_base.cpp for the texts of its results.
+Differs: one goal at a time. The state of a goal is taken from results and from status lists alike: a result is sent
+only once and may get lost when the network breaks, status lists are repeated. A goal that the server does not list is
+sent once more, as the server may have been restarted. Our goals that are no longer wanted, also those of an earlier
+run, are cancelled until the server ends them.
 """
 
 from collections.abc import Sequence
@@ -18,29 +18,29 @@ from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, GoalSta
 from thbridge.ros.remote.pose import STALE_NS
 
 UNLISTED_TIMEOUT_NS = 2_000_000_000
-"""A goal that the server's lists have not had for so long is not known to it."""
+"""A goal that is missing in the server's status lists for so long is unknown to the server."""
 CANCEL_TIMEOUT_NS = 5_000_000_000
-"""A server that has not let go of a goal for so long after it was taken back is not waited for."""
+"""Longest wait for the server to end a goal after the cancel request."""
 LOST_TIMEOUT_NS = 10_000_000_000
-"""A robot that does not know for so long where it is gives its goal up."""
+"""A robot that is lost for so long aborts its goal."""
 PREEMPTION_WINDOW_NS = 1_000_000_000
-"""Between the end of a goal and the word about whatever took its place, at most."""
+"""Longest time between the end of a goal and the message about the goal that preempted it."""
 CANCEL_RETRY_NS = 1_000_000_000
-"""From one attempt to cancel a stray goal to the next."""
+"""Time between two attempts to cancel a stray goal."""
 FOREIGN_GOAL = -1
-"""The number of goals that other clients set."""
+"""`Goal.id` of the goals of other clients."""
 
 _REASONS: tuple[tuple[str, NoPathReason], ...] = (
     ("valid plan", "no_way"),
     ("valid control", "blocked_by_obstacle"),
     ("oscillating", "stuck"),
 )
-"""What move_base's texts mean, by words of theirs."""
+"""Reasons of failure, by words in the texts of move_base's results."""
 
 
 @dataclass(frozen=True, slots=True)
 class SetGoal:
-    """Send the robot somewhere."""
+    """A goal to send to the server."""
 
     goal_id: GoalId
     base_in_map: Pose2
@@ -48,24 +48,24 @@ class SetGoal:
 
 @dataclass(frozen=True, slots=True)
 class CancelGoal:
-    """Take the goal of this name back."""
+    """A cancel request to send to the server, for the goal of this id."""
 
     name: str
 
 
 @dataclass(slots=True, eq=False)
 class _Pursuit:
-    """The goal under way.
+    """The present goal.
 
     Attributes:
-        goal: what was asked for.
-        goal_id: its name at the server.
-        sent_ns: when it was sent last.
-        again: whether it was sent once more.
-        active: whether the server works on it.
-        unlisted_ns: since when the server's lists lack it; None: they do not.
-        cancelled_ns: when we have taken it back; None: we have not.
-        withdrawn_ns: when it ended because of others; None: it did not.
+        goal: the goal that was asked for.
+        goal_id: its id at the server.
+        sent_ns: time when it was last sent.
+        again: True when it was sent a second time.
+        active: True while the server works on it.
+        unlisted_ns: time since when the server's status lists lack it; None while they have it.
+        cancelled_ns: time of our cancel request; None without one.
+        withdrawn_ns: time when another client preempted or cancelled it; None otherwise.
     """
 
     goal: Goal
@@ -79,15 +79,15 @@ class _Pursuit:
 
 
 class MoveBaseClient:
-    """One robot's goals.
+    """Sends goals to one robot's action server and reports their results.
 
     Args:
-        prefix: what the names of all goals of ours to this robot begin with, in every run.
-        silence_ns: a server that says nothing for so long does not work.
+        prefix: common beginning of the ids of all our goals for this robot, the same in every run.
+        stale_ns: a server without messages for so long counts as dead.
 
     Attributes:
-        said: what is to be said to the server; whoever says it empties the list.
-        results: how goals ended, oldest first; whoever tells of them takes them out.
+        outgoing: requests to send to the server; the sender empties the list.
+        results: results of goals, oldest first; the reader takes them out.
     """
 
     def __init__(self, prefix: str, stale_ns: int = STALE_NS) -> None:
@@ -106,45 +106,45 @@ class MoveBaseClient:
 
     @property
     def server_seen(self) -> bool:
-        """Whether the server was ever heard."""
+        """True when a status list of the server has ever been received."""
         return self._status_ns is not None
 
     @property
     def active(self) -> bool:
-        """Whether the server works on our goal."""
+        """True when the server works on our goal."""
         return self._pursuit is not None and self._pursuit.active
 
     @property
     def sent_ns(self) -> int:
-        """When the goal under way was sent; 0 without one."""
+        """Time when the present goal was sent; 0 without one."""
         return 0 if self._pursuit is None else self._pursuit.sent_ns
 
     def goal(self, now_ns: int, here: Pose2) -> Goal | None:
-        """The goal under way, be it of another client; `here` stands for a goal whose place was not heard."""
+        """The present goal, ours or another client's; `here` replaces the pose of a goal whose pose is unknown."""
         if self._pursuit is not None:
             return self._pursuit.goal
         name = self._other(now_ns)
         return None if name is None else Goal(FOREIGN_GOAL, self._others[name][0] if name in self._others else here)
 
     def go(self, goal: Goal, now_ns: int) -> None:
-        """Send the robot there; the goal before ends."""
+        """Send the robot to a goal; the goal before it ends as cancelled."""
         if self._pursuit is not None:
             self._finish(Cancelled(self._pursuit.goal))
         self._send(goal, now_ns, again=False)
 
     def halt(self, now_ns: int) -> None:
-        """Take our goal back; those of others stay."""
+        """Cancel our goal; goals of other clients stay."""
         pursuit = self._pursuit
         if pursuit is not None and pursuit.cancelled_ns is None:
             pursuit.cancelled_ns = now_ns
             self.outgoing.append(CancelGoal(pursuit.goal_id.id))
 
     def receive_goal(self, name: str, base_in_map: Pose2, now_ns: int) -> None:
-        """Another client set a goal."""
+        """Take in a goal of another client."""
         self._others[name] = (base_in_map, now_ns)
 
     def receive_status(self, entries: Sequence[GoalStatus], now_ns: int) -> None:
-        """The server told how all goals stand."""
+        """Take in a status list of the server."""
         self._status_ns = now_ns
         self._listed = {entry.goal.id: entry.status for entry in entries}
         self._others = {
@@ -164,7 +164,7 @@ class MoveBaseClient:
         self._cancel_strays(now_ns)
 
     def receive_result(self, entry: GoalStatus, now_ns: int) -> None:
-        """A result came, or a list told how our goal stands; the ends of other goals are not ours."""
+        """Take in the status of our goal from a result or a status list; other goals are ignored."""
         pursuit = self._pursuit
         if pursuit is None or entry.goal.id != pursuit.goal_id.id or entry.status not in ENDED:
             return
@@ -179,12 +179,12 @@ class MoveBaseClient:
             pursuit.withdrawn_ns, pursuit.active = now_ns, False
 
     def step(self, now_ns: int, *, lost: bool, stale: bool) -> None:
-        """Time has passed: end what will not end by itself.
+        """End goals that will not end by themselves: timeouts, lost robots, dead servers.
 
         Args:
             now_ns: the time.
-            lost: whether the robot does not know where it is.
-            silent: whether nothing was heard of it for long.
+            lost: True when the robot is not localised.
+            stale: True when its odometry has not been received for a long time.
         """
         self._lost_ns = None if not lost else now_ns if self._lost_ns is None else self._lost_ns
         pursuit = self._pursuit
@@ -209,7 +209,7 @@ class MoveBaseClient:
             self._finish(NoPath(goal, "lost", "the robot does not know where it is"))
 
     def _forgotten(self, pursuit: _Pursuit, now_ns: int) -> None:
-        """The server does not know the goal."""
+        """Send a goal that the server does not know again, once; then give it up."""
         if pursuit.cancelled_ns is not None:
             self._finish(Cancelled(pursuit.goal))
         elif pursuit.again:
@@ -219,7 +219,7 @@ class MoveBaseClient:
 
     def _send(self, goal: Goal, now_ns: int, *, again: bool) -> None:
         self._sent += 1
-        # A server takes a goal that is older than the one it has for one that came too late.
+        # A server recalls a goal whose stamp is older than that of its present goal.
         self._stamp_ns = max(now_ns, self._stamp_ns + 1)
         seconds, nanoseconds = divmod(self._stamp_ns, 1_000_000_000)
         goal_id = GoalId(f"{self._prefix}{self._sent}-{seconds}.{nanoseconds:09d}", self._stamp_ns)
@@ -231,7 +231,7 @@ class MoveBaseClient:
         self.results.append(result)
 
     def _other(self, now_ns: int) -> str | None:
-        """The goal of another client that is under way, or about to be."""
+        """Id of another client's goal that is active, or about to be; None without one."""
         if self._status_ns is not None and now_ns - self._status_ns <= self._silence_ns:
             for name, status in self._listed.items():
                 if status not in ENDED and not name.startswith(self._prefix):
@@ -256,5 +256,5 @@ class MoveBaseClient:
 
 
 def reason_of(text: str) -> NoPathReason:
-    """Why move_base has given up, by the text of its result; other servers have their own texts."""
+    """The reason why move_base aborted a goal, by the text of its result; other servers have their own texts."""
     return next((reason for words, reason in _REASONS if words in text.lower()), "gave_up")

@@ -1,4 +1,4 @@
-"""What the topics and frames of a real robot are called."""
+"""Names of topics and frames of a real robot."""
 
 from dataclasses import dataclass
 
@@ -8,18 +8,18 @@ class RemoteNames:
     """The names of one robot; topics are global, frames without leading slash.
 
     Attributes:
-        map_frame: frame of the map that its localisation and ours share.
-        odom_frame: frame in which its odometry counts.
-        base_frame: frame of its base, as tf tells of it.
+        map_frame: frame of the map, the same as ours.
+        odom_frame: frame of its odometry.
+        base_frame: frame of its base in tf.
         odom: topic of its odometry.
         scan: topic of its laser.
         amcl_pose: topic of its localisation.
         battery: topic of its battery.
         cmd_vel: topic of the commands to its base.
-        initialpose: topic on which it is told where it is.
-        move_base: its action server.
+        initialpose: topic of pose estimates for its localisation.
+        move_base: name of its action server.
         plan: topic of its global plan.
-        recorded: further topics that are recorded only.
+        recorded: further topics, which are only recorded.
     """
 
     map_frame: str

@@ -1,7 +1,7 @@
-"""Where a robot is, by what its own localiser and odometry say.
+"""The pose of a real robot, from its own localisation and odometry.
 
-amcl corrects odometry now and then: map -> odom on tf, and the pose of the base at the stamp of the scan on amcl_pose.
-In between the pose is carried on by odometry, as every tf listener does it.
+amcl corrects odometry from time to time: map -> odom on tf, and the pose of the base at the stamp of the scan on
+amcl_pose. Between corrections the pose follows odometry, as for every tf listener.
 """
 
 import math
@@ -20,32 +20,34 @@ from thbridge.ros.messages.unpack import OdometryMessage, PoseInFrame
 from thbridge.ros.remote.names import RemoteNames
 
 STALE_NS = 5_000_000_000
-"""What is taken for silence, unless somebody says otherwise."""
+"""Default time without messages after which a part of a robot counts as dead."""
 SET_BACK_NS = 5_000_000_000
-"""What is older than the last word by more is not late: the robot's clock was set back, or its program started anew."""
+"""A message older than the last one by more than this is not late: the robot's clock was set back, or its program was
+restarted."""
 UNLOCALIZED_DISTANCE = 3.0
-"""Metres that a robot drives unlocalised where only amcl_pose is heard: amcl says one every 0.2 m."""
+"""Metres of odometry without a correction after which a robot is lost, where there is only amcl_pose: amcl publishes it
+every 0.2 m (update_min_d)."""
 
 _REMEMBERED = 500
 _APART_NS = 1_000_000_000
-"""Odometry that is so far from a pose in time says nothing about it."""
+"""Odometry farther from a pose in time than this is not combined with it."""
 _JUMP = 1.0
-"""Metres from one odometry to the next that nobody drives: the driver was restarted and counts anew."""
+"""Metres between two odometry messages above which the driver was restarted and counts from zero again."""
 _NO_PARTICLES: FloatArray = np.empty((0, 3))
 _UNKNOWN: FloatArray = np.full((3, 3), np.nan)
 
 
 class RemotePose:
-    """One robot's pose.
+    """The pose of one robot.
 
     Args:
-        names: of its frames.
-        silence_ns: a part of the robot that says nothing for so long does not work.
+        names: its frames.
+        stale_ns: a part of the robot without messages for so long counts as dead.
 
     Attributes:
-        heard_ns: when odometry came last; None: never.
-        base_in_odom: by the last odometry.
-        twist: by the last odometry.
+        received_ns: time of the last odometry message; None before the first.
+        base_in_odom: pose of the last odometry message.
+        twist: velocity of the last odometry message.
     """
 
     def __init__(self, names: RemoteNames, stale_ns: int = STALE_NS) -> None:
@@ -67,11 +69,11 @@ class RemotePose:
 
     @property
     def localized(self) -> bool:
-        """Whether its place on the map is, or was once, known."""
+        """True when its pose on the map is known, or once was."""
         return self._odom_in_map is not None
 
     def receive_odometry(self, said: OdometryMessage, now_ns: int) -> InvalidMessage | None:
-        """nav_msgs/Odometry came."""
+        """Take in odometry; returns a reason when it cannot be used."""
         if frame_name(said.frame) != self._names.odom_frame:
             return InvalidMessage(
                 f"its frame is {said.frame!r}, not {self._names.odom_frame!r}: see odom_frame in the study"
@@ -80,7 +82,7 @@ class RemotePose:
         return self._moved(said.stamp_ns, said.pose, said.twist, now_ns)
 
     def receive_pose(self, said: PoseInFrame) -> InvalidMessage | None:
-        """The localiser's PoseWithCovarianceStamped came."""
+        """Take in a pose of the localisation (amcl_pose); returns a reason when it cannot be used."""
         if frame_name(said.frame) != self._names.map_frame:
             return InvalidMessage(
                 f"its frame is {said.frame!r}, not {self._names.map_frame!r}: see map_frame in the study"
@@ -88,19 +90,19 @@ class RemotePose:
         if not _is_finite(said.pose):
             return InvalidMessage("its pose is not finite")
         if said.stamp_ns < self._amcl_stamp_ns and self._amcl_stamp_ns - said.stamp_ns < SET_BACK_NS:
-            return None  # Late. What is much older is the word of a robot whose clock was set back.
+            return None  # late; if it is much older, the robot's clock was set back
         self._amcl_stamp_ns = said.stamp_ns
         self._covariance = said.covariance
         self._updated = True
         if self._tf_ns is None and self._odometry:
             stamp_ns, base_in_odom = min(self._odometry, key=lambda entry: abs(entry[0] - said.stamp_ns))
-            # One said before we came, latched, still holds: amcl says another as soon as the robot moves.
+            # A latched pose from before our start still holds: amcl publishes another as soon as the robot moves.
             if self._odom_in_map is None or abs(stamp_ns - said.stamp_ns) <= _APART_NS:
                 self._correct(said.pose.compose(base_in_odom.inverse()))
         return None
 
     def receive_transforms(self, said: Iterable[tuple[int, Transform]], now_ns: int) -> None:
-        """A message of /tf came; transforms of others are in it too."""
+        """Take in a message of /tf; transforms of other robots in it are ignored."""
         names = self._names
         for stamp_ns, transform in said:
             parent, child = frame_name(transform.parent), frame_name(transform.child)
@@ -113,7 +115,7 @@ class RemotePose:
                 self._moved(stamp_ns, transform.pose, self._twist_to(stamp_ns, transform.pose), now_ns)
 
     def estimate(self, tick: int, now_ns: int) -> Estimate | None:
-        """Where it is; None before anything is known of that."""
+        """The estimated pose; None before it is known."""
         if self._odom_in_map is None or self.received_ns is None:
             return None
         updated, self._updated = self._updated, False

@@ -1,7 +1,7 @@
-"""One real robot of a team: what was heard of it, as a simulation would tell it; what it is asked, as messages.
+"""One real robot of a team: its messages become the output of a simulated robot, inputs become messages to it.
 
-Stamps within messages are of the robot's own clock and are only compared with each other; when something was heard is
-told by ours. A battery tells its own charge, not the game's energy; the rate of turn is that of odometry.
+Stamps within messages are times of the robot's own clock and are only compared with each other; times of arrival are of
+our clock. The battery's charge is that of the real battery, not the game's energy; the turn rate is that of odometry.
 """
 
 import math
@@ -28,42 +28,42 @@ from thbridge.ros.remote.pose import STALE_NS, RemotePose
 from thbridge.ros.topics import RosMessage, Topic
 
 RemoteInput = Go | Halt | Drive | Localize
-"""What can be asked of real robots."""
+"""Inputs that real robots accept."""
 
 COMMAND_NS = 100_000_000
-"""From one command to the base to the next while somebody drives by hand."""
+"""Time between two commands to the base while the robot is driven by hand."""
 COMMAND_LASTS_NS = 500_000_000
-"""What a base was told last holds no longer than that: drivers stop without new commands."""
+"""Time after which a command to the base no longer holds: drivers stop without new commands."""
 NEAR_GOAL = 1.0
-"""A plan that ends so many metres from the goal is one to another goal."""
+"""A plan that ends farther than this from the goal belongs to another goal, metres."""
 
 _NO_POSES: FloatArray = np.empty((0, 3))
 _NO_TIMES: FloatArray = np.empty(0)
 
 _transforms = lru_cache(maxsize=4)(unpack.transforms)
-"""Every robot looks for its own in the same messages."""
+"""Decoded messages of /tf, cached because all robots read the same ones."""
 
 
 def tick_of(stamp_ns: int) -> int:
-    """The tick that a time is in."""
+    """The tick at a time."""
     return (stamp_ns - START_NS) // TICK_NS
 
 
 class RemoteRobot:
-    """One robot.
+    """One real robot.
 
     Args:
         number: its index in the team.
-        named: what its topics and frames are called.
-        caller: our node, after which goals are named.
+        named: names of its topics and frames.
+        caller: name of our node, with which the ids of our goals begin.
         footprint: (n, 2) corners of its body in the base frame, metres.
-        silence_ns: a part of it that says nothing for so long does not work.
+        stale_ns: a part of it without messages for so long counts as dead.
 
     Attributes:
-        names: what its topics and frames are called.
-        said: what is to be said on the graph; whoever says it empties the list.
-        heard: the types of the topics that `hear` understands.
-        speaks: the topics on which it is spoken to.
+        names: names of its topics and frames.
+        outgoing: messages to publish; the publisher empties the list.
+        subscriptions: the topics that `receive` accepts, with their message types.
+        publications: the topics of the messages in `outgoing`.
     """
 
     def __init__(
@@ -105,7 +105,7 @@ class RemoteRobot:
         self._driven_ns = -COMMAND_NS
 
     def missing(self) -> list[str]:
-        """What has to be heard before it can take part, each with its topic."""
+        """The messages that it still needs before it can take part, each with its topic."""
         named = self.names
         parts = []
         if self._pose.received_ns is None:
@@ -117,14 +117,14 @@ class RemoteRobot:
         return parts
 
     def receive(self, topic: str, data: bytes, now_ns: int) -> InvalidMessage | None:
-        """A message came on one of the topics in `heard`, of the type that stands there; why it is of no use, if so."""
+        """Take in a message of a topic and type in `subscriptions`; returns a reason when it cannot be used."""
         try:
             return self._ears[topic][1](data, now_ns)
         except ValueError as error:
             return InvalidMessage(str(error))
 
     def take(self, item: RemoteInput, now_ns: int) -> None:
-        """Ask this of the robot."""
+        """Send an input to the robot."""
         match item:
             case Go(_, goal):
                 self._stop_driving(now_ns)
@@ -143,13 +143,13 @@ class RemoteRobot:
                 assert_never(item)
 
     def stop(self, now_ns: int) -> None:
-        """Nobody will speak to it any more: let it stand."""
+        """Stop the robot, because nothing will be sent to it any more."""
         self._stop_driving(now_ns)
         self._goals.halt(now_ns)
         self._say_goals(now_ns)
 
     def step(self, now_ns: int) -> RobotOutput | None:
-        """What is known of it now; None before that is enough (see `missing`)."""
+        """Return its present output; None while messages are missing (see `missing`)."""
         tick = tick_of(now_ns)
         estimate, heard_ns = self._pose.estimate(tick, now_ns), self._pose.received_ns
         if estimate is None or heard_ns is None:
@@ -170,7 +170,7 @@ class RemoteRobot:
         )
         return RobotOutput(observations, estimate, navigation, neighbour)
 
-    # What is heard
+    # Received messages
 
     def _hear_tf(self, data: bytes, now_ns: int) -> None:
         self._pose.receive_transforms(_transforms(data), now_ns)
@@ -216,7 +216,7 @@ class RemoteRobot:
     def _hear_result(self, data: bytes, now_ns: int) -> None:
         self._goals.receive_result(unpack.goal_result(data), now_ns)
 
-    # What is known
+    # Output
 
     def _navigation(self, here: Pose2, now_ns: int) -> Navigation:
         goal = self._goals.goal(now_ns, here)
@@ -239,7 +239,7 @@ class RemoteRobot:
         )
 
     def _plan_ahead(self, here: Pose2, there: Pose2) -> FloatArray:
-        """What is left of the plan to the goal, the robot's own place first; empty if none is known."""
+        """The rest of the plan to the goal, beginning at the robot's own pose; empty without a plan."""
         plan = self._plan
         if not len(plan) or self._plan_ns < self._goals.sent_ns:
             return _NO_POSES
@@ -249,7 +249,7 @@ class RemoteRobot:
         return np.vstack([here.array(), plan[nearest + 1 :]])
 
     def _new_scan(self) -> Scan | None:
-        """The newest scan, once, where it is known how the laser sits on the base."""
+        """The newest scan, returned once; None while the laser's mounting is unknown."""
         if self._scan is None:
             return None
         (read, heard_ns), self._scan = self._scan, None
@@ -266,7 +266,7 @@ class RemoteRobot:
         nothing = (read.ranges >= read.range_max) | (read.ranges <= read.range_min)
         return Scan(tick_of(heard_ns), laser, np.where(nothing, np.float32(np.inf), read.ranges))
 
-    # What is said
+    # Sent messages
 
     def _drive_on(self, now_ns: int) -> None:
         if self._drive is None:
@@ -302,7 +302,7 @@ class RemoteRobot:
 
 
 def missing_of(robots: Sequence[RemoteRobot]) -> list[str]:
-    """What is missing before all robots can take part: a sentence a robot."""
+    """Sentences about the messages that are missing before all robots can take part, one for each robot."""
     return [
         f"robot {number} is not there yet: {'; '.join(parts)}"
         for number, robot in enumerate(robots, 1)

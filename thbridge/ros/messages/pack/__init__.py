@@ -1,10 +1,10 @@
 """Values of the simulation as bytes of ROS 1 messages.
 
-Written straight to the wire format: little-endian, fields in order, strings and lists with a 32-bit length before
-them (roscpp_serialization). Ten robots say some 1,200 messages a second, for which message objects are too slow.
+The bytes are written directly in the wire format: little-endian, fields in order, strings and lists with a 32-bit
+length before them (roscpp_serialization). Ten robots publish 1,200 messages a second; message objects would be too
+slow for that.
 
-Every header's `seq` is the tick, so a gap in it says that nothing was due. Poses are of the plane: z, roll and pitch
-are 0.
+Every header's `seq` is the tick: a gap in it means that no message was due. Poses are planar: z, roll and pitch are 0.
 """
 
 from thbridge.ros.messages.pack.actions import (

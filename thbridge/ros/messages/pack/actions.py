@@ -1,4 +1,4 @@
-"""What clients and server of the action move_base say to each other."""
+"""Messages between clients and server of the action move_base."""
 
 from collections.abc import Sequence
 
@@ -28,7 +28,7 @@ def goal_status_array(tick: int, entries: Sequence[GoalStatus]) -> bytes:
 
 
 def move_base_feedback(tick: int, entry: GoalStatus, frame: str, base: Pose2) -> bytes:
-    """move_base_msgs/MoveBaseActionFeedback: the base on its way, in `frame`."""
+    """move_base_msgs/MoveBaseActionFeedback: the pose of the base in `frame`."""
     return header(tick) + _status(entry) + pose_stamped(tick, frame, base)
 
 

@@ -1,4 +1,4 @@
-"""The fields that messages are made of."""
+"""Fields that many messages have: strings, stamps, headers, poses."""
 
 import math
 from functools import lru_cache
@@ -22,7 +22,7 @@ def string(text: str) -> bytes:
 
 
 name = lru_cache(maxsize=1024)(string)
-"""Frames come again with every message."""
+"""A string field of a frame's name, cached: every message repeats it."""
 
 
 def stamp(nanoseconds: int) -> bytes:
@@ -32,7 +32,7 @@ def stamp(nanoseconds: int) -> bytes:
 
 @lru_cache(maxsize=1)
 def head(tick: int) -> bytes:
-    """A header up to its frame; ticks of wall clock time are greater than its number can be, which then begins anew."""
+    """A header without its frame. Ticks counted from 1970 (real robots) do not fit into `seq`, which then wraps."""
     return _HEAD.pack(tick & 0xFFFFFFFF, *divmod(stamp_ns(tick), 1_000_000_000))
 
 

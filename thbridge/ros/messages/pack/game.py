@@ -1,4 +1,4 @@
-"""The game, the talk, and what people did: our own types."""
+"""Our own message types: session, game events, score, utterances, inputs."""
 
 import json
 from struct import Struct

@@ -1,4 +1,4 @@
-"""What nodes tell the people who watch over them."""
+"""Messages for people who supervise the robots: clock, log, diagnostics."""
 
 from collections.abc import Mapping, Sequence
 from enum import IntEnum
@@ -10,7 +10,7 @@ from thbridge.ros.messages.stamps import stamp_ns
 
 
 class DiagnosticLevel(IntEnum):
-    """How bad things are, in the codes of diagnostic_msgs/DiagnosticStatus."""
+    """Severity of a diagnostic, in the codes of diagnostic_msgs/DiagnosticStatus."""
 
     OK = 0
     WARN = 1
@@ -19,14 +19,14 @@ class DiagnosticLevel(IntEnum):
 
 
 class DiagnosticStatus(NamedTuple):
-    """diagnostic_msgs/DiagnosticStatus: how one part of a robot is.
+    """diagnostic_msgs/DiagnosticStatus: the state of one part of a robot.
 
     Attributes:
-        level: how bad.
-        name: of the part, for example "robot1: energy".
-        message: how it is, in a word or two.
+        level: severity.
+        name: the part, for example "robot1: energy".
+        message: its state, in a word or two.
         hardware_id: the robot's name.
-        values: figures behind that, as text.
+        values: measured figures, as text.
     """
 
     level: DiagnosticLevel
@@ -42,7 +42,7 @@ def clock(tick: int) -> bytes:
 
 
 def log(tick: int, line: LogLine) -> bytes:
-    """rosgraph_msgs/Log; files, functions and topics of the node that says it are left empty."""
+    """rosgraph_msgs/Log; file, function, line and topics of the node stay empty."""
     return b"".join(
         (
             header(tick),

@@ -1,4 +1,4 @@
-"""Maps, and what stands in them."""
+"""Maps, costmaps, and the outlines of bodies on them."""
 
 from collections.abc import Iterable
 from struct import Struct
@@ -18,7 +18,7 @@ _GRID_META = Struct("<fII")
 ADD = 0
 _DELETEALL = 3
 _LINE_STRIP = 4
-"""Of visualization_msgs/Marker."""
+"""Codes of visualization_msgs/Marker."""
 _LINE_WIDTH = 0.05
 _LINE_COLOUR = (0.9, 0.4, 0.0, 1.0)
 """Metres; red, green, blue, opacity."""
@@ -47,7 +47,7 @@ def occupancy_grid(tick: int, frame: str, grid: OccupancyGrid) -> bytes:
 
 
 def _occupancy_of_costs() -> NDArray[np.int8]:
-    """(256,) what nav_msgs/OccupancyGrid says of each cost."""
+    """(256,) the value of nav_msgs/OccupancyGrid for each cost of costmap_2d."""
     costs = np.arange(256)
     occupancy = 1 + (97 * (costs - 1)) // 251
     occupancy[[0, 253, 254, 255]] = 0, 99, 100, -1
@@ -74,12 +74,12 @@ def costmap(frame: str, view: CostmapView) -> bytes:
 
 
 def outlines(tick: int, frame: str, bodies: Iterable[tuple[str, FloatArray]]) -> bytes:
-    """visualization_msgs/MarkerArray with the outlines of bodies; it takes all earlier ones away.
+    """visualization_msgs/MarkerArray with the outlines of bodies; it deletes all earlier ones.
 
     Args:
-        tick: when the bodies were so.
-        frame: theirs.
-        bodies: name, and (v, 2) corners in turn.
+        tick: time stamp of the bodies.
+        frame: the frame of their corners.
+        bodies: name, and (v, 2) corners in turn, metres.
     """
     parts = [_marker(tick, frame, _DELETEALL, 0, "", np.empty((0, 2)))]
     for number, (name, corners) in enumerate(bodies):

@@ -1,4 +1,4 @@
-"""Where things are and how they move."""
+"""Poses, transforms, paths and velocities."""
 
 from collections.abc import Iterable
 from struct import Struct

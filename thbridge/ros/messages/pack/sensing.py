@@ -1,4 +1,4 @@
-"""What sensors say."""
+"""Sensor messages: laser scan and battery state."""
 
 import math
 from struct import Struct
@@ -17,8 +17,8 @@ def laser_scan(scan: Scan, frame: str, period: float) -> bytes:
     """sensor_msgs/LaserScan without intensities.
 
     Args:
-        scan: all its beams were measured at one moment.
-        frame: of the laser.
+        scan: a scan whose beams were all measured at the same time.
+        frame: the laser's frame.
         period: seconds from one scan to the next.
     """
     mount = scan.mount
@@ -37,11 +37,11 @@ def laser_scan(scan: Scan, frame: str, period: float) -> bytes:
 
 
 def battery_state(battery: Battery, robot: str) -> bytes:
-    """sensor_msgs/BatteryState; charge and capacity are the game's energy, what nobody measures is NaN.
+    """sensor_msgs/BatteryState; charge and capacity are the game's energy, values not measured are NaN.
 
     Args:
-        battery: its charge may be below zero, its capacity is positive.
-        robot: the serial number to give.
+        battery: the charge may be below zero, the capacity is positive.
+        robot: the serial number to write.
     """
     share = battery.charge / battery.capacity
     measured = (math.nan, math.nan, math.nan, battery.charge, battery.capacity, battery.capacity, share)

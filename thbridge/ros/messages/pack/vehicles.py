@@ -1,4 +1,4 @@
-"""Robots as MAVLink vehicles: mavros' types."""
+"""Message types of mavros for robots that are MAVLink vehicles."""
 
 from struct import Struct
 
@@ -12,7 +12,7 @@ _WORD = 8
 
 
 def mavlink(tick: int, frame: MavlinkFrame) -> bytes:
-    """mavros_msgs/Mavlink; its payload in 64-bit words, the last one filled up with zeros."""
+    """mavros_msgs/Mavlink; the payload is in 64-bit words, the last one filled with zeros."""
     size = len(frame.payload)
     words = -(-size // _WORD)
     numbers = _FRAME.pack(

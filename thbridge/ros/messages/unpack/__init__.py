@@ -1,7 +1,7 @@
-"""Bytes of ROS 1 messages as values: what reports and replays read back from bags, ours and others'.
+"""Bytes of ROS 1 messages as values, for reports, replays and real robots; bags may be ours or others'.
 
-Poses come from three dimensions; their yaw is taken and the rest left. Every function raises ValueError when the bytes
-are not a message of its type.
+Poses are reduced to the plane: x, y, yaw. Every function raises ValueError when the bytes are not a message of its
+type.
 """
 
 from thbridge.ros.messages.unpack.actions import (

@@ -1,4 +1,4 @@
-"""What clients and server of the action move_base say to each other."""
+"""Messages between clients and server of the action move_base."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from thbridge.ros.messages.goal_status import GoalId, GoalStatus, GoalStatusCode
 
 @dataclass(frozen=True, slots=True)
 class MoveBaseGoal:
-    """move_base_msgs/MoveBaseActionGoal: the goal's name and its pose in `frame`."""
+    """move_base_msgs/MoveBaseActionGoal: the goal's id and its pose in `frame`."""
 
     goal_id: str
     frame: str
@@ -18,7 +18,7 @@ class MoveBaseGoal:
 
 @dataclass(frozen=True, slots=True)
 class MoveBaseResult:
-    """move_base_msgs/MoveBaseActionResult: the goal's name, its status in actionlib's codes, and why."""
+    """move_base_msgs/MoveBaseActionResult: the goal's id, its status in actionlib's codes, and the reason."""
 
     goal_id: str
     status: int
@@ -44,7 +44,7 @@ def move_base_result(data: bytes) -> MoveBaseResult:
 
 
 def goal_result(data: bytes) -> GoalStatus:
-    """move_base_msgs/MoveBaseActionResult, as how the goal stands at its end."""
+    """move_base_msgs/MoveBaseActionResult as the final status of its goal."""
     cursor = Cursor(data)
     cursor.header()
     return _status(cursor)

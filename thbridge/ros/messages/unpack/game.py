@@ -1,4 +1,4 @@
-"""The game, the talk, and what people did: our own types."""
+"""Our own message types: session, game events, score, utterances, inputs."""
 
 import json
 
@@ -41,7 +41,7 @@ def score(data: bytes) -> ScoreRecord:
 
 
 def utterance(data: bytes) -> UtteranceRecord:
-    """thbridge_msgs/Utterance; recordings from before robots could be spoken for have no author."""
+    """thbridge_msgs/Utterance; older recordings, from before there were wizards, have no author."""
     cursor = Cursor(data)
     cursor.header()
     dialogue, speaker = cursor.integer(INT64), cursor.string()

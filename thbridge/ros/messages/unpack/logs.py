@@ -1,4 +1,4 @@
-"""What nodes tell the people who watch over them, and lines of text."""
+"""Messages for people who supervise the robots: log, diagnostics, and plain strings."""
 
 from thbridge.ros.messages.cursor import UINT8, UINT32, Cursor
 from thbridge.ros.messages.pack import DiagnosticLevel, DiagnosticStatus

@@ -1,4 +1,4 @@
-"""What robots say: poses, scans, maps."""
+"""Messages of robots: odometry, poses, transforms, scans, maps, paths."""
 
 from dataclasses import dataclass
 
@@ -13,16 +13,16 @@ from thbridge.ros.messages.pack import ADD, Transform
 
 _COVARIANCE = 36
 _HEAD = 16
-"""Bytes of a header before the name of its frame."""
+"""Bytes of a header before the frame's name."""
 _PLANAR = (0, 1, 5)
-"""x, y and yaw within ROS's covariances."""
+"""Indices of x, y and yaw in ROS's covariances."""
 _MARKER_REST = 3 * 8 + 4 * 4 + 2 * 4 + 1
-"""Bytes of a marker's scale, colour, lifetime and frame_locked."""
+"""Bytes of a marker's fields scale, color, lifetime and frame_locked."""
 
 
 @dataclass(frozen=True, slots=True)
 class OdometryMessage:
-    """nav_msgs/Odometry: pose of `child_frame` in `frame`, speeds in `child_frame`; covariances are left out."""
+    """nav_msgs/Odometry without covariances: pose of `child_frame` in `frame`, twist in `child_frame`."""
 
     stamp_ns: int
     frame: str
@@ -36,10 +36,10 @@ class PoseInFrame:
     """geometry_msgs/PoseWithCovarianceStamped, and PoseStamped, which has no covariance.
 
     Attributes:
-        stamp_ns: of the pose.
-        frame: that it is in.
-        pose: where.
-        covariance: (3, 3) of x, y, yaw; NaN where nobody says.
+        stamp_ns: time stamp of the pose.
+        frame: the frame of the pose.
+        pose: the pose in the plane.
+        covariance: (3, 3) of x, y, yaw; NaN in a PoseStamped.
     """
 
     stamp_ns: int
@@ -50,7 +50,7 @@ class PoseInFrame:
 
 @dataclass(frozen=True, slots=True)
 class BatteryCharge:
-    """sensor_msgs/BatteryState: what is left of what there was, NaN where nobody measured it."""
+    """sensor_msgs/BatteryState: charge left, and its share of the capacity; NaN where not measured."""
 
     charge: float
     percentage: float
@@ -74,10 +74,10 @@ class SpatialTransform:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LaserScan:
-    """sensor_msgs/LaserScan; times between beams and intensities are left out.
+    """sensor_msgs/LaserScan without the times between beams and without intensities.
 
     Attributes:
-        frame: of the laser; beam i looks along `angle_min + i * angle_increment` in its x-y plane.
+        frame: the laser's frame; beam i points along `angle_min + i * angle_increment` in its x-y plane.
         ranges: (n,) metres, as the driver wrote them.
     """
 
@@ -121,7 +121,7 @@ def transforms(data: bytes) -> list[tuple[int, Transform]]:
 
 
 def spatial_transforms(data: bytes) -> list[SpatialTransform]:
-    """As `transforms`, with all three dimensions: a laser may hang upside down."""
+    """tf2_msgs/TFMessage in three dimensions, for example for a laser that is mounted upside down."""
     cursor = Cursor(data)
     entries = []
     for _ in range(cursor.integer(UINT32)):
@@ -165,7 +165,7 @@ def polygon(data: bytes) -> FloatArray:
 
 
 def frame_of(data: bytes) -> str:
-    """The frame that a message which begins with a header is in."""
+    """The frame in the header of a message; the header must be the first field."""
     return Cursor(data).header()[1]
 
 
@@ -191,7 +191,7 @@ def occupancy_grid(data: bytes) -> OccupancyGrid:
 
 
 def outlines(data: bytes) -> list[tuple[str, FloatArray]]:
-    """visualization_msgs/MarkerArray: of the markers that are added and have points, namespace and (v, 2) points."""
+    """visualization_msgs/MarkerArray: namespace and (v, 2) points of the markers that are added and have points."""
     cursor = Cursor(data)
     found = []
     for _ in range(cursor.integer(UINT32)):
@@ -199,7 +199,7 @@ def outlines(data: bytes) -> list[tuple[str, FloatArray]]:
         name = cursor.string()
         cursor.take(2 * INT32.size)
         action = cursor.integer(INT32)
-        place = cursor.pose()
+        pose = cursor.pose()
         cursor.take(_MARKER_REST)
         points = cursor.reals(3 * cursor.integer(UINT32)).reshape(-1, 3)[:, :2]
         cursor.take(4 * FLOAT32.size * cursor.integer(UINT32))
@@ -207,7 +207,7 @@ def outlines(data: bytes) -> list[tuple[str, FloatArray]]:
         cursor.string()
         cursor.take(1)
         if action == ADD and len(points):
-            found.append((name, place.transform(points)))
+            found.append((name, pose.transform(points)))
     return found
 
 
@@ -235,7 +235,7 @@ def path(data: bytes) -> FloatArray:
 
 
 def _poses_alike(data: bytes, count: int) -> FloatArray | None:
-    """(n, 7) the poses of stamped poses whose frames have names of one length, as those of a path have."""
+    """(n, 7) the poses of a path all at once, if all frame names have one length; None otherwise."""
     if not count or len(data) < _HEAD:
         return None
     length = int.from_bytes(data[_HEAD - 4 : _HEAD], "little")

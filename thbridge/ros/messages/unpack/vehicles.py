@@ -1,4 +1,4 @@
-"""Robots as MAVLink vehicles: mavros' types."""
+"""Message types of mavros for robots that are MAVLink vehicles."""
 
 from struct import Struct
 
@@ -12,7 +12,7 @@ _MOST_WORDS = 32
 
 
 def mavlink(data: bytes) -> MavlinkFrame:
-    """mavros_msgs/Mavlink; a signature is left out. Raises ValueError for a frame that was damaged, too."""
+    """mavros_msgs/Mavlink without the signature. Raises ValueError also for a frame that was damaged."""
     cursor = Cursor(data)
     _, link = cursor.header()
     numbers: tuple[int, ...] = _NUMBERS.unpack(cursor.take(_NUMBERS.size))
