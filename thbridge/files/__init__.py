@@ -1,1 +1,1 @@
-"""Files that people write and programs read: maps, templates, tables, keys; each fault told with its remedy."""
+"""Files that people write and programs read: maps, templates, tables, keys; every fault is reported with a remedy."""

@@ -1,4 +1,4 @@
-"""Tables of numbers that people or other programs write: CSV files with a header."""
+"""CSV files of numbers with a header, written by people or other programs."""
 
 import csv
 import math
@@ -12,19 +12,19 @@ from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.yaml.tree import read_text
 
 LARGEST_TABLE = 1 << 26
-"""Bytes; about a million rows."""
+"""Largest file in bytes; about a million rows."""
 MOST_FAULTS = 10
-"""A table of the wrong kind is at fault in every row; nobody needs to be told more often than this."""
+"""Largest number of faults that are reported: a wrong table may have one in every row."""
 
 
 def read_columns(path: Path, columns: Sequence[str]) -> FloatArray:
-    """The rows of a CSV file whose header names just these columns, in any order; empty lines are passed over.
+    """The rows of a CSV file whose header has exactly these columns, in any order; empty lines are skipped.
 
     Returns:
         (rows, columns) finite numbers, the columns in the order asked for; at least one row.
 
     Raises:
-        BadFile: it cannot be read or has another header; or as BadFiles, its first faults at once.
+        BadFile: it cannot be read or has another header; or, as BadFiles, its first faults.
     """
     wanted = ",".join(columns)
     text = read_text(path, LARGEST_TABLE)

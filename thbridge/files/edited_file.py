@@ -1,4 +1,4 @@
-"""A text file that a program and people edit side by side: read to the byte, written whole or not at all."""
+"""A text file that both a program and people edit: read with all its bytes, written completely or not at all."""
 
 import os
 import tempfile
@@ -14,12 +14,12 @@ _MARK = "\ufeff"
 
 @dataclass(frozen=True, slots=True)
 class TextOnDisk:
-    """A text as it is on disk.
+    """The text of a file on disk.
 
     Attributes:
-        text: what it says, with the ends of lines that it has; empty when there is no file.
-        exists: whether there is a file.
-        marked: whether it begins with a byte order mark.
+        text: the text with its own line ends; empty when there is no file.
+        exists: True when there is a file.
+        marked: True when it begins with a byte order mark.
     """
 
     text: str
@@ -28,7 +28,7 @@ class TextOnDisk:
 
 
 def read_edited(path: Path) -> TextOnDisk:
-    """The file as it is now.
+    """Read the file.
 
     Raises:
         BadFile: it cannot be read, or is not UTF-8.
@@ -47,10 +47,10 @@ def read_edited(path: Path) -> TextOnDisk:
 
 
 def write_edited(path: Path, text: str, marked: bool) -> TextOnDisk:
-    """Put a text in the file's place at once; a link stays a link, and permissions stay what they are.
+    """Replace the file by a text in one step; links and permissions are kept.
 
     Raises:
-        BadFile: it cannot be written. The file is as it was.
+        BadFile: it cannot be written; then the file is unchanged.
     """
     target = path.resolve()
     part = ""
@@ -60,7 +60,7 @@ def write_edited(path: Path, text: str, marked: bool) -> TextOnDisk:
             file.write(((_MARK if marked else "") + text).encode())
             file.flush()
             os.fsync(file.fileno())
-        # What mkstemp makes is for its owner alone.
+        # Files of mkstemp are readable only by their owner.
         Path(part).chmod(target.stat().st_mode & 0o7777 if target.exists() else 0o666 & ~_umask())
         Path(part).replace(target)
     except (OSError, UnicodeEncodeError) as error:

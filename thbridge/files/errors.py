@@ -1,20 +1,20 @@
-"""What a person is told about a file they can mend."""
+"""Errors of files that a person can correct."""
 
 import os
 from pathlib import Path
 
 
 class BadFile(Exception):  # noqa: N818 - it names the fault of a file, and is shown to people as a sentence
-    """A file that people write does not say what it must; carries where, what is wrong and what to do.
+    """A fault of a file that people write, with its place, problem and remedy.
 
-    `str()` of it is the one message to show, on one line: `PATH, line N, KEY: problem. Remedy.`
+    `str()` of it is the message to show, on one line: `PATH, line N, KEY: problem. Remedy.`
 
     Attributes:
         path: the file or folder at fault.
-        line: line number counted from 1, or None when no single line is at fault.
+        line: line number from 1, or None when no single line is at fault.
         key: the word, key or column at fault, or None.
-        problem: what is wrong, as a clause without its full stop.
-        remedy: what to do about it, as a clause without its full stop.
+        problem: the problem as a clause without its full stop.
+        remedy: the remedy as a clause without its full stop.
     """
 
     def __init__(self, path: Path, line: int | None, key: str | None, problem: str, remedy: str) -> None:
@@ -36,12 +36,12 @@ class BadFile(Exception):  # noqa: N818 - it names the fault of a file, and is s
 
 
 class BadFiles(BadFile):
-    """Every fault found in one reading, so that a file can be mended in one go.
+    """All faults of a file, so that they can be corrected together.
 
-    `str()` of it has one line for each; the attributes are those of the first.
+    `str()` of it has one line for each fault; the attributes are those of the first.
 
     Attributes:
-        faults: at least one.
+        faults: the faults, at least one.
     """
 
     def __init__(self, faults: tuple[BadFile, ...]) -> None:
@@ -57,8 +57,8 @@ class BadFiles(BadFile):
 
 
 def reason_of(error: OSError) -> str:
-    """What the system says is wrong, without the call and address that asyncio puts in its place."""
-    # Look-ups of host names have negative numbers, with words of their own.
+    """The system's text for an error, without the call and address that asyncio adds."""
+    # Failed look-ups of host names have negative numbers and their own texts.
     if error.errno is not None and error.errno > 0:
         return os.strerror(error.errno)
     return error.strerror or str(error)

@@ -1,4 +1,4 @@
-"""Pictures of maps: PGM of either kind read here, all else by Pillow; 8 bit comes out."""
+"""Images of maps: PGM files are read here, all others by Pillow; pixels have 8 bits."""
 
 from pathlib import Path
 
@@ -8,18 +8,18 @@ from numpy.typing import NDArray
 from thbridge.files.errors import BadFile
 
 MOST_PIXELS = 64_000_000
-"""A larger picture is refused: 400 m x 400 m at 0.05 m."""
+"""Largest number of pixels: 400 m x 400 m at 0.05 m."""
 
 
 def read_image(path: Path) -> NDArray[np.uint8]:
-    """A picture's pixels: PGM (P2 and P5, 8 and 16 bit), else whatever Pillow reads.
+    """The pixels of an image: PGM (P2 and P5, 8 and 16 bit), or any format that Pillow reads.
 
     Returns:
         (rows, cols) grey or (rows, cols, 3 or 4) colours, row 0 at the top; deeper pixels are scaled down to 8 bit as
         the library behind map_server does.
 
     Raises:
-        BadFile: it is no picture, or a part of it is missing.
+        BadFile: it is not an image, or a part of it is missing.
     """
     try:
         data = path.read_bytes()
@@ -27,7 +27,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
         raise BadFile(path, None, None, f"it cannot be read ({error.strerror})", "Check that it is a file") from None
     if data[:2] in {b"P2", b"P5"}:
         return _read_pgm(path, data)
-    # Pillow is slow to import and few maps need it.
+    # Imported here because it is slow and few maps need it.
     from PIL import Image, UnidentifiedImageError  # noqa: PLC0415
 
     try:
@@ -62,7 +62,7 @@ def _read_pgm(path: Path, data: bytes) -> NDArray[np.uint8]:
         raise _too_large(path, width, height)
     if data[:2] == b"P5":
         depth = np.dtype(np.uint8) if deepest < 256 else np.dtype(">u2")
-        # One blank ends the header; what follows is pixels, even if it looks like a blank.
+        # Exactly one blank ends the header; the byte after it is a pixel, even if it is a blank, too.
         raster = data[end + 1 : end + 1 + width * height * depth.itemsize]
         if len(raster) < width * height * depth.itemsize:
             found = len(raster) // (width * depth.itemsize)
@@ -88,7 +88,7 @@ def _truncated(path: Path, width: int, height: int, found: str) -> BadFile:
 
 
 def _pgm_header(path: Path, data: bytes) -> list[tuple[int, int]]:
-    """Width, height and greatest value, each with where it ends."""
+    """Width, height and greatest value, each with the offset of its end."""
     numbers: list[tuple[int, int]] = []
     position = 2
     while len(numbers) < 3:

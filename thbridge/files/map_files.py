@@ -1,7 +1,7 @@
-"""Map folders: `map.yaml` and its image as map_server reads them, and `rooms.yaml` with rooms and start poses.
+"""Map folders: `map.yaml` and its image as read by map_server, and `rooms.yaml` with rooms and start poses.
 
-A folder is checked as a whole: a map that loads is one on which every robot can stand at its start, drive to every
-room's goal, and turn there.
+A folder is checked as a whole: on a map that loads, every robot can stand at its start, drive to the goal of every
+room, and turn there.
 """
 
 import math
@@ -30,12 +30,12 @@ FOOTPRINT: Polygon = WorldParameters().footprint
 """Corners of the robot of the 2016 study, metres."""
 
 GREY_OF_CELL = {FREE: 254, OCCUPIED: 0, UNKNOWN: 205}
-"""The shades that map_saver writes."""
+"""Grey values of cells, as written by map_saver."""
 OCCUPIED_THRESH = 0.65
 FREE_THRESH = 0.196
 
 LEAST_FLOOR = 0.01
-"""A region with less floor than this is a mistake, square metres."""
+"""A region smaller than this is a mistake, square metres."""
 MOST_STARTS = 1000
 """A row with more start poses than this is a mistake."""
 
@@ -46,9 +46,9 @@ class MapRoom:
 
     Attributes:
         room: its number.
-        name: what people call it.
-        region: corners of its floor in the map frame, metres; never itself crossing, inside the map.
-        goal: where a robot goes that is sent there, map frame.
+        name: its name for people.
+        region: corners of its floor in the map frame, metres; a simple polygon inside the map.
+        goal: the goal of robots that are sent there, map frame.
     """
 
     room: Room
@@ -57,20 +57,20 @@ class MapRoom:
     goal: Pose2
 
     def holds(self, x: float, y: float) -> bool:
-        """Whether a point of the map frame lies in the room."""
+        """Return True when a point of the map frame is in the room."""
         return bool(inside(self.region, np.array([x]), np.array([y]))[0])
 
 
 @dataclass(frozen=True, slots=True)
 class Map:
-    """A map that was checked.
+    """A checked map.
 
     Attributes:
-        name: the folder's.
-        grid: the cells.
-        rooms: in the order of their numbers, 1, 2, ...; at least one.
-        starts: where robot 1, 2, ... starts, map frame; as many as there is room for, at least one.
-        costs: the map's own cost file `mapTimes`, which wins over that of a set of templates; None when it has none.
+        name: name of the folder.
+        grid: the occupancy grid.
+        rooms: the rooms in the order of their numbers, 1, 2, ...; at least one.
+        starts: start poses of robot 1, 2, ... in the map frame; at least one.
+        costs: the map's own cost file `mapTimes`, which replaces that of a template folder; None when it has none.
     """
 
     name: str
@@ -80,27 +80,27 @@ class Map:
     costs: Path | None
 
     def room_at(self, x: float, y: float) -> Room | None:
-        """The room that holds a point of the map frame; None in a corridor."""
+        """The room with a point of the map frame; None in a corridor."""
         return next((entry.room for entry in self.rooms if entry.holds(x, y)), None)
 
 
 @dataclass(frozen=True, slots=True)
 class MapFinding:
-    """What a check of a map found: an error keeps the map from loading, a warning does not."""
+    """A fault of a map: with an error the map does not load, with a warning it does."""
 
     severity: Literal["error", "warning"]
     fault: BadFile
 
 
 def read_map(folder: Path, footprint: Polygon = FOOTPRINT) -> Map:
-    """Read a map folder and make sure that a team can play on it.
+    """Read a map folder, and check that a team can play on it.
 
     Args:
-        folder: holds `map.yaml`, its image, `rooms.yaml` and perhaps `mapTimes`.
+        folder: the folder of `map.yaml`, its image, `rooms.yaml` and, optionally, `mapTimes`.
         footprint: corners of a robot in its own frame, metres.
 
     Raises:
-        BadFile: what is wrong, every fault at once (as BadFiles) where the faults do not hide each other.
+        BadFile: the map has a fault; or, as BadFiles, all its faults as far as they can be found together.
     """
     drawn, findings = _examine(folder, footprint)
     faults = tuple(finding.fault for finding in findings if finding.severity == "error")
@@ -110,7 +110,7 @@ def read_map(folder: Path, footprint: Polygon = FOOTPRINT) -> Map:
 
 
 def check_map(folder: Path, footprint: Polygon = FOOTPRINT) -> list[MapFinding]:
-    """Everything that is wrong or odd about a map folder; empty when all is well. Arguments as `read_map`."""
+    """All errors and warnings of a map folder. Arguments as for `read_map`."""
     return _examine(folder, footprint)[1]
 
 
@@ -151,10 +151,10 @@ class _RoomsYaml:
 
 
 def read_grid(map_yaml: Path) -> OccupancyGrid:
-    """The grid that map_server would serve for this `map.yaml`.
+    """The occupancy grid that map_server makes of this `map.yaml`.
 
     Raises:
-        BadFile: the file or its image is missing or says what it must not.
+        BadFile: the file or its image is missing or has a fault.
     """
     loaded = load(map_yaml, _MapYaml)
     entry = loaded.value
@@ -171,15 +171,15 @@ def read_grid(map_yaml: Path) -> OccupancyGrid:
 
 
 def _pose(x: float, y: float, yaw: float) -> Pose2:
-    # Wrapping rounds; an angle that needs none stays as it was written.
+    # Wrapping rounds, so an angle that needs no wrapping stays as it was written.
     return Pose2(x, y, yaw if -math.pi <= yaw < math.pi else wrap_angle(yaw))
 
 
 def write_grid(folder: Path, grid: OccupancyGrid) -> None:
-    """Write `map.yaml` and `map.pgm` as map_saver does; the folder is made when it is missing.
+    """Write `map.yaml` and `map.pgm` as map_saver does; the folder is made if it is missing.
 
     Raises:
-        ValueError: cells other than free, occupied and unknown, which these files cannot say.
+        ValueError: there are cells other than free, occupied and unknown, which these files cannot store.
     """
     shades = np.full(256, 1, dtype=np.uint8)
     for cell, grey in GREY_OF_CELL.items():
@@ -202,10 +202,10 @@ def write_grid(folder: Path, grid: OccupancyGrid) -> None:
 
 
 def write_map(folder: Path, drawn: Map) -> None:
-    """Write `map.yaml`, `map.pgm` and `rooms.yaml`, from which `read_map` makes an equal map (under the folder's name).
+    """Write `map.yaml`, `map.pgm` and `rooms.yaml`; `read_map` makes an equal map of them, with the folder's name.
 
     Raises:
-        ValueError: as `write_grid`.
+        ValueError: as for `write_grid`.
     """
     write_grid(folder, drawn.grid)
     lines = ["rooms:"]
@@ -282,7 +282,7 @@ def _room(entry: _RoomEntry) -> MapRoom:
 
 
 def _starts(entry: _StartsEntry) -> Iterator[tuple[str, Pose2]]:
-    """Key path and pose of every start: the poses first, then row by row from its first end."""
+    """Yield key path and pose of every start: first the poses, then the rows, each from its first end."""
     for index, (x, y, yaw) in enumerate(entry.poses):
         yield f"starts.poses[{index}]", _pose(x, y, yaw)
     for index, ((x0, y0), (x1, y1)) in enumerate(entry.rows):
@@ -293,7 +293,7 @@ def _starts(entry: _StartsEntry) -> Iterator[tuple[str, Pose2]]:
 
 
 def _faults_of_rooms(loaded: Loaded[_RoomsYaml]) -> Iterator[BadFile]:
-    """What can be seen without the grid: numbers, names, shapes."""
+    """Yield faults that can be found without the grid: in numbers, names, shapes."""
     rooms = loaded.value.rooms
     if not rooms:
         yield loaded.fault("rooms", "there is no room", "Add at least one")
@@ -335,7 +335,7 @@ def _faults_of_rooms(loaded: Loaded[_RoomsYaml]) -> Iterator[BadFile]:
 
 @dataclass(frozen=True, slots=True)
 class _Place:
-    """Where a robot must be able to stand: a goal or a start, and the key it is written under."""
+    """A goal or a start, where a robot must be able to stand, and its key in the file."""
 
     key: str
     pose: Pose2
@@ -343,7 +343,7 @@ class _Place:
 
 
 def _findings_on_floor(loaded: Loaded[_RoomsYaml], drawn: Map, footprint: Polygon) -> Iterator[MapFinding]:
-    """What only the grid can tell: walls in the way, rooms that overlap, robots that block each other."""
+    """Yield faults that need the grid: walls in the way, overlapping rooms, robots that block each other."""
     keys = {entry.number: f"rooms[{index}]" for index, entry in enumerate(loaded.value.rooms)}
     goals = [_Place(f"{keys[room.room.people]}.goal", room.goal, str(room.room)) for room in drawn.rooms]
     starts = [

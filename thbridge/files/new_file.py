@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, and never in the place of another unasked."""
+"""New files that are written completely or not at all, and never replace another one unasked."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -7,20 +7,20 @@ from pathlib import Path
 from thbridge.files.errors import BadFile, reason_of
 
 UNFINISHED = ".part"
-"""Ending of a file while it is written."""
+"""Suffix of a file while it is being written."""
 
 
 @contextmanager
 def new_file(path: Path, source: Path, overwrite: bool) -> Iterator[Path]:
-    """Where to write a file; when the block is left without error, it gets its name.
+    """Yield the path to write to; when the block is left without an error, the file gets its final name.
 
     Args:
-        path: of the finished file.
-        source: what it is made of; never overwritten.
-        overwrite: whether a file of this name may go.
+        path: path of the finished file.
+        source: the file that it is made of, which is never overwritten.
+        overwrite: True to replace an existing file.
 
     Raises:
-        BadFile: there is such a file, or it cannot be written.
+        BadFile: the file exists already, or it cannot be written.
     """
     if path.exists() and source.exists() and path.samefile(source):
         raise BadFile(path, None, None, "this is the recording itself", "choose another file by --out")

@@ -1,4 +1,4 @@
-"""Finds maps and template sets, by path or by name, from whatever folder a program is started in."""
+"""Finds maps and template sets by path or by name, independent of the current folder."""
 
 import difflib
 from collections.abc import Mapping
@@ -14,13 +14,13 @@ PACKAGE = Path(__file__).resolve().parent.parent
 """The folder of the package thbridge, in a wheel or in a checkout."""
 
 _MARKS: Mapping[ResourceKind, str] = {"maps": "map.yaml", "templates": "DialogueText"}
-"""The file by which a folder of each kind is known."""
+"""The file that every folder of a kind has."""
 _WORDS: Mapping[ResourceKind, str] = {"maps": "map", "templates": "set of templates"}
 
 
 @dataclass(frozen=True, slots=True)
 class Resources:
-    """Where maps and templates lie.
+    """The folder of the maps and templates that come with the project.
 
     Attributes:
         root: the folder that holds `maps/` and `templates/`.
@@ -29,16 +29,16 @@ class Resources:
     root: Path
 
     def names(self, kind: ResourceKind) -> tuple[str, ...]:
-        """What comes with the project, in alphabetical order."""
+        """Names of the maps or template sets of the project, in alphabetical order."""
         return tuple(sorted(mark.parent.name for mark in (self.root / kind).glob(f"*/{_MARKS[kind]}")))
 
     def find(self, kind: ResourceKind, wanted: str, beside: Path) -> Path:
         """The folder of a map or a set of templates.
 
         Args:
-            kind: which.
-            wanted: a name, or a path: it has a slash in it.
-            beside: the folder that a path which is not absolute starts from: that of the study file, or the current.
+            kind: map or template set.
+            wanted: a name, or a path, which has a slash in it.
+            beside: the folder for relative paths: that of the study file, or the current one.
 
         Raises:
             BadFile: there is no such folder.
@@ -63,6 +63,6 @@ class Resources:
 
 
 def shipped() -> Resources:
-    """What the wheel carries, or, in a checkout, what lies beside the packages."""
+    """The maps and templates of the installed wheel, or, in a checkout, those beside the packages."""
     data = PACKAGE / "data"
     return Resources(data if data.is_dir() else PACKAGE.parent)

@@ -1,4 +1,4 @@
-"""The file that holds the key with which MAVLink frames are signed."""
+"""The file with the key for signing MAVLink frames."""
 
 from pathlib import Path
 
@@ -10,10 +10,10 @@ _LARGEST = 4096
 
 
 def read_signing_key(path: Path) -> SigningKey:
-    """The key in a file, see `key_in`.
+    """Read the key in a file; see `key_in` for its formats.
 
     Raises:
-        BadFile: it cannot be read, or there is no key in it.
+        BadFile: it cannot be read, or it has no key.
     """
     try:
         with path.open("rb") as file:

@@ -1,4 +1,4 @@
-"""Tables as files for pandas, R and their like: Parquet and CSV, written piece by piece."""
+"""Table files for pandas, R and the like: Parquet and CSV, written piece by piece."""
 
 import base64
 from collections.abc import Collection, Sequence
@@ -15,14 +15,14 @@ Array: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.generic[object]]]"
 
 
 class TableFormat(StrEnum):
-    """A kind of file."""
+    """File format of a table."""
 
     CSV = "csv"
     PARQUET = "parquet"
 
 
 class ColumnInfo(Protocol):
-    """A column."""
+    """The description of a column."""
 
     @property
     def name(self) -> str:
@@ -30,11 +30,11 @@ class ColumnInfo(Protocol):
 
     @property
     def kind(self) -> str:
-        """Of its values; "bytes" where they are no text."""
+        """Type of its values; "bytes" for binary values."""
 
     @property
     def unit(self) -> str:
-        """Of its values, or ""."""
+        """Unit of its values, or ""."""
 
 
 class ArrayColumn(Protocol):
@@ -42,24 +42,24 @@ class ArrayColumn(Protocol):
 
     @property
     def lengths(self) -> NDArray[np.int64]:
-        """How long each is."""
+        """Length of each array."""
 
     @property
     def elements(self) -> "Array | list[str]":
-        """What is in them, one behind the other."""
+        """Elements of all arrays, concatenated."""
 
 
 Values: TypeAlias = "Array | list[str] | list[str | None] | list[bytes] | ArrayColumn"
 
 
 class TableFiles:
-    """Files of a folder, NAME.csv and NAME.parquet, that stay open until all are closed.
+    """Table files NAME.csv and NAME.parquet of a folder, which stay open until all are closed.
 
     The same pieces give the same bytes.
 
     Args:
-        folder: where; must exist.
-        formats: which kinds.
+        folder: an existing folder.
+        formats: the formats to write.
     """
 
     def __init__(self, folder: Path, formats: Collection[TableFormat]) -> None:
@@ -72,9 +72,9 @@ class TableFiles:
         """Append rows.
 
         Args:
-            name: of the table.
-            columns: those of the pieces before; Parquet files keep their units in the fields' metadata.
-            values: of the columns, in their order.
+            name: name of the table.
+            columns: the same columns in each call; Parquet files have their units as metadata of fields.
+            values: values of the columns, in their order.
 
         Raises:
             OSError: the disk is full, or the like.
@@ -108,7 +108,7 @@ def _array(kind: str, values: Values) -> pa.Array:
     if isinstance(values, np.ndarray):
         return pa.array(values)
     if isinstance(values, list):
-        # Said outright: an empty piece would be of no type.
+        # The type is given explicitly, because an empty list has none.
         return pa.array(values, type=pa.binary() if kind == "bytes" else pa.string())
     offsets = np.concatenate(([0], np.cumsum(values.lengths))).astype(np.int32)
     elements = pa.array(values.elements, type=pa.string() if isinstance(values.elements, list) else None)
@@ -116,7 +116,7 @@ def _array(kind: str, values: Values) -> pa.Array:
 
 
 def _cells(array: pa.Array) -> pa.Array:
-    """What CSV can hold: arrays as their elements with blanks between, bytes as base64."""
+    """Values that can be written as CSV: arrays as their elements with blanks between, bytes as base64."""
     if pa.types.is_list(array.type):
         texts = pa.ListArray.from_arrays(array.offsets, compute.cast(array.values, pa.string()))
         return compute.binary_join(texts, " ")

@@ -1,8 +1,8 @@
-"""Reads template folders: the files of 2016 that say what a study's game costs, hides and asks.
+"""Reads template folders: the files of 2016 with the travel costs, treasures and dialogue of a game.
 
-A folder holds `mapTimes`, `treasures`, `DialogueText` and `pictures/`, and for the participant's machine, which must
-not learn which picture belongs to which treasure, `treasures.participant`: the same lines without their last field. All
-are UTF-8 text; Windows line ends, a byte order mark and blank lines do no harm.
+A folder has `mapTimes`, `treasures`, `DialogueText` and `pictures/`, and for the participant's machine, which must not
+know which picture belongs to which treasure, `treasures.participant`: the same lines without their last field. All are
+UTF-8 text; Windows line ends, a byte order mark and blank lines are accepted.
 """
 
 import codecs
@@ -25,7 +25,7 @@ PARTICIPANT_TREASURES = "treasures.participant"
 DIALOGUE_TEXT = "DialogueText"
 PICTURES = "pictures"
 LARGEST_PICTURE = 2_000_000
-"""Bytes of an image file."""
+"""Largest size of an image file in bytes."""
 
 _SECTIONS: Mapping[str, Scenario] = {
     "SpecificRoom:": Scenario.SPECIFIC_ROOM,
@@ -38,11 +38,11 @@ _TREASURE_FORM = "Colour,Footprint,Points,Name,ImageFile"
 
 @dataclass(frozen=True, slots=True)
 class TreasureList:
-    """What a treasures file says.
+    """The contents of a treasures file.
 
     Attributes:
         rooms: number of rooms.
-        kinds: at least one, in the order of the file; either all have an image or none has.
+        kinds: the treasures, at least one, in the order of the file; either all have an image or none has.
     """
 
     rooms: int
@@ -51,13 +51,13 @@ class TreasureList:
 
 @dataclass(frozen=True, slots=True)
 class TemplateSet:
-    """A whole template folder, checked: all files agree on the rooms, and every picture is there.
+    """The contents of a checked template folder: all files have the same rooms, and no picture is missing.
 
     Attributes:
         costs: energy of every move.
         kinds: treasures with their images.
         dialogue: the scripted questions.
-        pictures: their image files, by name.
+        pictures: the treasures' image files, by name.
     """
 
     costs: CostMatrix
@@ -67,10 +67,10 @@ class TemplateSet:
 
 
 def read_template_set(folder: Path) -> TemplateSet:
-    """Read a template folder as the server needs it.
+    """Read a template folder for the server.
 
-    If the folder has a `treasures.participant` too, it must say the same as `treasures`, or participants would be
-    offered names that no treasure has.
+    A `treasures.participant` in the folder must agree with `treasures`; else participants would be offered names that
+    no treasure has.
 
     Raises:
         BadFile: a file is missing or wrong, or two files do not agree.
@@ -125,9 +125,9 @@ def _picture(treasures: Path, name: str, file: Path) -> bytes:
 
 
 def read_map_times(path: Path) -> CostMatrix:
-    """Read a travel cost matrix: the number of nodes, then one row of costs per node; 99 is no move.
+    """Read a travel cost matrix: the number of nodes, then one row of costs per node; 99 means no move.
 
-    Costs are whole or decimal numbers, also above 99; see `CostMatrix.of_map_times`.
+    Costs are whole or decimal numbers and may be above 99; see `CostMatrix.of_map_times`.
 
     Raises:
         BadFile: as the module promises.
@@ -148,11 +148,11 @@ def read_map_times(path: Path) -> CostMatrix:
 
 
 def map_times(seconds: Sequence[Sequence[float | None]]) -> str:
-    """The text of a travel cost matrix, in whole seconds because the programs of 2016 read no others.
+    """The text of a travel cost matrix in whole seconds, because the programs of 2016 read only whole numbers.
 
     Args:
-        seconds: `seconds[start][goal]`, square, the corridor first; None is no move. A trip of 99 s is written as 98,
-            99 being the format's word for no move.
+        seconds: `seconds[start][goal]`, square, the corridor first; None means no move. A trip of 99 s is written as
+            98, because 99 means no move in this format.
     """
     rows = [" ".join(_cost_word(cost) for cost in row) for row in seconds]
     return "\n".join([str(len(rows)), *rows]) + "\n"
@@ -166,7 +166,7 @@ def _cost_word(seconds: float | None) -> str:
 
 
 def read_treasures(path: Path) -> TreasureList:
-    """Read a list of treasures: the number of rooms, then one treasure a line, with or without its image file.
+    """Read a list of treasures: the number of rooms, then one treasure per line, with or without its image file.
 
     Raises:
         BadFile: as the module promises.
@@ -196,8 +196,8 @@ def read_treasures(path: Path) -> TreasureList:
 def read_dialogue_text(path: Path) -> Template:
     """Read scripted questions: a name, the questions of *don't know*, `SpecificRoom:` and its questions.
 
-    Two sections more may follow or come between, `TakePicture:` and `TakeTreasure:`. A line may give several wordings
-    of one question with ` | ` between them.
+    There may be two more sections, `TakePicture:` and `TakeTreasure:`. A line may have several wordings of one question
+    with ` | ` between them.
 
     Raises:
         BadFile: as the module promises.
@@ -235,7 +235,7 @@ def read_dialogue_text(path: Path) -> Template:
 
 
 def _lines(path: Path) -> list[tuple[int, str]]:
-    """The lines that say something, stripped, with their numbers from 1."""
+    """The lines that are not empty, stripped, with their numbers from 1."""
     try:
         content = path.read_bytes()
     except FileNotFoundError:
@@ -256,7 +256,7 @@ def _lines(path: Path) -> list[tuple[int, str]]:
             "open it in an editor and save it with the encoding UTF-8, "
             f"or run: iconv -f {encoding} -t UTF-8 {path.name} > {path.name}.utf8",
         ) from None
-    # Not splitlines(): it also breaks lines at characters that editors show in one line, and the numbers would be off.
+    # Not splitlines(): it also splits at characters that editors show within a line, which makes line numbers wrong.
     numbered = enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1)
     return [(number, line.strip()) for number, line in numbered if line.strip()]
 

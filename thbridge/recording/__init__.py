@@ -1,1 +1,1 @@
-"""All that makes, reads and mends the record of a session: bags, journals, telemetry logs."""
+"""Recordings of sessions, written, read and repaired: bags, journals, telemetry logs."""

@@ -1,4 +1,4 @@
-"""Records that are appended to a file whole or not at all."""
+"""Appending records to a file completely or not at all."""
 
 import contextlib
 import os
@@ -6,12 +6,12 @@ from typing import IO
 
 
 def append_whole(file: IO[bytes], content: bytes, *, synced: bool) -> None:
-    """Write at the end of a file; what could be written of a part is cut off again as far as possible.
+    """Write at the end of a file. After an error, what was written is cut off again as far as possible.
 
     Args:
-        file: unbuffered, and at its end.
+        file: an unbuffered file, positioned at its end.
         content: one or more whole records.
-        synced: whether it is on the disk, and not only with the system, when this returns.
+        synced: True to wait until the content is on the disk (fsync).
 
     Raises:
         OSError: the disk is full or gone.
@@ -24,7 +24,7 @@ def append_whole(file: IO[bytes], content: bytes, *, synced: bool) -> None:
         if synced:
             os.fsync(file.fileno())
     except OSError:
-        # Whoever reads the file drops a torn record at its end.
+        # If this fails, too: readers of the file ignore a torn record at its end.
         with contextlib.suppress(OSError):
             file.truncate(before)
             file.seek(before)

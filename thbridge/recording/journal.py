@@ -1,7 +1,7 @@
-"""The journal: one file per game, one event a line, on the disk before anybody hears of it.
+"""The journal: one file per game, one event a line, on the disk before it is published.
 
-A game that was cut off by a crash or a power failure is given back by reading its journal; the line that was being
-written at that moment may be torn and is then dropped. Damage anywhere else is not guessed away.
+A game that was cut off by a crash or a power failure is recovered from its journal. The last line may be torn and is
+then dropped. Damage anywhere else is an error.
 """
 
 import fcntl
@@ -23,14 +23,14 @@ _NAME = re.compile(r"game-(\d+)\.jsonl")
 
 @dataclass(frozen=True, slots=True)
 class RecoveredGame:
-    """What a journal says.
+    """A game as read from its journal.
 
     Attributes:
-        started: how the game began.
-        events: what followed, in order.
-        state: all of that folded.
-        size: bytes of the file that are whole lines.
-        torn: the piece of a line that was being written when the writer died, or None; it is not in `events`.
+        started: the first event.
+        events: the further events, in order.
+        state: the state after all events.
+        size: bytes of the whole lines of the file.
+        torn: the incomplete last line that was being written when the writer died, or None; it is not in `events`.
     """
 
     started: Started
@@ -41,12 +41,12 @@ class RecoveredGame:
 
 
 def journal_path(folder: Path, game: int) -> Path:
-    """Where the journal of a game lies."""
+    """Path of the journal of a game."""
     return folder / f"game-{game:04d}.jsonl"
 
 
 def next_game(folder: Path) -> int:
-    """One more than the highest number of a game in this folder; 1 if there is none, or no folder."""
+    """Number of the next game: one more than the highest in this folder; 1 if there is none, or no folder."""
     numbers = [int(found.group(1)) for path in folder.glob("game-*.jsonl") if (found := _NAME.fullmatch(path.name))]
     return max(numbers, default=0) + 1
 
@@ -87,7 +87,7 @@ def read_journal(path: Path) -> RecoveredGame:
 
 
 class Journal:
-    """Appends events to the journal of one game. Holds the file open and locked; close it, or use it in `with`."""
+    """Appends events to the journal of one game. Keeps the file open and locked; close it, or use it in `with`."""
 
     def __init__(self, path: Path, file: IO[bytes]) -> None:
         self.path = path
@@ -95,10 +95,10 @@ class Journal:
 
     @classmethod
     def start(cls, folder: Path, started: Started) -> Self:
-        """Begin the journal of a new game, in a folder that is made if need be.
+        """Begin the journal of a new game; its folder is made if it is missing.
 
         Raises:
-            BadFile: there is a journal of this number already, or it cannot be written.
+            BadFile: a journal of this number exists already, or it cannot be written.
         """
         path = journal_path(folder, started.game)
         try:
@@ -114,10 +114,10 @@ class Journal:
         try:
             journal._lock()
             journal.append((started,))
-            # The file's name is in the folder, which has to reach the disk as well.
+            # The file's name is in the folder, which has to be synced as well.
             _sync_folder(folder)
         except BaseException:
-            # A journal without its start would stand in the way of the next game.
+            # A journal without its first event would prevent the next game.
             journal.close()
             path.unlink()
             raise
@@ -125,10 +125,10 @@ class Journal:
 
     @classmethod
     def resume(cls, path: Path) -> tuple[Self, RecoveredGame]:
-        """Go on with the journal of a game that was cut off: recover it, cut a torn last line off, append from there.
+        """Continue the journal of a game that was cut off: recover the game, and cut a torn last line off.
 
         Raises:
-            BadFile: as `read_journal`; or another program is writing it.
+            BadFile: as for `read_journal`; or another program is writing it.
         """
         try:
             file = path.open("r+b", buffering=0)
@@ -150,7 +150,7 @@ class Journal:
         """Write events, in order; they are on the disk when this returns.
 
         Raises:
-            BadFile: the disk is full or gone. What was written of them is then cut off again as far as possible.
+            BadFile: the disk is full or gone. Lines that were written are then cut off again as far as possible.
         """
         lines = "".join(to_json(event) + "\n" for event in events).encode()
         try:

@@ -1,4 +1,4 @@
-"""The journals of all games of one keeper: one folder, one file a game, the last of which may be going on."""
+"""The journals of all games of one keeper: a folder with one file per game, the last of which may not have ended."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ class UnfinishedGame:
     """A game that was cut off.
 
     Attributes:
-        history: its events, oldest first, `Started` among them.
-        torn: whether the last one was half written and is lost.
+        history: its events, oldest first, with `Started`.
+        torn: True when the last event was incomplete and is lost.
     """
 
     history: tuple[Event, ...]
@@ -23,13 +23,13 @@ class UnfinishedGame:
 
 
 class JournalStore:
-    """Writes what the keeper decides; holds one journal open at a time.
+    """Writes the events of the keeper's games; one journal is open at a time.
 
     Args:
-        folder: where the journals lie; made if need be.
+        folder: the folder of the journals; made if it is missing.
 
     Raises:
-        BadFile: there can be no such folder.
+        BadFile: the folder cannot be made.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -43,11 +43,11 @@ class JournalStore:
 
     @property
     def last_game(self) -> int:
-        """The highest number of a game so far, 0 when there is none."""
+        """The highest number of a game so far; 0 when there is none."""
         return next_game(self.folder) - 1
 
     def resume(self) -> UnfinishedGame | None:
-        """Go on with the last game, if it did not end; None when there is nothing to go on with.
+        """Continue the last game, if it did not end; None when there is no such game.
 
         Raises:
             BadFile: its journal cannot be read, or another program is writing it.
@@ -62,10 +62,10 @@ class JournalStore:
         return UnfinishedGame((recovered.started, *recovered.events), recovered.torn is not None)
 
     def append(self, events: Sequence[Event]) -> None:
-        """Put events on the disk, in order; a `Started` begins the next journal.
+        """Write events to the disk, in order; a `Started` begins the next journal.
 
         Raises:
-            BadFile: that cannot be done.
+            BadFile: a journal cannot be written.
         """
         for event in events:
             if isinstance(event, Started):

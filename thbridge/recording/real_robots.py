@@ -1,6 +1,6 @@
-"""Records robots that are not simulated: their own messages as they came, and what our program says.
+"""Records real robots: their own messages as they came, and the messages of our program.
 
-What robots say is not made up again from what we understood of it: a bag holds their bytes, types and names.
+Messages of robots are not encoded again from our values: the bag has their own bytes, types and names.
 """
 
 from collections.abc import Iterable
@@ -27,8 +27,8 @@ class FleetRecorder:
     """Writes a bag of a `Fleet`; an `Ear` of it, and a recorder of the session's ticks.
 
     Args:
-        writer: an empty bag; somebody else closes it.
-        session: is its first record.
+        writer: an empty bag; the caller closes it.
+        session: the first record of the bag.
     """
 
     def __init__(self, writer: BagWriter, session: SessionRecord) -> None:
@@ -47,7 +47,7 @@ class FleetRecorder:
         self._waiting.append(message)
 
     def record(self, snapshot: TeamSnapshot, records: Iterable[Record]) -> None:
-        """Write what has come and gone, then what else there is to tell of a tick. Raises BagNotWritten."""
+        """Write the waiting messages, then the records of a tick. Raises BagNotWritten."""
         records = tuple(records)
         self.flush()
         at, tick = stamp_ns(snapshot.tick), snapshot.tick
@@ -60,7 +60,7 @@ class FleetRecorder:
         self._writer.sync_if_due()
 
     def flush(self) -> None:
-        """Write what has come and gone so far. Raises BagNotWritten."""
+        """Write the waiting messages. Raises BagNotWritten."""
         waiting, self._waiting = self._waiting, []
         for item in waiting:
             self._write(item)
@@ -70,7 +70,7 @@ class FleetRecorder:
         if self._session is not None:
             session, self._session = self._session, None
             self._write(RosMessage(SESSION, item.stamp_ns, pack.session(tick_of(item.stamp_ns), session)))
-        # A tick begins up to 20 ms before what is heard in it.
+        # A tick begins up to 20 ms before the messages received in it, but stamps in a bag must not go back.
         self._last_ns = max(self._last_ns, item.stamp_ns)
         if isinstance(item, _Came):
             self._writer.write_foreign(item.source, self._last_ns, item.data)

@@ -1,29 +1,30 @@
-"""Where recordings lie: a bag or the parts of one, its journal beside it, and older ones of the same name."""
+"""Paths of recordings: a bag or its parts, the journal beside it, and older recordings of the same name."""
 
 import re
 from pathlib import Path
 
 ACTIVE = ".active"
-"""Ending of a bag that is being written, after rosbag's custom."""
+"""Suffix of a bag that is being written, as with rosbag."""
 
 
 def active_of(bag: Path) -> Path:
-    """What a bag is called while it is written."""
+    """Path of a bag while it is being written."""
     return bag.with_name(bag.name + ACTIVE)
 
 
 def part_of(bag: Path, number: int) -> Path:
-    """One part of a split recording, from 0; `NAME_0.bag`, as rosbag calls them."""
+    """Path of one part of a split recording, counted from 0; `NAME_0.bag`, as with rosbag."""
     return bag.with_name(f"{bag.stem}_{number}{bag.suffix}")
 
 
 def parts_of(bag: Path) -> tuple[Path, ...]:
     """The files of a recording, in order.
 
-    A file that is there is all of it. Else these are `NAME_0.bag`, `NAME_1.bag`, ..., as far as they are complete.
+    If the file exists, it is the whole recording. Else these are `NAME_0.bag`, `NAME_1.bag`, ..., without the one that
+    is being written.
 
     Args:
-        bag: the recording's name, or a file; it is returned where there are no parts.
+        bag: the recording's name, or a file; it is returned when there are no parts.
     """
     if bag.exists():
         return (bag,)
@@ -31,20 +32,20 @@ def parts_of(bag: Path) -> tuple[Path, ...]:
 
 
 def journal_of(bag: Path) -> Path:
-    """The folder of the journal that goes with a bag."""
+    """Path of the journal folder that belongs to a bag."""
     return bag.with_name(bag.name.removesuffix(".bag") + ".journal")
 
 
 def tlog_of(bag: Path) -> Path:
-    """The telemetry log that goes with a bag."""
+    """Path of the telemetry log that belongs to a bag."""
     return bag.with_name(bag.name.removesuffix(".bag") + ".tlog")
 
 
 def make_room(bag: Path) -> Path | None:
-    """Move an older recording of this name out of the way, with all that goes with it; nothing is overwritten.
+    """Rename an older recording of this name, with its journal and telemetry log; nothing is overwritten.
 
     Returns:
-        Where the older bag is now, or None when there was none.
+        The new path of the older bag, or None when there was none.
 
     Raises:
         OSError: it cannot be moved.
@@ -61,7 +62,7 @@ def make_room(bag: Path) -> Path | None:
 
 
 def try_place(bag: Path) -> None:
-    """See that a bag can be recorded there, before anything that takes time is done.
+    """Check that a bag can be written at this path, before anything that takes time is done.
 
     Raises:
         OSError: it cannot.
@@ -73,7 +74,7 @@ def try_place(bag: Path) -> None:
 
 
 def _numbered(bag: Path, ending: str) -> list[tuple[int, Path]]:
-    """The parts that there are, in order, with their numbers."""
+    """The existing parts, in order, with their numbers."""
     pattern = re.compile(rf"{re.escape(bag.stem)}_(0|[1-9][0-9]*){re.escape(ending)}")
     siblings = bag.parent.iterdir() if bag.parent.is_dir() else ()
     matches = ((pattern.fullmatch(path.name), path) for path in siblings)

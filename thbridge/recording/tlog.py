@@ -1,4 +1,4 @@
-"""Writes a telemetry log, which is complete after every tick."""
+"""Writes a telemetry log (MAVLink tlog), which is complete after every tick."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -14,10 +14,10 @@ class TlogFile:
     """Appends frames to a new file. Close it, or use it in `with`.
 
     Args:
-        path: of the file.
+        path: path of the file.
 
     Raises:
-        BadFile: there is such a file already, or it cannot be written.
+        BadFile: the file exists already, or it cannot be written.
     """
 
     def __init__(self, path: Path) -> None:
@@ -32,7 +32,7 @@ class TlogFile:
             raise _not_writable(path, error, "name a folder that exists and may be written to") from None
 
     def record(self, stamp_ns: int, traffic: Iterable[Traffic]) -> None:
-        """Write what vehicles heard and said in a tick.
+        """Write the frames that vehicles received and sent in a tick.
 
         Raises:
             BadFile: the disk is full or gone; all ticks before are in the file.

@@ -1,1 +1,1 @@
-"""Files of an installed ROS or for it: parameters of a navigation stack, message definitions, packages."""
+"""Files of ROS: parameters of a navigation stack, message definitions, packages."""

@@ -1,4 +1,4 @@
-"""Message definitions as an installed ROS 1 words them: its tools compare texts, comments included."""
+"""Message definitions with the texts of an installed ROS 1, whose tools compare texts including comments."""
 
 from collections.abc import Sequence
 from functools import cache
@@ -8,14 +8,14 @@ from thbridge.ros.messages.definition_texts import ROS_TEXTS
 from thbridge.ros.messages.types import OWN_TEXTS, Definition, full_text, md5_of, plain_definition
 
 ROS_SHARES = (Path("/usr/share"), *sorted(Path("/opt/ros").glob("*/share"), reverse=True))
-"""Where packages keep their .msg files: Debian's ROS first, then ROS's own builds, newest first."""
+"""Folders with the .msg files of packages: first Debian's ROS, then ROS's own builds, newest first."""
 
 
 class Definitions:
-    """Looks up what a bag shall say about a type.
+    """Looks up the definitions of message types for bags.
 
     Args:
-        shares: folders that hold `PACKAGE/msg/TYPE.msg`; empty for texts without comments only.
+        shares: folders with files `PACKAGE/msg/TYPE.msg`; empty for texts without comments.
     """
 
     def __init__(self, shares: Sequence[Path] = ROS_SHARES) -> None:
@@ -25,7 +25,7 @@ class Definitions:
     def of(self, msgtype: str) -> Definition:
         """The definition of a type, for example "nav_msgs/Odometry".
 
-        An installed text is taken only where its fields are ours: another release of ROS may have changed the type.
+        An installed text is used only if its fields are ours: another release of ROS may have changed the type.
 
         Raises:
             KeyError: there is no such type.

@@ -1,4 +1,4 @@
-"""YAML trees as ROS's own loader understands them: its words for truth, its angles, anchors merged, keys once."""
+"""YAML trees normalised as by ROS's own loader: words for true and false, angles, merged anchors, duplicate keys."""
 
 import dataclasses
 import math
@@ -21,18 +21,18 @@ _PRODUCT = re.compile(rf"\s*([-+]?)\s*({_FACTOR}(?:\s*[*/]\s*{_FACTOR})*)\s*")
 
 @dataclass(slots=True)
 class RosYamlNormalizer:
-    """Makes of a tree what it means to ROS: plain words, each key once, no merge keys, no slashes.
+    """Normalises a tree: plain words, each key once, no merge keys, no slashes.
 
     Attributes:
         path: the file, for faults.
-        notices: gets a sentence for each key that stands twice.
+        notices: gets a sentence for each duplicate key.
     """
 
     path: Path
     notices: list[str]
 
     def section(self, node: Node) -> Section:
-        """The whole of a file. Raises BadFile: it holds something else than names and values, or a word is wrong."""
+        """The normalised tree of a file. Raises BadFile: it is no section of names and values, or a word is wrong."""
         if not isinstance(node, Section):
             problem = "no section of 'name: value' lines"
             raise BadFile(self.path, node.line, None, problem, "name a YAML file of ROS parameters")
@@ -40,7 +40,7 @@ class RosYamlNormalizer:
         return cleaned if isinstance(cleaned, Section) else Section(node.line, [])
 
     def node(self, node: Node) -> Node:
-        """Any part of it."""
+        """The normalised tree of a node."""
         match node:
             case Scalar():
                 return self.scalar(node)
@@ -64,7 +64,7 @@ class RosYamlNormalizer:
                 return Section(line, list(written.values()))
 
     def merged(self, entries: list[Entry]) -> list[Entry]:
-        """With the entries of merge keys (`<<: *common`) that are not there themselves."""
+        """The entries, with those of merge keys (`<<: *common`) that they do not override."""
         own = [entry for entry in entries if entry[0].text != "<<"]
         names = {key.text for key, _ in own}
         for key, child in entries:
@@ -79,14 +79,14 @@ class RosYamlNormalizer:
         return own
 
     def unfolded(self, key: Scalar, child: Node) -> Entry:
-        """`a/b: 1` is `a: {b: 1}`, and a leading slash nothing."""
+        """An entry without slashes in its key: `a/b: 1` becomes `a: {b: 1}`; leading slashes are removed."""
         first, *rest = key.text.strip("/").split("/")
         for name in reversed(rest):
             child = Section(key.line, [(Scalar(name, plain=True, line=key.line), child)])
         return Scalar(first, plain=key.plain, line=key.line), child
 
     def scalar(self, node: Scalar) -> Scalar:
-        """One word: `yes` is true, `5.0` the whole number as well, `!degrees 90` and `deg(90)` radians."""
+        """A normalised word: `yes` is true, `5.0` also 5, `!degrees 90` and `deg(90)` become radians."""
         called = _ANGLE.fullmatch(node.text) if node.plain else None
         if node.tag in {"!degrees", "!radians"} or called:
             text = called[2] if called else node.text
@@ -100,11 +100,11 @@ class RosYamlNormalizer:
         whole = _WHOLE_REAL.fullmatch(node.text)
         if node.text in _TRUE | _FALSE:
             return dataclasses.replace(node, text="true" if node.text in _TRUE else "false")
-        # ROS takes 5.0 for a whole number where it needs one.
+        # ROS accepts 5.0 where it needs a whole number.
         return dataclasses.replace(node, text=whole[1]) if whole else node
 
     def angle(self, text: str, line: int, degrees: bool) -> float:
-        """Radians of a product of numbers and pi."""
+        """The value in radians of a product of numbers and pi."""
         product = _PRODUCT.fullmatch(text)
         if product is None:
             raise BadFile(self.path, line, None, f"{text!r} is no angle", "Write a number, or such as pi/2")

@@ -1,4 +1,4 @@
-"""Message types that an installed ROS does not know, as ROS packages, for tools that know types only from packages."""
+"""ROS packages with message types that an installed ROS does not have, for tools that need them as packages."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -50,7 +50,7 @@ _MAVROS = _Package(
 
 
 def write_packages(folder: Path) -> tuple[Path, ...]:
-    """Write the catkin package `thbridge_msgs` into a folder, and `mavros_msgs` where ROS has none, over older ones.
+    """Write the catkin package `thbridge_msgs` into a folder, and `mavros_msgs` if ROS lacks it; replaces older ones.
 
     Returns:
         The packages' folders.

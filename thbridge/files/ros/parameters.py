@@ -1,8 +1,8 @@
-"""Parameters as users of ROS have them: the YAML files of a navigation stack, as they are.
+"""Parameters from the YAML files of a ROS navigation stack.
 
-A file may be written for a node's own namespace (`min_particles: 500`), for the root (`amcl: {min_particles: 500}`), or
-for move_base with all that lives in it; costmap parameters that stand alone are for both costmaps. Layers may have any
-name. What ROS's loader makes of a word, this one does: `yes` is true, `!degrees 90` and `deg(90)` are angles.
+A file may be for a node's own namespace (`min_particles: 500`), for the root (`amcl: {min_particles: 500}`), or for
+move_base with all that runs in it; costmap parameters without a section are for both costmaps. Layers may have any
+name. Words are read as by ROS's loader: `yes` is true, `!degrees 90` and `deg(90)` are angles.
 """
 
 import dataclasses
@@ -30,14 +30,14 @@ SECTIONS: Mapping[str, type] = {
     for name, hint in cast(Mapping[str, type], get_type_hints(RobotParameters)).items()
     if dataclasses.is_dataclass(hint)
 }
-"""The parts of a robot's software, each a namespace in ROS."""
+"""The sections of a robot's parameters, each a namespace in ROS."""
 
 LAYERS = {
     "static_layer": ("static",),
     "obstacle_layer": ("obstacle", "voxel", "laser", "scan"),
     "inflation_layer": ("inflat",),
 }
-"""Layers of a costmap, and by which part of a plugin's type or of its name they are known."""
+"""Layers of a costmap, with the words in a plugin's type or name by which they are recognised."""
 
 _PERIOD = "the time between commands: here it is always as move_base's controller_frequency says"
 _UNREAD = "ROS does not read it there; probably meant is "
@@ -56,16 +56,16 @@ WITHOUT_EFFECT: Mapping[str, Mapping[str, str]] = {
     "global_costmap": {"meter_scoring": f"{_UNREAD}TrajectoryPlannerROS's"},
     "local_costmap": {"meter_scoring": f"{_UNREAD}TrajectoryPlannerROS's"},
 }
-"""Names that files of well-known robots have where no package declares them, with what they do or were meant for."""
+"""Parameters that files of well-known robots have where no ROS package reads them, with a remark for each."""
 
 
 @dataclass(frozen=True, slots=True)
 class RosParameters:
-    """What some files of ROS say.
+    """The parameters in some files of ROS.
 
     Attributes:
-        value: of the robot they were applied to.
-        notices: sentences about what was accepted and changes nothing, or was read in a certain way.
+        value: the robot's parameters, with those of the files applied.
+        notices: sentences about parameters without effect, and about those that were interpreted.
     """
 
     value: RobotParameters
@@ -73,11 +73,11 @@ class RosParameters:
 
 
 def read_ros_parameters(paths: Sequence[Path], start: RobotParameters) -> RosParameters:
-    """Apply files of ROS, one after the other; the last word holds, as on the parameter server.
+    """Apply files of ROS one after the other; the last value wins, as on the parameter server.
 
     Args:
         paths: the files, in the order in which a launch file loads them.
-        start: what they leave out stays as it is here.
+        start: the parameters for all that the files leave out.
 
     Raises:
         BadFiles: every fault of all files; or one BadFile when one cannot be read at all.
@@ -105,17 +105,17 @@ def read_ros_parameters(paths: Sequence[Path], start: RobotParameters) -> RosPar
 
 
 def _once(told: Sequence[T]) -> list[T]:
-    """Without what is told again of the second costmap."""
+    """Items without those that are repeated for the second costmap."""
     return list({str(thing).replace(COSTMAPS[1], COSTMAPS[0]): thing for thing in reversed(told)}.values())[::-1]
 
 
 @dataclass(slots=True)
 class _Router:
-    """Brings one file into the shape of `RobotParameters`.
+    """Moves the entries of one file to the sections of `RobotParameters`.
 
     Attributes:
-        layers: which of our layers the layers named in `plugins`, of any file, are.
-        listed: our layers that a costmap of this file has, where it says so.
+        layers: our layer for each layer that is named in `plugins` of any file.
+        listed: our layers in each costmap of this file that has `plugins`.
     """
 
     path: Path
@@ -135,7 +135,7 @@ class _Router:
             else:
                 whole.append((key, child))
         homes = self.homes(flat)
-        # A section that nobody knows is told as such.
+        # An unknown section is kept, so that the loader reports it.
         whole += homes.pop("", [])
         for section, entries in homes.items():
             parts.setdefault(section, []).extend(entries)
@@ -149,9 +149,9 @@ class _Router:
         return Section(tree.line, whole)
 
     def homes(self, flat: list[Entry]) -> dict[str, list[Entry]]:
-        """Parameters that stand alone, by the section that most of them belong to or else another that knows them.
+        """Parameters without a section, by the section to which most of them belong, or else another that has them.
 
-        Sections that none knows stand under an empty name.
+        Unknown sections are under an empty name.
         """
         homes: dict[str, list[Entry]] = {}
         known = {section: self.names_of(section, flat) for section in SECTIONS}
@@ -184,7 +184,7 @@ class _Router:
         return names
 
     def with_effect(self, section: str, entries: list[Entry]) -> Iterator[Entry]:
-        """Without the names in `WITHOUT_EFFECT`; each is told."""
+        """Yield the entries without those in `WITHOUT_EFFECT`, for each of which there is a notice."""
         for key, child in entries:
             meaning = WITHOUT_EFFECT.get(section, {}).get(key.text)
             if meaning is None:
@@ -228,7 +228,7 @@ class _Router:
 
 
 def _hoisted(tree: Section) -> Iterator[Entry]:
-    """The entries of a file, those of move_base's namespace that are sections of their own beside it."""
+    """Yield the entries of a file; those of move_base's namespace that are our sections are moved out of it."""
     for key, child in tree.entries:
         if key.text == "move_base" and isinstance(child, Section):
             own = [entry for entry in child.entries if entry[0].text not in SECTIONS]
@@ -249,7 +249,7 @@ def _layer_like(text: str) -> str | None:
 
 
 def _layers_listed(node: Node) -> Mapping[str, str]:
-    """Of every `plugins` in a tree: the layer that each name is; empty where it is none of ours."""
+    """Our layer for each name in all `plugins` of a tree; empty for a type that we do not have."""
     found: dict[str, str] = {}
     if isinstance(node, Section):
         for key, child in node.entries:
@@ -258,7 +258,7 @@ def _layers_listed(node: Node) -> Mapping[str, str]:
 
 
 def _plugins(node: Node) -> Mapping[str, str]:
-    """Name of each layer in a list of {name, type}, and which layer of ours its type is; empty for none."""
+    """Our layer for each name in a list of {name, type}; empty for a type that we do not have."""
     found = {}
     for item in node.items if isinstance(node, Listing) else []:
         entries = item.entries if isinstance(item, Section) else []
@@ -269,7 +269,7 @@ def _plugins(node: Node) -> Mapping[str, str]:
 
 
 def _joined(first: list[Entry], second: list[Entry]) -> list[Entry]:
-    """Two layers of one kind as one: the sources of both, else the first one's word."""
+    """Two layers of one kind as one, with the observation sources of both; else the first one's values win."""
     names = {key.text for key, _ in first}
     joined = list(first)
     for key, child in second:
@@ -286,7 +286,7 @@ def _joined(first: list[Entry], second: list[Entry]) -> list[Entry]:
 
 
 def _with_layers(value: RobotParameters, listed: Mapping[str, set[str]]) -> RobotParameters:
-    """Layers that a costmap's `plugins` leaves out do not count in it."""
+    """The parameters with those layers disabled that a costmap's `plugins` leaves out."""
     for section, layers in listed.items():
         costmap = cast("DataclassInstance", getattr(value, section))
         off = {layer: _replaced(getattr(costmap, layer), {"enabled": False}) for layer in LAYERS if layer not in layers}

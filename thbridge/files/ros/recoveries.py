@@ -1,26 +1,26 @@
-"""Recovery behaviours as files of ROS have them: of any name, with a plugin's type and a section of settings each."""
+"""Recovery behaviours in files of ROS: each with any name, the type of a plugin, and a section of settings."""
 
 from thbridge.files.ros.normalize import Entry
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section
 
 CONSERVATIVE, AGGRESSIVE, ROTATE = "conservative_reset", "aggressive_reset", "rotate_recovery"
 USUAL = {CONSERVATIVE, AGGRESSIVE, ROTATE, "move_slow_and_clear"}
-"""Names that settings of behaviours stand under in files that do not list any."""
+"""Names of sections with settings of behaviours, in files without a list of behaviours."""
 
 
 def behaviour_names(entries: list[Entry]) -> set[str]:
-    """Under which names a file may have settings of recovery behaviours."""
+    """Names of the sections in which a file may have settings of recovery behaviours."""
     lists = [child for key, child in entries if key.text == "recovery_behaviors"]
     return USUAL | {name for child in lists for name, _ in _behaviours(child)}
 
 
 def with_our_behaviours(entries: list[Entry], where: str, notices: list[str]) -> list[Entry]:
-    """move_base's parameters, the recovery behaviours among them under the names that they have here.
+    """move_base's parameters, with our names of the recovery behaviours.
 
     Args:
-        entries: what stands in the section.
+        entries: the entries of the section.
         where: the file, for notices.
-        notices: gets a sentence for whatever has no effect.
+        notices: gets a sentence for each setting without effect.
     """
     names = behaviour_names(entries)
     ours = {CONSERVATIVE: CONSERVATIVE}
@@ -35,7 +35,7 @@ def with_our_behaviours(entries: list[Entry], where: str, notices: list[str]) ->
         elif key.text in names and isinstance(child, Section):
             for name, value in child.entries:
                 if ours.get(key.text) == CONSERVATIVE and name.text == "reset_distance":
-                    # Beside a list of one's own, ROS does not look at conservative_reset_dist.
+                    # ROS ignores conservative_reset_dist when recovery_behaviors is given.
                     if "conservative_reset_dist" not in written:
                         shaped.append((Scalar("conservative_reset_dist", plain=True, line=name.line), value))
                     continue
@@ -58,7 +58,7 @@ def _behaviours(node: Node) -> list[tuple[str, str]]:
 
 
 def _named_here(node: Node) -> dict[str, str]:
-    """What each behaviour of a list is called here; empty for one that there is not."""
+    """Our name for each behaviour of a list; empty for a type that we do not have."""
     names: dict[str, str] = {}
     for name, kind in _behaviours(node):
         if name in {CONSERVATIVE, AGGRESSIVE, ROTATE}:
@@ -66,7 +66,7 @@ def _named_here(node: Node) -> dict[str, str]:
         elif kind.endswith("RotateRecovery"):
             names[name] = ROTATE
         elif kind.endswith("ClearCostmapRecovery"):
-            # The first to clear spares what is near, those after it clear more.
+            # The first behaviour that clears costmaps keeps what is near, the next ones clear more.
             names[name] = AGGRESSIVE if CONSERVATIVE in names.values() else CONSERVATIVE
         elif kind:
             names[name] = ""

@@ -1,1 +1,1 @@
-"""YAML as people write it: read into dataclasses with every fault at its line, and edited without touching the rest."""
+"""YAML files of people: read into dataclasses with every fault at its line, and edited without changing the rest."""

@@ -1,4 +1,4 @@
-"""What the fields of a class of parameters say of themselves: their words, ranges, choices and old names.
+"""Declarations in classes of parameters: ranges, choices, units and old names of their fields.
 
 The fields are declared with `sim.parameters.knob`, or plain.
 """
@@ -15,39 +15,39 @@ NO_METADATA: Metadata = {}
 
 
 def renamed_of(section: type) -> Mapping[str, str]:
-    """The old names of parameters that a class still accepts, each with its present one."""
+    """The old names that a class of parameters still accepts, each with its present name."""
     return cast(Mapping[str, str], getattr(section, "renamed", {}))
 
 
 def ros_only_of(section: type) -> Mapping[str, str]:
-    """The names that a class of parameters accepts because ROS knows them, each with what it does there."""
+    """The names that a class accepts only because ROS has them, each with its meaning there."""
     return cast(Mapping[str, str], getattr(section, "ros_only", {}))
 
 
 def model_of(knob: "dataclasses.Field[object] | None") -> str | None:
-    """The name of the field that this one's entries take their defaults from."""
+    """Name of the field from which this one's entries take their defaults; None without one."""
     return None if knob is None else cast("str | None", knob.metadata.get("like"))
 
 
 def sections_named_in(section: type) -> str:
-    """The field of a class of parameters in which files name further sections; empty when it has none."""
+    """The field of a class of parameters that lists the names of further sections; empty when it has none."""
     return cast(str, getattr(section, "sections_named_in", ""))
 
 
 def required(knob: "dataclasses.Field[object]") -> bool:
-    """Whether files must hold the field."""
+    """Return True when files must have the field, because it has no default."""
     return knob.default is dataclasses.MISSING and knob.default_factory is dataclasses.MISSING
 
 
 def bounds(metadata: Metadata) -> tuple[float, float]:
-    """The least and the greatest number that a field may hold; infinite where there is none."""
+    """The least and the greatest number allowed in a field; infinite without a limit."""
     minimum = cast("float | None", metadata.get("minimum"))
     maximum = cast("float | None", metadata.get("maximum"))
     return (-math.inf if minimum is None else minimum), (math.inf if maximum is None else maximum)
 
 
 def choices_of(hint: object, metadata: Metadata) -> tuple[str, ...]:
-    """The words a field may hold; empty when free."""
+    """The words allowed in a field; empty when all are."""
     if get_origin(hint) is Literal:
         return cast(tuple[str, ...], get_args(hint))
     if isinstance(hint, type) and issubclass(hint, StrEnum):
@@ -82,7 +82,7 @@ _KINDS: Mapping[object, str] = {
 
 
 def wanted(hint: object, metadata: Metadata) -> str:
-    """What to write into a field, as a request."""
+    """A request to write a valid value into a field."""
     words = allowed(hint, metadata)
     if choices_of(hint, metadata):
         return f"Write {words}"

@@ -1,8 +1,8 @@
-"""Changes to the text of a YAML file that people wrote: one value at a time, and not a byte besides.
+"""Changes of single values in the text of a YAML file, without changing any other byte.
 
-A change is made at the place that the file's tree tells, with the file's own indentation. Afterwards the new text is
-read again and must say what the old one said, but for that value: where a file is written in a way that this module
-does not understand, the change is refused and nothing is lost.
+The position of a change comes from the file's tree; new lines use the file's own indentation. Afterwards the new text
+is parsed again, and must have the same values as the old one except for the changed one. Otherwise, when a file is
+written in a way that this module does not handle, the change is refused and nothing is lost.
 """
 
 import re
@@ -28,7 +28,7 @@ from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, quot
 from thbridge.hunt.refusals import RequestRefused
 
 Names = Callable[[str], Sequence[str]]
-"""The keys of the section at a path, in the order in which a file should have them."""
+"""Function from the path of a section to its keys, in the order in which a file should have them."""
 
 _COMMENT_BEHIND = re.compile(r"[ ]*(#[^\r\n]*)?")
 _PLAIN_KEY = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_/-]*")
@@ -37,7 +37,7 @@ _INDENT = 2
 
 
 class EditRefusalReason(StrEnum):
-    """Why a change is refused."""
+    """Reason for refusing a change."""
 
     NOT_YAML = "not-yaml"
     NOT_UNDERSTOOD = "not-understood"
@@ -46,14 +46,14 @@ class EditRefusalReason(StrEnum):
 def with_value(
     text: str, key: str, value: str, names: Names = lambda _: (), tree: Node | None = None
 ) -> str | RequestRefused:
-    """The text with another value at a path; sections that are missing are added.
+    """The text with another value at a path; missing sections are added.
 
     Args:
-        text: the file.
-        key: where, such as `robot.amcl.kld_err` or `things[0].name`.
+        text: the text of the file.
+        key: the path, such as `robot.amcl.kld_err` or `things[0].name`.
         value: the value as YAML on one line, such as `0.05`, `"two words"`, `[1, 2]`.
-        names: where a new key belongs among its neighbours; by default behind them.
-        tree: what `parse` makes of the text, if that is at hand.
+        names: the order of keys, for the position of a new key; by default it is the last.
+        tree: the result of `parse` for the text, if it is known.
     """
     tree = parse(_SCRATCH, text) if tree is None else tree
     steps = steps_of(key)
@@ -65,9 +65,9 @@ def with_value(
 
 
 def without(text: str, key: str, tree: Node | None = None) -> str | RequestRefused:
-    """The text without a key or an item, and without the sections that are empty then.
+    """The text without a key or an item, and without sections that become empty.
 
-    A comment behind the value keeps a line of its own.
+    A comment behind the value is kept on a separate line.
     """
     tree = parse(_SCRATCH, text) if tree is None else tree
     steps = steps_of(key)
@@ -101,14 +101,14 @@ class _Edit:
     def _replaced(self, steps: Sequence[Step], node: Node, value: str) -> str:
         text, end = self._text, end_of(self._text, node)
         if left_out(node) or (not isinstance(node, Scalar) and not node.flow):
-            # Behind the colon, and before a comment that may stand there.
+            # The value goes behind the colon, before a comment on this line.
             behind = self._behind_name(steps)
             between = "" if left_out(node) else text[behind : node.start].rstrip()
             return text[:behind] + " " + value + between + text[behind if left_out(node) else end :]
         return text[: node.start] + value + text[end:]
 
     def _filled(self, steps: Sequence[Step], known: int, node: Node, value: str) -> str:
-        """The value in a section or list that stands empty: `game:`, `game: null` or `each: {}`."""
+        """The text with the value in an empty section or list: `game:`, `game: null` or `each: {}`."""
         text = self._text
         if self._inside_flow(steps[:known]) or not isinstance(steps[known - 1], str):
             return self._replaced(steps[:known], node, self._flow(steps[known:], value, bare=False))
@@ -120,7 +120,7 @@ class _Edit:
         return text[:behind] + text[end:at] + self._newline + added + text[at:]
 
     def _added(self, steps: Sequence[Step], known: int, node: Node, value: str) -> str:
-        """The value behind those of its neighbours that come before it."""
+        """The text with the value behind the keys that come before it."""
         text = self._text
         if isinstance(node, Scalar):
             return text
@@ -131,11 +131,11 @@ class _Edit:
         else:
             end = self._end_of_entry(node.entries[neighbour]) if node.entries else 0
         if node.flow:
-            # A colon and a comma would be one word.
+            # A comma directly behind a colon would be part of the word.
             comma = " , " if text[end - 1] == ":" else ", "
             return text[:end] + comma + self._flow(steps[known:], value, bare=True) + text[end:]
         if not (node.entries if isinstance(node, Section) else node.items):
-            # The whole file says nothing yet.
+            # The file has no value yet.
             lines = self._newline.join(self._block(steps[known:], value, 0))
             gap = "" if not text or text.endswith("\n") else self._newline
             return text + gap + lines + self._newline
@@ -144,7 +144,7 @@ class _Edit:
         return text[:at] + self._newline + added + text[at:]
 
     def _neighbour(self, node: Node, steps: Sequence[Step], known: int) -> int:
-        """The entry of a section behind which a new one belongs."""
+        """Index of the entry of a section behind which a new one belongs."""
         if not isinstance(node, Section):
             return -1
         names = list(self._names(path_of(steps[:known])))
@@ -174,7 +174,7 @@ class _Edit:
         while depth > 1 and _only_child(node_at(self._tree, steps[: depth - 1])):
             depth -= 1
         text = self._text
-        # From the innermost outwards: what lies farther back goes first, and places before it stay what they are.
+        # From the innermost outwards: text farther back is removed first, so that positions before it stay valid.
         if self._inside_flow(steps[:depth]):
             return self._dropped_from_flow(steps[:depth])
         if depth == len(steps):
@@ -211,7 +211,7 @@ class _Edit:
         name, _ = section.entries[index]
         if not text[line_start(text, name.start) : name.start].strip():
             return _without_lines(text, name.start, self._end_of_entry(section.entries[index]))
-        # The first key of an item stands behind its dash.
+        # The first key of an item is behind the item's dash.
         if index + 1 < len(section.entries):
             return text[: name.start] + text[section.entries[index + 1][0].start :]
         return text[: name.start] + "{}" + text[self._end_of_entry(section.entries[index]) :]
@@ -250,7 +250,7 @@ class _Edit:
         return 0 if entry is None else column_of(self._text, entry[0].start)
 
     def _inside_flow(self, steps: Sequence[Step]) -> bool:
-        """Whether what stands at a path stands between brackets."""
+        """Return True when the node at a path is within brackets."""
         parents = [node_at(self._tree, steps[:depth]) for depth in range(len(steps))]
         return any(isinstance(parent, Section | Listing) and parent.flow for parent in parents)
 
@@ -266,7 +266,7 @@ def _only_child(node: Node | None) -> bool:
 
 
 def in_brackets(node: Node) -> str:
-    """A value written on one line."""
+    """A value as YAML on one line."""
     match node:
         case Scalar(text, plain):
             return text if plain else quoted(text)
@@ -293,11 +293,11 @@ def _key(name: str) -> str:
 
 
 Leaf = tuple[str, str, bool] | tuple[str, None, bool]
-"""A path, what stands there, and whether it stands without quotes; None where nothing stands."""
+"""A path, its text (None where there is no value), and True when the text is not quoted."""
 
 
 def _leaves(node: Node, steps: tuple[Step, ...] = ()) -> list[Leaf]:
-    """What a text says, without how it is written."""
+    """The values of a tree by path, independent of how they are written."""
     children: list[tuple[Step, Node]] = []
     match node:
         case Listing(items=items):
@@ -317,13 +317,13 @@ def _is_under(path: str, key: str) -> bool:
 
 
 def _with_changed(tree: Node, steps: tuple[Step, ...], value: Node) -> list[Leaf]:
-    """The leaves of a tree in which this value stands at a path."""
+    """The leaves of a tree with this value at a path."""
     key = path_of(steps)
     return [*(leaf for leaf in _leaves(tree) if not _is_under(leaf[0], key)), *_leaves(value, steps)]
 
 
 def _with_dropped(tree: Node, steps: tuple[Step, ...]) -> list[Leaf]:
-    """The leaves of a tree without what stands at a path."""
+    """The leaves of a tree without those at a path."""
     parent = node_at(tree, steps[:-1])
     if isinstance(parent, Listing):
         items = [item for index, item in enumerate(parent.items) if index != steps[-1]]
@@ -332,12 +332,12 @@ def _with_dropped(tree: Node, steps: tuple[Step, ...]) -> list[Leaf]:
 
 
 def _verified(text: str, wanted: list[Leaf], steps: tuple[Step, ...]) -> str | RequestRefused:
-    """The text, if it says what is wanted. A section that stands empty says as little as none."""
+    """The text, if it has the wanted values; else a refusal. An empty section counts as a missing one."""
     above = {path_of(steps[:depth]) for depth in range(len(steps))}
 
     def told(leaves: list[Leaf]) -> list[Leaf]:
         kept = (leaf for leaf in leaves if not (leaf[0] in above and leaf[1] is None))
-        # A key that stands twice may have a value once and none once.
+        # A duplicate key may have a value in one place and none in the other.
         return sorted(kept, key=lambda leaf: (leaf[0], leaf[1] is not None, leaf[1] or "", leaf[2]))
 
     try:

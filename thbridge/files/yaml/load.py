@@ -1,8 +1,8 @@
-"""YAML files that people write, read into dataclasses, with every fault of a file told at once.
+"""Reads YAML files of people into dataclasses, and reports all faults of a file together.
 
-A file is read twice over: `parse` turns its text into a tree in which each node knows its line, `load` turns that
-tree into a dataclass. Plain words are read by the type that the dataclass wants at that place, not by YAML's guesses:
-`no` is text where text is wanted, `1e3` is a number where a number is wanted, and neither is ever the other.
+A file is read in two steps: `parse` turns its text into a tree with line numbers, `load` turns the tree into a
+dataclass. Plain words are read by the type of the dataclass's field, not by YAML's guesses: `no` is text in a text
+field, `1e3` is a number in a number field.
 """
 
 import dataclasses
@@ -39,13 +39,13 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Loaded(Generic[T]):
-    """What a file said, and where it said it.
+    """The contents of a file, with the lines of its keys.
 
     Attributes:
         path: the file.
         value: the dataclass.
-        lines: line of each key and item that stands in the file, by its path (`robot.amcl.kld_err`, `rooms[2].goal`).
-        notices: sentences about keys that are right but change nothing here.
+        lines: line of each key and item in the file, by its path (`robot.amcl.kld_err`, `rooms[2].goal`).
+        notices: sentences about keys that are correct but have no effect here.
     """
 
     path: Path
@@ -54,7 +54,7 @@ class Loaded(Generic[T]):
     notices: tuple[str, ...] = ()
 
     def fault(self, key: str, problem: str, remedy: str) -> BadFile:
-        """A fault of the value at this key path, found after loading; told at the nearest line that was written."""
+        """A fault of the value at a key path that was found after loading, with the nearest line in the file."""
         written = key
         while written and written not in self.lines:
             written = written[: max(written.rfind("."), written.rfind("["), 0)]
@@ -64,27 +64,27 @@ class Loaded(Generic[T]):
 def load(path: Path, into: type[T]) -> Loaded[T]:
     """Read a YAML file into a dataclass whose fields are declared with `sim.parameters.knob` or plain.
 
-    A section whose field has a section for its default takes what the file leaves out from there. The names in a
-    class's `ros_only` are accepted, with a notice; those in its `renamed` stand for their present names.
+    A section whose field has a dataclass as default takes from it what the file leaves out. The names in a class's
+    `ros_only` are accepted, with a notice; those in its `renamed` are read as their present names.
 
     Fields may be bool, int, float, str, Literal, StrEnum, Path, tuples, dataclasses, and any of these or None. A field
-    without a default must be in the file. A section that stands empty keeps its defaults. A field may also be a mapping
-    from numbers counted from 1 to dataclasses; where its metadata have `like`, each of them takes what it leaves out
-    from the field of that name.
+    without a default must be in the file. An empty section keeps its defaults. A field may also be a mapping from
+    numbers counted from 1 to dataclasses; if its metadata have `like`, each of them takes what it leaves out from the
+    field of that name.
 
     Raises:
-        BadFiles: with every fault of the file; or one BadFile when it cannot be read at all.
+        BadFiles: all faults of the file; or one BadFile when it cannot be read at all.
     """
     return load_text(path, read_text(path), into)
 
 
 def load_text(path: Path, text: str, into: type[T]) -> Loaded[T]:
-    """As `load`, of a text that is at hand; `path` is what faults are told under."""
+    """Load a text, as `load` does; `path` is named in faults."""
     return load_tree(path, parse(path, text), into)
 
 
 def load_tree(path: Path, tree: Node, into: type[T], defaults: T | None = None) -> Loaded[T]:
-    """As `load`, of what `parse` gave; what the file leaves out is taken from `defaults`, if there are any."""
+    """Load a tree of `parse`, as `load` does; what it leaves out is taken from `defaults`, if given."""
     reader = _Reader(path, into)
     value = reader.section(tree, into, "", cast("DataclassInstance | None", defaults))
     if reader.faults:
@@ -93,7 +93,7 @@ def load_tree(path: Path, tree: Node, into: type[T], defaults: T | None = None) 
 
 
 class _Wrong:
-    """Stands for a value that could not be read; the fault is in the reader's list."""
+    """Replaces a value that could not be read; its fault is in the reader's list."""
 
 
 _WRONG = _Wrong()
@@ -179,7 +179,7 @@ class _Reader:
 
     def listing(self, node: Node, arguments: tuple[object, ...], metadata: Metadata, key: str) -> object:
         if isinstance(node, Scalar) and not node.plain and node.text.lstrip().startswith("["):
-            # ROS's parameters hold lists of lists as text.
+            # Parameters of ROS may have lists of lists as text.
             node = self.listing_in_text(node)
         if not isinstance(node, Listing):
             return self.wrong(node.line, key, "a list is needed", "Write [..., ...], or one line '- ...' for each item")
@@ -208,7 +208,7 @@ class _Reader:
             return node
 
     def renamed(self, node: Section, into: type, key: str) -> Iterator[tuple[Scalar, Node]]:
-        """The entries of a section under their present names; an old name beside the present one is left out."""
+        """Yield the entries of a section with present names; an old name beside the present one is left out."""
         written = {name.text for name, _ in node.entries}
         for name, child in node.entries:
             present = renamed_of(into).get(name.text)
@@ -233,7 +233,7 @@ class _Reader:
         named = _named(node, into, defaults)
         values: dict[str, object] = {}
         first_lines: dict[str, int] = {}
-        # What is like another field can only be read after it.
+        # Fields that take defaults from another one (`like`) are read after it.
         for name, child in sorted(
             self.renamed(node, into, key), key=lambda entry: model_of(known.get(entry[0].text)) is not None
         ):
@@ -276,7 +276,7 @@ class _Reader:
     def named_sections(
         self, node: Section, listed: str, named: Mapping[str, "DataclassInstance | None"], into: type, key: str
     ) -> object:
-        """The sections whose names a text lists, or that are there by default; one that is not written is as it was."""
+        """The sections whose names are listed in a text, or the default ones; those not written keep their values."""
         written = {name.text: child for name, child in node.entries}
         names = written.get(listed)
         place = f"{key}.{listed}" if key else listed
@@ -312,7 +312,7 @@ class _Reader:
                 self.wrong(name.line, place, f"stands twice, first in line {first}", "Keep one of the two")
             else:
                 self.lines[place] = name.line
-                # Where the section it is like is wrong, that has been told; this one is read for its own faults.
+                # If the section with the defaults has faults, these were reported; this one is read for its own faults.
                 defaults = cast("DataclassInstance", like) if isinstance(like, into) else None
                 values[int(name.text)] = self.section(child, into, place, defaults)
         return _WRONG if _WRONG in values.values() else values
@@ -331,13 +331,13 @@ class _Reader:
 
 
 def _words(node: Section, key: str) -> list[str]:
-    """The words of the text that a section has under this key."""
+    """The words in the text of a key of a section."""
     texts = [child.text for name, child in node.entries if name.text == key and isinstance(child, Scalar)]
     return [word for text in texts for word in text.split()]
 
 
 def _named(node: Section, into: type, defaults: "DataclassInstance | None") -> Mapping[str, "DataclassInstance | None"]:
-    """The names of a section's further sections, with their defaults where the names themselves are by default."""
+    """Names of the further sections listed in a section; with their default sections when the list is the default."""
     listed = sections_named_in(into)
     if any(name.text == listed for name, _ in node.entries):
         return dict.fromkeys(_words(node, listed))
@@ -346,7 +346,7 @@ def _named(node: Section, into: type, defaults: "DataclassInstance | None") -> M
 
 
 def _handed_down(node: Section, into: type) -> Section:
-    """The section with those entries standing in its parts that ROS hands down to them, in place of the parts' own."""
+    """The section with the entries moved to its parts that ROS passes on to them; they replace the parts' own."""
     passed_on = cast(Mapping[str, str], getattr(into, "passed_on", {}))
     parts: dict[str, list[tuple[Scalar, Node]]] = {}
     gone: set[str] = set()

@@ -1,4 +1,4 @@
-"""Where things lie in the text of a YAML file: values by their paths, their ends, the lines around them."""
+"""Positions in the text of a YAML file: values by their paths, ends of values, lines."""
 
 import re
 from collections.abc import Sequence
@@ -14,12 +14,12 @@ _CLOSING = re.compile(r"(?:[\s,]|#[^\n]*)*[\]}]")
 
 
 def steps_of(key: str) -> tuple[Step, ...]:
-    """A path such as `things[0].name`, taken apart."""
+    """The steps of a path such as `things[0].name`."""
     return tuple(int(index) if index else name for index, name in _STEP.findall(key))
 
 
 def node_at(tree: Node, steps: Sequence[Step]) -> Node | None:
-    """What stands at a path; None where nothing does."""
+    """The node at a path; None without one."""
     node: Node | None = tree
     for step in steps:
         node = None if node is None else _child(node, step)
@@ -27,7 +27,7 @@ def node_at(tree: Node, steps: Sequence[Step]) -> Node | None:
 
 
 def source_of(text: str, tree: Node, key: str) -> str | None:
-    """The value at a path as it is written, without comments behind it; None where the key is not written."""
+    """The text of the value at a path, without comments behind it; None when the key is not in the file."""
     node = node_at(tree, steps_of(key))
     if node is None:
         return None
@@ -35,7 +35,7 @@ def source_of(text: str, tree: Node, key: str) -> str | None:
 
 
 def path_of(steps: Sequence[Step]) -> str:
-    """A path written together, as `steps_of` takes it apart."""
+    """The path of some steps: the inverse of `steps_of`."""
     path = ""
     for step in steps:
         path += f"[{step}]" if isinstance(step, int) else f".{step}" if path else step
@@ -51,12 +51,12 @@ def _child(node: Node, step: Step) -> Node | None:
 
 
 def left_out(node: Node) -> bool:
-    """Whether nothing stands there at all, not even `null`."""
+    """Return True when no value is written at all, not even `null`."""
     return isinstance(node, Scalar) and node.plain and not node.text
 
 
 def is_empty(node: Node) -> bool:
-    """Whether there is no value, or an empty section or list."""
+    """Return True when there is no value, or an empty section or list."""
     match node:
         case Scalar():
             return node.absent
@@ -67,9 +67,9 @@ def is_empty(node: Node) -> bool:
 
 
 def end_of(text: str, node: Node) -> int:
-    """Where a value ends: behind its last sign or bracket."""
+    """Offset of a value's end: behind its last character or bracket."""
     if isinstance(node, Scalar):
-        # A text in several lines (|) takes the empty lines behind it along.
+        # The parser includes the empty lines behind a text of several lines (|); these are left out.
         return node.start + len(text[node.start : node.end].rstrip("\r\n")) if node.end > node.start else node.end
     last: int = node.start + 1
     if isinstance(node, Section) and node.entries:
@@ -84,23 +84,23 @@ def end_of(text: str, node: Node) -> int:
 
 
 def line_start(text: str, at: int) -> int:
-    """Where the line begins."""
+    """Offset of the beginning of a line."""
     return text.rfind("\n", 0, at) + 1
 
 
 def line_end(text: str, at: int) -> int:
-    """Where the line ends, before the sign or signs that end it."""
+    """Offset of the end of a line, before its line end characters."""
     end = text.find("\n", at)
     end = len(text) if end < 0 else end
     return end - 1 if end > at and text[end - 1] == "\r" else end
 
 
 def column_of(text: str, at: int) -> int:
-    """How far from the beginning of its line a place is."""
+    """Column of an offset, from 0."""
     return at - line_start(text, at)
 
 
 def behind_key(text: str, name: Scalar) -> int:
-    """Where a key ends: behind its colon, if it has one."""
+    """Offset of a key's end: behind its colon, if it has one."""
     colon = _COLON.match(text, name.end)
     return name.end if colon is None else colon.end()

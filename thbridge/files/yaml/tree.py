@@ -1,4 +1,4 @@
-"""YAML as it was written: a tree in which each node knows its line, before anybody asks what the words mean."""
+"""The tree of a YAML file as it is written: nodes have line numbers, and words are not interpreted."""
 
 import dataclasses
 from dataclasses import dataclass, field
@@ -21,18 +21,18 @@ from ruamel.yaml.reader import ReaderError
 from thbridge.files.errors import BadFile
 
 LARGEST_FILE = 1 << 20
-"""Bytes; a file that people write is some thousand."""
+"""Largest file in bytes; files of people have some thousand."""
 DEEPEST = 32
-"""Levels of nesting."""
+"""Largest depth of nesting."""
 LARGEST_TREE = 100_000
-"""Values that a file may have once its aliases are followed."""
+"""Largest number of values of a file, with its aliases expanded."""
 
 
 @dataclass(frozen=True, slots=True)
 class Scalar:
-    """A word, number or text; `plain` when it stands without quotes, `tag` what stands before it (`!degrees`).
+    """A word, number or text; `plain` when it has no quotes; `tag` is a word such as `!degrees` before it.
 
-    `start` and `end` are where it lies in the text, with its quotes; one that was left out lies nowhere.
+    `start` and `end` are its offsets in the text, with its quotes; they are equal for a value that was left out.
     """
 
     text: str
@@ -44,13 +44,13 @@ class Scalar:
 
     @property
     def absent(self) -> bool:
-        """Whether nothing was written, or a word for nothing."""
+        """True when no value is written, or a word for null."""
         return self.plain and self.text in {"", "~", "null", "Null", "NULL"}
 
 
 @dataclass(frozen=True, slots=True)
 class Listing:
-    """A sequence; `start` is where it begins in the text, `flow` whether it stands in brackets there."""
+    """A sequence; `start` is its offset in the text, `flow` is True when it is written in brackets."""
 
     line: int
     items: list["Node"]
@@ -60,7 +60,7 @@ class Listing:
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A mapping, as written: a key may stand twice. `start` and `flow` as of a Listing."""
+    """A mapping as it is written, with duplicate keys. `start` and `flow` as for a Listing."""
 
     line: int
     entries: list[tuple[Scalar, "Node"]]
@@ -72,7 +72,7 @@ Node = Scalar | Listing | Section
 
 
 def read_text(path: Path, largest: int = LARGEST_FILE) -> str:
-    """The text of a file that people write.
+    """Read the text of a file that people write.
 
     Raises:
         BadFile: it is missing, not a file, larger than `largest` bytes, or not UTF-8.
@@ -95,15 +95,15 @@ def read_text(path: Path, largest: int = LARGEST_FILE) -> str:
 
 
 def parse(path: Path, text: str, ros: bool = False) -> Node:
-    """The tree of one YAML document; an empty text is an empty section.
+    """The tree of one YAML document; an empty text gives an empty section.
 
     Args:
         path: the file, for faults.
-        text: what it says.
-        ros: accept what files written for ROS may have: aliases, each as the tree of its anchor, and tags of scalars.
+        text: the text of the file.
+        ros: True to accept aliases, each as the tree of its anchor, and tags of scalars, as in files for ROS.
 
     Raises:
-        BadFile: it is not YAML, or uses what a plain list of settings does not need: anchors, tags, several documents.
+        BadFile: it is not YAML, or has what a plain list of settings does not need: anchors, tags, documents.
     """
     _refuse_tabs(path, text)
     root: list[Node] = []
@@ -112,7 +112,7 @@ def parse(path: Path, text: str, ros: bool = False) -> Node:
     anchors = _Anchors(path)
     documents = 0
     try:
-        # Without plug-ins, which are looked for on disk.
+        # Without plug-ins, for which ruamel would search the disk.
         for event in YAML(typ="safe", pure=True, plug_ins=[]).parse(text):
             if isinstance(event, DocumentStartEvent):
                 documents += 1
@@ -132,7 +132,7 @@ def parse(path: Path, text: str, ros: bool = False) -> Node:
                 elif isinstance(stack[-1], Listing):
                     stack[-1].items.append(node)
                 elif (key := pending_keys[-1]) is not None:
-                    # A value that was left out is marked where the next key begins, which is not where to mend it.
+                    # The parser gives a left-out value the line of the next key; the line of its own key is better.
                     if isinstance(node, Scalar) and node.absent:
                         node = dataclasses.replace(node, line=key.line)
                     stack[-1].entries.append((key, node))
@@ -160,7 +160,7 @@ def parse(path: Path, text: str, ros: bool = False) -> Node:
 
 
 def at_line(node: Node, line: int) -> Node:
-    """The same tree, all of it at one line."""
+    """The same tree with all nodes at one line."""
     match node:
         case Listing(_, items):
             return Listing(line, [at_line(item, line) for item in items])
@@ -181,7 +181,7 @@ def _refuse_tabs(path: Path, text: str) -> None:
 
 
 class _Anchors:
-    """The anchors of a document, and how large it has become by their aliases."""
+    """The anchors of a document, and its number of values with aliases expanded."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -190,20 +190,20 @@ class _Anchors:
         self._count = 0
 
     def open(self, event: NodeEvent, node: Node) -> None:
-        """A node begins; a scalar is also complete."""
+        """Take in the beginning of a node; a scalar is also complete."""
         self._count += 1
         self._open.append((node, None if event.anchor is None else str(event.anchor), self._count))
         if isinstance(node, Scalar):
             self.close(node)
 
     def close(self, node: Node) -> None:
-        """The node that was opened last is complete."""
+        """Take in the end of the node that was opened last."""
         _, anchor, before = self._open.pop()
         if anchor is not None:
             self._nodes[anchor] = node, self._count - before + 1
 
     def node_of(self, event: NodeEvent) -> Node:
-        """The node that an alias stands for. Raises BadFile: there is none, or too many of them."""
+        """The node of an alias. Raises BadFile: there is no such anchor, or the document gets too large."""
         line, name = event.start_mark.line + 1, str(event.anchor)
         if name not in self._nodes:
             raise BadFile(self._path, line, name, "an alias (*) of nothing before it", "Write the value out")
@@ -231,6 +231,6 @@ def _node(path: Path, event: NodeEvent, ros: bool) -> Node:
 
 
 def quoted(text: str) -> str:
-    """A text in double quotes, so that it is read back as it is."""
+    """A text in double quotes, with escapes, so that it is read back unchanged."""
     escaped = text.replace("\\", "\\\\").replace('"', '\\"')
     return '"' + "".join(sign if sign.isprintable() else f"\\U{ord(sign):08x}" for sign in escaped) + '"'

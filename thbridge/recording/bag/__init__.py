@@ -1,1 +1,1 @@
-"""ROS 1 bags: written safe from kills and full disks, read whole or by index, repaired."""
+"""ROS 1 bags: written so that kills and full disks lose little, read whole or by index, repaired."""

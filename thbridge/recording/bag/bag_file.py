@@ -1,4 +1,4 @@
-"""A file of chunks that becomes a ROS 1 bag, safe from kills and full disks."""
+"""A ROS 1 bag written chunk by chunk, so that kills and full disks lose little."""
 
 import errno
 import os
@@ -18,22 +18,22 @@ from thbridge.recording.bag.records import (
 )
 
 NAMELESS = ".new"
-"""Ending of a file that does not hold a bag's first record yet."""
+"""Suffix of a file that does not have a bag's first record yet."""
 
 
 class ChunkFile:
-    """A bag that grows by whole chunks. A chunk reaches it whole or, with an OSError, not at all.
+    """A bag that grows by whole chunks. A chunk is written completely or, with an OSError, not at all.
 
-    Each chunk begins with the records of connections that are new to the file, so there is none that no message uses
-    (it would give `rosbag info` a negative duration). Memory grows with the chunks, not the messages.
+    Each chunk begins with the records of connections that are new to the file. So there is no connection without a
+    message, for which `rosbag info` may show a negative duration. Memory grows with the chunks, not the messages.
 
     Args:
-        path: of the file; it may not exist yet.
-        compression: of the chunks.
+        path: path of the file, which must not exist.
+        compression: compression of the chunks.
 
     Attributes:
-        path: of the file.
-        size: bytes of the chunks so far, with the file's head.
+        path: path of the file.
+        size: bytes of the chunks so far, with the file's first record.
 
     Raises:
         OSError: the file cannot be created.
@@ -50,7 +50,7 @@ class ChunkFile:
         self._complete = False
         if path.exists():
             raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
-        # It gets its name when it is a bag: a kill in between leaves no empty one.
+        # The file gets its name with its first record: a kill before that leaves no file that is not a bag.
         nameless = path.with_name(path.name + NAMELESS)
         self._file = nameless.open("wb", buffering=0)
         try:
@@ -62,10 +62,10 @@ class ChunkFile:
             raise
 
     def append(self, chunk: Chunk) -> None:
-        """Add a chunk. Raises OSError; then the file is as it was, but for what was previewed."""
+        """Add a chunk. Raises OSError; then the file is as it was, except for a preview."""
         head = self._head(chunk)
         info = chunk_info_record(self.size, chunk.start_ns, chunk.end_ns, chunk.counts)
-        # Even when the disk is full there is room for the index.
+        # Space for the index is reserved now, so that the bag can be completed on a full disk.
         self._index_bytes += len(head) + len(info)
         try:
             self._append(_records(head, chunk, self._compression))
@@ -76,23 +76,23 @@ class ChunkFile:
         self._infos.append(info)
 
     def preview(self, chunk: Chunk) -> None:
-        """Put down a chunk that is still growing where its longer self will be. Raises OSError, like `append`.
+        """Write a chunk that is still growing; the complete one will overwrite it. Raises OSError, like `append`.
 
-        It is never compressed: what is on the disk stays readable while more of it is written over it.
+        A preview is never compressed: the part on the disk stays readable while a longer one is written over it.
         """
         self._put(_records(self._head(chunk), chunk, Compression.NONE))
 
     def sync(self) -> None:
-        """Force the file onto the disk. Raises OSError, also when somebody deleted the file."""
+        """Force the file onto the disk (fsync). Raises OSError, also when the file was deleted."""
         os.fsync(self._file.fileno())
         if os.fstat(self._file.fileno()).st_nlink == 0:
             raise FileNotFoundError("the file was deleted")
 
     def finish(self) -> None:
-        """Write the index, once. Raises OSError; then the file is as it was, and this can be tried again."""
+        """Write the index, once. Raises OSError; then the file is as it was, and this may be called again."""
         if self._complete:
             return
-        # Readers order messages of one stamp by their connections here; so all parts of a recording are read alike.
+        # Readers order messages with equal stamps by the order of connections here: it is the same in all parts.
         known = sorted(self._known, key=lambda connection: connection.number)
         position, self._index_bytes = self.size, 0
         self._append(b"".join((*map(connection_record, known), *self._infos)))
@@ -108,20 +108,20 @@ class ChunkFile:
         self._file.close()
 
     def _head(self, chunk: Chunk) -> bytes:
-        """What a chunk has to say of connections before its messages."""
+        """The records of connections that are new to the file."""
         return b"".join(connection_record(connection) for connection in chunk.entries if connection not in self._known)
 
     def _append(self, data: bytes) -> None:
-        """Write behind all that is kept, and keep it."""
+        """Write behind the kept bytes, and keep the data."""
         self._put(data)
         self.size += len(data)
         if self._end > self.size:
-            # What was previewed was longer than its compressed self.
+            # The preview was longer than the compressed chunk.
             self._cut()
             self._set_aside(0)
 
     def _put(self, data: bytes) -> None:
-        """Write behind all that is kept. Raises OSError; then nothing stays there."""
+        """Write behind the kept bytes. Raises OSError; then the file ends with the kept bytes."""
         self._set_aside(len(data))
         try:
             self._write(self.size, data)
@@ -137,31 +137,31 @@ class ChunkFile:
             view = view[self._file.write(view) :]
 
     def _cut(self) -> None:
-        """Drop what is not kept."""
+        """Truncate the file to the kept bytes."""
         self._file.truncate(self.size)
         self._end = self.size
 
     def _set_aside(self, size: int) -> None:
-        """Have room for so many bytes behind all that is kept, and for the index behind them. Raises OSError."""
+        """Reserve disk space for so many bytes behind the kept ones, and for the index. Raises OSError."""
         if size + self._index_bytes:
             reserve_space(self._file.fileno(), self.size, size + self._index_bytes)
 
 
 def _records(head: bytes, chunk: Chunk, compression: Compression) -> bytes:
-    """A chunk and where its messages are. ROS's `reindex` takes no last chunk that does not say so."""
+    """A chunk with its index data records, without which ROS's `reindex` refuses a last chunk."""
     index = (index_record(connection, chunk.moved_entries(connection, len(head))) for connection in chunk.entries)
     return b"".join((chunk_record(head + chunk.data, compression), *index))
 
 
 class BagFile:
-    """A bag being written by one thread, message by message; stamps may go back.
+    """A bag that one thread writes message by message; stamps may go back.
 
     Args:
-        path: of the file; it may not exist yet.
-        compression: of the chunks.
+        path: path of the file, which must not exist.
+        compression: compression of the chunks.
 
     Raises:
-        OSError: from every method; `close` can be tried again and then leaves out what found no place.
+        OSError: from every method. `close` may be called again; then it leaves out what could not be written.
     """
 
     def __init__(self, path: Path, compression: Compression = Compression.NONE) -> None:
@@ -172,7 +172,7 @@ class BagFile:
     def connect(
         self, topic: str, msgtype: str, md5: str, definition: str, caller: str | None, latching: bool | None
     ) -> BagConnection:
-        """Announce a publisher of a topic; see `Connection` for the arguments."""
+        """Add a publisher of a topic; see `BagConnection` for the arguments."""
         self._connections += 1
         return BagConnection(self._connections - 1, topic, msgtype, md5, definition, caller, latching)
 
@@ -183,7 +183,7 @@ class BagFile:
         self._chunks.add(connection, stamp_ns, data)
 
     def close(self) -> None:
-        """End the open chunk, write the index and close the file."""
+        """Write the last chunk and the index, and close the file."""
         if self._chunks.size:
             self._file.append(self._chunks.take())
         self._file.finish()

@@ -1,4 +1,4 @@
-"""Single records out of the chunks of bags, as far as somebody wants them."""
+"""Random access to single messages in the chunks of bags."""
 
 import os
 from collections import OrderedDict
@@ -13,24 +13,24 @@ from thbridge.recording.bag.reader import damage_as_bad_file, damaged
 from thbridge.recording.bag.records import Compression
 
 BYTES_KEPT = 32 * 1024 * 1024
-"""Bytes of unpacked chunks that are remembered."""
+"""Bytes of unpacked chunks that are cached."""
 WHOLE = 1024 * 1024
-"""Bytes of chunks that are read whole though they are not packed: of larger ones, some messages are wanted."""
+"""Largest uncompressed chunk that is read as a whole; of larger ones single messages are read."""
 
 _CONNECTION = b"\x09\x00\x00\x00conn="
-"""The field of an index record's head that says whose it is, up to its 4 bytes."""
+"""The field `conn` of an index data record's header, up to its value of 4 bytes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ChunkInfo:
-    """What a file's end says of a chunk.
+    """The chunk info record of a chunk, from the end of its file.
 
     Attributes:
-        file: number of the file among the recording's parts.
-        position: of the chunk in the file.
+        file: index of the file among the recording's parts.
+        position: offset of the chunk in the file.
         start_ns: stamp of its first message.
-        end_ns: of its last one.
-        counts: messages by number of publisher.
+        end_ns: stamp of its last message.
+        counts: number of messages by connection number.
     """
 
     file: int
@@ -42,7 +42,7 @@ class ChunkInfo:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Packed:
-    """Where a chunk's records lie in its file, how many bytes, and what unpacks them; None: they are not packed."""
+    """Position and size of a chunk's data in its file, and their decompressor; None when not compressed."""
 
     position: int
     size: int
@@ -50,7 +50,7 @@ class _Packed:
 
 
 class ChunkReader:
-    """Reads the chunks of a recording; for one thread. All methods raise BadFile: a file is damaged, or gone.
+    """Reads the chunks of a recording, in one thread. All methods raise BadFile: a file is damaged, or gone.
 
     Args:
         parts: paths of the files.
@@ -69,14 +69,14 @@ class ChunkReader:
             file.close()
 
     def index_of(self, chunk: ChunkInfo) -> dict[int, bytes]:
-        """Where the messages of each publisher lie in a chunk, by its number: the data of its index record."""
+        """The data of a chunk's index data records, by connection number."""
         file = self._files[chunk.file]
         with damage_as_bad_file(self._parts[chunk.file]):
             packed = self._packed_at(chunk)
             file.seek(packed.position + packed.size)
             found: dict[int, bytes] = {}
             for _ in chunk.counts:
-                # rosbags' own way to read a head takes longer than all else that is done here.
+                # Parsing the header by rosbags would take longer than all the rest of this function.
                 head = read_bytes(file, read_uint32(file))
                 at = head.index(_CONNECTION) + len(_CONNECTION)
                 number = int.from_bytes(head[at : at + 4], "little")
@@ -86,7 +86,7 @@ class ChunkReader:
             return found
 
     def message(self, chunk: ChunkInfo, offset: int) -> bytes:
-        """The message whose record is at an offset of the unpacked chunk."""
+        """The message whose record begins at an offset of the unpacked chunk."""
         packed = self._packed.get(chunk)
         if packed is None:
             with damage_as_bad_file(self._parts[chunk.file]):
@@ -95,7 +95,7 @@ class ChunkReader:
             return self._message_alone(chunk, packed, offset)
         data = self._data(chunk, packed)
         try:
-            start = _after_length(data, offset)  # behind the record's head
+            start = _after_length(data, offset)  # behind the record's header
             return data[start + 4 : _after_length(data, start)]
         except ValueError as error:
             raise damaged(self._parts[chunk.file]) from error
@@ -112,7 +112,7 @@ class ChunkReader:
         return known
 
     def _message_alone(self, chunk: ChunkInfo, packed: _Packed, offset: int) -> bytes:
-        """A message without the pictures, say, that share its chunk."""
+        """Read one message of a large chunk without the rest, for example images."""
         file = self._files[chunk.file]
         with damage_as_bad_file(self._parts[chunk.file]):
             file.seek(packed.position + offset)
@@ -120,7 +120,7 @@ class ChunkReader:
             return read_bytes(file, read_uint32(file))
 
     def _data(self, chunk: ChunkInfo, packed: _Packed) -> bytes:
-        """The records of a chunk, unpacked."""
+        """The unpacked data of a chunk."""
         known = self._unpacked.get(chunk)
         if known is not None:
             self._unpacked.move_to_end(chunk)
@@ -138,7 +138,7 @@ class ChunkReader:
 
 
 def _after_length(data: bytes, at: int) -> int:
-    """Where what begins with its own length, 4 bytes, ends. Raises ValueError: beyond the data."""
+    """End of a field that begins with its length of 4 bytes. Raises ValueError: it is beyond the data."""
     end = at + 4 + int.from_bytes(data[at : at + 4], "little")
     if end > len(data):
         raise ValueError("a record ends beyond its chunk")

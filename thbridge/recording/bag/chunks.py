@@ -1,4 +1,4 @@
-"""Messages gather in memory until they fill a chunk of a bag."""
+"""Chunks of a bag, built in memory from messages."""
 
 from collections import defaultdict
 from collections.abc import Mapping
@@ -10,24 +10,24 @@ from thbridge.recording.bag.records import U32, BagConnection, message_head, tim
 
 CHUNK_BYTES = 128 * 1024
 CHUNK_NS = 1_000_000_000
-"""A chunk ends with the stamp that takes it beyond so many bytes, and when it spans so much time."""
+"""A chunk ends after the stamp with which it becomes larger than this, or before it spans more time than this."""
 
 MOST_BYTES = 8 * CHUNK_BYTES
-"""Beyond so many bytes it ends even within a stamp."""
+"""Size beyond which a chunk ends even between messages with equal stamps."""
 
 _ENTRY = np.dtype([("time", "V8"), ("offset", "<u4")])
 
 
 @dataclass(frozen=True, slots=True)
 class Chunk:
-    """Messages that go into a bag together.
+    """Messages that are written to a bag together.
 
     Attributes:
-        data: their records.
+        data: the message records.
         start_ns: the oldest stamp.
-        end_ns: the newest one.
-        entries: by connection, what the index says of its messages; offsets count from the start of `data`.
-        counts: by connection, the number of its messages.
+        end_ns: the newest stamp.
+        entries: index entries of the messages, by connection; offsets count from the start of `data`.
+        counts: number of messages, by connection.
     """
 
     data: bytes
@@ -37,17 +37,17 @@ class Chunk:
     counts: Mapping[BagConnection, int]
 
     def moved_entries(self, connection: BagConnection, by: int) -> bytes:
-        """What the index says of a connection where `data` has so many bytes before it."""
+        """The index entries of a connection, when `by` bytes are written before `data` in the chunk."""
         entries = np.frombuffer(self.entries[connection], _ENTRY).copy()
         entries["offset"] += by
         return entries.tobytes()
 
 
 class ChunkBuilder:
-    """Gathers messages.
+    """Collects messages for a chunk.
 
     Attributes:
-        size: bytes of the messages that have gathered, with all that a bag says of them.
+        size: bytes of the collected message records.
     """
 
     def __init__(self) -> None:
@@ -63,7 +63,7 @@ class ChunkBuilder:
         self._start_ns = self._end_ns = 0
 
     def accepts(self, stamp_ns: int) -> bool:
-        """Whether a message of this stamp belongs to those that have gathered."""
+        """Return True when a message with this stamp still belongs into the chunk."""
         if not self.size:
             return True
         if stamp_ns == self._stamp_ns:
@@ -88,7 +88,7 @@ class ChunkBuilder:
         self.size += len(head) + len(self._time) + U32.size + len(data)
 
     def snapshot(self) -> Chunk:
-        """What has gathered, and goes on gathering."""
+        """The chunk so far, which goes on growing."""
         return Chunk(
             b"".join(self._pieces),
             self._start_ns,
@@ -98,7 +98,7 @@ class ChunkBuilder:
         )
 
     def take(self) -> Chunk:
-        """What has gathered; the next message begins another chunk."""
+        """The chunk; the next message begins another one."""
         chunk = self.snapshot()
         self._begin()
         return chunk

@@ -1,4 +1,4 @@
-"""What the index of a bag says: its publishers and the stamp of every message, without reading any message."""
+"""The index of a bag: its publishers and the stamps of all messages, without reading any message."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,15 +15,15 @@ _PACKING = {unpack: name for name, unpack in decompressors.items()}
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ConnectionStamps:
-    """One publisher of one topic.
+    """One connection of a bag, with the stamps of its messages.
 
     Attributes:
         topic: its name.
         msgtype: for example "nav_msgs/Odometry".
-        md5: of the type.
-        caller: name of the node; None where nobody wrote it down.
-        latched: whether late listeners get the last message.
-        stamps_ns: (n,) of its messages, rising.
+        md5: md5 sum of the type.
+        caller: name of the node; None where it was not recorded.
+        latched: True when late subscribers get the last message.
+        stamps_ns: (n,) stamps of its messages, rising.
     """
 
     topic: str
@@ -36,13 +36,13 @@ class ConnectionStamps:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BagContents:
-    """One file of a recording.
+    """Contents of one file of a recording.
 
     Attributes:
         path: the file.
         size: bytes.
         compressions: number of chunks by the name of their compression.
-        publishers: in the order of the index.
+        publishers: the connections, in the order of the index.
     """
 
     path: Path

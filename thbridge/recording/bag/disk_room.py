@@ -1,4 +1,4 @@
-"""Room on a disk that is set aside before it is needed."""
+"""Reservation of disk space before it is needed."""
 
 import ctypes
 import errno
@@ -11,17 +11,17 @@ _fallocate = getattr(ctypes.CDLL(None, use_errno=True), "fallocate", None)
 
 
 def reserve_space(file: int, start: int, size: int) -> None:
-    """Make sure that a file can be written between two places, without making it longer (fallocate(2)).
+    """Reserve disk space for a range of a file without making the file longer (fallocate(2)).
 
-    The room is the file's until it is truncated. Where system or file system know nothing of this, nothing happens.
+    The space belongs to the file until it is truncated. Systems and file systems without this function are left alone.
 
     Args:
         file: descriptor of an open file.
         start: the first byte.
-        size: how many bytes; more than 0.
+        size: number of bytes; more than 0.
 
     Raises:
-        OSError: there is no such room.
+        OSError: the disk has not enough space.
     """
     if _fallocate is None:
         return

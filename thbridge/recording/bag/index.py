@@ -1,7 +1,7 @@
-"""Any message of a recording without reading those before it.
+"""Random access to the messages of a recording by topic and time.
 
-Opening reads what the end of each file says of its chunks. What is in a chunk is looked up when somebody wants to know,
-and forgotten when much else was looked up since; so neither time nor memory grows with messages that nobody looks at.
+Opening reads only the chunk info records at the end of each file. The index of a chunk is read when it is needed, and
+kept in a limited cache. So neither time nor memory grows with messages that are not looked at.
 """
 
 from bisect import bisect_right
@@ -22,21 +22,21 @@ from thbridge.recording.bag.reader import MAGIC, VERSION, RawMessage, check_is_b
 from thbridge.recording.recordings import ACTIVE, active_of, parts_of
 
 STEP = 64
-"""Chunks after which opening a bag pauses: some milliseconds."""
+"""Number of chunks after which opening a bag pauses: some milliseconds."""
 CHUNKS_KEPT = 2048
-"""Chunks whose index is remembered."""
+"""Number of chunks whose index is cached."""
 
 
 @dataclass(frozen=True, slots=True)
 class IndexedConnection:
-    """One publisher of one topic in one file.
+    """One connection in one file: a publisher of a topic.
 
     Attributes:
-        file: number of the file among the recording's parts.
-        number: what the file calls it.
-        topic: its name.
+        file: index of the file among the recording's parts.
+        number: its number in the file.
+        topic: its topic.
         msgtype: for example "nav_msgs/Odometry".
-        md5: of the type.
+        md5: md5 sum of the type.
     """
 
     file: int
@@ -47,15 +47,15 @@ class IndexedConnection:
 
 
 class MessageLocation(NamedTuple):
-    """Where a message is; places are ordered by time, those of one time as they were recorded.
+    """The location of a message; ordered by time, at equal times in the order of recording.
 
     Attributes:
-        stamp_ns: when it was recorded.
-        file: number of the file.
-        position: of its chunk in the file.
-        offset: of its record in the unpacked chunk.
-        chunk: number of the chunk in the index.
-        publisher: who said it.
+        stamp_ns: stamp of recording.
+        file: index of the file.
+        position: offset of its chunk in the file.
+        offset: offset of its record in the unpacked chunk.
+        chunk: index of the chunk in `BagIndex`.
+        publisher: its connection.
     """
 
     stamp_ns: int
@@ -68,7 +68,7 @@ class MessageLocation(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Where:
-    """The chunks that hold messages of one topic: numbers, first stamps, and last stamps in each or any before it."""
+    """The chunks with messages of one topic: indices, first stamps, and running maximum of the last stamps."""
 
     chunks: list[int]
     starts: list[int]
@@ -82,7 +82,7 @@ class _Where:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Entries:
-    """Messages of one publisher in one chunk: (n,) stamps, rising, and (n,) offsets in the unpacked chunk."""
+    """Messages of one connection in one chunk: (n,) stamps, rising, and (n,) offsets in the unpacked chunk."""
 
     publisher: IndexedConnection
     stamps_ns: NDArray[np.int64]
@@ -90,7 +90,7 @@ class _Entries:
 
     @classmethod
     def of(cls, publisher: IndexedConnection, data: bytes) -> "_Entries":
-        """From the data of an index record."""
+        """The entries in the data of an index data record."""
         table = np.frombuffer(data, dtype="<u4").reshape(-1, 3).astype(np.int64)
         stamps, offsets = table[:, 0] * 1_000_000_000 + table[:, 1], table[:, 2]
         if (np.diff(stamps) <= 0).any():
@@ -100,14 +100,14 @@ class _Entries:
 
 
 class BagIndex:
-    """A recording that was opened by `open_index`; for one thread.
+    """A recording that was opened by `open_index`, for use by one thread.
 
-    All methods that look for messages or read them raise BadFile where the file is damaged, or gone.
+    All methods that find or read messages raise BadFile when the file is damaged, or gone.
 
     Attributes:
-        path: as it was named.
+        path: the path as it was given.
         start_ns: stamp of the first message; 0 when there is none.
-        end_ns: stamp of the last one.
+        end_ns: stamp of the last message.
     """
 
     def __init__(
@@ -136,12 +136,12 @@ class BagIndex:
 
     @property
     def publishers(self) -> tuple[IndexedConnection, ...]:
-        """All of them, in the order of the files."""
+        """All connections, in the order of the files."""
         return tuple(self._publishers.values())
 
     @property
     def chunks(self) -> int:
-        """How many chunks there are."""
+        """Number of chunks."""
         return len(self._chunks)
 
     def close(self) -> None:
@@ -149,7 +149,7 @@ class BagIndex:
         self._reader.close()
 
     def last(self, topic: str, at_ns: int) -> MessageLocation | None:
-        """Where the last message of a topic up to a time is, that time included."""
+        """Location of the last message of a topic up to and including a time; None without one."""
         best: MessageLocation | None = None
         where = self._whereabouts(topic)
         for turn in range(bisect_right(where.starts, at_ns) - 1, -1, -1):
@@ -164,7 +164,7 @@ class BagIndex:
         return best
 
     def next(self, topic: str, after_ns: int) -> MessageLocation | None:
-        """Where the first message of a topic later than a time is."""
+        """Location of the first message of a topic later than a time; None without one."""
         best: MessageLocation | None = None
         where = self._whereabouts(topic)
         for turn in range(bisect_right(where.reach, after_ns), len(where.chunks)):
@@ -179,7 +179,7 @@ class BagIndex:
         return best
 
     def chunks_back(self, topic: str, at_ns: int, until_ns: int) -> Iterator[int]:
-        """The chunks that may hold messages of a topic from a time back until another, both included; last first."""
+        """Yield the chunks, last first, that may have messages of a topic from a time back to another, inclusive."""
         where = self._whereabouts(topic)
         for turn in range(bisect_right(where.starts, at_ns) - 1, -1, -1):
             if where.reach[turn] < until_ns:
@@ -187,11 +187,11 @@ class BagIndex:
             yield where.chunks[turn]
 
     def locations(self, topic: str, chunk: int) -> list[MessageLocation]:
-        """Where in a chunk the messages of a topic are, in order of time."""
+        """Locations of the messages of a topic in a chunk, in order of time."""
         return sorted(place for entries in self._entries_of(chunk, topic) for place in self._places(chunk, entries))
 
     def walk(self, topics: Collection[str]) -> Iterator[list[MessageLocation]]:
-        """Where all messages of these topics are, in order of time; a list for each chunk, so that one can pause."""
+        """Yield locations of all messages of some topics in order of time; a list for each chunk, to pause between."""
         wanted = frozenset[tuple[int, int]]().union(*(self._of_topic.get(topic, set()) for topic in topics))
         pending: list[MessageLocation] = []
         for index, chunk in enumerate(self._chunks):
@@ -199,7 +199,7 @@ class BagIndex:
             if numbers:
                 for entries in self._entries(index, numbers):
                     pending.extend(self._places(index, entries))
-            # What begins later cannot come before what is earlier than that.
+            # Chunks are ordered by their first stamps: nothing in later chunks is before the start of the next one.
             horizon = self._chunks[index + 1].start_ns if index + 1 < len(self._chunks) else None
             pending.sort()
             ready = pending if horizon is None else [place for place in pending if place.stamp_ns < horizon]
@@ -207,7 +207,7 @@ class BagIndex:
             yield ready
 
     def read(self, place: MessageLocation) -> RawMessage:
-        """The message at a place."""
+        """The message at a location."""
         publisher, data = place.publisher, self._reader.message(self._chunks[place.chunk], place.offset)
         return RawMessage(publisher.topic, publisher.msgtype, publisher.md5, place.stamp_ns, data)
 
@@ -234,7 +234,7 @@ class BagIndex:
         return self._entries(index, (number for said_in, number in self._of_topic[topic] if said_in == file))
 
     def _entries(self, index: int, numbers: Iterable[int]) -> list[_Entries]:
-        """What these publishers of its file say in a chunk."""
+        """Messages of some connections in a chunk."""
         inner, file = self._inside(index), self._chunks[index].file
         found = []
         for number in numbers:
@@ -247,7 +247,7 @@ class BagIndex:
         return found
 
     def _inside(self, index: int) -> dict[int, bytes | _Entries]:
-        """The index of a chunk by number of publisher; taken apart when somebody looks."""
+        """The index of a chunk by connection number; entries are decoded when they are needed."""
         known = self._inner.get(index)
         if known is None:
             known = self._inner[index] = {**self._reader.index_of(self._chunks[index])}
@@ -259,16 +259,16 @@ class BagIndex:
 
 
 def open_index(path: Path) -> Generator[float, None, BagIndex]:
-    """Open a recording in pieces of some milliseconds, between which it tells which share of the work is done.
+    """Open a recording in steps of some milliseconds, between which the share of work done is yielded.
 
     Args:
         path: a bag, or the name of a split recording.
 
     Returns:
-        The index; whoever opened it closes it.
+        The index; the caller closes it.
 
     Raises:
-        BadFile: there is no such file, it is not a ROS 1 bag, its writer has not closed it, or it is damaged.
+        BadFile: there is no such file, it is not a ROS 1 bag, it has not been closed by its writer, or it is damaged.
     """
     parts = parts_of(path)
     if parts == (path,) and not path.exists() and active_of(path).exists():
@@ -293,7 +293,7 @@ def open_index(path: Path) -> Generator[float, None, BagIndex]:
 def _read_end(
     file: BinaryIO, number: int, part: Path, publishers: list[IndexedConnection], chunks: list[ChunkInfo]
 ) -> Iterator[float]:
-    """Add what the end of a file says of its publishers and chunks; tells which share is read."""
+    """Read the connections and chunk infos at the end of a file into the lists; yields the share that is read."""
     file.seek(len(MAGIC) + len(VERSION))
     head = Header.read(file, RecordType.BAGHEADER)
     position, count = head.get_uint64("index_pos"), head.get_uint32("chunk_count")
@@ -304,7 +304,7 @@ def _read_end(
     file.seek(position)
     for _ in range(head.get_uint32("conn_count")):
         outer = Header.read(file, RecordType.CONNECTION)
-        inner = Header.read(file)  # the record's data has the form of a head
+        inner = Header.read(file)  # the record's data has the form of a header
         publishers.append(
             IndexedConnection(
                 number,

@@ -1,4 +1,4 @@
-"""The files that a recording becomes: one, or several where it is split."""
+"""The files of a recording that is being written: one, or several where it is split."""
 
 import os
 from dataclasses import dataclass
@@ -13,12 +13,12 @@ from thbridge.recording.recordings import ACTIVE, active_of, part_of
 
 @dataclass(frozen=True, slots=True)
 class SplitLimits:
-    """When a recording goes on in another file.
+    """Limits of a file, after which a recording goes on in another one.
 
     Attributes:
-        size: bytes beyond which a file ends, with the chunk and with all that has the same stamp; None for any size.
-            What a file begins with, because files before it said so, does not count: it alone may be larger.
-        duration_ns: recorded time that a file spans at most; None for any.
+        size: bytes after which a file ends, behind a chunk and all messages of one stamp; None for no limit.
+            Latched messages repeated at a file's beginning do not count: they alone may be larger.
+        duration_ns: longest recorded time of a file; None for no limit.
     """
 
     size: int | None = None
@@ -26,18 +26,18 @@ class SplitLimits:
 
     @property
     def wanted(self) -> bool:
-        """Whether there are several files at all, or could be."""
+        """True when there is a limit, so that there may be several files."""
         return self.size is not None or self.duration_ns is not None
 
 
 @dataclass(frozen=True, slots=True)
 class QueuedChunk:
-    """A chunk with what it takes to begin a file with it.
+    """A chunk with the latched messages that are needed if a new file begins with it.
 
     Attributes:
         chunk: the chunk.
         latched: the last message of every latched topic before it.
-        period: which stretch of the splitting's duration it is in, from 0.
+        period: number of the period of `SplitLimits.duration_ns` that it is in, from 0.
     """
 
     chunk: Chunk
@@ -46,15 +46,15 @@ class QueuedChunk:
 
 
 class SplitBagWriter:
-    """Writes chunks into a bag, or into one bag after another.
+    """Writes chunks into one bag, or into several one after another, in one thread at a time.
 
-    A further file begins with the latched messages so far, at the stamp of its first message. One thread at a time.
+    Further files begin with the latched messages so far, at the stamp of their first message.
 
     Args:
-        path: of the bag; parts are named after it.
-        compression: of the chunks.
-        splitting: when a file is full.
-        syncing: where files are forced onto the disk.
+        path: path of the bag, from which names of parts are made.
+        compression: compression of the chunks.
+        splitting: limits of a file.
+        syncing: queue of the jobs that force files onto the disk.
 
     Raises:
         OSError: the first file cannot be created.
@@ -74,16 +74,16 @@ class SplitBagWriter:
 
     @property
     def unfinished(self) -> Path | None:
-        """The first file that has not got its name yet."""
+        """Path of the first file that does not have its final name yet."""
         return self._open[0].path if self._open else None
 
     @property
     def last(self) -> Path:
-        """The name of the last bag."""
+        """Final path of the last bag."""
         return _finished(self._file)
 
     def append(self, piece: QueuedChunk) -> None:
-        """Add a chunk. Raises OSError; then everything before it is kept."""
+        """Add a chunk. Raises OSError; then all before it is kept."""
         self._turn_to(piece)
         self._file.append(piece.chunk)
         said = self._file.size - self._repeated
@@ -91,36 +91,36 @@ class SplitBagWriter:
         self._end_ns = piece.chunk.end_ns
 
     def preview(self, piece: QueuedChunk) -> None:
-        """Bring a chunk that is still growing onto the disk, with all before it. Raises OSError."""
+        """Force a chunk that is still growing onto the disk, with all before it. Raises OSError."""
         self._turn_to(piece)
         self._file.preview(piece.chunk)
         self.sync()
 
     def sync(self) -> None:
-        """Force everything onto the disk, unless that is being done."""
+        """Force everything onto the disk, unless an earlier call is still at work."""
         if not self._syncing.oldest_wait():
             self._syncing.submit(self._file.sync)
 
     def finish(self) -> None:
-        """Complete the file, and give it its name once it is on the disk. Raises OSError."""
+        """Complete the file, and give it its final name when it is on the disk. Raises OSError."""
         file = self._file
         file.finish()
         self._syncing.submit(lambda: self._settle(file))
 
     def salvage(self) -> None:
-        """After an error, complete what can be completed, at once. Raises OSError; this can be tried again."""
+        """Complete the open files after an error, in this thread. Raises OSError; this may be called again."""
         for file in tuple(self._open):
             file.finish()
             self._settle(file)
 
     def abandon(self) -> None:
-        """Close all files as they are."""
+        """Close all open files without completing them."""
         for file in self._open:
             file.close()
 
     def _turn_to(self, piece: QueuedChunk) -> None:
-        """Go on in another file where a chunk does not belong into this one."""
-        # What was said at one stamp stays together, and keeps its order.
+        """Begin another file if the chunk does not belong into the present one."""
+        # Messages with one stamp stay in one file, so that readers keep their order.
         if not (self._full and piece.chunk.start_ns > self._end_ns) and piece.period == self._period:
             return
         self.finish()
@@ -141,7 +141,7 @@ class SplitBagWriter:
         return file
 
     def _settle(self, file: ChunkFile) -> None:
-        """Give a complete file its name."""
+        """Give a complete file its final name."""
         file.sync()
         name = _finished(file)
         _refuse_taken(name)
@@ -161,7 +161,7 @@ def _refuse_taken(path: Path) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Force a folder's names onto the disk."""
+    """Force the names in a folder onto the disk."""
     handle = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(handle)

@@ -1,4 +1,4 @@
-"""Reads ROS 1 bags, ours and foreign ones; refuses damaged ones with what to do about them."""
+"""Reads ROS 1 bags, ours and others; damaged ones raise BadFile with a remedy."""
 
 import struct
 from collections.abc import Collection, Iterator
@@ -29,7 +29,7 @@ _STUMBLES = (
     MemoryError,
     RuntimeError,
 )
-"""rosbags answers damage with whatever its parser and its decompressors stumble over, assertions among it."""
+"""Errors of rosbags and of its decompressors on damaged files; they include failed assertions."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,10 +37,10 @@ class TopicInfo:
     """One topic of a bag.
 
     Attributes:
-        name: with its leading slash.
-        msgtype: of its messages, "nav_msgs/Odometry"; several, with commas between, where publishers disagreed.
-        messages: how many.
-        latched: whether a publisher latched it.
+        name: its name, with the leading slash.
+        msgtype: type of its messages, "nav_msgs/Odometry"; several, separated by commas, where publishers disagree.
+        messages: number of messages.
+        latched: True when a publisher latches it.
     """
 
     name: str
@@ -51,16 +51,16 @@ class TopicInfo:
 
 @dataclass(frozen=True, slots=True)
 class BagInfo:
-    """What a bag holds.
+    """Summary of a bag.
 
     Attributes:
         path: the file.
         size: bytes.
         start_ns: stamp of the first message, nanoseconds; None when there is none.
-        end_ns: stamp of the last one.
-        duration: seconds between them, 0 when there is none.
-        messages: how many.
-        topics: by name.
+        end_ns: stamp of the last message.
+        duration: seconds between them; 0 when there is none.
+        messages: number of messages.
+        topics: the topics by name.
     """
 
     path: Path
@@ -74,13 +74,13 @@ class BagInfo:
 
 @dataclass(frozen=True, slots=True)
 class RawMessage:
-    """One message as the bag holds it.
+    """One message of a bag, not decoded.
 
     Attributes:
-        topic: its name.
+        topic: its topic.
         msgtype: for example "nav_msgs/Odometry".
-        md5: of its type; says which release's fields `data` has.
-        stamp_ns: when it was recorded.
+        md5: md5 sum of its type; differs between releases with different fields.
+        stamp_ns: stamp of recording.
         data: its bytes.
     """
 
@@ -92,9 +92,9 @@ class RawMessage:
 
 
 def info(path: Path) -> BagInfo:
-    """What a recording holds, from its index; of a split one, what all parts hold together.
+    """Summary of a recording from its index; of a split one over all parts.
 
-    The latched messages that each part begins with are counted in each.
+    The latched messages that are repeated at the beginning of each part are counted in each.
 
     Raises:
         BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
@@ -140,23 +140,22 @@ def _together(one: TopicInfo, other: TopicInfo) -> TopicInfo:
 
 
 def messages(path: Path, topics: Collection[str] | None = None) -> Iterator[RawMessage]:
-    """Every message, oldest first; see `recorded` for the arguments, the parts of a recording, and what is raised."""
+    """Yield every message, oldest first; see `recorded` for arguments, split recordings and errors."""
     for connection, stamp_ns, data in recorded(path, topics):
         yield RawMessage(connection.topic, connection.msgtype, connection.md5, stamp_ns, data)
 
 
 def recorded(path: Path, topics: Collection[str] | None = None) -> Iterator[tuple[BagConnection, int, bytes]]:
-    """Every message, oldest first: its publisher, when it was recorded (nanoseconds), and its bytes.
+    """Yield every message, oldest first: its publisher, stamp of recording (nanoseconds), and bytes.
 
-    Those of one stamp come in the order in which they were recorded.
+    Messages with equal stamps come in the order of recording.
 
-    The parts of a split recording are read as one: the latched messages that a part begins with, because it may be
-    played by itself, are left out where they only repeat what the part before it said. A publisher that is in several
-    parts is one.
+    The parts of a split recording are read as one: the latched messages that a part repeats at its beginning, so that
+    it can be played by itself, are left out. A publisher that is in several parts is one object.
 
     Args:
         path: the bag, or the name of a split recording.
-        topics: names of those wanted; None for all. What holds none of them is not unpacked.
+        topics: names of the topics to read; None for all. Chunks without them are not unpacked.
 
     Raises:
         BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
@@ -169,7 +168,7 @@ def recorded(path: Path, topics: Collection[str] | None = None) -> Iterator[tupl
             wanted = [connection for connection in reader.connections if topics is None or connection.topic in topics]
             publishers = {connection.id: _publisher(connection, known) for connection in wanted}
             _order(reader)
-            # To the reader an empty list means every topic.
+            # For the reader an empty list means every topic.
             for connection, stamp, data in reader.messages(wanted) if wanted else ():
                 data = bytes(data)  # noqa: PLW2901
                 if stamp == start_ns and repeatable.pop(connection.topic, None) == data:
@@ -189,19 +188,19 @@ def _publisher(said: ConnectionInIndex, known: dict[tuple[str | bool | None, ...
 
 
 class _Place(IndexData):
-    """Where a message stands; ordered by time, then by place."""
+    """Location of a message; ordered by time, then by position in the file."""
 
     __lt__, __eq__, __hash__ = tuple.__lt__, tuple.__eq__, tuple.__hash__
 
 
 def _order(reader: Reader) -> None:
-    """Let a reader go by places, too: rosbags compares times alone, so topics of one stamp would change places."""
+    """Make a reader order messages of equal stamps by position in the file; rosbags compares stamps only."""
     for number, entries in reader.indexes.items():
         reader.indexes[number] = sorted(_Place(*entry) for entry in entries)
 
 
 def check_is_bag(path: Path) -> None:
-    """Pass if a file begins like a ROS 1 bag.
+    """Raise BadFile unless a file begins like a ROS 1 bag.
 
     Raises:
         BadFile: it does not, or cannot be read.
@@ -227,7 +226,7 @@ def _latched(ext: object) -> bool:
 
 @contextmanager
 def opened(path: Path) -> Iterator[Reader]:
-    """rosbags' reader of one file, in whose block damage is told in our words. Raises BadFile."""
+    """Open one file with rosbags; errors of damaged files within the block become BadFile."""
     check_is_bag(path)
     reader = Reader(path)
     try:
@@ -241,7 +240,7 @@ def opened(path: Path) -> Iterator[Reader]:
 
 @contextmanager
 def damage_as_bad_file(path: Path) -> Iterator[None]:
-    """A block in which what parser and decompressors stumble over is told in our words. Raises BadFile."""
+    """Convert errors of parser and decompressors within the block to BadFile."""
     try:
         yield
     except _STUMBLES as error:
@@ -249,5 +248,5 @@ def damage_as_bad_file(path: Path) -> Iterator[None]:
 
 
 def damaged(path: Path) -> BadFile:
-    """What is said of a file that cannot be read on."""
+    """The BadFile for a file that is cut off or damaged."""
     return BadFile(path, None, None, "the bag was cut off or is damaged", f"run `thbridge bag reindex {path}`")

@@ -1,7 +1,7 @@
 """The records of ROS 1's bag format 2.0, as bytes (wiki.ros.org/Bags/Format/2.0).
 
-Differs from rosbags' writer in two things that ROS 1's own tools depend on: the first record is padded as ROS pads it,
-and LZ4 frames are of the one kind that roslz4 reads.
+Differs from rosbags' writer in two points on which ROS 1's own tools depend: the first record is padded as by ROS, and
+LZ4 frames are of the only kind that roslz4 reads.
 """
 
 import bz2
@@ -26,7 +26,7 @@ _BZ2_LEVEL = 9
 
 
 class Compression(StrEnum):
-    """How the chunks of a bag are packed."""
+    """Compression of the chunks of a bag."""
 
     NONE = "none"
     LZ4 = "lz4"
@@ -35,16 +35,16 @@ class Compression(StrEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BagConnection:
-    """One publisher of one topic. Two are the same only if they are one object.
+    """One connection of a bag: a publisher of a topic. Two are equal only if they are one object.
 
     Attributes:
-        number: of it in its bag.
-        topic: its name.
+        number: its number in the bag.
+        topic: its topic.
         msgtype: for example "nav_msgs/Odometry".
-        md5: of the type.
-        definition: of the type, with those that it is made of.
+        md5: md5 sum of the type.
+        definition: definition of the type, with those of the types within it.
         caller: name of the publishing node; None where it is not known.
-        latching: whether late listeners get the last message; None where it is not known.
+        latching: True when late subscribers get the last message; None where it is not known.
     """
 
     number: int
@@ -57,12 +57,12 @@ class BagConnection:
 
 
 def time_bytes(stamp_ns: int) -> bytes:
-    """A stamp as records have it: seconds and nanoseconds."""
+    """A stamp in the format of records: seconds and nanoseconds."""
     return _TIME.pack(*divmod(stamp_ns, 1_000_000_000))
 
 
 def bag_header(index_pos: int, connections: int, chunks: int) -> bytes:
-    """The first record, always as long; all zero while the bag is being written."""
+    """The first record, which always has the same length; its numbers are 0 while the bag is being written."""
     header = _header(
         RecordType.BAGHEADER,
         index_pos=_U64.pack(index_pos),
@@ -73,7 +73,7 @@ def bag_header(index_pos: int, connections: int, chunks: int) -> bytes:
 
 
 def connection_record(connection: BagConnection) -> bytes:
-    """What a bag says of a connection."""
+    """A connection record."""
     said = {
         "topic": connection.topic,
         "type": connection.msgtype,
@@ -90,26 +90,26 @@ def connection_record(connection: BagConnection) -> bytes:
 
 
 def message_head(connection: BagConnection) -> bytes:
-    """The beginning of a message's record; there follow `time_bytes`, the message's length (`U32`) and the message."""
+    """The beginning of a message record; `time_bytes`, the message's length (`U32`) and the message follow."""
     fields = (b"op=" + bytes((RecordType.MSGDATA,)), b"conn=" + U32.pack(connection.number))
     head = b"".join(map(_sized, fields)) + U32.pack(len(b"time=") + _TIME.size) + b"time="
     return U32.pack(len(head) + _TIME.size) + head
 
 
 def time_in(record: bytes) -> bytes:
-    """The `time_bytes` of a message's record."""
+    """The `time_bytes` of a message record."""
     (head,) = U32.unpack_from(record)
     return record[U32.size + head - _TIME.size : U32.size + head]
 
 
 def chunk_record(data: bytes, compression: Compression) -> bytes:
-    """A chunk of records."""
+    """A chunk record with message and connection records in it."""
     header = _header(RecordType.CHUNK, compression=compression.encode(), size=U32.pack(len(data)))
     return header + _sized(_packed(data, compression))
 
 
 def index_record(connection: BagConnection, entries: bytes) -> bytes:
-    """Where in the chunk before it a connection's messages are: a stamp and an offset of 4 bytes for each."""
+    """An index data record for the chunk before it: stamp and offset (4 bytes) of each message of a connection."""
     return _index_head(connection.number, len(entries) // INDEX_ENTRY_BYTES) + _sized(entries)
 
 
@@ -122,7 +122,7 @@ def _index_head(number: int, count: int) -> bytes:
 
 
 def chunk_info_record(position: int, start_ns: int, end_ns: int, counts: Mapping[BagConnection, int]) -> bytes:
-    """What the index says of a chunk: its place, first and last stamp, and number of messages by connection."""
+    """A chunk info record: position, first and last stamp, and number of messages by connection."""
     head = _header(
         RecordType.CHUNK_INFO,
         ver=U32.pack(1),
@@ -139,7 +139,7 @@ def _packed(data: bytes, compression: Compression) -> bytes:
         case Compression.NONE:
             return data
         case Compression.LZ4:
-            # The only frames that roslz4 takes: independent blocks, no content size, a checksum of the content.
+            # The only frames that roslz4 accepts: independent blocks, no content size, a checksum of the content.
             packed: bytes = lz4.frame.compress(data, block_linked=False, store_size=False, content_checksum=True)
             return packed
         case Compression.BZ2:

@@ -1,4 +1,4 @@
-"""Gives a bag without an index one: recovers what a killed recording had on the disk."""
+"""Repair of a bag without an index: recovers the messages that a killed recording had on the disk."""
 
 import struct
 from collections.abc import Iterator
@@ -16,19 +16,19 @@ from thbridge.recording.bag.records import MAGIC, BagConnection, Compression
 from thbridge.recording.recordings import ACTIVE
 
 _TORN = (ReaderError, struct.error, ValueError, LookupError, EOFError, OSError, RuntimeError, MemoryError)
-"""What reading beyond a tear may answer; decompressors add their own words."""
+"""Errors of reading damaged bytes, with those of decompressors."""
 
 
 @dataclass(frozen=True, slots=True)
 class RepairResult:
-    """What a repair recovered.
+    """The result of a repair.
 
     Attributes:
         path: the repaired bag.
         backup: the bag as it was.
-        messages: how many were recovered.
+        messages: number of messages recovered.
         end_ns: stamp of the last of them; None when there are none.
-        lost_bytes: bytes that could not be read.
+        lost_bytes: number of bytes that could not be read.
     """
 
     path: Path
@@ -48,10 +48,10 @@ class _Said:
 
 
 def reindex(path: Path) -> RepairResult:
-    """Write a bag's readable messages into a new bag of its name and keep the old one beside it.
+    """Write a bag's readable messages into a new bag of the same name, and keep the old one beside it.
 
     `NAME.bag` and `NAME.bag.active` give `NAME.bag`, and the old file becomes `NAME.orig.bag`. Every complete message
-    is recovered, those of a torn chunk too unless it is compressed. Nothing is touched until the new bag is complete.
+    is recovered, also those of a torn chunk unless it is compressed. The old file stays until the new one is complete.
 
     Raises:
         BadFile: it is not a ROS 1 bag, a file is in the way, or the disk is full.
@@ -76,7 +76,7 @@ def reindex(path: Path) -> RepairResult:
 
 
 def _copy(path: Path, fresh: Path) -> tuple[int, int | None, int]:
-    """Number of messages copied, the last stamp, and the bytes left over."""
+    """Copy the messages. Return their number, the last stamp, and the number of lost bytes."""
     count, end_ns = 0, None
     connections: dict[int, BagConnection] = {}
     with path.open("rb") as source:
@@ -96,10 +96,10 @@ def _copy(path: Path, fresh: Path) -> tuple[int, int | None, int]:
 
 
 class _Scan:
-    """Reads a bag from front to back without its index.
+    """Reads a bag from beginning to end without its index.
 
     Attributes:
-        lost: bytes that could not be read so far.
+        lost: number of bytes that could not be read so far.
     """
 
     def __init__(self, source: BinaryIO) -> None:
@@ -107,7 +107,7 @@ class _Scan:
         self.lost = 0
 
     def compression(self) -> Compression:
-        """Of the first chunk."""
+        """The compression of the first chunk."""
         try:
             self._source.seek(len(MAGIC))
             for _ in range(2):
@@ -120,7 +120,7 @@ class _Scan:
         return Compression.NONE
 
     def records(self) -> Iterator[BagConnection | _Said]:
-        """Connections and messages in the file's order, up to the end or the first unreadable record."""
+        """Yield connections and messages in the file's order, up to the end or the first unreadable record."""
         end = self._source.seek(0, SEEK_END)
         at = self._source.seek(len(MAGIC))
         while at < end:

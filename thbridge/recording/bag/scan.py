@@ -1,4 +1,4 @@
-"""Reads a ROS 1 bag from front to back without trusting its index: every record that can be read, and where one cannot.
+"""Reads all records of a ROS 1 bag from beginning to end, without its index, and reports bytes that cannot be read.
 
 Source: the bag format 2.0 of ROS 1 (rosbag, bag.py and bag.cpp).
 """
@@ -22,22 +22,22 @@ _UINT64 = Struct("<Q")
 _TIME = Struct("<II")
 _PAIR = Struct("<II")
 _LZ4_FLAGS = 4
-"""Where in an LZ4 frame its FLG is, behind the magic number."""
+"""Offset of the byte FLG in an LZ4 frame, behind the magic number."""
 _MESSAGE_HEADER = 38
-"""The usual head of a message record: the fields op, conn and time, each with its length before it."""
+"""Length of the usual header of a message record: the fields op, conn and time, each after its length."""
 _OP_CONN_TIME = Struct("<II3sBI5sII5sII")
 _CONN_OP_TIME = Struct("<II5sII3sBI5sII")
-"""rosbags writes these fields in the first order, ROS 1 in the second; any other is read field by field."""
+"""rosbags writes these fields in the first order, ROS 1 in the second; other headers are read field by field."""
 
 
 @dataclass(frozen=True, slots=True)
 class BagHeaderRecord:
-    """The first record.
+    """The first record of a bag.
 
     Attributes:
-        index_pos: where the index begins; 0 while there is none.
-        connections: how many the index has.
-        chunks: how many.
+        index_pos: offset of the index; 0 while there is none.
+        connections: number of connections in the index.
+        chunks: number of chunks in the index.
         length: bytes of header and padding, without their two length words; ROS 1 makes it 4096.
         encryptor: empty unless the bag is encrypted.
     """
@@ -54,13 +54,13 @@ class ConnectionRecord:
     """A connection record: one publisher of one topic.
 
     Attributes:
-        number: what message records call it.
-        topic: its name.
+        number: its number in message records.
+        topic: its topic.
         msgtype: for example "nav_msgs/Odometry".
-        md5: of the type's fields.
-        definition: text of the type and of all types within it.
-        caller: the node, or None when nobody wrote it down.
-        latching: as it is written, rightly "0" or "1"; None when it is not.
+        md5: md5 sum of the type.
+        definition: definition of the type and of all types within it.
+        caller: name of the node, or None when it is not recorded.
+        latching: the text in the file, normally "0" or "1"; None when it is not recorded.
     """
 
     number: int
@@ -73,19 +73,19 @@ class ConnectionRecord:
 
     @property
     def latched(self) -> bool:
-        """Whether ROS would play it as latched."""
+        """True when `rosbag play` latches it."""
         return self.latching == "1"
 
 
 @dataclass(frozen=True, slots=True)
 class ChunkRecord:
-    """A chunk begins; connections and messages in it follow.
+    """A chunk record; the connections and messages in it follow.
 
     Attributes:
-        position: of its record in the file.
-        compression: its name.
-        size: bytes it takes in the file.
-        unpacked: bytes of its records.
+        position: offset of the record in the file.
+        compression: name of the compression.
+        size: bytes of its data in the file.
+        unpacked: bytes of its unpacked data.
         lz4_flags: the byte FLG of an LZ4 frame; None for other compressions.
     """
 
@@ -101,9 +101,9 @@ class MessageRecord:
     """A message record.
 
     Attributes:
-        number: of its connection.
-        stamp_ns: when it was recorded.
-        data: its bytes.
+        number: number of its connection.
+        stamp_ns: stamp of recording.
+        data: bytes of the message.
     """
 
     number: int
@@ -113,7 +113,7 @@ class MessageRecord:
 
 @dataclass(frozen=True, slots=True)
 class ChunkInfoRecord:
-    """What the index says of a chunk: its place, first and last stamp, and number of messages by connection."""
+    """A chunk info record of the index: position, first and last stamp, number of messages by connection."""
 
     position: int
     start_ns: int
@@ -123,11 +123,11 @@ class ChunkInfoRecord:
 
 @dataclass(frozen=True, slots=True)
 class IndexDataRecord:
-    """After its chunk: where the messages of one connection lie in it.
+    """An index data record, behind its chunk: the messages of one connection in it.
 
     Attributes:
-        number: of the connection.
-        count: how many messages.
+        number: number of the connection.
+        count: number of messages.
     """
 
     number: int
@@ -139,9 +139,9 @@ class UnreadableSpan:
     """Bytes that cannot be read.
 
     Attributes:
-        position: where in the file; for a chunk's inside, of the chunk.
-        lost: how many bytes, packed or unpacked.
-        problem: as a clause.
+        position: offset in the file; for bytes within a chunk, that of the chunk.
+        lost: number of bytes, compressed or not.
+        problem: the problem as a clause.
     """
 
     position: int
@@ -161,13 +161,13 @@ BagRecord = (
 
 
 class _Torn(Exception):  # noqa: N818 - it is no error of the program
-    """Here the file cannot be read."""
+    """The file cannot be read at this point."""
 
 
 def scan(path: Path) -> Iterator[BagRecord]:
-    """Every record in the file's order, damage among them as `Tear`.
+    """Yield every record in the file's order; damaged bytes become an `UnreadableSpan`.
 
-    A chunk that is cut off is read as far as it goes, unless it is compressed.
+    A chunk that is cut off is read up to its end, unless it is compressed.
 
     Raises:
         BadFile: there is no such file, or it does not begin like a bag.
@@ -196,7 +196,7 @@ def _outer(at: int, fields: dict[bytes, bytes], data: bytes, size: int) -> Itera
     match _kind(fields):
         case RecordType.BAGHEADER:
             encryptor = fields.get(b"encryptor", b"").decode(errors="replace")
-            # Each field has its own length before it.
+            # Before each field is its length of 4 bytes, and within it a "=".
             length = sum(len(name) + len(value) + 5 for name, value in fields.items()) + size
             yield BagHeaderRecord(
                 _unpack(_UINT64, fields, b"index_pos"),
@@ -255,7 +255,7 @@ def _chunk(at: int, compression: str, packed: bytes, size: int) -> Iterator[BagR
 
 
 def _usual_message(data: bytes, at: int) -> tuple[MessageRecord, int] | None:
-    """A message whose head has one of the usual forms, and where it ends."""
+    """A message whose header has one of the usual forms, and its end; None for other forms. Saves most of the time."""
     start = at + 4 + _MESSAGE_HEADER + 4
     if start > len(data) or data[at] != _MESSAGE_HEADER:
         return None
@@ -271,7 +271,7 @@ def _usual_message(data: bytes, at: int) -> tuple[MessageRecord, int] | None:
 
 
 def _unpacked(compression: str, packed: bytes, size: int) -> bytes:
-    """At most as much as the chunk says it holds: a forged one must not fill the memory."""
+    """The chunk's data, at most as long as its record says: a forged chunk must not fill the memory."""
     match compression:
         case "none":
             return packed
@@ -311,7 +311,7 @@ def _uint32(data: bytes) -> int:
 
 
 def _sized(data: bytes, at: int) -> tuple[bytes, int]:
-    """Bytes with their length before them, and where they end."""
+    """Bytes after their length of 4 bytes, and their end."""
     if at + 4 > len(data):
         raise _Torn("a chunk ends in the middle of a record")
     start = at + 4

@@ -1,4 +1,4 @@
-"""Messages as a bag that is said rather than written: each reader gets chunks of its own, of the same records."""
+"""Messages as a stream in the format of bags, for several readers: each gets its own chunks of the same records."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -21,17 +21,17 @@ from thbridge.ros.names import CALLER
 from thbridge.ros.topics import RosMessage, Topic
 
 BEGINNING = MAGIC + bag_header(0, 0, 0)
-"""What every reader gets first."""
+"""The first bytes for every reader."""
 
 
 class BagStream:
-    """The records of messages, the same for all readers.
+    """Makes the message records, which are the same for all readers.
 
     Args:
-        definitions: of message types.
+        definitions: definitions of message types.
 
     Attributes:
-        connections: by number, in the order in which topics were first said.
+        connections: the connections by number, in the order of the first messages of topics.
     """
 
     def __init__(self, definitions: Definitions) -> None:
@@ -42,7 +42,7 @@ class BagStream:
         self._time = b""
 
     def record(self, message: RosMessage) -> tuple[BagConnection, bytes]:
-        """A message's record, and the connection that it belongs to."""
+        """The record of a message, and its connection."""
         topic, stamp_ns, data, _ = message
         connection, head = self._of_topic.get(topic) or self._connect(topic)
         if stamp_ns != self._stamp_ns:
@@ -61,10 +61,10 @@ class BagStream:
 
 
 class ChunkMaker:
-    """Makes the chunks of one reader, and knows what it has been told.
+    """Makes the chunks of one reader, and keeps the connections that the reader already has.
 
     Args:
-        stream: of which it reads.
+        stream: the stream that it reads.
     """
 
     def __init__(self, stream: BagStream) -> None:
@@ -72,9 +72,9 @@ class ChunkMaker:
         self._announced: set[int] = set()
 
     def chunk(self, records: Sequence[tuple[int, bytes]]) -> bytes:
-        """Messages' records, by number of their connection, as a chunk; what is new to the reader is explained in it.
+        """A chunk of message records with their connection numbers; new connections are added before their messages.
 
-        Its index follows, because rosbag's `reindex` wants something after every chunk.
+        Its index data follow, because rosbag's `reindex` needs a record after every chunk.
         """
         connections = self._stream.connections
         pieces: list[bytes] = []

@@ -1,4 +1,4 @@
-"""Jobs that may have to wait for a disk, done in order by a thread of their own, so that nobody else waits."""
+"""Jobs that may wait for a disk, done in order by a separate thread, so that the session does not wait."""
 
 import threading
 import time
@@ -10,35 +10,35 @@ Job = Callable[[], None]
 
 
 class JobQueue(Protocol):
-    """Does jobs one after another. The first that fails is the last that is done.
+    """Does jobs one after another. After a job has failed, no further one is done.
 
     Attributes:
-        failure: what it failed with.
-        waiting: bytes that jobs not done yet hold on to.
+        failure: the error of the job that failed.
+        waiting: bytes that the jobs not done yet keep in memory.
     """
 
     failure: Exception | None
     waiting: int
 
     def submit(self, job: Job, size: int = 0) -> None:
-        """Have a job done, now or later; `size` says how many bytes it holds on to."""
+        """Have a job done, now or later; `size`: bytes that it keeps in memory."""
 
     def oldest_wait(self) -> float:
         """Seconds that the oldest job not done yet has waited; 0 when there is none."""
 
     def wait(self, size: int, seconds: float) -> bool:
-        """Return when no more than so many bytes wait, with 0 when no job does, or when the time is up.
+        """Wait until no more than `size` bytes wait; with 0, until no job waits.
 
         Returns:
-            Whether that is so.
+            True when that is so, False when the time is up.
         """
 
     def end(self) -> None:
-        """Take no more jobs; those that wait are not done any more once the one in hand is."""
+        """Take no more jobs, and drop those that wait; the present one is finished."""
 
 
 class InlineQueue:
-    """A lane that does each job at once, in the thread that gives it."""
+    """A queue that does each job at once, in the thread that submits it."""
 
     def __init__(self) -> None:
         self.failure: Exception | None = None
@@ -49,27 +49,27 @@ class InlineQueue:
         if self.failure is None:
             try:
                 job()
-            except Exception as error:  # whoever gave the job asks for it
+            except Exception as error:  # read from `failure` by the owner
                 self.failure = error
 
     def oldest_wait(self) -> float:
-        """Nothing ever waits."""
+        """Return 0: no job ever waits."""
         return 0.0
 
     def wait(self, size: int, seconds: float) -> bool:
-        """Nothing ever waits."""
+        """Return True: no job ever waits."""
         return True
 
     def end(self) -> None:
-        """There is nothing to end."""
+        """Do nothing: there is no thread."""
 
 
 class WorkerThread:
-    """A lane with a thread of its own, which ends with the program.
+    """A queue with its own thread, which ends with the program.
 
     Args:
-        name: of the thread.
-        clock: seconds that never go back.
+        name: name of the thread.
+        clock: monotonic clock, seconds.
     """
 
     def __init__(self, name: str, clock: Callable[[], float] = time.monotonic) -> None:
@@ -95,12 +95,12 @@ class WorkerThread:
             return self._clock() - self._jobs[0][0] if self._jobs else 0.0
 
     def wait(self, size: int, seconds: float) -> bool:
-        """Return when no more than so many bytes wait, with 0 when no job does, or when the time is up."""
+        """Wait until no more than `size` bytes wait, or with 0 no job waits. Return False when the time is up."""
         with self._changed:
             return self._changed.wait_for(lambda: self.waiting <= size and (size > 0 or not self._jobs), seconds)
 
     def end(self) -> None:
-        """Take no more jobs; those that wait are not done any more once the one in hand is."""
+        """Take no more jobs, and drop those that wait; the present one is finished."""
         with self._changed:
             self._ended = True
             self._changed.notify_all()
@@ -115,7 +115,7 @@ class WorkerThread:
                 _, size, job = self._jobs[0]
             try:
                 job()
-            except Exception as error:  # whoever gave the job asks for it
+            except Exception as error:  # read from `failure` by the owner
                 with self._changed:
                     self.failure = error
                     self._forget()

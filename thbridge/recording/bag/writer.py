@@ -1,4 +1,4 @@
-"""Records a session: killed at any moment, a recording loses no more than its last second."""
+"""Records a session in a bag. A program killed at any time loses no more than the last second."""
 
 import time
 from collections.abc import Callable, Iterable
@@ -18,17 +18,17 @@ from thbridge.ros.names import CALLER
 from thbridge.ros.publisher import RosMessage, Topic
 
 SYNC_SECONDS = 0.5
-"""Wall time after which everything said so far is forced onto the disk: at most a second is lost, with half of it for a
-busy machine."""
+"""Wall time after which all messages so far are forced onto the disk: half of the second that may be lost, to leave
+time for a busy machine."""
 
 BEHIND_SECONDS = 10.0
-"""A disk that is so far behind ends the recording."""
+"""Delay of the disk that ends the recording."""
 
 WAITING_BYTES = 2 * 2**20
-"""Beyond so many bytes that wait for the disk, the session waits too: what bz2 packs in a tenth of a second."""
+"""Bytes waiting for the disk beyond which the session waits, too: as many as bz2 packs in a tenth of a second."""
 
 CLOSE_SECONDS = 60.0
-"""How long the end of a recording waits for the disk."""
+"""Longest wait for the disk at the end of a recording."""
 
 ALMOST_ALL = "it holds all but the last second"
 
@@ -36,7 +36,7 @@ WHOLE = SplitLimits()
 
 
 class BagNotWritten(BadFile):
-    """A recording could not begin or go on; the message says what is kept, and where."""
+    """A recording could not begin or go on; the message tells what is kept, and in which file."""
 
     def __init__(self, path: Path, problem: str, remedy: str) -> None:
         super().__init__(path, None, None, problem, remedy)
@@ -47,15 +47,15 @@ class BagNotWritten(BadFile):
 
 @dataclass(frozen=True, slots=True)
 class ForeignTopic:
-    """What another node says of a topic of its own, exactly so.
+    """A topic of another node, with exactly the definition that this node has.
 
     Attributes:
-        name: of the topic.
+        name: name of the topic.
         msgtype: for example "nav_msgs/Odometry".
-        md5: of the type.
-        definition: of the type, with those that it is made of.
-        caller: the node.
-        latched: whether late listeners get the last message.
+        md5: md5 sum of the type.
+        definition: definition of the type, with those of the types within it.
+        caller: name of the node.
+        latched: True when late subscribers get the last message.
     """
 
     name: str
@@ -69,20 +69,20 @@ class ForeignTopic:
 class BagWriter:
     """Writes messages into `PATH.active` and, closed, leaves them in `PATH`, or `NAME_0.bag`, `NAME_1.bag`, ...
 
-    Use it as a context manager: however its block is left, the bag is complete. Equal messages give equal bytes.
-    Packing and writing are done by threads, so a disk that is slow for a while delays nobody.
+    Use it as a context manager: the bag is completed however the block is left. Equal messages give equal bytes.
+    Compression and writing are done by threads, so a disk that is slow for a while does not delay the session.
 
     Args:
-        path: of the finished bag, customarily `*.bag`.
-        definitions: of message types; None takes them from an installed ROS, where there is one.
-        clock: seconds that never go back; says when to force the file onto the disk.
-        compression: of the bag's chunks.
-        splitting: when to go on in another file.
-        lane: makes the threads, given a name for each.
-        caller: the node that says what is written.
+        path: path of the finished bag, normally `*.bag`.
+        definitions: definitions of message types; None takes them from an installed ROS, where there is one.
+        clock: monotonic clock, seconds, for the times of syncing.
+        compression: compression of the bag's chunks.
+        splitting: limits after which the recording goes on in another file.
+        make_queue: makes the two job queues, from a name for each.
+        caller: name of the node that publishes the messages.
 
     Raises:
-        BagNotWritten: there is such a bag, or the folder cannot be written to.
+        BagNotWritten: the bag exists already, or the folder cannot be written to.
     """
 
     def __init__(
@@ -119,17 +119,17 @@ class BagWriter:
         self._synced = clock()
 
     def write(self, message: RosMessage) -> None:
-        """Write one message; its topic is registered with its first.
+        """Write one message; a topic's connection is made with its first message.
 
         Raises:
-            BagNotWritten: the disk is full, gone or too slow; the bag is closed, and what it held is kept.
+            BagNotWritten: the disk is full, gone or too slow; the bag is closed, and the messages in it are kept.
             ValueError: the message is older than the last one, or the bag is closed.
         """
         topic, stamp_ns, data, _ = message
         self._add(topic, stamp_ns, data)
 
     def write_foreign(self, source: ForeignTopic, stamp_ns: int, data: bytes) -> None:
-        """Write one message of somebody else's; raises as `write` does."""
+        """Write one message of another node; raises as `write` does."""
         self._add(source, stamp_ns, data)
 
     def _add(self, topic: Topic | ForeignTopic, stamp_ns: int, data: bytes) -> None:
@@ -143,13 +143,13 @@ class BagWriter:
             self._latched[connection] = data
 
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
-        """Write what is said in a tick, and see that all is safe once a second; raises as `write` does."""
+        """Write the messages of a tick, and sync if it is time to; raises as `write` does."""
         for message in messages:
             self.write(message)
         self.sync_if_due()
 
     def sync_if_due(self) -> None:
-        """Force everything onto the disk if `SYNC_SECONDS` have passed; to be called much more often.
+        """Force everything onto the disk if `SYNC_SECONDS` have passed; call this much more often.
 
         Raises:
             BagNotWritten: as `write` does.
@@ -168,7 +168,7 @@ class BagWriter:
         self._check()
 
     def close(self) -> None:
-        """Complete the bag and give it its name; closing again does nothing.
+        """Complete the bag and give it its final name; a second call does nothing.
 
         Raises:
             BagNotWritten: the disk is full or gone.
@@ -219,9 +219,9 @@ class BagWriter:
         return connection
 
     def _hand_over(self) -> None:
-        """Give the chunk away, and go on only if the disk does."""
+        """Submit the chunk, and check that the disk keeps up."""
         self._give_chunk()
-        # A session at full speed waits here for the disk; one that keeps to the clock never has so much.
+        # A session at full speed waits here for the disk; one in real time never has so many bytes waiting.
         self._writing.wait(WAITING_BYTES, BEHIND_SECONDS)
         self._check()
 
@@ -235,13 +235,13 @@ class BagWriter:
         return QueuedChunk(chunk, self._latched_before, self._period)
 
     def _complete(self) -> bool:
-        """Have everything written; whether that was done, or failed, in time."""
+        """Have everything written. Return True when this was done, or failed, in time."""
         self._give_chunk()
         self._writing.submit(self._parts.finish)
         return self._writing.wait(0, CLOSE_SECONDS) and self._syncing.wait(0, CLOSE_SECONDS)
 
     def _check(self) -> None:
-        """Go on only if the disk does."""
+        """Raise BagNotWritten when the disk failed or is too slow."""
         self._check_failures()
         behind = max(self._writing.oldest_wait(), self._syncing.oldest_wait())
         if behind > BEHIND_SECONDS:
@@ -260,8 +260,8 @@ class BagWriter:
                 raise self._saved(lane.failure)
 
     def _saved(self, failure: Exception) -> Exception:
-        """Save what can be saved, and put it into words."""
-        self._give_chunk()  # the file may well be whole, and only its folder gone or its name taken
+        """Save what can be saved, and return the error to raise."""
+        self._give_chunk()  # the file may be intact: perhaps only its folder is gone, or its name is taken
         in_time = self._writing.wait(0, CLOSE_SECONDS)
         self._open = False
         self._end_lanes()
@@ -278,14 +278,14 @@ class BagWriter:
         return BagNotWritten(self._parts.last, _reason(failure), f"{ALMOST_ALL}; make room before recording again")
 
     def _stuck(self) -> BagNotWritten:
-        """The disk takes nothing any more; its threads are left to themselves."""
+        """Leave the threads of a disk that does not answer, and return the error to raise."""
         self._open = False
         self._end_lanes()
         problem = f"the disk does not answer, not even within {CLOSE_SECONDS:.0f} s"
         return self._left(problem, "it holds what reached the disk: when that works again,")
 
     def _left(self, problem: str, remedy: str) -> BagNotWritten:
-        """What to do about a file that could not be completed."""
+        """The error for a file that could not be completed, with its remedy."""
         active = self._parts.unfinished
         if active is None or not active.exists():
             return BagNotWritten(self.path, problem, "record again, into a folder that stays")
@@ -297,7 +297,7 @@ class BagWriter:
 
 
 def _refuse_taken(path: Path) -> None:
-    """Pass if there is no recording of this name."""
+    """Raise BagNotWritten when there is a recording of this name."""
     finished = [file for file in parts_of(path) if file.exists()]
     active = [file for file in (active_of(path), active_of(part_of(path, 0))) if file.exists()]
     if finished:
