@@ -1,1 +1,1 @@
-"""What researchers make of recordings, ours and foreign: judge, report, export, plot, convert, cut, compare."""
+"""Analysis of recordings, ours and foreign: check, report, export, plot, convert, cut, compare."""

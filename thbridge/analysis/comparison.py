@@ -1,4 +1,4 @@
-"""Two runs side by side: what was gained and lost by changing a study."""
+"""Figures of a run, for the comparison of two runs whose studies differ."""
 
 from dataclasses import dataclass
 
@@ -11,15 +11,15 @@ from thbridge.ros.messages.goal_status import GoalStatusCode
 
 @dataclass(frozen=True, slots=True)
 class RobotFigures:
-    """One robot in one run; a figure is None where nothing was recorded that tells it.
+    """Figures of one robot in one run; None where the data were not recorded.
 
     Attributes:
         name: "robot1".
-        error_mean: metres between where it was and where it believed to be.
-        error_95: metres that 95 % of these errors do not exceed.
+        error_mean: mean distance between the true and the estimated position, metres.
+        error_95: 95 % quantile of this distance, metres.
         distance: metres driven.
-        arrivals: seconds at which it arrived somewhere.
-        energy: that it has left.
+        arrivals: times of its arrivals at goals, seconds.
+        energy: the energy left at the end.
     """
 
     name: str
@@ -32,13 +32,13 @@ class RobotFigures:
 
 @dataclass(frozen=True, slots=True)
 class RunFigures:
-    """One run.
+    """Figures of one run.
 
     Attributes:
-        seconds: session time.
+        seconds: duration of the session, simulated time.
         score: points; None in a recording without a game.
-        rooms_visited: how many; likewise.
-        robots: in order.
+        rooms_visited: number of rooms visited; None in a recording without a game.
+        robots: the robots in order.
     """
 
     seconds: float

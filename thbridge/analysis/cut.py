@@ -1,4 +1,4 @@
-"""Cuts a piece out of a recording that can be played by itself."""
+"""Cuts a piece out of a recording, as a bag that can be played by itself."""
 
 import math
 from collections.abc import Collection
@@ -14,13 +14,13 @@ from thbridge.recording.bag.records import BagConnection, Compression
 
 @dataclass(frozen=True, slots=True)
 class CutRange:
-    """What to cut out.
+    """The times and topics to cut out.
 
     Attributes:
-        start: seconds from the recording's first message; what comes at that moment is in.
-        end: likewise; what comes at that moment is in.
-        topics: names of those wanted; None for all.
-        compression: of the new bag.
+        start: seconds from the recording's first message, inclusive.
+        end: seconds from the recording's first message, inclusive.
+        topics: names of the topics to copy; None for all.
+        compression: compression of the new bag.
     """
 
     start: float = 0.0
@@ -31,13 +31,13 @@ class CutRange:
 
 @dataclass(frozen=True, slots=True)
 class CutResult:
-    """What was cut out.
+    """The result of a cut.
 
     Attributes:
         path: the new bag.
-        messages: how many are in it.
-        carried: latched messages among them that are from before the piece.
-        start_ns: where the piece begins.
+        messages: number of messages in it.
+        carried: number of latched messages among them that were recorded before the piece.
+        start_ns: stamp at which the piece begins.
         end_ns: stamp of its last message.
     """
 
@@ -51,18 +51,18 @@ class CutResult:
 def cut(bag: Path, piece: CutRange, out: Path, overwrite: bool = False) -> CutResult:
     """Write a piece of a recording as one bag, in the order of time.
 
-    Publishers keep their names, latching and definitions. What was latched when the piece begins is its beginning,
-    stamped with the piece's first moment: `rosbag play` starts at the first stamp and would else wait out the time
-    between, and rviz finds the map and the static transforms at once. Headers inside the messages stay as they were.
+    Publishers keep their names, latching and definitions. The piece begins with the last latched message of each topic
+    from before it, stamped with the piece's start: so rviz gets the map and the static transforms at once, and
+    `rosbag play`, which starts at the first stamp, does not wait. Headers inside the messages stay as they were.
 
     Args:
         bag: the recording, or the name of a split one.
-        piece: what to cut out.
+        piece: times and topics.
         out: the new bag.
-        overwrite: whether a file of that name may go.
+        overwrite: True to replace an existing file.
 
     Raises:
-        BadFile: the bag cannot be read, has no such time or topic, or the new one cannot be written.
+        BadFile: the bag cannot be read or has no such time or topic, or the new one cannot be written.
     """
     found = info(bag)
     if found.start_ns is None or found.end_ns is None:
@@ -96,7 +96,7 @@ def _check_topics(bag: Path, wanted: Collection[str] | None, there: Collection[s
 def _copy(
     bag: Path, topics: Collection[str] | None, start_ns: int, end_ns: int, target: BagFile
 ) -> tuple[int, int, int]:
-    """Number of messages, how many of them were carried over, and the last stamp."""
+    """Copy the messages. Return their number, the number of carried ones among them, and the last stamp."""
     latched: dict[BagConnection, bytes] = {}
     messages = carried = 0
     last_ns = start_ns
@@ -104,7 +104,7 @@ def _copy(
         if stamp_ns > end_ns:
             break
         if stamp_ns < start_ns:
-            # Static transforms are meant to last, whether their recorder knew it or not.
+            # Static transforms count as latched even when their recorder did not mark them so.
             if publisher.latching or publisher.topic.endswith("tf_static"):
                 latched[publisher] = data
             continue

@@ -1,4 +1,4 @@
-"""Sums up what a recording holds: per topic how much, how often, by whom, and where it falls silent."""
+"""Summary of a recording: number of messages, rate, publishers and gaps of each topic."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -16,20 +16,20 @@ from thbridge.ros.messages.types import SESSION
 
 GAP_PERIODS = 5.0
 GAP_NS = 1_000_000_000
-"""A topic has a gap where it is silent for more than so many of its median periods, and for a second at least."""
+"""A topic has a gap where it has no message for more than this many median periods, and for at least a second."""
 REGULAR = 10
 REGULAR_SHARE = 0.5
-"""Only topics of so many messages have gaps at all, and only if at their median period they fill so much of the time:
-what is said in bursts is silent between them."""
+"""Only topics with at least this many messages can have gaps, and only if number of messages times median period is at
+least this share of their time: topics that publish in bursts are left out."""
 
 
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """A silence of a topic that speaks regularly.
+    """A gap in the messages of a regular topic.
 
     Attributes:
         start_ns: stamp of the last message before it.
-        seconds: how long.
+        seconds: its length.
     """
 
     start_ns: int
@@ -38,16 +38,16 @@ class Gap:
 
 @dataclass(frozen=True, slots=True)
 class TopicSummary:
-    """One topic.
+    """Summary of one topic.
 
     Attributes:
         name: with its leading slash.
-        msgtype: of its messages; several, with commas between, where publishers disagreed.
-        md5: of the type or types, likewise.
-        messages: how many.
-        latched: whether a publisher latched it.
-        callers: its publishers.
-        hertz: one over the median period; None where there is none.
+        msgtype: type of its messages; several, separated by commas, where publishers disagree.
+        md5: md5 sum of the type; several, separated by commas, where publishers disagree.
+        messages: number of messages.
+        latched: True when a publisher latches it.
+        callers: names of its publishers.
+        hertz: inverse of the median period; None without one.
         start_ns: stamp of its first message, or None.
         end_ns: stamp of its last one.
         gaps: longest first, ten at most.
@@ -76,11 +76,11 @@ class RecordingFile:
 
 @dataclass(frozen=True, slots=True)
 class SessionSummary:
-    """What it takes to run a session of ours again.
+    """The data needed to run one of our sessions again.
 
     Attributes:
-        seed: of every chance.
-        versions: of programs and libraries.
+        seed: seed of all random numbers.
+        versions: versions of programs and libraries.
         study: the resolved study file, YAML.
     """
 
@@ -91,19 +91,19 @@ class SessionSummary:
 
 @dataclass(frozen=True, slots=True)
 class RecordingSummary:
-    """What a recording holds.
+    """Summary of a recording.
 
     Attributes:
-        path: as it was named.
+        path: the path as it was given.
         parts: its files.
-        size: bytes of all.
-        compression: of its chunks; several, with commas between.
+        size: bytes of all files.
+        compression: compression of its chunks; several are separated by commas.
         start_ns: stamp of the first message, nanoseconds; None when there is none.
         end_ns: stamp of the last one.
         duration: seconds between them.
-        messages: how many, repetitions at the beginning of parts included.
-        topics: by name.
-        session: None unless it is a recording of ours.
+        messages: number of messages, with the latched ones that are repeated at the beginning of parts.
+        topics: the topics by name.
+        session: data of the session; None for recordings of others.
     """
 
     path: Path
@@ -119,7 +119,7 @@ class RecordingSummary:
 
 
 def summarise(bag: Path) -> RecordingSummary:
-    """Sum up a recording by its index.
+    """Summarise a recording by its index.
 
     Args:
         bag: a bag, or the name of a split recording.

@@ -1,6 +1,6 @@
 """Converts a recording to MCAP, the format that Foxglove prefers.
 
-Source: mcap.dev, the profile `ros1` and the registry of encodings; `mcap convert` adds md5sum to a channel's metadata.
+Source: mcap.dev, the profile `ros1` and the registry of encodings. Channels have md5sum, as with `mcap convert`.
 """
 
 from dataclasses import dataclass
@@ -23,13 +23,13 @@ STUDY = "study.yaml"
 
 @dataclass(frozen=True, slots=True)
 class McapResult:
-    """What was converted.
+    """The result of a conversion.
 
     Attributes:
         path: the MCAP file.
-        messages: how many.
-        channels: how many publishers.
-        session: whether our session was in it.
+        messages: number of messages.
+        channels: number of publishers.
+        session: True when there was a session record of ours.
     """
 
     path: Path
@@ -41,17 +41,17 @@ class McapResult:
 def to_mcap(bag: Path, out: Path, compression: str = "zstd", overwrite: bool = False) -> McapResult:
     """Write a recording as an MCAP file: the same bytes of each message, with definitions and publishers.
 
-    A session of ours is beside that the attachment `study.yaml` and the metadata `thbridge:session`, with its seed and
-    the versions.
+    For our sessions the file also has the attachment `study.yaml` and the metadata `thbridge:session`, with seed and
+    versions.
 
     Args:
         bag: the recording, or the name of a split one.
         out: the new file.
         compression: "zstd", "lz4" or "none".
-        overwrite: whether a file of that name may go.
+        overwrite: True to replace an existing file.
 
     Raises:
-        BadFile: the bag cannot be read, or the file not be written.
+        BadFile: the bag cannot be read, or the file cannot be written.
         KeyError: there is no such compression.
     """
     with new_file(out, bag, overwrite) as path, path.open("wb") as file:
@@ -76,7 +76,7 @@ class _Conversion:
 
     @property
     def channels(self) -> int:
-        """How many there are so far."""
+        """Number of channels so far."""
         return len(self._channels)
 
     def add(self, publisher: BagConnection, stamp_ns: int, data: bytes) -> None:
@@ -84,7 +84,7 @@ class _Conversion:
         if channel is None:
             channel = self._channels[publisher] = self._channel(publisher)
         sequence = self._sequences[channel] = self._sequences.get(channel, 0) + 1
-        # A bag knows one time of a message: when it was recorded.
+        # A bag has only one time of a message, that of recording.
         self._writer.add_message(channel, stamp_ns, data, publish_time=stamp_ns, sequence=sequence)
         self.messages += 1
         if publisher.msgtype == SESSION and not self.session:

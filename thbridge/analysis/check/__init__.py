@@ -1,4 +1,4 @@
-"""Judges a bag: will rosbag, rviz, Foxglove, PlotJuggler and evo take it, and why not."""
+"""Check of a bag: whether rosbag, rviz, Foxglove, PlotJuggler and evo accept it, and why not."""
 
 from thbridge.analysis.check.finding import BagTool, Finding, FindingSeverity
 from thbridge.analysis.check.judge import Judgement, judge

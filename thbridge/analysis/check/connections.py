@@ -1,4 +1,4 @@
-"""Rules about connections: types, definitions, latching, who publishes what."""
+"""Rules about connections: types, definitions, latching, publishers."""
 
 import re
 from collections.abc import Iterator
@@ -9,16 +9,16 @@ from thbridge.recording.bag.scan import ConnectionRecord
 from thbridge.ros.messages.types import OCCUPANCY_GRID, OWN_TYPES, md5_of, plain_definition
 
 READERS = (BagTool.ROSBAG, BagTool.FOXGLOVE, BagTool.PLOTJUGGLER)
-"""They read messages by the definition in the bag; rviz and evo have definitions of their own."""
+"""Tools that read messages by the definition in the bag; rviz and evo have their own definitions."""
 LIVE = (BagTool.ROSBAG, BagTool.RVIZ)
-"""rviz sees what `rosbag play` publishes."""
+"""Tools that depend on live messages: rviz shows what `rosbag play` publishes."""
 MAP_PERIOD = 5.0
-"""Seconds; a map that is said at least that often needs no latching."""
+"""Seconds; a map that is published at least this often needs no latching."""
 _PART = re.compile(r"^={40,}\r?\nMSG: *(\S+)\r?$", re.MULTILINE)
 
 
 def definition_missing(bag: BagStructure) -> Iterator[Finding]:
-    """Without its whole definition a message is a row of bytes."""
+    """Find definitions that are empty, incomplete or unreadable: without one a message cannot be decoded."""
     for source in _used(bag):
         try:
             fields_of(source.msgtype, source.definition)
@@ -32,7 +32,7 @@ def definition_missing(bag: BagStructure) -> Iterator[Finding]:
 
 
 def definition_twice(bag: BagStructure) -> Iterator[Finding]:
-    """Foxglove refuses a whole bag in which a definition has two words on one type; the same word twice is no harm."""
+    """Find definitions that define one type in two different ways: Foxglove refuses the whole bag."""
     for source in _used(bag):
         parts = _PART.split(source.definition)[1:]
         texts: dict[str, set[str]] = {}
@@ -46,7 +46,7 @@ def definition_twice(bag: BagStructure) -> Iterator[Finding]:
 
 
 def md5_wrong(bag: BagStructure) -> Iterator[Finding]:
-    """Subscribers compare sums: a wrong one is refused, and so is another release's."""
+    """Find wrong md5 sums, and types of other ROS releases: subscribers compare the sums and refuse both."""
     for source in _used(bag):
         given = md5_of(source.msgtype, source.definition) if source.definition.strip() else None
         if given is not None and source.md5 not in (given, "*"):
@@ -58,7 +58,7 @@ def md5_wrong(bag: BagStructure) -> Iterator[Finding]:
             ours = plain_definition(source.msgtype).md5
         except KeyError:
             continue
-        # A release of ours is no business of ROS's.
+        # Our own types may change between our releases: that does not concern ROS's tools.
         if source.msgtype not in OWN_TYPES and source.md5 not in (ours, "*") and given is not None:
             what = f"{source.msgtype} has other fields than in ROS Noetic"
             remedy = "migrate it by `rosbag fix`"
@@ -67,7 +67,7 @@ def md5_wrong(bag: BagStructure) -> Iterator[Finding]:
 
 
 def latching_word(bag: BagStructure) -> Iterator[Finding]:
-    """rosbag latches where it says 1; rosbags, and so evo, takes nothing but a number."""
+    """Find values of latching other than 0 and 1: rosbag latches only for 1; evo (rosbags) fails without a number."""
     for source in _used(bag):
         if source.latching not in (None, "", "0", "1"):
             what = f"latching is {source.latching!r}: `rosbag play` does not latch it, and rosbags refuses the bag"
@@ -77,7 +77,7 @@ def latching_word(bag: BagStructure) -> Iterator[Finding]:
 
 
 def unlatched(bag: BagStructure) -> Iterator[Finding]:
-    """What is said once and not latched is lost to whoever listens later."""
+    """Find maps and static transforms that are not latched: subscribers that come later miss them."""
     for topic, sources in bag.connections_by_topic().items():
         latched = all(source.latched for source in sources)
         types = {source.msgtype for source in sources}
@@ -92,13 +92,13 @@ def unlatched(bag: BagStructure) -> Iterator[Finding]:
 
 
 def two_latched(bag: BagStructure) -> Iterator[Finding]:
-    """Of a topic that several latch, many know the last message only.
+    """Find latched topics with several publishers: many tools keep only the last message of a topic.
 
-    Source: ros_comm 1.15 (Noetic) latches for each publisher, roscpp before it for each topic of a node, and
-    `rosbag play` is one node. Foxglove asks for one message of a topic when it seeks (BagIterableSource.ts).
+    Source: ros_comm 1.15 (Noetic) latches each publisher; roscpp before it latches each topic of a node, and
+    `rosbag play` is one node. Foxglove reads one message of each topic after a seek (BagIterableSource.ts).
     """
     for topic, sources in bag.connections_by_topic().items():
-        # Every node's log is latched, and nobody minds.
+        # All nodes latch /rosout; losing old log lines does no harm.
         if sources[0].msgtype == "rosgraph_msgs/Log" or len(sources) < 2:
             continue
         if topic.endswith("tf_static") or any(source.latched for source in sources):
@@ -114,7 +114,7 @@ def two_latched(bag: BagStructure) -> Iterator[Finding]:
 
 
 def two_types(bag: BagStructure) -> Iterator[Finding]:
-    """A topic has one type."""
+    """Find topics with more than one type."""
     for topic, sources in bag.connections_by_topic().items():
         kinds = sorted({f"{source.msgtype} {source.md5[:8]}" for source in sources})
         if len(kinds) > 1:
@@ -124,7 +124,7 @@ def two_types(bag: BagStructure) -> Iterator[Finding]:
 
 
 def unused(bag: BagStructure) -> Iterator[Finding]:
-    """A topic in the index without a message: `rosbag info` may give it a negative duration."""
+    """Find connections without a message: `rosbag info` may give a negative duration for such a bag."""
     for source in bag.connections.values():
         if not bag.counts.get(source.number) and not bag.unreadable:
             what = "it has a connection and no message"
@@ -133,7 +133,7 @@ def unused(bag: BagStructure) -> Iterator[Finding]:
 
 
 def unknown_connection(bag: BagStructure) -> Iterator[Finding]:
-    """Messages of which nothing says what they are."""
+    """Find messages without a connection record, which have no topic and no type."""
     lost = sum(count for number, count in bag.counts.items() if number not in bag.connections)
     if lost:
         what = f"{lost} messages belong to no connection of the bag"
@@ -144,7 +144,7 @@ def unknown_connection(bag: BagStructure) -> Iterator[Finding]:
 
 
 def clock_recorded(bag: BagStructure) -> Iterator[Finding]:
-    """`rosbag play --clock` makes a clock of its own: with the recorded one, time jumps to and fro."""
+    """Find a recorded /clock: `rosbag play --clock` publishes its own, and time jumps between the two."""
     if "/clock" in bag.connections_by_topic():
         what = "it is recorded, and `rosbag play --clock` publishes another"
         remedy = "play the other topics only, or cut it away by `thbridge bag cut --topics`"
@@ -152,7 +152,7 @@ def clock_recorded(bag: BagStructure) -> Iterator[Finding]:
 
 
 def no_trajectory(bag: BagStructure) -> Iterator[Finding]:
-    """evo can do nothing with a bag without poses."""
+    """Find bags without poses, which evo cannot use."""
     types = {source.msgtype for sources in bag.connections_by_topic().values() for source in sources}
     if types and types.isdisjoint(EVO_TYPES):
         what = f"there is no topic to make a trajectory of: evo reads {', '.join(EVO_TYPES)}"
@@ -162,7 +162,7 @@ def no_trajectory(bag: BagStructure) -> Iterator[Finding]:
 
 
 def _used(bag: BagStructure) -> Iterator[ConnectionRecord]:
-    """One connection of each kind that has messages."""
+    """Yield the connections that have messages; of connections with equal contents only one."""
     seen = set()
     for source in bag.connections.values():
         kind = (source.topic, source.msgtype, source.md5, source.definition, source.latching)
@@ -172,7 +172,7 @@ def _used(bag: BagStructure) -> Iterator[ConnectionRecord]:
 
 
 def _is_empty(source: ConnectionRecord) -> bool:
-    """Whether the type has no fields at all."""
+    """True when the type has no fields: this is the md5 sum of an empty text."""
     return source.md5 == "d41d8cd98f00b204e9800998ecf8427e"
 
 

@@ -1,4 +1,4 @@
-"""Rules about what messages hold: rotations, places, covariances, arrays whose lengths must agree."""
+"""Rules about the contents of messages: rotations, positions, covariances, lengths of arrays."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -19,22 +19,22 @@ from thbridge.recording.bag.scan import ConnectionRecord
 from thbridge.ros.messages.types import LASER_SCAN, OCCUPANCY_GRID, ODOMETRY, POSE_WITH_COVARIANCE
 
 UNIT_TOLERANCE = 1e-2
-"""Of a quaternion's squared length (tf2, buffer_core.cpp, and rviz, validate_quaternions.h: 10e-3)."""
+"""Tolerance of a quaternion's squared length (tf2, buffer_core.cpp, and rviz, validate_quaternions.h: 10e-3)."""
 ALL_ZERO = "all zero"
 POSES: tuple[BagTool, ...] = (BagTool.RVIZ, BagTool.FOXGLOVE, BagTool.EVO)
 PLOTTED_ARRAY = 500
-"""Longest array that PlotJuggler plots element by element unless told otherwise; older ones take 100."""
+"""Longest array that PlotJuggler plots element by element by default; 100 in older versions."""
 _GROUND_TRUTH = "ground_truth"
 
 
 class MessageSizes:
-    """Bytes that are no message of their type: whoever reads the topic stops there."""
+    """Finds messages whose bytes do not fit their definition: readers of the topic fail there."""
 
     def __init__(self) -> None:
         self._off: OccurrenceCounter[tuple[str, str]] = OccurrenceCounter()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler:
-        """Every topic."""
+        """Listen to every topic."""
         topic = source.topic
 
         def hear(heard: CheckedMessage) -> None:
@@ -44,7 +44,7 @@ class MessageSizes:
         return hear
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
-        """One for each topic and fault."""
+        """Yield one finding for each topic and fault."""
         for (topic, fault), first, count in self._off.items():
             what = f"messages do not fit their definition: {fault}"
             remedy = "record the topic anew, or leave it out by `thbridge bag cut --topics`"
@@ -53,9 +53,9 @@ class MessageSizes:
 
 
 class UnitQuaternions:
-    """A rotation is a quaternion of length one: tf2 ignores transforms with others, rviz refuses messages.
+    """Finds quaternions whose length is not one: tf2 ignores such transforms, rviz refuses such messages.
 
-    All zero is what nobody filled in: rviz takes it for no rotation, though not in tf.
+    A quaternion of zeros was not filled in: rviz takes it for no rotation, except in tf.
     """
 
     def __init__(self) -> None:
@@ -63,7 +63,7 @@ class UnitQuaternions:
         self._tf: set[str] = set()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler:
-        """Every topic; an IMU without orientation may have none, its driver says so elsewhere."""
+        """Listen to every topic. The orientation of an IMU may be zero: its covariance tells that it has none."""
         topic, imu = source.topic, source.msgtype == "sensor_msgs/Imu"
         if source.msgtype in TF_TYPES:
             self._tf.add(topic)
@@ -81,7 +81,7 @@ class UnitQuaternions:
         return hear
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
-        """One for each topic and kind of fault."""
+        """Yield one finding for each topic and kind of fault."""
         for (topic, fault), first, count in self._off.items():
             severity, tools = FindingSeverity.ERROR, POSES
             what = f"quaternions are {fault}"
@@ -101,13 +101,13 @@ def _fault(quaternion: Quaternion) -> str:
 
 
 class FinitePositions:
-    """A point that is not a number cannot be drawn: rviz refuses its whole message."""
+    """Finds points and vectors that are NaN or infinite: rviz refuses the whole message."""
 
     def __init__(self) -> None:
         self._off: OccurrenceCounter[str] = OccurrenceCounter()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler:
-        """Every topic."""
+        """Listen to every topic."""
         topic = source.topic
 
         def hear(heard: CheckedMessage) -> None:
@@ -117,7 +117,7 @@ class FinitePositions:
         return hear
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
-        """One for each topic."""
+        """Yield one finding for each topic."""
         for topic, first, count in self._off.items():
             what = "positions or vectors are NaN or infinite"
             remedy = "leave out what is not known"
@@ -126,7 +126,7 @@ class FinitePositions:
 
 
 class FilledCovariances:
-    """An odometry that is perfectly sure of itself was not filled in; the truth of a simulator may be."""
+    """Finds covariances that are zero in all messages of a topic, except in a simulator's ground truth."""
 
     def __init__(self) -> None:
         self._filled: dict[str, bool] = {}
@@ -134,7 +134,7 @@ class FilledCovariances:
         self._count: dict[str, int] = {}
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Odometry and poses with covariance."""
+        """Listen to odometry and poses with covariance."""
         topic = source.topic
         if source.msgtype not in (ODOMETRY, POSE_WITH_COVARIANCE) or topic.endswith(_GROUND_TRUTH):
             return None
@@ -149,7 +149,7 @@ class FilledCovariances:
         return hear
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
-        """One for each topic."""
+        """Yield one finding for each topic."""
         for topic, filled in self._filled.items():
             if not filled:
                 what = "the covariance of its pose is zero in every message: filters that fuse it refuse or diverge"
@@ -199,25 +199,25 @@ _AGREEMENTS: Mapping[str, tuple[tuple[str, ...], Callable[[Numbers], str | None]
 
 
 def numbers_of(msgtype: str) -> tuple[str, ...]:
-    """The numbers that these rules need read of a type."""
+    """The fields of a message type whose numbers `ArrayLengths` needs."""
     return _AGREEMENTS[msgtype][0] if msgtype in _AGREEMENTS else ()
 
 
 class ArrayLengths:
-    """Arrays must have the length that their message's other fields give them."""
+    """Finds arrays whose length does not agree with the other fields of their message."""
 
     def __init__(self) -> None:
         self._off: OccurrenceCounter[tuple[str, str]] = OccurrenceCounter()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Scans, grids, clouds and images."""
+        """Listen to scans, grids, clouds and images."""
         if source.msgtype not in _AGREEMENTS:
             return None
         names, fault_of = _AGREEMENTS[source.msgtype]
         topic = source.topic
 
         def hear(heard: CheckedMessage) -> None:
-            # A type of the same name with other fields is none of ours.
+            # A type of this name with other fields, from another release, is not checked.
             if all(name in heard.reading.numbers for name in names):
                 fault = fault_of(heard.reading.numbers)
                 if fault is not None:
@@ -226,7 +226,7 @@ class ArrayLengths:
         return hear
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
-        """One for each topic and fault."""
+        """Yield one finding for each topic and fault."""
         for (topic, fault), first, count in self._off.items():
             remedy = "mend the driver that fills them in"
             tools = (BagTool.RVIZ, BagTool.FOXGLOVE)
@@ -234,13 +234,13 @@ class ArrayLengths:
 
 
 class LongArrays:
-    """PlotJuggler leaves long arrays out unless told otherwise."""
+    """Finds arrays too long for PlotJuggler's default setting."""
 
     def __init__(self) -> None:
         self._longest: dict[str, int] = {}
 
     def listen(self, source: ConnectionRecord) -> MessageHandler:
-        """Every topic."""
+        """Listen to every topic."""
         topic = source.topic
 
         def hear(heard: CheckedMessage) -> None:
@@ -250,7 +250,7 @@ class LongArrays:
         return hear
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
-        """One for all topics."""
+        """Yield one finding for all topics."""
         if self._longest:
             told = ", ".join(f"{topic} ({length})" for topic, length in sorted(self._longest.items()))
             what = f"it plots {PLOTTED_ARRAY} elements of an array unless told otherwise, and there are more in {told}"

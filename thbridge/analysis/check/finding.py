@@ -1,4 +1,4 @@
-"""The words of a judgement: tools, severities, findings; and what a rule is."""
+"""Values of a check: tools, severities, findings, the structure of a bag; and the interface of rules."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ K = TypeVar("K")
 
 
 class BagTool(StrEnum):
-    """Whose acceptance is judged. `rosbag` stands for info, play, check, reindex and the topics that play makes."""
+    """A tool for which bags are checked. `rosbag` stands for info, play, check, reindex and the topics of play."""
 
     ROSBAG = "rosbag"
     RVIZ = "rviz"
@@ -23,7 +23,7 @@ class BagTool(StrEnum):
 
 
 class FindingSeverity(StrEnum):
-    """How bad: a tool refuses or shows wrong things; it works with a loss; good to know."""
+    """Severity: a tool fails or shows wrong data (error), it loses something (warning), or a hint (note)."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -35,22 +35,22 @@ TF_TYPES = (TFMESSAGE, "tf/tfMessage")
 POINT = "geometry_msgs/PointStamped"
 STAMPED_POSES = (ODOMETRY, POSE_WITH_COVARIANCE, "geometry_msgs/PoseStamped", "geometry_msgs/TransformStamped", POINT)
 EVO_TYPES = (*STAMPED_POSES, *TF_TYPES)
-"""What evo makes trajectories of (evo, file_interface.py)."""
+"""Message types from which evo makes trajectories (evo, file_interface.py)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Something that a tool will stumble over.
+    """A problem of a bag for some tools.
 
     Attributes:
         rule: short name of the rule that found it.
-        severity: how bad it is.
-        tools: who stumbles.
-        topic: where, or None when it is about the whole bag.
-        what: one sentence, without its full stop.
-        remedy: what to do about it, as a clause without its full stop.
-        first_ns: record stamp of the first message concerned, or None when it is about no message.
-        count: how many messages are concerned; 0 when it is about no message.
+        severity: its severity.
+        tools: the tools concerned.
+        topic: the topic, or None when it concerns the whole bag.
+        what: the problem as a sentence, without its full stop.
+        remedy: the remedy as a clause, without its full stop.
+        first_ns: record stamp of the first message concerned, or None when it concerns no message.
+        count: number of messages concerned; 0 when it concerns no message.
     """
 
     rule: str
@@ -65,12 +65,12 @@ class Finding:
 
 @dataclass(slots=True)
 class ScannedChunk:
-    """A chunk as it is in the file.
+    """A chunk, with the messages counted in it.
 
     Attributes:
         chunk: its record.
-        counts: messages in it by connection.
-        indexed: messages by connection that the index behind the chunk has.
+        counts: number of its messages by connection.
+        indexed: number of messages by connection, by the index data records behind the chunk.
         start_ns: least stamp in it, or None when it has no message.
         end_ns: greatest stamp.
     """
@@ -84,18 +84,18 @@ class ScannedChunk:
 
 @dataclass(frozen=True, slots=True)
 class BagStructure:
-    """All of a bag but its messages' contents.
+    """All of a bag except the contents of its messages.
 
     Attributes:
         header: the first record; None when it cannot be read.
-        sources: every connection by its number.
-        counts: messages read, by connection.
-        chunks: in the file's order.
-        index: what the index says of each chunk.
-        indexed_sources: number of connection records in the index.
-        tears: what cannot be read.
+        connections: every connection by its number.
+        counts: number of messages read, by connection.
+        chunks: the chunks, in the order of the file.
+        index: the chunk info records of the index.
+        indexed_connections: number of connection records in the index.
+        unreadable: bytes that cannot be read.
         start_ns: least stamp of all messages; None when there are none.
-        end_ns: greatest.
+        end_ns: greatest stamp.
     """
 
     header: BagHeaderRecord | None
@@ -110,16 +110,16 @@ class BagStructure:
 
     @property
     def seconds(self) -> float:
-        """From the first message to the last."""
+        """Seconds from the first message to the last."""
         return 0.0 if self.start_ns is None or self.end_ns is None else (self.end_ns - self.start_ns) / 1e9
 
     def tools_of(self, topic: str, tools: tuple[BagTool, ...]) -> tuple[BagTool, ...]:
-        """Those tools that read a topic: evo makes trajectories of some types only."""
+        """Those of the given tools that read a topic: evo reads only some types."""
         types = {source.msgtype for source in self.connections.values() if source.topic == topic}
         return tools if types.intersection(EVO_TYPES) else tuple(tool for tool in tools if tool is not BagTool.EVO)
 
     def connections_by_topic(self) -> dict[str, list[ConnectionRecord]]:
-        """The connections of each topic that have messages."""
+        """The connections of each topic, without those that have no message."""
         topics: dict[str, list[ConnectionRecord]] = {}
         for source in self.connections.values():
             if self.counts.get(source.number):
@@ -129,12 +129,12 @@ class BagStructure:
 
 @dataclass(frozen=True, slots=True)
 class CheckedMessage:
-    """One message.
+    """A message with the values that rules check.
 
     Attributes:
-        stamp_ns: when it was recorded.
-        reading: what is in it; empty when it or its definition cannot be read.
-        fault: why its bytes are no message of its type, as a clause; None when they are, or nobody knows.
+        stamp_ns: time of recording.
+        reading: the values; empty when the message or its definition cannot be read.
+        fault: why its bytes do not fit its type, as a clause; None when they do, or when that is not known.
     """
 
     stamp_ns: int
@@ -145,33 +145,33 @@ class CheckedMessage:
 MessageHandler = Callable[[CheckedMessage], None]
 
 StructureRule = Callable[[BagStructure], Iterator[Finding]]
-"""A rule that needs no message."""
+"""A rule that needs the structure of the bag, but no message."""
 
 
 class MessageRule(Protocol):
-    """A rule that listens to messages; made anew for each bag."""
+    """A rule that reads messages; a new one is made for each bag."""
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """What shall hear each message of a connection; None to leave it out."""
+        """Return the function that takes each message of a connection; None to skip the connection."""
         ...
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
-        """What was found, once everything was heard."""
+        """Yield the findings, after the last message."""
         ...
 
 
 class OccurrenceCounter(Generic[K]):
-    """Counts what happens and remembers when it first did."""
+    """Counts occurrences by key, and keeps the stamp of the first of each."""
 
     def __init__(self) -> None:
         self._seen: dict[K, tuple[int, int]] = {}
 
     def add(self, key: K, stamp_ns: int) -> None:
-        """It happened in a message of that stamp."""
+        """Count an occurrence in a message with this stamp."""
         first, count = self._seen.get(key, (stamp_ns, 0))
         self._seen[key] = (first, count + 1)
 
     def items(self) -> Iterator[tuple[K, int, int]]:
-        """Each thing, the stamp of its first message, and how often."""
+        """Yield each key with the stamp of its first message and the number of occurrences."""
         for key, (first, count) in self._seen.items():
             yield key, first, count

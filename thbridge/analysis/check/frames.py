@@ -1,6 +1,6 @@
-"""Rules about coordinate frames: names, the tree that tf makes, and what hangs on it.
+"""Rules about coordinate frames: their names, the tree of transforms, and frames of messages outside it.
 
-Source: geometry2, tf2/buffer_core.cpp (what setTransform ignores, what lookups raise).
+Source: geometry2, tf2/buffer_core.cpp (transforms that setTransform ignores, errors of lookups).
 """
 
 from collections.abc import Iterator
@@ -21,7 +21,7 @@ from thbridge.ros.frames import frame_name
 
 SHOWN = (BagTool.RVIZ, BagTool.FOXGLOVE)
 FIXED_FRAMES = ("map", "world", "odom")
-"""What tools take for the frame that stands still, in this order."""
+"""Frames that tools take for the fixed frame, in this order."""
 SHOWN_TYPES = frozenset(
     {"visualization_msgs/Marker"}
     | {f"nav_msgs/{name}" for name in ("GridCells", "OccupancyGrid", "Odometry", "Path")}
@@ -31,22 +31,25 @@ SHOWN_TYPES = frozenset(
         for name in ("PointStamped", "PolygonStamped", "PoseArray", "PoseStamped", "PoseWithCovarianceStamped")
     }
 )
-"""Messages that are shown at a place in space."""
+"""Message types that tools show at a position in space."""
 FRAMELESS_TYPES = frozenset({"mavros_msgs/Mavlink"})
-"""Messages whose headers name something else than a frame, as a MAVLink link."""
+"""Message types with other names than frames in their headers, for example the name of a MAVLink link."""
 LATE_NS = 1_000_000_000
-"""So long a start without transforms is usual."""
+"""A beginning without transforms that is not longer than this is usual."""
 
 
 class SlashedFrames:
-    """tf2 looks up no name that begins with a slash; in transforms it drops the slash, as Foxglove does everywhere."""
+    """Finds frames with a leading slash: tf2 refuses to look them up.
+
+    In transforms tf2 drops the slash; Foxglove drops it everywhere.
+    """
 
     def __init__(self) -> None:
         self._slashed: OccurrenceCounter[tuple[str, str]] = OccurrenceCounter()
         self._tf: set[str] = set()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Every topic that has frames."""
+        """Listen to every topic that has frames."""
         topic = source.topic
         if source.msgtype in FRAMELESS_TYPES:
             return None
@@ -64,7 +67,7 @@ class SlashedFrames:
         return hear
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
-        """One for each topic and frame."""
+        """Yield one finding for each topic and frame."""
         for (topic, frame), first, count in self._slashed.items():
             if topic in self._tf:
                 severity, tools, harm = FindingSeverity.WARNING, (BagTool.EVO,), "evo knows it by this name only"
@@ -81,7 +84,7 @@ class SlashedFrames:
 
 @dataclass(slots=True)
 class _Edge:
-    """A child hangs on a parent: since when, and said where."""
+    """A transform between a child and a parent: its topic, first time stamp, and first message."""
 
     topic: str
     first_ns: int
@@ -91,7 +94,7 @@ class _Edge:
 
 @dataclass(slots=True)
 class _Use:
-    """A topic speaks of a frame: in how many messages, and the first of them."""
+    """A frame in the messages of a topic: their number, and the stamps of the first."""
 
     heard_ns: int
     stamp_ns: int
@@ -100,7 +103,7 @@ class _Use:
 
 
 class TransformTree:
-    """The tree of frames: whole, without loops, in time."""
+    """Finds faults in the tree of transforms: gaps, loops, two parents, late transforms."""
 
     def __init__(self) -> None:
         self._edges: dict[str, dict[str, _Edge]] = {}
@@ -111,7 +114,7 @@ class TransformTree:
         self._unnamed: OccurrenceCounter[str] = OccurrenceCounter()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Transforms, and every topic that has frames."""
+        """Listen to transforms, and to every topic that has frames."""
         if source.msgtype in FRAMELESS_TYPES:
             return None
         return self._transforms(source) if source.msgtype in TF_TYPES else self._users(source)
@@ -158,7 +161,7 @@ class TransformTree:
         return hear
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
-        """What is wrong with the tree, and what does not hang on it."""
+        """Yield faults of the tree, and frames of messages that are not connected to it."""
         for (topic, edge), first, count in self._bad.items():
             what = f"a transform {edge} is ignored: two different names are needed"
             yield Finding("tf-names", FindingSeverity.ERROR, SHOWN, topic, what, "name both frames", first, count)
@@ -181,7 +184,7 @@ class TransformTree:
             names = " and ".join(repr(name) for name in parents)
             last = max(parents.values(), key=lambda edge: edge.heard_ns)
             mixed = len({edge.static for edge in parents.values()}) > 1
-            # Once may be meant: a thing that is handed over.
+            # One change may be intended, for example when an object is handed over.
             severity = FindingSeverity.ERROR if mixed or switches.get(child, 0) > 1 else FindingSeverity.WARNING
             what = f"the frame {child!r} hangs on {names} by turns: the tree breaks at each change"
             remedy = "let one publisher say where it is, on one parent"
@@ -207,7 +210,7 @@ class TransformTree:
         return frame
 
     def _since_ns(self, frame: str) -> int:
-        """From when on the frame is joined to its root."""
+        """Time from which the frame is connected to its root."""
         since = 0
         while frame in self._above:
             since = max(since, self._edges[frame][self._above[frame]].first_ns)
@@ -254,14 +257,14 @@ class TransformTree:
 
 
 class CompleteStaticTransforms:
-    """Whoever listens late hears the last message of /tf_static alone: all frames must be in it."""
+    """Finds static transforms missing in the last message of /tf_static, the only one that late subscribers get."""
 
     def __init__(self) -> None:
         self._said: dict[int, set[str]] = {}
         self._last: dict[int, tuple[int, set[str]]] = {}
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """The topics of static transforms."""
+        """Listen to the topics of static transforms."""
         if source.msgtype not in TF_TYPES or not source.topic.endswith("tf_static"):
             return None
         said = self._said.setdefault(source.number, set())
@@ -274,7 +277,7 @@ class CompleteStaticTransforms:
         return hear
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
-        """One for each publisher."""
+        """Yield one finding for each publisher."""
         for number, (stamp_ns, last) in self._last.items():
             lacking = sorted(self._said[number] - last)
             if lacking:

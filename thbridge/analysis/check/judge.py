@@ -1,4 +1,4 @@
-"""Hears a bag out and gives the judgement."""
+"""Runs all rules over the records of a bag and collects their findings."""
 
 from collections.abc import Iterable
 from contextlib import suppress
@@ -31,13 +31,13 @@ _ORDER = tuple(FindingSeverity)
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """What the tools will make of a bag.
+    """The result of a check.
 
     Attributes:
-        findings: worst first.
-        messages: how many were heard.
-        seconds: from the first to the last.
-        start_ns: stamp of the first; None when there are none.
+        findings: the problems, worst first.
+        messages: number of messages read.
+        seconds: time from the first message to the last.
+        start_ns: stamp of the first message; None when there is none.
     """
 
     findings: tuple[Finding, ...]
@@ -46,18 +46,18 @@ class Judgement:
     start_ns: int | None
 
     def worst(self, tool: BagTool) -> FindingSeverity | None:
-        """The worst that a tool will meet; None for nothing."""
+        """The worst severity for a tool; None without findings."""
         mine = {finding.severity for finding in self.findings if tool in finding.tools}
         return next((severity for severity in _ORDER if severity in mine), None)
 
     @property
     def ok(self) -> bool:
-        """Whether every tool takes the bag."""
+        """True when there is no finding of severity error."""
         return all(finding.severity is not FindingSeverity.ERROR for finding in self.findings)
 
 
 def judge(records: Iterable[BagRecord]) -> Judgement:
-    """Judge a bag by its records, as `bag_scan.scan` reads them."""
+    """Check a bag by its records, as `scan` reads them."""
     hearing = _Hearing()
     for record in records:
         hearing.take(record)
@@ -70,12 +70,12 @@ def judge(records: Iterable[BagRecord]) -> Judgement:
 
 
 class _Line:
-    """One connection: reads its messages and passes them to whoever listens."""
+    """One connection: reads its messages and passes them to the rules."""
 
     def __init__(self, source: ConnectionRecord, rules: Iterable[MessageRule]) -> None:
         self._listeners = [hear for rule in rules if (hear := rule.listen(source)) is not None]
         self._layout: MessageReader | None = None
-        with suppress(ValueError):  # a rule about connections says why
+        with suppress(ValueError):  # the rule `definition_missing` reports it
             self._layout = MessageReader(source.msgtype, source.definition, contents.numbers_of(source.msgtype))
 
     def hear(self, said: MessageRecord) -> None:
@@ -88,7 +88,7 @@ class _Line:
 
 
 class _Hearing:
-    """Collects what rules need from the records in the file's order."""
+    """Collects the structure of a bag from its records, and passes messages to the rules."""
 
     def __init__(self) -> None:
         rules = (*times.RULES, *frames.RULES, *contents.RULES)
@@ -103,7 +103,7 @@ class _Hearing:
         self._tears: list[UnreadableSpan] = []
 
     def take(self, record: BagRecord) -> None:
-        """The next record."""
+        """Take in the next record of the file."""
         match record:
             case MessageRecord():
                 self._said(record)
@@ -116,7 +116,7 @@ class _Hearing:
                 if number not in self._sources:
                     self._sources[number] = record
                     self._lines[number] = _Line(record, self.rules)
-                # Those that come after the last chunk and its places are the index's.
+                # Connection records after the last chunk and its index data belong to the index at the file's end.
                 self._indexed_sources.add(number)
             case ChunkRecord():
                 self._chunks.append(ScannedChunk(record, {}, {}))
@@ -142,7 +142,7 @@ class _Hearing:
             line.hear(said)
 
     def structure(self) -> BagStructure:
-        """All that was collected."""
+        """The structure, after the last record."""
         starts = [known.start_ns for known in self._chunks if known.start_ns is not None]
         ends = [known.end_ns for known in self._chunks if known.end_ns is not None]
         return BagStructure(

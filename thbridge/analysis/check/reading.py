@@ -1,6 +1,6 @@
-"""Reads from a message of any type what the judge asks of it, by the definition that the bag carries.
+"""Reads the values that rules check from messages of any type, by the definition in the bag.
 
-It picks out headers, frames, quaternions and the like and walks over the rest, so that a million messages take seconds.
+Only headers, frames, quaternions and the like are decoded; the rest is skipped, so a million messages take seconds.
 """
 
 import math
@@ -37,24 +37,24 @@ _THREE = Struct("<3d")
 _FOUR = Struct("<4d")
 
 Fields = Mapping[str, Sequence[tuple[str, object]]]
-"""Of each type, named as rosbags names it: its fields, each with rosbags' description of its type."""
+"""The fields of each type, with rosbags' names of types and rosbags' description of each field's type."""
 
 
 class UnreadableMessage(ValueError):  # noqa: N818 - it names the fault of a message
-    """The bytes are not a message of the type; says why, as a clause."""
+    """The bytes are not a message of the type; the text says why, as a clause."""
 
 
 @dataclass(slots=True)
 class Reading:
-    """What was found in one message.
+    """The values that rules check in one message.
 
     Attributes:
-        headers: of every std_msgs/Header in it, outermost first: stamp in nanoseconds, and frame.
-        children: of every field `child_frame_id`, in the message's order.
-        quaternions: those in it; one array of fixed size has its worst alone.
-        finite: whether all points and vectors are finite.
-        covariances: of every field `covariance`: whether it has anything but zeros.
-        numbers: those asked for, by dotted name; arrays have their length.
+        headers: stamp in nanoseconds and frame of every std_msgs/Header, outermost first.
+        children: every field `child_frame_id`, in the message's order.
+        quaternions: all quaternions; of an array only the one whose length is farthest from one.
+        finite: True when all points and vectors are finite.
+        covariances: for every field `covariance`, True when it has other numbers than zeros.
+        numbers: the numbers asked for, by dotted name; of arrays the length.
         longest: length of the longest array.
     """
 
@@ -68,21 +68,21 @@ class Reading:
 
 
 class _Step(Protocol):
-    """Walks over some fields: given where they begin, says where they end."""
+    """Reads or skips some fields: takes the offset of the first, returns the offset behind the last."""
 
     def __call__(self, data: bytes, at: int, into: Reading) -> int: ...
 
 
 class MessageReader:
-    """How messages of one type lie in their bytes.
+    """Reads messages of one type.
 
     Args:
         msgtype: for example "nav_msgs/Odometry".
         text: its full definition.
-        numbers: dotted names of the numbers and arrays that the reading shall hold.
+        numbers: dotted names of the numbers and arrays to read.
 
     Raises:
-        ValueError: the text cannot be read, or lacks a type that it names.
+        ValueError: the text cannot be parsed, or lacks a type that it names.
     """
 
     def __init__(self, msgtype: str, text: str, numbers: Sequence[str] = ()) -> None:
@@ -92,7 +92,7 @@ class MessageReader:
         self._steps = self._message(name, "", ())
 
     def read(self, data: bytes) -> Reading:
-        """What is in a message. Raises Unreadable: it is shorter or longer than its type has it."""
+        """Read a message. Raises UnreadableMessage: it is shorter or longer than its type."""
         into = Reading()
         at = 0
         try:
@@ -113,7 +113,7 @@ class MessageReader:
             raise ValueError(f"{name} contains itself")
         if name == _QUATERNION:
             return [_read_quaternion]
-        # A magnetic field or an acceleration that nobody measured may be NaN; a place may not.
+        # A magnetic field or an acceleration that was not measured may be NaN, a position must not.
         if name in _VECTORS and not any(outer.startswith("sensor_msgs/") for outer in above):
             return [_read_vector]
         steps: list[_Step] = []
@@ -159,11 +159,11 @@ def fields_of(msgtype: str, text: str) -> Fields:
     """The fields of a type and of all types within it.
 
     Raises:
-        ValueError: the text cannot be read, or lacks a type that it names.
+        ValueError: the text cannot be parsed, or lacks a type that it names.
     """
     try:
         types = get_types_from_msg(text, normalize_msgtype(msgtype))
-        # It finds what names and nesting leave open.
+        # Registering finds further faults, in names and nesting.
         get_typestore(Stores.EMPTY).register(types)
     except (TypesysError, LookupError, AssertionError, RecursionError):
         raise ValueError("its definition cannot be parsed") from None
@@ -175,7 +175,7 @@ def fields_of(msgtype: str, text: str) -> Fields:
 
 
 def missing_types(fields: Fields) -> list[str]:
-    """Types that are named and not defined, as ROS 1 names them."""
+    """Types that are named and not defined, with ROS 1's names."""
     named = (_inner(described) for members in fields.values() for _, described in members)
     lacking = {name for name in named if name is not None and name not in fields and name not in _TIMES}
     return sorted(name.replace("/msg/", "/") for name in lacking)
@@ -233,7 +233,7 @@ class _Covariance:
 
     def __call__(self, data: bytes, at: int, into: Reading) -> int:
         end = at + self.size
-        # All bytes but a minus zero's are zero where nobody filled it in.
+        # A covariance that was not filled in has only zero bytes.
         into.covariances.append(any(data[at:end]))
         return end
 
@@ -249,7 +249,7 @@ class _Number:
 
 
 def _counted(data: bytes, at: int, count: int | None, asked: str | None, into: Reading) -> tuple[int, int]:
-    """How many elements an array has, and where they begin."""
+    """Length of an array, and offset of its elements; notes the length in the reading."""
     if count is None:
         (count,) = _COUNT.unpack_from(data, at)
         at += 4
@@ -261,7 +261,7 @@ def _counted(data: bytes, at: int, count: int | None, asked: str | None, into: R
 
 @dataclass(frozen=True, slots=True)
 class _Block:
-    """An array of elements of one size, with nothing of interest in them."""
+    """An array of elements of one size, which is skipped."""
 
     size: int
     count: int | None
@@ -274,7 +274,7 @@ class _Block:
 
 @dataclass(frozen=True, slots=True)
 class _Records:
-    """An array of elements of one size, with vectors and quaternions at places of theirs."""
+    """An array of elements of one size, with vectors and quaternions at fixed offsets in them."""
 
     size: int
     vectors: tuple[int, ...]
@@ -303,7 +303,7 @@ class _Records:
 
 
 def _places(steps: Sequence[_Step]) -> tuple[int, tuple[int, ...], tuple[int, ...]] | None:
-    """Size of an element, and where its vectors and quaternions are; None where its size is not fixed."""
+    """Size of an element, and offsets of its vectors and quaternions; None when its size is not fixed."""
     at = 0
     vectors, quaternions = [], []
     for step in steps:
@@ -322,7 +322,7 @@ def _places(steps: Sequence[_Step]) -> tuple[int, tuple[int, ...], tuple[int, ..
 
 @dataclass(frozen=True, slots=True)
 class _Loop:
-    """An array of elements of various sizes."""
+    """An array of elements of different sizes."""
 
     steps: tuple[_Step, ...]
     count: int | None
@@ -330,7 +330,7 @@ class _Loop:
 
     def __call__(self, data: bytes, at: int, into: Reading) -> int:
         count, at = _counted(data, at, self.count, self.asked, into)
-        # Each element takes a byte or more: a forged count is found out at once.
+        # Each element takes at least one byte, so a forged count is found at once.
         if at + count > len(data):
             raise UnreadableMessage("it ends too early")
         for _ in range(count):

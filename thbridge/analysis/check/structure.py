@@ -1,4 +1,4 @@
-"""Rules about the file: its index, its chunks, its first record."""
+"""Rules about the file: index, chunks, first record."""
 
 from collections.abc import Iterator
 
@@ -14,7 +14,7 @@ REINDEX = "run `thbridge bag reindex`"
 
 
 def index_missing(bag: BagStructure) -> Iterator[Finding]:
-    """A recording that was killed has no index: nothing opens it."""
+    """Find bags without an index, whose writer was killed: no tool opens them."""
     if bag.header is None or bag.header.index_pos == 0:
         yield Finding(
             "no-index", FindingSeverity.ERROR, ALL, None, "the bag has no index: its writer was killed", REINDEX
@@ -25,7 +25,7 @@ def index_missing(bag: BagStructure) -> Iterator[Finding]:
 
 
 def index_wrong(bag: BagStructure) -> Iterator[Finding]:
-    """An index that says other things than the chunks hides messages, or leads readers astray."""
+    """Find an index that does not agree with the chunks: readers miss messages or read wrong ones."""
     if bag.header is None or not bag.index:
         return
     if (bag.header.connections, bag.header.chunks) != (bag.indexed_connections, len(bag.index)):
@@ -47,7 +47,7 @@ def index_wrong(bag: BagStructure) -> Iterator[Finding]:
 
 
 def unreadable_bytes(bag: BagStructure) -> Iterator[Finding]:
-    """Bytes that cannot be read."""
+    """Find bytes that cannot be read."""
     if bag.unreadable:
         first = bag.unreadable[0]
         lost = sum(tear.lost for tear in bag.unreadable)
@@ -56,7 +56,7 @@ def unreadable_bytes(bag: BagStructure) -> Iterator[Finding]:
 
 
 def header_padding(bag: BagStructure) -> Iterator[Finding]:
-    """rosbag writes the first record anew in its own length, over whatever comes there."""
+    """Find a first record of another length than ROS's: rosbag overwrites it and part of the first chunk."""
     if bag.header is not None and bag.header.length != HEADER_BYTES:
         problem = (
             f"the first record takes {bag.header.length} bytes where ROS 1 makes it {HEADER_BYTES}: "
@@ -68,7 +68,7 @@ def header_padding(bag: BagStructure) -> Iterator[Finding]:
 
 
 def encrypted(bag: BagStructure) -> Iterator[Finding]:
-    """Only ROS's own C++ reads encrypted bags, where it has the key."""
+    """Find encrypted bags, which only ROS's C++ library reads, and only with the key."""
     if bag.header is not None and bag.header.encryptor:
         problem = f"the bag is encrypted ({bag.header.encryptor})"
         tools = (BagTool.FOXGLOVE, BagTool.EVO)
@@ -76,9 +76,9 @@ def encrypted(bag: BagStructure) -> Iterator[Finding]:
 
 
 def chunk_order(bag: BagStructure) -> Iterator[Finding]:
-    """`rosbag info` takes the first chunk's start and the last chunk's end for the bag's, empty ones among them.
+    """Find chunks that are not in order of time: `rosbag info` takes start and end from the first and last chunk.
 
-    Foxglove's reader begins at the first chunk's start, and leaves out what is before it.
+    Foxglove's reader begins at the start of the first chunk, and leaves out all messages before it.
     """
     if not bag.index or bag.start_ns is None:
         return
@@ -97,7 +97,7 @@ def chunk_order(bag: BagStructure) -> Iterator[Finding]:
 
 
 def chunks_overlap(bag: BagStructure) -> Iterator[Finding]:
-    """Foxglove keeps overlapping chunks in memory together, and complains (BagIterableSource.ts)."""
+    """Find overlapping chunks: Foxglove keeps them in memory together, and warns (BagIterableSource.ts)."""
     latest_ns, overlapping = 0, 0
     for entry in bag.index:
         overlapping += entry.start_ns < latest_ns
@@ -108,7 +108,7 @@ def chunks_overlap(bag: BagStructure) -> Iterator[Finding]:
 
 
 def lz4_frames(bag: BagStructure) -> Iterator[Finding]:
-    """roslz4 unpacks one kind of frame only: independent blocks, and a checksum of the content, not of each block."""
+    """Find LZ4 frames that roslz4 cannot unpack: it needs independent blocks and a checksum of the whole content."""
     other = [known for known in bag.chunks if known.chunk.lz4_flags not in (None, ROS_LZ4_FLAGS)]
     if other:
         problem = f"{len(other)} chunks are LZ4 frames that ROS cannot unpack, first at byte {other[0].chunk.position}"
@@ -118,7 +118,7 @@ def lz4_frames(bag: BagStructure) -> Iterator[Finding]:
 
 
 def no_messages(bag: BagStructure) -> Iterator[Finding]:
-    """A bag without messages."""
+    """Find bags without messages."""
     if bag.start_ns is None:
         yield Finding(
             "empty", FindingSeverity.WARNING, ALL, None, "there are no messages in the bag", "record it again"

@@ -1,4 +1,4 @@
-"""Rules about stamps: of the recording, and in the messages."""
+"""Rules about time stamps: of the recording, and in headers."""
 
 from collections.abc import Iterator
 
@@ -16,17 +16,17 @@ from thbridge.analysis.check.structure import CUT
 from thbridge.recording.bag.scan import ConnectionRecord
 
 TF_CACHE = 10.0
-"""Seconds that tf2 remembers (tf2, buffer_core.h, DEFAULT_CACHE_TIME)."""
+"""Seconds for which tf2 keeps transforms (tf2, buffer_core.h, DEFAULT_CACHE_TIME)."""
 
 
 class StampZero:
-    """`rosbag play` drops messages whose stamp is zero."""
+    """Finds messages recorded at time zero, which `rosbag play` drops."""
 
     def __init__(self) -> None:
         self._zero: OccurrenceCounter[str] = OccurrenceCounter()
 
     def listen(self, source: ConnectionRecord) -> MessageHandler:
-        """Every topic."""
+        """Listen to every topic."""
         topic = source.topic
 
         def hear(heard: CheckedMessage) -> None:
@@ -36,7 +36,7 @@ class StampZero:
         return hear
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
-        """One for each topic."""
+        """Yield one finding for each topic."""
         for topic, first, count in self._zero.items():
             what = "messages are stamped 0, and `rosbag play` drops them"
             remedy = "start the clock above zero"
@@ -46,7 +46,7 @@ class StampZero:
 
 
 class BackInTime:
-    """Who reads a bag in the file's order meets the past after the future."""
+    """Finds messages that are not in order of time in the file."""
 
     def __init__(self) -> None:
         self._latest_ns = 0
@@ -55,7 +55,7 @@ class BackInTime:
         self._worst_ns = 0
 
     def listen(self, source: ConnectionRecord) -> MessageHandler:
-        """Every topic, all with one clock."""
+        """Listen to every topic; the order counts over all of them."""
         return self._hear
 
     def _hear(self, heard: CheckedMessage) -> None:
@@ -69,7 +69,7 @@ class BackInTime:
             self._first_ns = heard.stamp_ns
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
-        """One for the bag."""
+        """Yield one finding for the bag."""
         if self._count:
             what = f"messages are out of the order of time, by up to {self._worst_ns / 1e9:.3f} s"
             tools = (BagTool.ROSBAG, BagTool.PLOTJUGGLER)
@@ -77,9 +77,9 @@ class BackInTime:
 
 
 class HeaderStampOffset:
-    """Tools place a message by its header at one time and show it at another.
+    """Finds headers whose stamps are far from the time of recording: tools mix the two times.
 
-    What is latched may be old when a recording begins, and is left out.
+    Latched topics are left out: their messages may be old when a recording begins.
     """
 
     def __init__(self) -> None:
@@ -87,7 +87,7 @@ class HeaderStampOffset:
         self._worst_ns: dict[str, int] = {}
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """Every topic that is not latched."""
+        """Listen to every topic that is not latched."""
         if source.latched:
             return None
         topic = source.topic
@@ -104,7 +104,7 @@ class HeaderStampOffset:
         return hear
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
-        """One for each topic."""
+        """Yield one finding for each topic."""
         for topic, first, count in self._far.items():
             off = self._worst_ns[topic] / 1e9
             what = (
@@ -117,7 +117,7 @@ class HeaderStampOffset:
 
 
 class TrajectoryStamps:
-    """evo takes the headers' stamps, which must rise."""
+    """Finds header stamps that are zero, go back or repeat: evo needs rising ones."""
 
     def __init__(self) -> None:
         self._zero: OccurrenceCounter[str] = OccurrenceCounter()
@@ -126,7 +126,7 @@ class TrajectoryStamps:
         self._latest_ns: dict[str, int] = {}
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
-        """What evo reads."""
+        """Listen to the types that evo reads."""
         if source.msgtype not in STAMPED_POSES:
             return None
         topic = source.topic
@@ -147,7 +147,7 @@ class TrajectoryStamps:
         return hear
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
-        """One for each topic and fault."""
+        """Yield one finding for each topic and fault."""
         tools = (BagTool.EVO,)
         for topic, first, count in self._zero.items():
             what = "headers are stamped 0: evo has no time for them"

@@ -1,1 +1,1 @@
-"""Recordings as tables: a topic's messages decoded column by column, by the definitions that the bag itself carries."""
+"""Export of recordings as tables: messages decoded into columns, by the definitions in the bag."""

@@ -1,7 +1,7 @@
-"""A record's columns: their names, what they mean, and their values out of gathered rows.
+"""The columns of a message type: names, units, meanings, and functions that read their values from gathered rows.
 
-Names are what is left of `pose.pose.position.x` without the words that only wrap, and with the unit: `x_m`. Where two
-would be the same, both keep every word.
+A column's name is the path of its field (`pose.pose.position.x`) without wrappers such as `pose`, and with the unit:
+`x_m`. Where two names would be equal, both keep the whole path.
 """
 
 from collections import Counter
@@ -36,14 +36,14 @@ from thbridge.analysis.export.layout import (
 WRAPPERS = frozenset(
     {"header", "pose", "position", "orientation", "twist", "transform", "translation", "rotation", "point", "vector"}
 )
-"""Fields that say nothing that the ones within them do not."""
+"""Fields that only wrap other fields, and are left out of names."""
 AXES = ("x", "y", "z", "roll", "pitch", "yaw")
-"""In the order of ROS's covariances."""
+"""Axes in the order of ROS's covariances."""
 MOST_COLUMNS = 64
-"""Arrays of fixed size get a column for each element up to here, one column of lists beyond."""
+"""Largest array of fixed size that gets a column for each element; longer ones are one column of lists."""
 
 _COVARIANCES = {"geometry_msgs/PoseWithCovariance": False, "geometry_msgs/TwistWithCovariance": True}
-"""Types with a covariance of 6 x 6, and whether it is one of speeds."""
+"""Types with a covariance of 6 x 6; the value is True when it is one of speeds."""
 _QUATERNION = "geometry_msgs/Quaternion"
 _HEADER_FRAME = FieldStep("std_msgs/Header", "frame_id")
 _CHILD_FRAME = FieldStep("nav_msgs/Odometry", "child_frame_id")
@@ -52,12 +52,12 @@ _SPATIAL = frozenset(
     | set(_COVARIANCES)
 )
 _OF_CHILD = FieldStep("nav_msgs/Odometry", "twist")
-"""The one field of common types that is not in its header's frame but in the child's."""
+"""The only field of common types that is in the child frame and not in the header's frame."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ListColumn:
-    """A column of arrays: how long each is, and what is in all of them, one behind the other."""
+    """A column of arrays: the length of each, and the elements of all of them, concatenated."""
 
     lengths: NDArray[np.int64]
     elements: "Array | list[str]"
@@ -68,14 +68,14 @@ Values: TypeAlias = "Array | list[str] | list[str | None] | list[bytes] | ListCo
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of a table.
+    """The description of a table's column.
 
     Attributes:
         name: unique in its table.
-        kind: "float64", "string", "float32[]", "bytes", ...
-        unit: "m", or "" where it has none or nobody knows.
-        meaning: for people; "" where nobody knows.
-        frame_column: of the same table or of the one it belongs to, that names the frame its values are in; or "".
+        kind: type of its values: "float64", "string", "float32[]", "bytes", ...
+        unit: "m", or "" where it has none or it is unknown.
+        meaning: a phrase for people; "" where it is unknown.
+        frame_column: name of the column, of this table or of its parent table, with the frame of the values; or "".
     """
 
     name: str
@@ -87,7 +87,7 @@ class Column:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ColumnReader:
-    """A column, and how to take its values out of rows."""
+    """A column, with the function that reads its values from rows."""
 
     column: Column
     values: Callable[[GatheredRows], Values]
@@ -95,15 +95,15 @@ class ColumnReader:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Draft:
-    """A field that has no name yet.
+    """A column whose name is not chosen yet.
 
     Attributes:
-        path: down to the value.
-        ending: words that end its name in place of the path's last one; () leaves it.
-        kind: of its values.
-        unit: of them.
-        meaning: of them.
-        values: takes them out of rows.
+        path: path of the value in the message.
+        ending: words that replace the last word of the path in the name; () keeps it.
+        kind: type of its values.
+        unit: unit of its values.
+        meaning: meaning of its values.
+        values: reads them from rows.
     """
 
     path: Path
@@ -114,24 +114,24 @@ class _Draft:
     values: Callable[[GatheredRows], Values]
 
     def name(self, whole: bool) -> str:
-        """Its name, with or without the words that only wrap."""
+        """Its name; `whole` keeps the wrappers."""
         own = self.ending or (self.path[-1].field,)
         wraps = [step.field for step in self.path[:-1] if whole or step.field not in WRAPPERS]
         if self.ending and self.ending[0] in {"cov", "std"}:
             wraps = [step.field for step in self.path[:-1]]
-        # status.status is said once.
+        # A repeated word (status.status) is written once.
         parts = [word for word, _ in groupby([*wraps, own[0]])] + list(own[1:])
         suffix = words.suffix_of(self.unit)
         return "_".join([*parts, suffix] if suffix and self.ending[:1] != ("cov",) else parts)
 
 
 def fields_of(record: MessageLayout, reserved: Iterable[str], outer_frame: str = "") -> tuple[ColumnReader, ...]:
-    """The columns of a record; arrays of messages in it are tables of their own.
+    """The columns of a message type. Arrays of messages in it are separate tables.
 
     Args:
-        record: laid out.
-        reserved: names that are taken.
-        outer_frame: the frame's column of the table it belongs to.
+        record: the layout of the type.
+        reserved: names that are already taken.
+        outer_frame: the column of the parent table with the frame.
     """
     drafts = [draft for index, part in enumerate(record.parts) for draft in _drafts(index, part)]
     count = Counter(draft.name(whole=False) for draft in drafts)
@@ -161,7 +161,7 @@ def fields_of(record: MessageLayout, reserved: Iterable[str], outer_frame: str =
 
 
 def _frame_column(path: Path, frames: dict[tuple[Path, bool], str], outer: str) -> str:
-    """The column that names the frame of a value, for values that are somewhere."""
+    """The column with the frame of a value; "" for values that are not spatial."""
     if not any(step.msgtype in _SPATIAL for step in path):
         return ""
     of_child = _OF_CHILD in path
@@ -172,7 +172,7 @@ def _frame_column(path: Path, frames: dict[tuple[Path, bool], str], outer: str) 
 
 
 def _drafts(index: int, part: LayoutPart) -> Iterator[_Draft]:
-    """The columns of the part at an index."""
+    """Yield the columns of the part at an index."""
     match part:
         case FixedBlock(leaves):
             for position, leaf in enumerate(leaves):
@@ -229,7 +229,7 @@ def _element(whole: Callable[[GatheredRows], Array], element: int) -> Callable[[
 
 
 def _covariance(leaf: FixedValue, whole: Callable[[GatheredRows], Array]) -> Iterator[_Draft]:
-    """Standard deviations in the plane, then all 36."""
+    """Yield columns of the standard deviations of x, y and yaw, then of all 36 covariances."""
     units = words.axis_units(_COVARIANCES[leaf.path[-1].msgtype])
     for axis in (0, 1, 5):
         meaning = f"standard deviation of {AXES[axis]}"
@@ -249,14 +249,14 @@ def _squared(unit: str) -> str:
 def _deviation(whole: Callable[[GatheredRows], Array], axis: int) -> Callable[[GatheredRows], Values]:
     def values(rows: GatheredRows) -> Values:
         variances = whole(rows)[:, 7 * axis].astype(np.float64)
-        # Some drivers mark what they do not know by -1.
+        # Some drivers write -1 for an unknown variance.
         return np.sqrt(np.where(variances >= 0.0, variances, np.nan))
 
     return values
 
 
 def _yaw(index: int, run: FixedBlock, position: int) -> _Draft:
-    """The yaw of the quaternion whose w is at a position."""
+    """The column of the yaw of a quaternion, whose w is at a position of the block."""
 
     def values(rows: GatheredRows) -> Values:
         table = rows.run(index, run)

@@ -1,4 +1,4 @@
-"""What goes with exported tables: the data dictionary, a README, and what the session was run with."""
+"""Files beside exported tables: the data dictionary, a README, and the session's seed, study and versions."""
 
 import csv
 import io
@@ -10,7 +10,7 @@ HEADER = ("table", "column", "type", "unit", "frame", "meaning")
 
 
 def dictionary_csv(exported: ExportSummary) -> str:
-    """Every column of every table: dictionary.csv."""
+    """The text of dictionary.csv: every column of every table."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(HEADER)
@@ -22,7 +22,7 @@ def dictionary_csv(exported: ExportSummary) -> str:
 
 
 def session_json(exported: ExportSummary, bag: str, start_ns: int, duration: float) -> str:
-    """What the session was run with, as far as the recording says: session.json."""
+    """The text of session.json: seed, study and versions of the session; null for recordings of others."""
     session = exported.session
     told = {
         "bag": bag,
@@ -39,7 +39,7 @@ def session_json(exported: ExportSummary, bag: str, start_ns: int, duration: flo
 
 
 def readme(exported: ExportSummary, bag: str, start_ns: int, duration: float) -> str:
-    """What is in the folder: README.md."""
+    """The text of README.md: the tables in the folder, and their conventions."""
     rows = [
         f"| `{name}` | {_cell(table.source)} | {_cell(table.msgtype)} | {count} | {_cell(table.meaning)} |"
         for name, (table, count) in sorted(exported.tables.items())

@@ -1,4 +1,4 @@
-"""A recording into tables, as it is read: memory holds a few thousand messages of each topic, and all poses."""
+"""Conversion of a recording to tables while it is read: only some MB of each topic, and all poses, are in memory."""
 
 import re
 from collections import Counter
@@ -14,20 +14,20 @@ from thbridge.ros.messages.records import SessionRecord
 from thbridge.ros.messages.types import SESSION
 
 EMPTY_MD5 = "d41d8cd98f00b204e9800998ecf8427e"
-"""Of types without fields."""
+"""Md5 sum of types without fields."""
 PIECE = 4 << 20
-"""Bytes of a topic's messages that are made into rows at once."""
+"""Bytes of a topic's messages that are converted to rows together."""
 
 
 @dataclass(slots=True)
 class ExportSummary:
-    """What was exported; filled while it is.
+    """Summary of an export, filled while it runs.
 
     Attributes:
-        tables: by name, with their rows.
-        frames: by name of table and column: the frame of its values.
-        session: of our own recordings.
-        notices: what could not be exported, for people.
+        tables: each table by name, with its number of rows.
+        frames: the frame of a column's values, by table and column.
+        session: the session record; None in recordings of others.
+        notices: sentences on what could not be exported.
     """
 
     tables: dict[str, tuple[Table, int]] = field(default_factory=dict)
@@ -39,12 +39,12 @@ class ExportSummary:
 def export(
     recorded: Iterable[tuple[BagConnection, int, bytes]], start_ns: int, exported: ExportSummary
 ) -> Iterator[TableRows]:
-    """The rows of every topic, piece by piece, those of one table in order.
+    """Yield the rows of every topic in pieces; those of one table are in order.
 
     Args:
-        recorded: messages, oldest first: their publisher, when they were recorded, their bytes.
-        start_ns: what `t_s` counts from.
-        exported: is told what there was.
+        recorded: messages, oldest first: publisher, stamp of recording, bytes.
+        start_ns: the stamp from which `t_s` counts.
+        exported: the summary to fill.
     """
     topics: dict[tuple[str, str, str], TopicTables | None] = {}
     names = {poses.NAME}
@@ -87,7 +87,7 @@ def _begun(publisher: BagConnection, names: set[str], start_ns: int, notices: li
 
 
 def _session(data: bytes) -> SessionRecord | None:
-    """The session, if this is the release that recorded it; else its table has what it says."""
+    """The session record; None when another release of thbridge recorded it, with other fields."""
     try:
         return unpack.session(data)
     except ValueError:
@@ -95,7 +95,7 @@ def _session(data: bytes) -> SessionRecord | None:
 
 
 def _file_name(topic: str, taken: set[str]) -> str:
-    """A table's name: "/robot1/move_base/goal" gives robot1_move_base_goal; unique where case is not told apart."""
+    """A table's name: "/robot1/move_base/goal" gives robot1_move_base_goal; unique also without regard to case."""
     base = re.sub(r"[^A-Za-z0-9_]+", "_", topic).strip("_") or "topic"
     name, number = base, 2
     while name.lower() in taken:

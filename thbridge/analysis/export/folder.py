@@ -1,4 +1,4 @@
-"""A bag as a folder of tables."""
+"""Export of a bag to a folder of tables."""
 
 from collections.abc import Collection, Iterator
 from pathlib import Path
@@ -23,14 +23,14 @@ def export_bag(
 
     Args:
         bag: the bag, or the name of a split recording.
-        folder: where; made if it is missing.
-        formats: of the tables.
-        topics: those wanted; None for all.
+        folder: the folder to write; made if it is missing.
+        formats: formats of the tables.
+        topics: names of the topics to export; None for all.
         start: seconds after the recording's beginning.
-        until: likewise; None for its end.
+        until: seconds after the recording's beginning; None for its end.
 
     Raises:
-        BadFile: the bag cannot be read, or the folder holds something or cannot be written.
+        BadFile: the bag cannot be read, or the folder is not empty or cannot be written.
     """
     found = info(bag)
     first_ns = found.start_ns or 0

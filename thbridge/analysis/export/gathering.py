@@ -1,4 +1,4 @@
-"""Messages on their way into columns: bytes of the same field one behind the other, until somebody takes them."""
+"""Buffers that collect messages field by field, before they are converted to columns."""
 
 from collections.abc import Iterator
 from itertools import pairwise
@@ -23,12 +23,12 @@ _TOO_SHORT = "the message ends too early"
 
 
 class GatheredRows:
-    """The rows of one record that were gathered and not taken yet.
+    """The rows of one message type that were gathered and are not converted yet.
 
     Attributes:
-        record: what a row is.
-        count: rows gathered.
-        inner: rows of its arrays of messages, in the record's order.
+        record: the layout of a row.
+        count: number of rows gathered.
+        inner: the rows of its arrays of messages, in the order of the layout.
     """
 
     def __init__(self, record: MessageLayout) -> None:
@@ -39,7 +39,7 @@ class GatheredRows:
         self.clear()
 
     def clear(self) -> None:
-        """Forget all rows."""
+        """Drop all rows."""
         self.count = 0
         self._own_size = 0
         self._runs: list[bytearray] = [bytearray() for _ in self.record.parts]
@@ -50,14 +50,14 @@ class GatheredRows:
 
     @property
     def size(self) -> int:
-        """Bytes gathered, those of the rows within them counted."""
+        """Bytes gathered, with those of the inner rows."""
         return self._own_size + sum(rows.size for rows in self.inner)
 
     def add(self, data: bytes) -> None:
-        """Gather one message.
+        """Append one message.
 
         Raises:
-            ValueError: the bytes are not one; nothing of them is kept.
+            ValueError: the bytes are not a message of the type; nothing of them is kept.
         """
         before = self.count
         try:
@@ -69,7 +69,7 @@ class GatheredRows:
             raise
 
     def _read(self, data: bytes, at: int) -> int:
-        """Gather the record that begins at a byte; where it ends."""
+        """Append the record that begins at a byte. Return the offset behind it."""
         start = at
         for index, part in enumerate(self.record.parts):
             if isinstance(part, FixedBlock):
@@ -117,7 +117,7 @@ class GatheredRows:
         return end
 
     def _truncate(self, rows: int) -> None:
-        """Leave the first rows only; what a broken message left behind goes."""
+        """Keep only the first rows, without the rest of a broken message."""
         self.count = rows
         for index, part in enumerate(self.record.parts):
             if isinstance(part, FixedBlock):
@@ -140,25 +140,25 @@ class GatheredRows:
         return np.frombuffer(self._runs[index], dtype=run.dtype)
 
     def texts(self, index: int) -> list[str]:
-        """Strings of the part at an index: one a row, or those of all rows where it is an array."""
+        """Strings of the part at an index: one a row, or, of an array, the elements of all rows."""
         return [text.decode(errors="replace") for text in self._texts[index]]
 
     def lengths(self, index: int) -> NDArray[np.int64]:
-        """(count,) how long the array of the part at an index is in each row."""
+        """(count,) length in each row of the array at an index."""
         return np.array(self._lengths[index], dtype=np.int64)
 
     def numbers(self, index: int, part: NumberArray) -> Array:
-        """The numbers of all rows of the part at an index."""
+        """Numbers of all rows of the array at an index."""
         return np.frombuffer(self._runs[index], dtype=DTYPES[part.kind])
 
     def blobs(self, index: int) -> list[bytes]:
-        """The bytes of each row of the part at an index."""
+        """Bytes of each row of the array at an index."""
         ends = np.cumsum(self.lengths(index)).tolist()
         whole = bytes(self._runs[index])
         return [whole[start:end] for start, end in pairwise([0, *ends])]
 
     def items(self) -> Iterator[tuple[int, MessageArray, "GatheredRows"]]:
-        """Each array of messages with its index among the parts and its rows."""
+        """Yield each array of messages: index among the parts, layout, rows."""
         for index, part in enumerate(self.record.parts):
             if isinstance(part, MessageArray):
                 yield index, part, self._inner_of[id(part)]
@@ -178,7 +178,7 @@ def _text(data: bytes, at: int) -> tuple[bytes, int]:
 
 
 def _sane(count: int, data: bytes, at: int, smallest: int) -> int:
-    """The count, if so many elements of at least a few bytes can follow: broken messages tell of billions."""
+    """The count, if the message is long enough for so many elements: broken messages have counts of billions."""
     if count * max(smallest, 1) > len(data) - at:
         raise ValueError(_TOO_SHORT)
     return count

@@ -1,8 +1,8 @@
-"""How a message lies in its bytes, worked out from its definition: runs of fixed size, texts, and arrays of any length.
+"""The layout of a message type, compiled from its definition: blocks of fixed size, strings, and arrays.
 
-A run is copied whole and read by numpy afterwards, so that the cost of a message does not grow with its fields.
+A block is copied as a whole and decoded by numpy later, so that the time for a message does not grow with its fields.
 
-Source: ROS wiki, msg (serialization: little-endian, arrays of variable length and strings behind a uint32 of their
+Source: ROS wiki, msg (serialization: little-endian; before strings and arrays of variable length a uint32 with the
 length).
 """
 
@@ -22,7 +22,7 @@ TEXT = "string"
 BYTES = "bytes"
 
 Array: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.generic[object]]]"
-"""Numbers of whatever size."""
+"""An array of numbers of any type."""
 
 DTYPES: Mapping[str, str] = {
     "bool": "?",
@@ -40,7 +40,7 @@ DTYPES: Mapping[str, str] = {
     "float32": "<f4",
     "float64": "<f8",
 }
-"""ROS's numbers as numpy has them."""
+"""Numpy's types of ROS's numbers."""
 
 _MOMENTS = {"builtin_interfaces/msg/Time": TIME, "builtin_interfaces/msg/Duration": DURATION}
 _MOMENT_DTYPES = {
@@ -50,12 +50,12 @@ _MOMENT_DTYPES = {
 _LINE = "=" * 80 + "\n"
 _SEPARATOR = re.compile(r"^={80}\n", re.MULTILINE)
 _DEEPEST = 40
-"""Messages within messages; a definition that contains itself has no end."""
+"""Largest depth of nested messages; a definition that contains itself is deeper."""
 
 
 @dataclass(frozen=True, slots=True)
 class FieldStep:
-    """One field on the way down to a value: the type that has it, and its name."""
+    """One field on the path to a value: the message type that has it, and its name."""
 
     msgtype: str
     field: str
@@ -66,12 +66,12 @@ Path = tuple[FieldStep, ...]
 
 @dataclass(frozen=True, slots=True)
 class FixedValue:
-    """A value of fixed size.
+    """A number, time or array of fixed size.
 
     Attributes:
-        path: from the record down to it.
+        path: its path in the message.
         kind: "float64", "time", ...
-        count: how many of them, None for a single one.
+        count: length of the array; None for a single value.
     """
 
     path: Path
@@ -81,11 +81,11 @@ class FixedValue:
 
 @dataclass(frozen=True, slots=True)
 class FixedBlock:
-    """Values of fixed size, one behind the other.
+    """Successive values of fixed size.
 
     Attributes:
-        leaves: what they are.
-        dtype: their numpy structure; field i is leaf i.
+        leaves: the values.
+        dtype: numpy's structured type; its field i is leaf i.
     """
 
     leaves: tuple[FixedValue, ...]
@@ -101,7 +101,7 @@ class StringField:
 
 @dataclass(frozen=True, slots=True)
 class NumberArray:
-    """An array of numbers, of any length; `kind` uint8 is bytes."""
+    """An array of numbers with variable length; of `kind` uint8 it is bytes."""
 
     path: Path
     kind: str
@@ -109,7 +109,7 @@ class NumberArray:
 
 @dataclass(frozen=True, slots=True)
 class StringArray:
-    """An array of strings; `count` is its length, None when each message says it."""
+    """An array of strings; `count` is its length, None when it is variable."""
 
     path: Path
     count: int | None
@@ -117,7 +117,7 @@ class StringArray:
 
 @dataclass(frozen=True, slots=True)
 class MessageArray:
-    """An array of messages; `count` is its length, None when each message says it."""
+    """An array of messages; `count` is its length, None when it is variable."""
 
     path: Path
     count: int | None
@@ -129,11 +129,11 @@ LayoutPart = FixedBlock | StringField | NumberArray | StringArray | MessageArray
 
 @dataclass(frozen=True, slots=True)
 class MessageLayout:
-    """A message's parts in the order of their bytes; those of messages within it are among them.
+    """The parts of a message in the order of their bytes; nested messages are flattened.
 
     Attributes:
         msgtype: for example "nav_msgs/Odometry".
-        parts: in order.
+        parts: the parts in order.
     """
 
     msgtype: str
@@ -149,10 +149,10 @@ def layout_of(msgtype: str, definition: str) -> MessageLayout:
 
     Args:
         msgtype: for example "nav_msgs/Odometry".
-        definition: the full text, as bags carry it.
+        definition: the full text, as in bags.
 
     Raises:
-        ValueError: the text cannot be read, lacks a type, or has one that contains itself.
+        ValueError: the text cannot be parsed, lacks a type, or has one that contains itself.
     """
     full, empty = _without_empty_types(msgtype, definition)
     try:
@@ -165,7 +165,7 @@ def layout_of(msgtype: str, definition: str) -> MessageLayout:
 
 
 def _without_empty_types(msgtype: str, definition: str) -> tuple[str, list[str]]:
-    """The definition without types that have no fields, which rosbags' parser does not take, and their names."""
+    """The definition without types that have no fields, which rosbags cannot parse; and the names of these types."""
     own, *others = _SEPARATOR.split(definition)
     kept, empty = [own], []
     for part in others:
@@ -184,12 +184,12 @@ def _has_fields(definition: str) -> bool:
     return any(line.partition("#")[0].strip() for line in definition.splitlines())
 
 
-# rosbags' tree of a field: a kind, then what it is made of.
+# Field description of rosbags: a kind of node, then its contents.
 _Field = tuple[str, tuple[Nodetype, object]]
 
 
 class _Compiler:
-    """Puts the parts of one record together."""
+    """Collects the parts of one message type."""
 
     def __init__(self, types: Mapping[str, tuple[object, Sequence[_Field]]]) -> None:
         self._types = types
@@ -233,7 +233,7 @@ class _Compiler:
             element_type = str(of)
             within = _Compiler(self._types)
             if element_type in _MOMENTS:
-                within._named(element_type, path)  # has no fields to be named after
+                within._named(element_type, path)  # a time has no fields, so it keeps the name of the array
             else:
                 within.add(element_type, ())
             self._append(MessageArray(path, count, MessageLayout(denormalize_msgtype(element_type), within.parts())))
@@ -255,7 +255,7 @@ class _Compiler:
 
 
 def _base(node: object) -> str:
-    """The name of a plain type; rosbags keeps a bound of its length beside it."""
+    """The name of a plain type; rosbags has a tuple of name and length limit for strings."""
     name = node[0] if isinstance(node, tuple) else node
     return str(name)
 

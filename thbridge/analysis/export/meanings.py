@@ -1,6 +1,6 @@
-"""What the values of messages mean: units, and a few words, for ROS's common types and for ours.
+"""Units and meanings of message fields, for ROS's common types and for ours.
 
-Units are those of REP 103 and of the comments in ROS's definitions. Types that are not here get names and no words.
+Units are those of REP 103 and of the comments in ROS's definitions. Fields of other types have no unit and no meaning.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,7 +11,7 @@ from thbridge.ros.messages.types import OWN_TEXTS
 
 
 class FieldMeaning(NamedTuple):
-    """What a field is: the unit of all numbers in it ("" where it has none or is made of several), and its meaning."""
+    """Unit of all numbers in a field ("" where it has none or several), and meaning of the field."""
 
     unit: str
     meaning: str
@@ -23,7 +23,7 @@ _STATUS = FieldMeaning("", "0 pending, 1 active, 2 preempted, 3 succeeded, 4 abo
 
 
 def _said(text: str) -> Iterator[tuple[str, FieldMeaning]]:
-    """The comments of a definition, by their fields."""
+    """Yield the fields of a definition with their comments as meanings."""
     for line in text.splitlines():
         declared, _, comment = line.partition("#")
         if words := declared.split():
@@ -246,7 +246,7 @@ TOPICS: Mapping[str, str] = {
     "costmap": "a costmap",
     "footprint": "the outline of the robot",
 }
-"""What topics hold, by whole name or by last word."""
+"""Contents of topics, by whole name or by last word."""
 
 _SUFFIXES = {
     "degC": "celsius",
@@ -255,7 +255,7 @@ _SUFFIXES = {
 
 
 def unit_of(path: Path) -> str:
-    """Unit of the value at the end of a path: what is nearest to it and has one; "" where nobody says."""
+    """Unit of the value at the end of a path: that of the nearest field with a unit; "" without one."""
     for step in reversed(path):
         if (word := MEANINGS.get(step.msgtype, {}).get(step.field)) and word.unit:
             return word.unit
@@ -263,18 +263,18 @@ def unit_of(path: Path) -> str:
 
 
 def meaning_of(path: Path) -> str:
-    """What a value means, from the outermost word to the innermost: "speeds of the base: turning speed: about z"."""
+    """Meaning of a value, from the outermost field to the innermost: "speeds of the base: turning speed: about z"."""
     told = (MEANINGS.get(step.msgtype, {}).get(step.field) for step in path)
     return ": ".join(dict.fromkeys(word.meaning for word in told if word is not None))
 
 
 def topic_meaning(topic: str) -> str:
-    """What a topic holds, "" where nobody knows."""
+    """Contents of a topic; "" where they are unknown."""
     return TOPICS.get(topic) or TOPICS.get(topic.rpartition("/")[2], "")
 
 
 def suffix_of(unit: str) -> str:
-    """A unit as the end of a column's name: "m/s2" gives "m_s2"."""
+    """A unit as suffix of a column's name: "m/s2" gives "m_s2"."""
     return _SUFFIXES.get(unit, unit.replace("/", "_").replace(" ", "_").lower())
 
 

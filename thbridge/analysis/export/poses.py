@@ -1,7 +1,7 @@
-"""All robots' poses in one table: true, estimated and by odometry, at common times.
+"""The table `poses`: true, estimated and odometry poses of all robots at common times.
 
-Poses are held until the end of the recording, 32 bytes each: only then is it known which topic is the truth, which an
-estimate.
+Poses are kept until the end of the recording, 32 bytes each: only then it is known which topic has the truth and which
+an estimate.
 """
 
 import numpy as np
@@ -39,18 +39,18 @@ TABLE = Table(
 
 
 class PosesTable:
-    """Watches pieces of other tables go by, and makes of their poses one of its own."""
+    """Collects poses from the rows of other tables for a table of all robots."""
 
     def __init__(self) -> None:
         self._heard = SeriesByTopic()
 
     def see(self, piece: TableRows) -> None:
-        """Keep the poses in a piece, if there are any."""
+        """Keep the poses in some rows of a table, if there are any."""
         table = piece.table
         if table.msgtype not in {ODOMETRY, POSE_WITH_COVARIANCE, POSE_STAMPED, _TRANSFORM} or not piece.rows:
             return
         named = {column.name: values for column, values in zip(table.columns, piece.values, strict=True)}
-        if "recorded_ns" not in named:  # within messages, as the poses of a path are
+        if "recorded_ns" not in named:  # poses in arrays, such as those of a path
             return
         rows = np.column_stack([np.asarray(named[name]) for name in ("t_s", "x_m", "y_m", "yaw_rad")])
         frames, children = _texts(named["frame_id"]), _texts(named.get("child_frame_id", []))
@@ -73,7 +73,7 @@ class PosesTable:
                 edge.rows.frombytes(rows[said == pair].tobytes())
 
     def pieces(self) -> list[TableRows]:
-        """The table: one robot's rows after the other's; none where nobody's pose was heard."""
+        """The table's rows, robot by robot; empty when there were no poses."""
         return [piece for track in self._heard.tracks(0.0) if (piece := _piece(track)).rows]
 
 
@@ -83,7 +83,7 @@ def _texts(values: Values) -> list[str]:
 
 def _piece(track: Track) -> TableRows:
     paths = (track.truth, track.estimate, track.odometry)
-    # Odometry has no gaps; where there is none, whatever is said most often.
+    # The times are those of odometry, which has no gaps; without odometry, those of the most frequent poses.
     times = (track.odometry if len(track.odometry) else max(paths, key=len))[:, 0]
     true, estimated, counted = (at_times(path, times) for path in paths)
     values: tuple[Values, ...] = (
@@ -101,4 +101,4 @@ FRAMES = {
     for column in _COLUMNS
     if column.name.startswith(("true", "estimated", "odometry"))
 }
-"""What the dictionary says of frames."""
+"""Frames of the table's columns, for the dictionary."""

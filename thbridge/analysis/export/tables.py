@@ -1,4 +1,4 @@
-"""A topic's tables: one row a message, and a table of its own for each array of messages within them."""
+"""The tables of a topic: one row a message, and a separate table for each array of messages within them."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -17,23 +17,23 @@ SECONDS = Column("t_s", "float64", "s", "since the beginning of the recording, w
 RECORDED = Column("recorded_ns", "int64", "ns", "when the message was recorded; in ours, simulated time")
 INDEX = Column("index", "int64", "", "place in its array, from 0")
 EVENT = "event_"
-"""What columns out of an event's JSON begin with."""
+"""Beginning of the names of columns that come from an event's JSON."""
 HAS_COLUMNS = frozenset({"v", "event", "robot", "room"})
-"""What of the JSON needs no column: it has one that counts as ROS does, or says nothing of the event."""
+"""Keys of the JSON that get no column: they have one in ROS's numbering, or are format details."""
 MOST_FRAMES = 3
-"""Frames that a table's dictionary names; where there are more, it names the column that says them."""
+"""Largest number of frames that the dictionary lists for a column; if there are more, it names the column with them."""
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table.
+    """The description of a table.
 
     Attributes:
-        name: of its file, without suffix.
-        source: the topic, and the field where it is about an array within its messages.
-        msgtype: what a row is.
-        meaning: for people; "" where nobody knows.
-        columns: in order.
+        name: name of its file, without suffix.
+        source: the topic, and the field when the table is for an array within its messages.
+        msgtype: message type of a row.
+        meaning: a phrase for people; "" where it is unknown.
+        columns: the columns in order.
     """
 
     name: str
@@ -48,9 +48,9 @@ class TableRows:
     """Some rows of a table.
 
     Attributes:
-        table: which.
-        rows: how many.
-        values: of its columns in their order.
+        table: the table.
+        rows: number of rows.
+        values: values of the columns, in their order.
     """
 
     table: Table
@@ -59,12 +59,12 @@ class TableRows:
 
 
 class TopicTables:
-    """Gathers the messages of a topic that are of one type.
+    """Converts the messages of one topic and type to tables.
 
     Args:
-        name: of the first table; those of arrays within it are called NAME.FIELD.
-        topic: with its leading slash.
-        record: the type.
+        name: name of the first table; those of arrays within it are called NAME.FIELD.
+        topic: the topic, with its leading slash.
+        record: the layout of the type.
         start_ns: beginning of the recording.
     """
 
@@ -77,16 +77,16 @@ class TopicTables:
 
     @property
     def size(self) -> int:
-        """Bytes gathered; 0 where they must wait for the end of the recording."""
+        """Bytes gathered; 0 for game events, whose columns are known only at the end of the recording."""
         return 0 if self._open_ended else self._rows.size
 
     def add(self, stamp_ns: int, data: bytes) -> None:
-        """Gather a message. Raises ValueError: it is none of this type."""
+        """Append a message. Raises ValueError: it is not of this type."""
         self._rows.add(data)
         self._stamps.append(stamp_ns)
 
     def take(self) -> Iterator[TableRows]:
-        """The rows gathered so far, which are forgotten then."""
+        """Yield the rows gathered so far, then drop them."""
         stamps = np.array(self._stamps, dtype=np.int64)
         seconds = (stamps - self._start_ns) / 1e9
         for piece in self._top.pieces(self._rows, seconds, (stamps,)):
@@ -95,22 +95,22 @@ class TopicTables:
         self._stamps = []
 
     def frames(self) -> Mapping[tuple[str, str], str]:
-        """By name of table and column: the frame of its values, as far as it was said."""
+        """The frame of each column's values, by table and column, as far as messages have one."""
         return dict(self._top.frames({}))
 
 
 @dataclass(slots=True, eq=False)
 class _Shape:
-    """A record's table, or none where the record is nothing but one array, whose elements then are the rows.
+    """The tables of a message layout. A message that is only one array has no table; its elements are the rows.
 
     Attributes:
-        name: of the table.
-        source: of the table.
-        meaning: of the table.
-        record: what a row is.
-        top: whether it is the message itself or stands for it.
-        outer: the column of the table above that names the frame.
-        done: rows that have been taken before.
+        name: name of the table.
+        source: source of the table.
+        meaning: meaning of the table.
+        record: the layout of a row.
+        top: True when a row is a message, or an element of a message that is only one array.
+        outer: the column of the parent table with the frame.
+        done: number of rows that were taken before.
     """
 
     name: str
@@ -148,7 +148,7 @@ class _Shape:
         recorded: tuple[NDArray[np.int64], ...],
         keys: "_Keys | None" = None,
     ) -> Iterator[TableRows]:
-        """The tables' values; `seconds` and `recorded` are those of each row, `keys` say what each belongs to."""
+        """Yield the tables' rows; `seconds` and `recorded` are times of each row, `keys` those of its parent."""
         if not self._only_array:
             yield self._own(rows, seconds, recorded, keys)
         for index, items, within in rows.items():
@@ -194,7 +194,7 @@ class _Shape:
         self.said.setdefault(column, set()).update(str(frame) for frame in frames)
 
     def frames(self, above: Mapping[str, set[str]]) -> Iterator[tuple[tuple[str, str], str]]:
-        """As `TopicTables.frames`; `above`: the frames that the table above said, by column."""
+        """Yield what `TopicTables.frames` returns; `above`: the frames in the parent table, by column."""
         said = {**above, **self.said}
         for each in self.fields:
             if (source := each.column.frame_column) and (found := said.get(source)):
@@ -206,7 +206,7 @@ class _Shape:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Keys:
-    """What elements of arrays belong to: the row of the table above, and the place in its array."""
+    """Keys of array elements: the row in the parent table, and the index in its array."""
 
     row: NDArray[np.int64]
     index: NDArray[np.int64]
@@ -219,7 +219,7 @@ class _Keys:
 
 
 def _with_events(piece: TableRows) -> TableRows:
-    """Events with the plain values of their JSON as columns, in the order of their first appearance."""
+    """Rows of events with the plain values of their JSON as further columns, in order of first appearance."""
     table = piece.table
     texts = next(v for column, v in zip(table.columns, piece.values, strict=True) if column.name == "json")
     told = [_object(text) for text in texts] if isinstance(texts, list) else []
@@ -250,7 +250,7 @@ def _is_plain(value: object) -> bool:
 
 
 def _column(values: list[object]) -> tuple[str, Values]:
-    """Numbers where all are, else texts; what an event lacks is NaN, or nothing."""
+    """Type and values of a column: numbers when all values are, else strings; missing ones are NaN or None."""
     if all(value is None or (isinstance(value, int | float) and not isinstance(value, bool)) for value in values):
         numbers = [np.nan if value is None else float(str(value)) for value in values]
         return "float64", np.array(numbers, dtype=np.float64)

@@ -1,1 +1,1 @@
-"""Figures of recordings, for pages and for print."""
+"""Figures of recordings, for HTML pages and for print."""

@@ -1,4 +1,4 @@
-"""One figure for each question that one asks of a recording."""
+"""The figures of a recording: paths, localisation error, covariance, energy, velocity, timeline."""
 
 from collections.abc import Callable, Mapping, Sequence
 from enum import StrEnum
@@ -18,15 +18,15 @@ from thbridge.analysis.report.values import GoalAttempt, Report, TimelineEntry
 from thbridge.hunt.refusals import RequestRefused
 
 SIGMAS = 2.0
-"""Standard deviations within a band: 95 of 100 errors, if the localiser is honest and they are normal."""
+"""Half width of a band in standard deviations: 95 % of the errors, if they are normal and the covariance is right."""
 _OUTCOME_ALPHA = {"arrived": 0.9, "no path": 0.3, "cancelled": 0.3}
 _BAND_ALPHA = 0.2
 _CLOCK_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0, 7200.0)
-"""Seconds between labels of the time."""
+"""Possible distances between labels of the time axis, seconds."""
 
 
 class FigureKind(StrEnum):
-    """Figures there are."""
+    """Kinds of figures."""
 
     PATHS = "paths"
     ERROR = "error"
@@ -37,14 +37,14 @@ class FigureKind(StrEnum):
 
 
 def draw(what: FigureKind, report: Report, look: FigureStyle) -> Figure | RequestRefused:
-    """A figure, or what the recording lacks for it."""
+    """Draw a figure; or return what is missing in the recording for it."""
     with look.style():
         drawn = _FIGURES[what](report, look)
     return RequestRefused("nothing-to-plot", f"There is nothing to plot: {_MISSING[what]}.") if drawn is None else drawn
 
 
 def error(report: Report, look: FigureStyle) -> Figure | None:
-    """How far the belief was from the truth, over what the localiser admits; a row a robot."""
+    """Error of the estimated pose, over the standard deviation that the localiser reports; one row for each robot."""
     shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.errors)]
     if not shown:
         return None
@@ -59,7 +59,7 @@ def error(report: Report, look: FigureStyle) -> Figure | None:
                 axes.fill_between(
                     admitted[:, 0], band, step="post", color=colour(index), alpha=_BAND_ALPHA, lw=0, zorder=1
                 )
-            # From zero, and not so fine that rounding looks like an error.
+            # The axis begins at zero, and is not so fine that rounding looks like an error.
             axes.set_ylim(0.0, max(least, axes.get_ylim()[1]))
     _time_below(rows, report.duration, look)
     handles: list[object] = robot_handles(report.tracks, [index for index, _ in shown])
@@ -70,7 +70,7 @@ def error(report: Report, look: FigureStyle) -> Figure | None:
 
 
 def covariance(report: Report, look: FigureStyle) -> Figure | None:
-    """The standard deviations that the localiser admits."""
+    """Standard deviations that the localiser reports."""
     shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.deviations)]
     if not shown:
         return None
@@ -80,7 +80,7 @@ def covariance(report: Report, look: FigureStyle) -> Figure | None:
         for axes, column, scale in zip(rows[0], (1, 2), (100.0, 180.0 / np.pi), strict=True):
             axes.step(admitted[:, 0], scale * admitted[:, column], where="post", color=colour(index))
     for axes in rows[0]:
-        # A robot that looks for itself admits metres, one that follows itself centimetres.
+        # During global localisation they are metres, during tracking centimetres.
         axes.set_yscale("log", nonpositive="mask")
         axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -91,7 +91,7 @@ def covariance(report: Report, look: FigureStyle) -> Figure | None:
 
 
 def energy(report: Report, look: FigureStyle) -> Figure | None:
-    """What each robot had left."""
+    """Energy left of each robot."""
     shown = [index for index, track in enumerate(report.tracks) if len(track.energy)]
     if not shown:
         return None
@@ -107,7 +107,7 @@ def energy(report: Report, look: FigureStyle) -> Figure | None:
 
 
 def velocity(report: Report, look: FigureStyle) -> Figure | None:
-    """Speeds by odometry beneath those commanded; a row a robot."""
+    """Speeds by odometry, and commanded speeds over them; one row for each robot."""
     shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.speeds) or len(track.commands)]
     if not shown:
         return None
@@ -127,7 +127,7 @@ def velocity(report: Report, look: FigureStyle) -> Figure | None:
 
 
 def timeline(report: Report, look: FigureStyle) -> Figure | None:
-    """Goals under way with their rooms, events of the game, and the talk."""
+    """Drives to goals with their rooms, events of the game, and utterances."""
     if not report.moments and not any(track.attempts for track in report.tracks):
         return None
     names = [track.name for track in report.tracks]
@@ -189,7 +189,7 @@ def _failed(report: Report) -> bool:
 
 
 def _panels(look: FigureStyle, robots: int, labels: tuple[str, str]) -> tuple[Figure, list[list[Axes]]]:
-    """For each robot a pair of panels: side by side, or one below the other where that is too narrow."""
+    """A pair of panels for each robot: side by side, or one below the other in narrow figures."""
     height = 3.0 * look.font / 72.0
     if not look.narrow:
         figure, rows = look.figure(height + robots * max(1.1, 0.19 * look.width), robots, 2)
@@ -205,7 +205,7 @@ def _panels(look: FigureStyle, robots: int, labels: tuple[str, str]) -> tuple[Fi
 
 
 def _time_below(rows: Sequence[Sequence[Axes]], duration: float, look: FigureStyle) -> None:
-    """Minutes and seconds along the lowest panels."""
+    """Label the time axis of the lowest panels with minutes and seconds."""
     for axes in (axes for row in rows for axes in row):
         axes.set_xlim(0.0, max(duration, 1e-3))
         axes.xaxis.set_major_locator(MultipleLocator(_tick(duration, 5 if look.narrow else 7)))
@@ -215,12 +215,12 @@ def _time_below(rows: Sequence[Sequence[Axes]], duration: float, look: FigureSty
 
 
 def _tick(duration: float, most: int) -> float:
-    """Seconds from one label of the time to the next, round as clocks are."""
+    """Seconds between two labels of the time axis, a round number of seconds, minutes or hours."""
     return next((step for step in _CLOCK_STEPS if duration / step <= most), duration / most)
 
 
 def _until(series: FloatArray, end: float) -> FloatArray:
-    """A series of steps whose last value lasts until the end."""
+    """A step series whose last value is extended to the end."""
     return np.vstack((series, [[end, *series[-1, 1:]]]))
 
 
@@ -241,7 +241,7 @@ def _draw_legs(
         room = next(
             (e.room for e in events if e.who == name and e.kind == "departed" and abs(e.time - leg.start) < 1.0), None
         )
-        # Only where the number fits into its bar.
+        # The number is left out where it does not fit into its bar.
         if room is not None and leg.end - leg.start > duration * look.font / 72.0 / look.width:
             middle = 0.5 * (leg.start + leg.end)
             axes.annotate(

@@ -1,4 +1,4 @@
-"""Where robots went, on the map."""
+"""The figure of the robots' paths on the map."""
 
 from collections.abc import Sequence
 
@@ -20,10 +20,9 @@ _THING = "#f0b429"
 
 
 def paths(report: Report, look: FigureStyle) -> Figure | None:
-    """The map with things and ways: broad the true ones, narrow those believed.
+    """The map with things and paths: true paths are broad, estimated ones narrow.
 
-    Where no pose on the map is known, the ways by odometry, without the map: they begin wherever the wheels began to
-    count.
+    Where no pose on the map is known, the paths of odometry, without the map, since each begins at its own origin.
     """
     placed = any(len(track.truth) or len(track.estimate) for track in report.tracks)
     counted = not placed and any(len(track.odometry) for track in report.tracks)
@@ -78,7 +77,7 @@ def paths(report: Report, look: FigureStyle) -> Figure | None:
 
 
 def _extent(grid: OccupancyGrid | None, seen: Sequence[FloatArray]) -> tuple[float, float, float, float]:
-    """Left, right, bottom, top of what is to be seen: the known part of the map, and the ways."""
+    """Left, right, bottom, top of the figure: the known part of the map, and the paths."""
     known = [] if grid is None else [_corners(grid)]
     points = np.vstack([*known, *seen])
     low, high = points.min(axis=0), points.max(axis=0)
@@ -93,7 +92,7 @@ def _extent(grid: OccupancyGrid | None, seen: Sequence[FloatArray]) -> tuple[flo
 
 
 def _corners(grid: OccupancyGrid) -> FloatArray:
-    """Of the part that is known: mapping programs put much unknown ground around it."""
+    """Corners of the known part of the map: mapping programs add much unknown space around it."""
     rows, cols = (np.flatnonzero((grid.cells != UNKNOWN).any(axis=axis)) for axis in (1, 0))
     if not len(rows):
         rows, cols = np.arange(grid.rows), np.arange(grid.cols)
@@ -103,7 +102,7 @@ def _corners(grid: OccupancyGrid) -> FloatArray:
 
 
 def _draw_grid(axes: Axes, grid: OccupancyGrid) -> None:
-    """Walls dark, free space white, the rest grey; turned with the map's origin."""
+    """Draw walls dark, free space white, unknown space grey; rotated by the map's origin."""
     kinds = np.full(grid.cells.shape, 1, dtype=np.uint8)
     kinds[grid.cells == 0] = 0
     kinds[grid.cells == OCCUPIED] = 2

@@ -1,4 +1,4 @@
-"""How figures look, and their bytes: the same report gives the same file."""
+"""Style and file formats of figures. The same report gives the same bytes."""
 
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -14,14 +14,14 @@ from matplotlib.lines import Line2D
 from thbridge.analysis.report.values import Track
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#8C6D31", "#4D4D4D", "#B2182B")
-"""A colour a robot, told apart by colour-blind readers too (Okabe and Ito's, then darker ones)."""
+"""One colour a robot, distinguishable for colour-blind people (Okabe and Ito's, then darker ones)."""
 
 INK = "#1f2933"
 FAINT = "#9aa5b1"
 
 
 class FigureFormat(StrEnum):
-    """Files that a figure can be."""
+    """File formats of figures."""
 
     PNG = "png"
     SVG = "svg"
@@ -33,18 +33,18 @@ _METADATA: Mapping[FigureFormat, Mapping[str, None]] = {
     FigureFormat.SVG: {"Date": None, "Creator": None},
     FigureFormat.PDF: {"CreationDate": None, "Creator": None, "Producer": None},
 }
-"""What is left out: dates and versions, which make every file another one."""
+"""Metadata that are left out: dates and versions, with which no two files would be equal."""
 
 
 @dataclass(frozen=True, slots=True)
 class FigureStyle:
-    """Sizes of a figure.
+    """Sizes of a figure's width, font and lines.
 
     Attributes:
         width: inches.
         font: points.
         line: width of a curve, points.
-        live_text: whether SVG files keep words as words, in the fonts of the page they are on; else they are drawn.
+        live_text: True when SVG files have text, in the fonts of their page; False when letters are drawn as paths.
     """
 
     width: float
@@ -54,11 +54,11 @@ class FigureStyle:
 
     @property
     def narrow(self) -> bool:
-        """Whether two panels do not fit side by side."""
+        """True when two panels do not fit side by side."""
         return self.width < 5.0
 
     def style(self, salt: str = "") -> AbstractContextManager[None]:
-        """Matplotlib's settings; names within SVG files are hashes of this salt and of what they name."""
+        """Matplotlib's settings. Ids within SVG files are hashes, made with this salt."""
         return mpl.rc_context(
             {
                 "svg.hashsalt": salt or "thbridge",
@@ -91,13 +91,13 @@ class FigureStyle:
         )
 
     def figure(self, height: float, rows: int = 1, columns: int = 1) -> tuple[Figure, list[list[Axes]]]:
-        """An empty figure of so many panels, all of one time axis; height in inches. To be called within the style."""
+        """An empty figure with panels that share one time axis; height in inches. Call it within `style`."""
         figure = Figure(figsize=(self.width, height), layout="constrained")
         axes = figure.subplots(rows, columns, sharex=True, squeeze=False)
         return figure, [list(row) for row in axes]
 
     def rendered(self, figure: Figure, kind: FigureFormat, salt: str = "", transparent: bool = False) -> bytes:
-        """The figure as a file; PNG with 300 dots an inch."""
+        """The bytes of the figure's file; PNG with 300 dots per inch."""
         file = BytesIO()
         with self.style(salt):
             figure.savefig(file, format=kind.value, metadata=dict(_METADATA[kind]), dpi=300, transparent=transparent)
@@ -106,13 +106,13 @@ class FigureStyle:
 
 PAGE = FigureStyle(width=9.2, font=9.0, line=1.1, live_text=True)
 ONE_COLUMN = FigureStyle(width=3.46, font=7.0, line=0.8)
-"""88 mm, a column of most journals."""
+"""88 mm wide, as one column of most journals."""
 TWO_COLUMNS = FigureStyle(width=7.2, font=8.0, line=0.9)
-"""183 mm, a page of them."""
+"""183 mm wide, as two columns of most journals."""
 
 
 def colour(index: int) -> str:
-    """Of a robot by its place among the tracks."""
+    """Colour of a robot, by its index among the tracks."""
     return COLOURS[index % len(COLOURS)]
 
 
@@ -122,7 +122,7 @@ def clock(seconds: float) -> str:
 
 
 def label_above(axes: Axes, handles: Sequence[object], columns: int = 10) -> None:
-    """A legend above the panel, out of the way of what is drawn."""
+    """Add a legend above the panel, where it covers nothing."""
     axes.legend(
         handles=list(handles),
         loc="lower left",
@@ -136,7 +136,7 @@ def label_above(axes: Axes, handles: Sequence[object], columns: int = 10) -> Non
 
 
 def robot_handles(tracks: Sequence[Track], shown: Sequence[int] | None = None) -> list[object]:
-    """Handles for a legend."""
+    """Legend handles of the robots."""
     return [
         Line2D([], [], color=colour(index), lw=2.0, label=track.name)
         for index, track in enumerate(tracks)

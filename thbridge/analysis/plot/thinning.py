@@ -1,15 +1,15 @@
-"""Curves with no more points than can be seen."""
+"""Reduction of curves to the points that can be seen in a figure."""
 
 import numpy as np
 
 from sim.common.geometry import FloatArray
 
 POINTS = 700
-"""Points a curve is drawn with; files would grow with the session otherwise."""
+"""Largest number of points of a curve, so that files do not grow with the session."""
 
 
 def simplified(line: FloatArray) -> FloatArray:
-    """A path with a point at least every few centimetres only."""
+    """A path with at most one point every few centimetres."""
     if len(line) < 3:
         return line
     along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))))
@@ -30,7 +30,7 @@ def peaks(series: FloatArray) -> FloatArray:
 
 
 def changes(series: FloatArray) -> FloatArray:
-    """A (n, 2) time series without samples that repeat the value before; first and last stay."""
+    """A (n, 2) time series without samples that repeat the value before; the first and the last are kept."""
     if len(series) < 3:
         return series
     kept = np.concatenate(([True], np.diff(series[:, 1]) != 0.0))

@@ -1,1 +1,1 @@
-"""What a recording tells about a session, and the page that shows it; ours and other robots' recordings."""
+"""Report of a recording, ours or of other robots: its data, and the HTML page that shows them."""

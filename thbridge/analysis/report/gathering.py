@@ -1,7 +1,7 @@
-"""What a bag tells about a session: where the robots were and believed to be, their energy, the game and the talk.
+"""Collects a report from the messages of a bag: true and estimated paths, energy, game events, utterances.
 
-Made from the messages alone, so it works on foreign bags as far as their topics go, and says what is missing. Times
-are seconds since the bag's first message.
+Only messages are used, so it works on bags of other robots, too, and lists what is missing in them. Times are seconds
+since the bag's first message.
 """
 
 import json
@@ -32,7 +32,7 @@ OUTCOMES: dict[int, str] = {
 }
 
 _TF_OLD = "tf/tfMessage"
-"""tf's name for the message, before tf2; the same fields."""
+"""The older type of tf, with the same fields as tf2's."""
 
 
 class RecordedMessage(Protocol):
@@ -48,11 +48,11 @@ class RecordedMessage(Protocol):
 
     @property
     def md5(self) -> str:
-        """The sum over the type's fields."""
+        """The md5 sum of its type."""
 
     @property
     def stamp_ns(self) -> int:
-        """When it was recorded, nanoseconds."""
+        """Stamp of recording, nanoseconds."""
 
     @property
     def data(self) -> bytes:
@@ -60,10 +60,10 @@ class RecordedMessage(Protocol):
 
 
 def read_report(messages: Iterable[RecordedMessage], grid: OccupancyGrid | None = None) -> Report:
-    """The report of a bag's messages, oldest first; what cannot be read is left out and told.
+    """The report of a bag's messages, oldest first; those that cannot be read are left out and listed.
 
     Args:
-        messages: of the bag.
+        messages: the messages of the bag.
         grid: the map, in place of the bag's own.
     """
     gathered = _Gathered()
@@ -73,7 +73,7 @@ def read_report(messages: Iterable[RecordedMessage], grid: OccupancyGrid | None 
 
 
 class _Gathered:
-    """Messages sorted by what they are about."""
+    """Collects the contents of messages by type."""
 
     def __init__(self) -> None:
         self._first_ns: int | None = None
@@ -229,7 +229,7 @@ class _Gathered:
 
 
 def _action(topic: str) -> str:
-    """The action that a topic of goals or results belongs to, with a slash at its end."""
+    """The name of the action of a topic of goals or results, with a slash at its end."""
     return topic.rpartition("/")[0] + "/"
 
 
@@ -244,7 +244,7 @@ def _thing(name: str, outlines: list[FloatArray]) -> ObstacleTrack:
 
 
 def _told(event: GameEvent) -> tuple[str, int | None]:
-    """An event for people, from the plain values in its JSON, and its points."""
+    """An event's plain JSON values as text for people, and its points."""
     try:
         fields = json.loads(event.json)
     except ValueError:
@@ -265,7 +265,7 @@ def _is_plain(value: object) -> TypeGuard[str | int | float]:
 
 
 def _plain(value: str | int | float) -> str:
-    """A value within a list: sentences without their stop, numbers without digits that nobody reads."""
+    """A value as text for a list: sentences without full stop, numbers with six digits at most."""
     return value.rstrip(".") if isinstance(value, str) else f"{value:g}"
 
 

@@ -1,4 +1,4 @@
-"""A session's report as one HTML page that needs nothing but itself: figures are drawn into it as SVG."""
+"""A session's report as one HTML page without other files: figures are embedded as SVG."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -22,11 +22,11 @@ def build_report(bag: Path, grid: OccupancyGrid | None = None) -> str:
     """The report of a bag as HTML; the same bag gives the same page.
 
     Args:
-        bag: ours, or another robot's.
+        bag: a bag of ours or of other robots.
         grid: the map, in place of the bag's own.
 
     Raises:
-        BadFile: the bag cannot be read; says what to do.
+        BadFile: the bag cannot be read; the message has a remedy.
     """
     return render(read_report(messages(bag), grid), bag.name)
 
@@ -35,8 +35,8 @@ def render(report: Report, name: str) -> str:
     """A report as HTML.
 
     Args:
-        report: what to show.
-        name: of the bag, for the title.
+        report: the data to show.
+        name: name of the bag, for the title.
     """
     with PAGE.style():
         drawn = [(title, caption, make(report, PAGE)) for title, caption, make in _FIGURES]
@@ -80,7 +80,7 @@ _FIGURES: tuple[tuple[str, str, Callable[[Report, FigureStyle], Figure | None]],
 
 
 def _summary(report: Report) -> list[tuple[str, str]]:
-    """The figures at the top: label and value."""
+    """The numbers at the top of the page: label and value."""
     cards = [("Duration", f"{clock(report.duration)} min"), ("Robots", str(len(report.tracks)))]
     if report.tracks:
         cards.append(("Driven", f"{sum(track.distance for track in report.tracks):.1f} m"))
@@ -116,7 +116,7 @@ def _robot_row(index: int, track: Track) -> dict[str, str]:
 
 
 def _svg(figure: Figure, salt: str) -> Markup:
-    """The figure as an element for the page; `salt` keeps the names in it apart from those of other figures."""
+    """The figure as an SVG element; `salt` makes the ids in it different from those of other figures."""
     drawn = PAGE.rendered(figure, FigureFormat.SVG, salt, transparent=True).decode()
-    # Matplotlib made it and it escapes the words in it.
+    # Safe: matplotlib escapes the texts in its files.
     return Markup(drawn[drawn.index("<svg") :])

@@ -1,4 +1,4 @@
-"""Paths over time: what is believed against what is true."""
+"""Calculations with paths over time: correction of odometry, errors, interpolation, length."""
 
 from array import array
 
@@ -8,12 +8,12 @@ from sim.common.geometry import FloatArray
 
 
 def table(series: "array[float]", columns: int) -> FloatArray:
-    """(n, columns) of numbers row by row, also when there are none."""
+    """(n, columns) table of numbers that are stored row by row; n may be 0."""
     return np.array(series, dtype=np.float64).reshape(-1, columns)
 
 
 def corrected(odometry: FloatArray, corrections: FloatArray) -> FloatArray:
-    """(n, 4) base in map: each odometry pose under the last correction up to its time; earlier ones are left out."""
+    """(n, 4) time and base in map: odometry poses, each with the last correction before it; others are left out."""
     last = np.searchsorted(corrections[:, 0], odometry[:, 0], side="right") - 1
     odometry, correction = odometry[last >= 0], corrections[last[last >= 0]]
     c, s = np.cos(correction[:, 3]), np.sin(correction[:, 3])
@@ -23,7 +23,7 @@ def corrected(odometry: FloatArray, corrections: FloatArray) -> FloatArray:
 
 
 def errors(estimate: FloatArray, truth: FloatArray) -> FloatArray:
-    """(m, 3) of the estimates within the truth's time, against the truth between its samples."""
+    """(m, 3) time, distance (m) and absolute angle (rad) of estimates from the truth, which is interpolated."""
     if not len(truth):
         return np.empty((0, 3))
     within = estimate[(estimate[:, 0] >= truth[0, 0]) & (estimate[:, 0] <= truth[-1, 0])]
@@ -33,7 +33,7 @@ def errors(estimate: FloatArray, truth: FloatArray) -> FloatArray:
 
 
 def at_times(path: FloatArray, times: FloatArray) -> FloatArray:
-    """(n, 3) x, y, theta between the poses of a path of rows time, x, y, theta; NaN before and after it."""
+    """(n, 3) x, y, theta, interpolated on a path of rows time, x, y, theta; NaN before and after it."""
     if not len(path):
         return np.full((len(times), 3), np.nan)
     columns = (path[:, 1], path[:, 2], np.unwrap(path[:, 3]))
@@ -42,7 +42,7 @@ def at_times(path: FloatArray, times: FloatArray) -> FloatArray:
 
 
 def wrapped(angles: FloatArray) -> FloatArray:
-    """Angles in [-pi, pi)."""
+    """Angles wrapped to [-pi, pi)."""
     within: FloatArray = (angles + np.pi) % (2.0 * np.pi) - np.pi
     return within
 

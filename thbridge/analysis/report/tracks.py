@@ -1,4 +1,4 @@
-"""Robots out of what was heard of them: which topic is whose, and which are truth, odometry, estimate."""
+"""Assignment of topics to robots, and choice of each robot's truth, odometry and estimate among them."""
 
 from array import array
 from collections import defaultdict
@@ -30,25 +30,25 @@ BATTERIES = ("battery", "battery_state")
 COMMANDS = ("cmd_vel",)
 ESTIMATES = ("amcl_pose", "robot_pose", "slam_out_pose", "tracked_pose")
 NO_ESTIMATES = ("initialpose", "goal", "current_goal", "target")
-"""Poses on the map that somebody wants, or says."""
+"""Topics of poses on the map that are goals or guesses of people."""
 BASES = ("base_footprint", "base_link")
 
 
 def numbers() -> "array[float]":
-    """Room for rows of numbers, one behind the other: hours of them fit."""
+    """An empty compact array for rows of numbers, large enough for hours of poses."""
     return array("d")
 
 
 @dataclass(slots=True)
 class PoseSeries:
-    """Poses of one topic or transform.
+    """The poses of one topic or transform over time.
 
     Attributes:
-        frame: that they are in.
-        child: whose they are; "" where nobody says.
-        rows: time, x, y, theta, again and again.
-        speeds: time, m/s, rad/s, likewise.
-        deviations: time, standard deviations of position and heading, likewise.
+        frame: the frame of the poses.
+        child: the frame whose poses they are; "" where it is unknown.
+        rows: rows of time, x, y, theta, concatenated.
+        speeds: rows of time, m/s, rad/s.
+        deviations: rows of time, standard deviations of position (m) and heading (rad).
     """
 
     frame: str
@@ -64,16 +64,16 @@ class PoseSeries:
 
 @dataclass(slots=True)
 class SeriesByTopic:
-    """What was heard of robots, by topic.
+    """Data of robots over time, by topic.
 
     Attributes:
-        odometry: of type nav_msgs/Odometry.
-        poses: of types geometry_msgs/PoseWithCovarianceStamped and PoseStamped.
-        edges: of tf, by the namespace of its topic, parent and child; those only whose parent is a map or odometry.
-        energy: time, what is left.
-        commands: time, m/s, rad/s.
-        goals: by topic: name of the goal, when it was set; those under way.
-        legs: by topic: goals that ended.
+        odometry: poses of type nav_msgs/Odometry.
+        poses: poses of types geometry_msgs/PoseWithCovarianceStamped and PoseStamped.
+        edges: transforms whose parent is a map or odometry, by namespace of the tf topic, parent and child.
+        energy: rows of time, energy left.
+        commands: rows of time, m/s, rad/s.
+        goals: ids of the present goals, with the time when they were set.
+        attempts: goals that ended.
     """
 
     odometry: dict[str, PoseSeries] = field(default_factory=dict)
@@ -85,12 +85,12 @@ class SeriesByTopic:
     attempts: defaultdict[str, list[GoalAttempt]] = field(default_factory=lambda: defaultdict(list))
 
     def tracks(self, duration: float) -> tuple[Track, ...]:
-        """One for each robot, in the order of their numbers."""
+        """The track of each robot, in the order of their numbers."""
         robots = self._robots()
         return tuple(self._track(robot, robots, duration) for robot in sorted(robots, key=by_number))
 
     def _robots(self) -> frozenset[str]:
-        """Prefixes of frames and namespaces that are robots; "" is one without."""
+        """Names of the robots: prefixes of frames, and namespaces; "" for a robot without either."""
         odometry = {topic: poses.child for topic, poses in self.odometry.items()}
         edges = (key for key, poses in self.edges.items() if is_odom_frame(poses.frame))
         return robots_among(odometry, edges, (*self.energy, *self.goals, *self.attempts, *_estimates(self.poses)))
@@ -123,10 +123,10 @@ class SeriesByTopic:
 
 
 class _Sources:
-    """Which of the topics and transforms heard are one robot's truth, odometry and estimate.
+    """Chooses one robot's truth, odometry and estimate among topics and transforms.
 
     Attributes:
-        told: what was taken, for people.
+        told: sentences on the topics that were chosen, for people.
     """
 
     def __init__(self, heard: SeriesByTopic, robot: str, robots: frozenset[str]) -> None:
@@ -141,11 +141,11 @@ class _Sources:
         }
 
     def own(self, topics: Iterable[str]) -> list[str]:
-        """Those of the robot's namespace."""
+        """The topics that belong to the robot."""
         return [topic for topic in topics if owner_of(topic, self._robots) == self._robot]
 
     def truth(self) -> PoseSeries:
-        """Where it was, without rows where nobody says."""
+        """Its true poses; without rows if there are none."""
 
         def known(topic: str, _: PoseSeries) -> bool:
             return is_truth(topic)
@@ -156,13 +156,13 @@ class _Sources:
         return truth
 
     def odometry(self) -> PoseSeries:
-        """What its wheels counted, likewise."""
+        """Its odometry; without rows if there is none."""
         topics = _chosen(self._odometry, lambda topic, said: not is_truth(topic) and not is_map_frame(said.frame))
         edges = _chosen(self._edges, lambda _, said: is_odom_frame(said.frame))
         return self._take("odometry", (topics, (ODOM_FRAME,)), (edges, ()))
 
     def estimate(self, odometry: PoseSeries) -> FloatArray:
-        """(n, 4) time, x, y, theta: where it believed itself to be; the correction of its odometry before all."""
+        """(n, 4) time, x, y, theta of its estimated pose; preferably odometry with the corrections of map -> odom."""
         corrections = _chosen(
             self._edges,
             lambda _, said: is_map_frame(said.frame) and frame_name(said.child) == frame_name(odometry.frame),
@@ -175,12 +175,12 @@ class _Sources:
         return table(found.rows, 4)
 
     def admitted(self) -> "array[float]":
-        """Rows of what its localiser admits; see `Poses.deviations`."""
+        """Rows of the standard deviations that its localiser reports; see `PoseSeries.deviations`."""
         names = usual_first(_estimates(self._poses), ESTIMATES)
         return self._poses[names[0]].deviations if names else numbers()
 
     def _own_poses(self, heard: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
-        """By the prefix of the frame, if that is a robot's, else by the namespace."""
+        """The poses of the robot: by the prefix of their frame if it is a robot's, else by the namespace."""
         named = self._robots - {""}
         return {
             topic: poses
@@ -189,7 +189,7 @@ class _Sources:
         }
 
     def _take(self, what: str, *choices: tuple[Mapping[str, PoseSeries], tuple[str, ...]]) -> PoseSeries:
-        """Of the first choice that there is the usual one; none is poses without rows."""
+        """The poses with the most usual name in the first choice that has any; without rows if no choice has."""
         for candidates, usual in choices:
             if names := usual_first(candidates, usual):
                 others = f"; there is also {', '.join(names[1:])}" if len(names) > 1 else ""
@@ -199,7 +199,7 @@ class _Sources:
 
 
 def _first(heard: Mapping[str, "array[float]"], topics: Iterable[str], usual: tuple[str, ...]) -> "array[float]":
-    """The rows of the usual topic; none where there is no topic."""
+    """The rows of the topic with the most usual name; none without a topic."""
     names = usual_first(topics, usual)
     return heard[names[0]] if names else numbers()
 
@@ -209,7 +209,7 @@ def _chosen(heard: Mapping[str, PoseSeries], wanted: Callable[[str, PoseSeries],
 
 
 def _estimates(poses: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
-    """Poses on the map that may be a localiser's."""
+    """Poses on the map that may come from a localiser."""
     return _chosen(
         poses,
         lambda topic, said: is_map_frame(said.frame) and not is_truth(topic) and last_word(topic) not in NO_ESTIMATES,
@@ -217,7 +217,7 @@ def _estimates(poses: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
 
 
 def deviations(time: float, covariance: FloatArray) -> tuple[float, float, float] | None:
-    """A row of `Poses.deviations`; None where the covariance says nothing."""
+    """A row of `PoseSeries.deviations`; None when the covariance is not valid."""
     position, heading = covariance[0, 0] + covariance[1, 1], covariance[2, 2]
     if not (position >= 0.0 and heading >= 0.0):
         return None

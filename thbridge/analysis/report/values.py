@@ -1,4 +1,4 @@
-"""A session as a reader wants to see it. Times are seconds since the recording's first message."""
+"""Values of a report. Times are seconds since the recording's first message."""
 
 from dataclasses import dataclass
 
@@ -9,13 +9,13 @@ from thbridge.ros.messages.records import ScoreRecord, SessionRecord
 
 @dataclass(frozen=True, slots=True)
 class GoalAttempt:
-    """A robot's way to one goal.
+    """A robot's drive to one goal.
 
     Attributes:
         start: seconds.
-        end: seconds; the session's end while it was under way.
+        end: seconds; the session's end if it was still driving.
         outcome: "arrived", "no path", "cancelled" or "under way".
-        reason: why it ended so, for people; may be empty.
+        reason: the reason of the outcome, for people; may be empty.
     """
 
     start: float
@@ -26,21 +26,21 @@ class GoalAttempt:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Track:
-    """One robot.
+    """The data of one robot.
 
     Attributes:
-        name: "robot1"; of its namespace.
-        truth: (n, 4) time, x, y, theta in the map.
-        estimate: (m, 4) likewise, what it believed.
-        errors: (m, 3) time, metres, radians (not negative) between the two; empty when either is missing.
-        energy: (k, 2) time, energy left, in the game's units, or percent where the bag knows only that.
-        legs: its goals in order.
-        distance: metres driven; from the truth if there is one, else from what it believed, else from odometry.
+        name: "robot1", from its namespace.
+        truth: (n, 4) time, x, y, theta of its true pose in the map.
+        estimate: (m, 4) time, x, y, theta of its estimated pose in the map.
+        errors: (m, 3) time, distance (m) and absolute angle (rad) between the two; empty when either is missing.
+        energy: (k, 2) time, energy left, in the game's units, or in percent where the bag has only that.
+        attempts: its drives to goals, in order.
+        distance: metres driven; from the truth if there is one, else from the estimate, else from odometry.
         odometry: (o, 4) time, x, y, theta in the frame of odometry.
-        speeds: (o, 3) time, m/s, rad/s as odometry says; NaN where only tf does.
-        commands: (c, 3) time, m/s, rad/s that it was told to drive.
-        deviations: (d, 3) time, standard deviations of position (m) and heading (rad) that the localiser admits.
-        sources: which topics all this is from, for people.
+        speeds: (o, 3) time, m/s, rad/s of odometry messages; empty when odometry is only in tf.
+        commands: (c, 3) time, m/s, rad/s that were commanded.
+        deviations: (d, 3) time, standard deviations of position (m) and heading (rad) that the localiser reports.
+        sources: sentences on the topics that were used, for people.
     """
 
     name: str
@@ -59,12 +59,12 @@ class Track:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ObstacleTrack:
-    """Something that stood or walked in the way.
+    """A thing that stood or moved on the map.
 
     Attributes:
-        name: what people call it.
-        outline: (v, 2) closed, where it was seen first; map frame.
-        path: (n, 2) the middles of its outlines in order of time; one point if it stood.
+        name: its name.
+        outline: (v, 2) corners of its first outline, closed; map frame, metres.
+        path: (n, 2) centres of its outlines in order of time; one point if it stood.
     """
 
     name: str
@@ -74,15 +74,15 @@ class ObstacleTrack:
 
 @dataclass(frozen=True, slots=True)
 class TimelineEntry:
-    """Something that happened or was said.
+    """An event of the game, or an utterance.
 
     Attributes:
         time: seconds.
-        kind: an event's kind, or "said".
+        kind: an event's kind, or "said" for an utterance.
         who: "robot1", "participant", or empty.
-        room: as people count, or None.
-        text: for people.
-        points: what it brought or cost, None when that is not its matter.
+        room: the room's number, or None.
+        text: a text for people.
+        points: points won or lost; None for events without points.
     """
 
     time: float
@@ -95,18 +95,18 @@ class TimelineEntry:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Report:
-    """A session as a reader wants to see it.
+    """The report of a session.
 
     Attributes:
         duration: seconds.
-        session: what it was run with; None in foreign bags.
+        session: the session record; None in bags of others.
         grid: the map, or None.
-        tracks: one a robot, by name.
-        things: in the order of their appearance.
-        moments: in order of time.
-        score: the last one told, or None.
-        inputs: how many inputs of people were recorded.
-        missing: sentences on what could not be shown, and why.
+        tracks: data of each robot, by name.
+        things: the things, in the order of their appearance.
+        moments: events and utterances, in order of time.
+        score: the last score, or None.
+        inputs: number of inputs of people that were recorded.
+        missing: sentences on data that are missing, and why.
     """
 
     duration: float
