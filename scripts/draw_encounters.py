@@ -136,16 +136,16 @@ def play(encounter: Encounter, seed: int = 1) -> EncounterRun:
     return EncounterRun(np.array(poses), tuple(ends.get(robot) for robot in range(robots)), collisions)
 
 
-def draw(encounter: Encounter, course: EncounterRun, file: Path) -> None:
+def draw(encounter: Encounter, run: EncounterRun, file: Path) -> None:
     """Draw the hall with the trails, and the position along the hall against time."""
     figure, (plan, diagram) = plt.subplots(1, 2, figsize=(11.0, 3.6), width_ratios=(1.6, 1.0), layout="constrained")
     grid = hall(encounter.doors)
     plan.imshow(grid.cells, cmap="Greys", origin="lower", extent=(0.0, LENGTH, 0.0, WIDTH), vmin=0, vmax=160)
-    times = np.arange(len(course.poses)) * TICK
+    times = np.arange(len(run.poses)) * TICK
     colours = plt.get_cmap("tab10")
     footprint = np.array(WorldParameters().footprint)
     for robot, goal in enumerate(encounter.goals):
-        trail = course.poses[:, robot]
+        trail = run.poses[:, robot]
         colour = "black" if goal is None else colours(robot % 10)
         plan.plot(trail[:, 0], trail[:, 1], color=colour, linewidth=1.2)
         plan.fill(*Pose2(*trail[0]).transform(footprint).T, color=colour, alpha=0.35)
@@ -153,12 +153,12 @@ def draw(encounter: Encounter, course: EncounterRun, file: Path) -> None:
         diagram.plot(times, trail[:, 0], color=colour, linewidth=1.2)
     diagram.axhline(WALL_AT, color="grey", linestyle=":", linewidth=1.0)
     plan.set(xlabel="x, metres", ylabel="y, metres", title=encounter.title)
-    last = max((end[1] for end in course.ends if end is not None), default=0.0)
-    told = sorted({end[0].replace("_", " ") for end in course.ends if end is not None})
+    last = max((end[1] for end in run.ends if end is not None), default=0.0)
+    results = sorted({end[0].replace("_", " ") for end in run.ends if end is not None})
     diagram.set(
         xlabel="simulated seconds",
         ylabel="x, metres",
-        title=f"{', '.join(told)}; last after {last:.0f} s; collisions: {course.collisions}",
+        title=f"{', '.join(results)}; last after {last:.0f} s; collisions: {run.collisions}",
     )
     diagram.title.set_fontsize(9)
     figure.savefig(file, dpi=110, metadata={"Software": None})
@@ -172,9 +172,9 @@ def main() -> None:
     into: Path = parser.parse_args().into
     into.mkdir(parents=True, exist_ok=True)
     for name, encounter in ENCOUNTERS.items():
-        course = play(encounter())
-        draw(encounter(), course, into / f"{name}.png")
-        print(name, course.ends, "collisions", course.collisions)
+        run = play(encounter())
+        draw(encounter(), run, into / f"{name}.png")
+        print(name, run.ends, "collisions", run.collisions)
 
 
 if __name__ == "__main__":

@@ -415,10 +415,10 @@ def map_times(grid: OccupancyGrid, places: list[Pose2]) -> str:
     for start in range(len(places)):
         row = []
         for goal in range(len(places)):
-            way = found.get((start, goal))
+            path = found.get((start, goal))
             # No robot is sent to the corridor, for which the format has 99, so no cost may be 99.
-            moves = way is not None and goal != 0
-            row.append(str(min(98, round(way.length / SPEED + way.turned / TURN_RATE))) if moves and way else "99")
+            moves = path is not None and goal != 0
+            row.append(str(min(98, round(path.length / SPEED + path.turned / TURN_RATE))) if moves and path else "99")
         lines.append(" ".join(row))
     return "\n".join(lines) + "\n"
 

@@ -45,9 +45,9 @@ def running(command: list[str], environment: dict[str, str], log: Path) -> Itera
                 process.wait()
 
 
-def wait_for_port(port: int, patience: float) -> None:
+def wait_for_port(port: int, timeout: float) -> None:
     """Return when a server listens on the port. Raises TimeoutError."""
-    end = time.monotonic() + patience
+    end = time.monotonic() + timeout
     while time.monotonic() < end:
         with socket.socket() as probe:
             if probe.connect_ex(("127.0.0.1", port)) == 0:

@@ -265,8 +265,8 @@ def candy_box() -> Solid:
     wrappers = [rgb(code) for code in (0xE8262B, 0xFFD21F, 0x2C7BE5, 0xFF7AC0, 0xFF8A1E, 0x9A3FD5, 0xFFFFFF)]
 
     def nearest_sweet(points: Floats) -> tuple[Floats, NDArray[np.int64]]:
-        ways = np.stack([np.linalg.norm(points - np.array(sweet), axis=1) for sweet in sweets])
-        return ways.min(axis=0) - 0.19, ways.argmin(axis=0)
+        distances = np.stack([np.linalg.norm(points - np.array(sweet), axis=1) for sweet in sweets])
+        return distances.min(axis=0) - 0.19, distances.argmin(axis=0)
 
     def distance(points: Floats) -> Floats:
         spun = turned(points, angle)
@@ -290,8 +290,8 @@ def candy_box() -> Solid:
         paint[front & (away < 0.30) & spiral] = rgb(0xE8262B)
         inside = (spun[:, 2] > -0.64) & (y > 1.1) & ~front
         paint[inside & (spun[:, 2] < -0.55)] = rgb(0x2BA84A)
-        way, which = nearest_sweet(spun)
-        on_sweet = way < 0.004
+        distance_to_sweet, which = nearest_sweet(spun)
+        on_sweet = distance_to_sweet < 0.004
         stripes = np.sin(22.0 * (x + 0.6 * y)) > 0.45
         paint[on_sweet] = np.array(wrappers)[which[on_sweet] % len(wrappers)]
         paint[on_sweet & stripes] = 0.5 * paint[on_sweet & stripes] + 0.5
@@ -300,7 +300,7 @@ def candy_box() -> Solid:
     return Solid(distance, colour, gloss=0.6, sharpness=50.0)
 
 
-def march(solid: Solid, start: Floats, way: Floats, far: float) -> tuple[Floats, Floats]:
+def march(solid: Solid, start: Floats, direction: Floats, far: float) -> tuple[Floats, Floats]:
     """Follow rays (n, 3) to the solid by sphere tracing (Hart 1996): each step is as long as the solid is away.
 
     Returns:
@@ -312,7 +312,7 @@ def march(solid: Solid, start: Floats, way: Floats, far: float) -> tuple[Floats,
     hit = np.zeros(len(start), dtype=bool)
     active = np.arange(len(start))
     for _ in range(160):
-        gap = solid.distance(start[active] + gone[active, None] * way[active])
+        gap = solid.distance(start[active] + gone[active, None] * direction[active])
         narrow[active] = np.minimum(narrow[active], np.maximum(gap, 0.0) / gone[active])
         hit[active[gap < 0.0015]] = True
         # Patterns pressed into a surface bend the field a little; short steps keep the ray from jumping through.
@@ -341,29 +341,29 @@ def draw(solid: Solid) -> Image.Image:
     up = np.cross(right, forward)
     steps = (np.arange(side) + 0.5) / side * 2.0 - 1.0
     across, along = np.meshgrid(steps, -steps)
-    way = forward + 0.245 * (across.reshape(-1, 1) * right + along.reshape(-1, 1) * up)
-    way /= np.linalg.norm(way, axis=1, keepdims=True)
-    eye = np.broadcast_to(EYE, way.shape)
+    direction = forward + 0.245 * (across.reshape(-1, 1) * right + along.reshape(-1, 1) * up)
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+    eye = np.broadcast_to(EYE, direction.shape)
 
-    light = background(solid, eye, way)
+    light = background(solid, eye, direction)
     # Only rays that pass near the treasure need to be followed.
-    nearest = -((EYE - LOOK_AT) * way).sum(axis=1)
-    passing = np.flatnonzero(np.linalg.norm(EYE + nearest[:, None] * way - LOOK_AT, axis=1) < 1.6)
-    reach, _ = march(solid, eye[passing], way[passing], 12.0)
+    nearest = -((EYE - LOOK_AT) * direction).sum(axis=1)
+    passing = np.flatnonzero(np.linalg.norm(EYE + nearest[:, None] * direction - LOOK_AT, axis=1) < 1.6)
+    reach, _ = march(solid, eye[passing], direction[passing], 12.0)
     seen = passing[np.isfinite(reach)]
-    points = EYE + reach[np.isfinite(reach), None] * way[seen]
-    light[seen] = lit(solid, points, way[seen])
+    points = EYE + reach[np.isfinite(reach), None] * direction[seen]
+    light[seen] = lit(solid, points, direction[seen])
 
     picture = np.clip(light, 0.0, 1.0) ** (1.0 / 2.2)
     picture = picture.reshape(SIZE, OVERSAMPLING, SIZE, OVERSAMPLING, 3).mean(axis=(1, 3))
     return Image.fromarray(np.round(picture * 255.0).astype(np.uint8))
 
 
-def background(solid: Solid, eye: Floats, way: Floats) -> Floats:
+def background(solid: Solid, eye: Floats, direction: Floats) -> Floats:
     """Return the (n, 3) light of the floor with the treasure's shadow, going over into the wall."""
-    below = way[:, 1] < -0.02
-    reach = np.where(below, -eye[:, 1] / np.where(below, way[:, 1], -1.0), 40.0)
-    points = eye + reach[:, None] * way
+    below = direction[:, 1] < -0.02
+    reach = np.where(below, -eye[:, 1] / np.where(below, direction[:, 1], -1.0), 40.0)
+    points = eye + reach[:, None] * direction
     fade = np.clip((np.hypot(points[:, 0], points[:, 2]) - 2.5) / 6.0, 0.0, 1.0)[:, None]
     light = (1.0 - fade) * FLOOR**2.2 + fade * WALL**2.2
     near = np.flatnonzero(below & (np.hypot(points[:, 0], points[:, 2]) < 4.0))
@@ -374,17 +374,17 @@ def background(solid: Solid, eye: Floats, way: Floats) -> Floats:
     return light
 
 
-def lit(solid: Solid, points: Floats, way: Floats) -> Floats:
+def lit(solid: Solid, points: Floats, direction: Floats) -> Floats:
     """Return the (n, 3) light of points on the treasure, seen along `direction`."""
     normal = normals(solid, points)
     _, narrow = march(solid, points + 0.03 * normal, np.broadcast_to(LIGHT, points.shape), 4.0)
     sun = np.clip(normal @ LIGHT, 0.0, 1.0) * np.clip(narrow * 9.0, 0.0, 1.0)
     sky = 0.5 + 0.5 * normal[:, 1]
     floor = np.clip(0.55 + points[:, 1], 0.55, 1.0)
-    halfway = LIGHT - way
+    halfway = LIGHT - direction
     halfway /= np.linalg.norm(halfway, axis=1, keepdims=True)
     shine = solid.gloss * np.clip((normal * halfway).sum(axis=1), 0.0, 1.0) ** solid.sharpness * (narrow > 0.0)
-    rim = 0.25 * solid.gloss * (1.0 + np.clip((normal * way).sum(axis=1), -1.0, 0.0)) ** 4
+    rim = 0.25 * solid.gloss * (1.0 + np.clip((normal * direction).sum(axis=1), -1.0, 0.0)) ** 4
     paint = solid.colour(points)
     ambient = floor * (0.16 + 0.30 * sky)
     return paint * (ambient + 0.85 * sun)[:, None] + (0.75 * shine + rim * floor)[:, None]

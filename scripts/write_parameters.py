@@ -154,16 +154,16 @@ def document() -> str:
     robot = RobotParameters()
     parts = [HEAD]
     for sections, title in TITLES.items():
-        tables, said = [], []
+        tables, headings = [], []
         for section in sections:
             own = getattr(robot, section, None)
             if own is None:
                 continue
             tables.append(list(rows(type(own)(), own, ours=section in WITHOUT_ROS)))
-            said.append(f"`{section}`: {(type(own).__doc__ or '').splitlines()[0]}")
+            headings.append(f"`{section}`: {(type(own).__doc__ or '').splitlines()[0]}")
         if not tables:
             continue
-        parts.append(f"\n## {title}\n\n{' '.join(said)}\n")
+        parts.append(f"\n## {title}\n\n{' '.join(headings)}\n")
         parts.append("| name | here | ROS | hunts | unit | range | meaning |\n|---|---|---|---|---|---|---|")
         parts += [row.line() for row in (both(*tables) if len(tables) == 2 else tables[0])]
     return "\n".join(parts) + "\n"

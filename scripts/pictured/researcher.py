@@ -46,17 +46,17 @@ SPOKEN_FOR: Mapping[int, Request] = {
 """Robot 1 has been told where to go and is to say so; robot 2 is asked."""
 
 
-def play(listeners: Sequence[Listener], ticks: int, befalls: Mapping[int, Request]) -> None:
+def play(listeners: Sequence[Listener], ticks: int, requests: Mapping[int, Request]) -> None:
     """Play the beginning of a hunt with a simulated participant."""
     setting = read_setting(STUDY, Path())
     participant = TabUI(build_bot(setting.templates, STUDY.participant.strategy, STUDY.seed))
-    said = setting.record(PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
-    witness = BagRecorder(Broadcast(setting.publisher(), said, setting.map.grid, listeners))
+    record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
+    recorder = BagRecorder(Broadcast(setting.publisher(), record, setting.map.grid, listeners))
     roles = [setting.simr(), setting.hider()]
-    hunt = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [witness], participant)
+    hunt = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [recorder], participant)
     for tick in range(ticks):
-        if tick in befalls:
-            hunt.ask("watch", befalls[tick])
+        if tick in requests:
+            hunt.ask("watch", requests[tick])
         hunt.step()
 
 
@@ -99,12 +99,12 @@ class _RecordedClient(WatchClient):
 
     def __init__(self, events: list[WatchEvent]) -> None:
         super().__init__("", 0)
-        self._said = events
+        self._events = events
 
     def take(self) -> list[WatchEvent]:
         """Return all events at once."""
-        said, self._said = self._said, []
-        return said
+        events, self._events = self._events, []
+        return events
 
     def send(self, line: bytes) -> bool:
         """Drop the line: there is no server."""
@@ -125,22 +125,22 @@ class _MessageCollector:
     """Collects the messages of a session, as a watch client would receive them."""
 
     def __init__(self) -> None:
-        self.said: list[WatchEvent] = [WatchConnected()]
+        self.events: list[WatchEvent] = [WatchConnected()]
 
     def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
         """Keep the messages."""
-        self.said += [
+        self.events += [
             SessionMessage(each.topic.name, each.topic.msgtype, each.stamp_ns, each.data) for each in messages
         ]
 
 
 def live() -> Iterator[Shot]:
     """A session in which the researcher speaks for robot 1."""
-    ear = _MessageCollector()
-    play([ear], 700, SPOKEN_FOR)
+    collector = _MessageCollector()
+    play([collector], 700, SPOKEN_FOR)
     status = WatchStatus(paused=False, rate=1.0, lag=0.0, watchers=1, dropped=0)
-    ear.said.append(SessionMessage(STATUS, "std_msgs/String", 14_000_000_000, status.data()))
-    feed = session.SessionFeed(_Connection(_RecordedClient(ear.said)), "127.0.0.1:6010")
+    collector.events.append(SessionMessage(STATUS, "std_msgs/String", 14_000_000_000, status.data()))
+    feed = session.SessionFeed(_Connection(_RecordedClient(collector.events)), "127.0.0.1:6010")
     window = ResearcherWindow(feed, "127.0.0.1:6010", LIGHT, lambda: 0.0)
     window.show()
     _raise(window, "Wizard")

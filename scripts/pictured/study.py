@@ -63,13 +63,13 @@ def shot(name: str, window: StudyWindow) -> Shot:
     )
 
 
-def _type(window: StudyWindow, key: str, said: str) -> None:
+def _type(window: StudyWindow, key: str, text: str) -> None:
     """Type into a field as by hand."""
     window.open_field(key)
     line = window.fields.rows[key].findChild(QLineEdit)
     if line is not None:
         line.selectAll()
-        QTest.keyClicks(line, said)
+        QTest.keyClicks(line, text)
     _wait(lambda: window.editor.settled)
 
 

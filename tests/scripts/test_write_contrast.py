@@ -18,7 +18,7 @@ sys.modules["write_contrast"] = script
 SPEC.loader.exec_module(script)
 
 PALETTES = pytest.mark.parametrize("palette", [LIGHT, DARK], ids=["light", "dark"])
-ROLE = re.compile(r"(?:palette|worn|colours(?:\(\))?)\.(\w+)")
+ROLE = re.compile(r"(?:palette|colours(?:\(\))?)\.(\w+)")
 
 
 def roles_named_in(module: Path) -> set[str]:

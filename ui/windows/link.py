@@ -92,9 +92,9 @@ class ParticipantLink:
         """Return the events since the last call, oldest first."""
         return [self._events.popleft() for _ in range(len(self._events))]
 
-    def request(self, wishes: tuple[ParticipantRequest, ...]) -> None:
+    def request(self, requests: tuple[ParticipantRequest, ...]) -> None:
         """Set all open requests; each is sent again until it is granted."""
-        self._requested = wishes
+        self._requested = requests
 
     # The thread's side
 
@@ -104,25 +104,25 @@ class ParticipantLink:
     async def _converse(self) -> None:
         player = _WindowPlayer()
         role = TabUI(player, self)
-        lodger = _ClockedRole(role, self._tell)
+        runner = _ClockedRole(role, self._report)
         client = TextClient(role.name, self._token, *self._address, RECONNECT_BACKOFF)
         async with client.running():
             while not self._stopped.is_set():
                 if player.requested != self._requested:
                     player.requested = self._requested
                     role.poll_player()
-                exchange(lodger, client, self._lost)
+                exchange(runner, client, self._lost)
                 await asyncio.sleep(POLL_PERIOD)
 
     def observe(self, level: View | House | Whereabouts | Ways | Picture) -> None:
         """Pass on a notice that the role received; see `thbridge.roles.tabui.ParticipantObserver`."""
-        self._tell(level)
+        self._report(level)
 
     def _lost(self, lost: ConnectionLost) -> None:
-        self._tell(ServerLost(LOSS_SENTENCES[lost.reason]))
+        self._report(ServerLost(LOSS_SENTENCES[lost.reason]))
 
-    def _tell(self, news: ServerEvent) -> None:
-        self._events.append(ReceivedEvent(time.monotonic(), news))
+    def _report(self, event: ServerEvent) -> None:
+        self._events.append(ReceivedEvent(time.monotonic(), event))
 
 
 class _WindowPlayer:
@@ -138,16 +138,16 @@ class _WindowPlayer:
 class _ClockedRole:
     """Steps the role by the wall clock, and reports to the window that the server is reached."""
 
-    def __init__(self, role: TabUI, tell: Callable[[ServerEvent], None]) -> None:
+    def __init__(self, role: TabUI, report: Callable[[ServerEvent], None]) -> None:
         self._role = role
-        self._tell = tell
+        self._report = report
         self._begin = time.monotonic()
         self._messages: list[TextMessage] = []
 
     def connected(self) -> None:
         """See `RoleRunner`, for this and the next two."""
         self._role.connected()
-        self._tell(ServerReached())
+        self._report(ServerReached())
 
     def receive(self, message: TextMessage) -> None:
         """Keep a message for the next step."""

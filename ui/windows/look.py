@@ -143,60 +143,65 @@ def style_as_panel(widget: QWidget) -> None:
 
 def text_colour_on(colour: str) -> str:
     """The palette's text colour that is read best on a colour."""
-    worn = colours()
-    return max((worn.panel, worn.text, worn.on_accent), key=lambda text: contrast(text, colour))
+    palette = colours()
+    return max((palette.panel, palette.text, palette.on_accent), key=lambda text: contrast(text, colour))
 
 
-def _sheet(worn: Palette) -> str:
+def _sheet(palette: Palette) -> str:
     """The style sheet: all that Qt's palette cannot express."""
     return f"""
-    QToolTip {{ color: {worn.text}; background: {worn.panel}; border: 1px solid {worn.line}; padding: {GAP // 2}px; }}
-    QLabel[muted="true"] {{ color: {worn.muted}; }}
-    QLabel[bad="true"] {{ color: {worn.bad}; }}
+    QToolTip {{
+        color: {palette.text}; background: {palette.panel}; border: 1px solid {palette.line}; padding: {GAP // 2}px;
+    }}
+    QLabel[muted="true"] {{ color: {palette.muted}; }}
+    QLabel[bad="true"] {{ color: {palette.bad}; }}
     QWidget[panel="true"] {{
-        background: {worn.panel}; border: 1px solid {worn.line}; border-radius: {RADIUS}px;
+        background: {palette.panel}; border: 1px solid {palette.line}; border-radius: {RADIUS}px;
     }}
     QPushButton {{
-        background: {worn.panel}; border: 1px solid {worn.line}; border-radius: {RADIUS - 2}px;
+        background: {palette.panel}; border: 1px solid {palette.line}; border-radius: {RADIUS - 2}px;
         padding: {GAP // 2 + 1}px {2 * GAP}px;
     }}
-    QPushButton:hover, QPushButton:pressed, QPushButton:checked {{ background: {worn.track}; }}
-    QPushButton:disabled {{ color: {worn.muted}; border-style: dashed; }}
-    QPushButton:focus {{ border: {RING}px solid {worn.accent}; }}
-    QPushButton:default {{ background: {worn.accent}; color: {worn.on_accent}; border-color: {worn.accent}; }}
-    QPushButton:default:focus {{ border: {RING}px solid {worn.text}; }}
+    QPushButton:hover, QPushButton:pressed, QPushButton:checked {{ background: {palette.track}; }}
+    QPushButton:disabled {{ color: {palette.muted}; border-style: dashed; }}
+    QPushButton:focus {{ border: {RING}px solid {palette.accent}; }}
+    QPushButton:default {{ background: {palette.accent}; color: {palette.on_accent}; border-color: {palette.accent}; }}
+    QPushButton:default:focus {{ border: {RING}px solid {palette.text}; }}
     QLineEdit, QComboBox, QPlainTextEdit, QTreeWidget, QListWidget {{
-        background: {worn.panel}; border: 1px solid {worn.line}; border-radius: {RADIUS // 2}px; padding: {GAP // 2}px;
+        background: {palette.panel}; border: 1px solid {palette.line}; border-radius: {RADIUS // 2}px;
+        padding: {GAP // 2}px;
     }}
     QLineEdit:focus, QComboBox:focus, QPlainTextEdit:focus, QTreeWidget:focus, QListWidget:focus {{
-        border: {RING}px solid {worn.accent}; padding: {GAP // 2 - 1}px;
+        border: {RING}px solid {palette.accent}; padding: {GAP // 2 - 1}px;
     }}
     QComboBox::drop-down {{ border: none; width: {3 * GAP}px; }}
-    QSlider[fine="true"]::groove {{ height: 4px; border-radius: 2px; background: {worn.line}; }}
-    QSlider[fine="true"]::sub-page {{ border-radius: 2px; background: {worn.accent}; }}
+    QSlider[fine="true"]::groove {{ height: 4px; border-radius: 2px; background: {palette.line}; }}
+    QSlider[fine="true"]::sub-page {{ border-radius: 2px; background: {palette.accent}; }}
     QSlider[fine="true"]::handle {{
-        width: 12px; margin: -5px 0; border: 1px solid {worn.line}; border-radius: 6px; background: {worn.panel};
+        width: 12px; margin: -5px 0; border: 1px solid {palette.line}; border-radius: 6px; background: {palette.panel};
     }}
-    QSlider[fine="true"]::handle:focus {{ border: {RING}px solid {worn.accent}; width: 10px; }}
+    QSlider[fine="true"]::handle:focus {{ border: {RING}px solid {palette.accent}; width: 10px; }}
     QCheckBox {{ spacing: {GAP}px; }}
     QCheckBox::indicator {{
-        width: 14px; height: 14px; border: 1px solid {worn.line}; border-radius: 3px; background: {worn.panel};
+        width: 14px; height: 14px; border: 1px solid {palette.line}; border-radius: 3px; background: {palette.panel};
     }}
-    QCheckBox::indicator:checked {{ background: {worn.accent}; border-color: {worn.accent}; }}
-    QCheckBox::indicator:focus {{ border: {RING}px solid {worn.text}; width: 12px; height: 12px; }}
-    QCheckBox::indicator:checked:disabled {{ background: {worn.muted}; border-color: {worn.muted}; }}
-    QListView[roomy="true"] {{ border: 1px solid {worn.line}; border-radius: {RADIUS - 2}px; padding: {GAP // 2}px; }}
-    QListView[roomy="true"]:focus {{ border: {RING}px solid {worn.accent}; padding: {GAP // 2 - 1}px; }}
+    QCheckBox::indicator:checked {{ background: {palette.accent}; border-color: {palette.accent}; }}
+    QCheckBox::indicator:focus {{ border: {RING}px solid {palette.text}; width: 12px; height: 12px; }}
+    QCheckBox::indicator:checked:disabled {{ background: {palette.muted}; border-color: {palette.muted}; }}
+    QListView[roomy="true"] {{
+        border: 1px solid {palette.line}; border-radius: {RADIUS - 2}px; padding: {GAP // 2}px;
+    }}
+    QListView[roomy="true"]:focus {{ border: {RING}px solid {palette.accent}; padding: {GAP // 2 - 1}px; }}
     QListView[roomy="true"]::item {{ padding: {GAP // 2 + 1}px {GAP}px; border-radius: {RADIUS // 2}px; }}
-    QListView[roomy="true"]::item:selected {{ background: {worn.accent}; color: {worn.on_accent}; }}
+    QListView[roomy="true"]::item:selected {{ background: {palette.accent}; color: {palette.on_accent}; }}
     QScrollArea {{ border: none; background: transparent; }}
     QScrollBar {{ background: transparent; border: none; }}
     QScrollBar:vertical {{ width: {GAP + 4}px; }}
     QScrollBar:horizontal {{ height: {GAP + 4}px; }}
-    QScrollBar::handle {{ background: {worn.line}; border-radius: 3px; margin: 3px; }}
+    QScrollBar::handle {{ background: {palette.line}; border-radius: 3px; margin: 3px; }}
     QScrollBar::handle:vertical {{ min-height: {4 * GAP}px; }}
     QScrollBar::handle:horizontal {{ min-width: {4 * GAP}px; }}
-    QScrollBar::handle:hover {{ background: {worn.muted}; }}
+    QScrollBar::handle:hover {{ background: {palette.muted}; }}
     QScrollBar::add-line, QScrollBar::sub-line {{ width: 0; height: 0; }}
     QScrollBar::add-page, QScrollBar::sub-page {{ background: transparent; }}
     """

@@ -115,14 +115,14 @@ class GamePage(QWidget):
     def pump(self) -> None:
         """Take the events from the server, and set the open requests."""
         now = self._clock()
-        for heard in self._link.take_events():
-            match heard.event:
+        for received in self._link.take_events():
+            match received.event:
                 case ServerReached():
-                    self._model.connected(heard.time)
+                    self._model.connected(received.time)
                 case ServerLost(sentence):
-                    self._model.lost(sentence, heard.time)
-                case level:
-                    self._model.receive(level, heard.time)
+                    self._model.lost(sentence, received.time)
+                case notice:
+                    self._model.receive(notice, received.time)
         self._link.request(self._model.requests())
         screen = self._model.screen(now)
         if self._practice:
@@ -143,20 +143,20 @@ class ParticipantMainWindow(QMainWindow):
 
     Args:
         appearance: colours.
-        say: sends to the host; None where there is none.
+        send: sends to the host; None where there is none.
         clock: monotonic seconds.
     """
 
     def __init__(
         self,
         appearance: look.Appearance,
-        say: Callable[[FromWindow], None] | None,
+        send: Callable[[FromWindow], None] | None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         super().__init__()
         self._clock = clock
         self._appearance = appearance
-        self._say = say
+        self._send_to_host = send
         self._leaving = False
         self._offer: Offer | None = None
         self.game: GamePage | None = None
@@ -171,12 +171,12 @@ class ParticipantMainWindow(QMainWindow):
         self._pumping.timeout.connect(self._pump)
         self._pumping.start(FRAME)
 
-    def receive(self, said: FromHost) -> None:
+    def receive(self, message: FromHost) -> None:
         """Act on a message of the host."""
-        match said:
+        match message:
             case Offer():
-                self._offer = said
-                self._show_start(said)
+                self._offer = message
+                self._show_start(message)
             case Preparing(sentence):
                 page = ConnectingPage()
                 page.show_waiting(sentence)
@@ -186,7 +186,7 @@ class ParticipantMainWindow(QMainWindow):
 
     def join(self, link: ParticipantLink, practice: bool = False) -> None:
         """Show a game."""
-        back = None if self._say is None else self._go_back
+        back = None if self._send_to_host is None else self._go_back
         game = GamePage(link, self._appearance, practice, back, self._clock)
         self._show(game)
         self.game = game
@@ -206,8 +206,8 @@ class ParticipantMainWindow(QMainWindow):
         if self.game is not None:
             self.game.leave()
             self.game = None
-        if self._say is not None:
-            self._say(WindowClosed())
+        if self._send_to_host is not None:
+            self._send_to_host(WindowClosed())
         event.accept()
         QApplication.quit()
 
@@ -217,7 +217,7 @@ class ParticipantMainWindow(QMainWindow):
         box.setText("The game is not over. Leave it?")
         ends = (
             "The game ends if you leave it."
-            if self._say is not None
+            if self._send_to_host is not None
             else "The robots go on with what they are doing; you can come back."
         )
         box.setInformativeText(ends)
@@ -239,9 +239,9 @@ class ParticipantMainWindow(QMainWindow):
     def _go_back(self) -> None:
         self._send(Back())
 
-    def _send(self, said: FromWindow) -> None:
-        if self._say is not None:
-            self._say(said)
+    def _send(self, message: FromWindow) -> None:
+        if self._send_to_host is not None:
+            self._send_to_host(message)
 
     def _show(self, page: QWidget) -> None:
         if self.game is not None:
@@ -271,10 +271,10 @@ class HostPipe(QObject):
         self.startTimer(FRAME)
 
     @staticmethod
-    def send(said: FromWindow) -> None:
+    def send(message: FromWindow) -> None:
         """Send a message; when the host is gone, nobody needs it any more."""
         try:
-            sys.stdout.buffer.write(encode(said))
+            sys.stdout.buffer.write(encode(message))
             sys.stdout.buffer.flush()
         except OSError:
             pass
@@ -282,11 +282,11 @@ class HostPipe(QObject):
     def timerEvent(self, _event: QEvent) -> None:
         """Pass its messages on to the window."""
         while self._received:
-            said = self._received.popleft()
-            if said is None:
+            message = self._received.popleft()
+            if message is None:
                 self._window.leave()
             else:
-                self._window.receive(said)
+                self._window.receive(message)
 
     def _listen(self) -> None:
         for text in sys.stdin.buffer:

@@ -13,7 +13,7 @@ from ui.windows.look import apply_palette
 
 
 @pytest.fixture(params=[LIGHT, DARK], ids=["light", "dark"])
-def worn(request: pytest.FixtureRequest, qapp: QApplication) -> Iterator[Palette]:
+def palette(request: pytest.FixtureRequest, qapp: QApplication) -> Iterator[Palette]:
     apply_palette(qapp, request.param)
     yield request.param
     apply_palette(qapp, LIGHT)
@@ -32,19 +32,19 @@ def colours_across(image: QImage, row: int, least: int, most: int) -> set[str]:
 
 
 @pytest.mark.parametrize("made", [QLineEdit, ChoiceBox, lambda: CheckBox("")], ids=["line", "choices", "tick"])
-def test_edges_stand_out(qtbot: QtBot, worn: Palette, made) -> None:
+def test_edges_stand_out(qtbot: QtBot, palette: Palette, made) -> None:
     image = drawn(qtbot, made())
     inside = image.pixelColor(8, 16).name()
     assert max(contrast(colour, inside) for colour in colours_across(image, 16, 0, 3)) >= 3.0
 
 
-def test_a_tick_is_told_by_its_shape_too(qtbot: QtBot, worn: Palette) -> None:
+def test_a_tick_is_told_by_its_shape_too(qtbot: QtBot, palette: Palette) -> None:
     tick = CheckBox("")
     tick.setChecked(True)
     within = colours_across(drawn(qtbot, tick), 16, 4, 12)
-    assert max(contrast(colour, worn.accent) for colour in within) >= 3.0
+    assert max(contrast(colour, palette.accent) for colour in within) >= 3.0
 
 
-def test_choices_have_an_arrow(qtbot: QtBot, worn: Palette) -> None:
+def test_choices_have_an_arrow(qtbot: QtBot, palette: Palette) -> None:
     image = drawn(qtbot, ChoiceBox())
-    assert max(contrast(colour, worn.panel) for colour in colours_across(image, 16, 138, 150)) >= 3.0
+    assert max(contrast(colour, palette.panel) for colour in colours_across(image, 16, 138, 150)) >= 3.0

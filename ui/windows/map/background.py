@@ -34,13 +34,13 @@ class MapBackground:
 
     def __init__(self, palette: Palette) -> None:
         self._palette = palette
-        self._plan: MapGeometry | None = None
+        self._geometry: MapGeometry | None = None
         self._rooms: tuple[RoomMark, ...] = ()
         self._picture: _Picture | None = None
 
-    def show_geometry(self, plan: MapGeometry) -> None:
+    def show_geometry(self, geometry: MapGeometry) -> None:
         """Show another floor plan."""
-        self._plan, self._picture = plan, None
+        self._geometry, self._picture = geometry, None
 
     def show_rooms(self, rooms: Sequence[RoomMark]) -> None:
         """Show the rooms as they are now."""
@@ -86,22 +86,22 @@ class MapBackground:
         pixmap.setDevicePixelRatio(ratio)
         pixmap.fill(QColor(self._palette.unknown))
         painter = QPainter(pixmap)
-        if self._plan is not None:
-            self._fill(painter, wide, self._plan, self._plan.floor, self._palette.floor)
+        if self._geometry is not None:
+            self._fill(painter, wide, self._geometry, self._geometry.floor, self._palette.floor)
         paint_floors(painter, wide, self._rooms, self._palette)
-        if self._plan is not None:
-            self._fill(painter, wide, self._plan, self._plan.walls, self._palette.wall)
-        words = paint_signs(painter, wide, self._rooms, self._palette, font, self._plan)
+        if self._geometry is not None:
+            self._fill(painter, wide, self._geometry, self._geometry.walls, self._palette.wall)
+        words = paint_signs(painter, wide, self._rooms, self._palette, font, self._geometry)
         painter.end()
         return _Picture(pixmap, wide, ratio, words)
 
-    def _fill(self, painter: QPainter, camera: Camera, plan: MapGeometry, boxes: Boxes, colour: str) -> None:
+    def _fill(self, painter: QPainter, camera: Camera, geometry: MapGeometry, boxes: Boxes, colour: str) -> None:
         painter.save()
-        px, py = camera.pixel(plan.origin.x, plan.origin.y)
-        cell = camera.scale * plan.resolution
-        transform = QTransform.fromTranslate(px, py).rotateRadians(-plan.origin.theta).scale(cell, -cell)
+        px, py = camera.pixel(geometry.origin.x, geometry.origin.y)
+        cell = camera.scale * geometry.resolution
+        transform = QTransform.fromTranslate(px, py).rotateRadians(-geometry.origin.theta).scale(cell, -cell)
         painter.setTransform(transform, True)
-        turned = plan.origin.theta % (math.pi / 2.0) != 0.0
+        turned = geometry.origin.theta % (math.pi / 2.0) != 0.0
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, turned)
         if turned:
             # Smooth edges of neighbours leave a hairline between them, which an outline covers.

@@ -140,45 +140,45 @@ class Badges:
         """Forget all pictures, for another palette or font."""
         self._made.clear()
 
-    def of(self, lettering: BadgeText, palette: Palette, font: QFont, ratio: float) -> Badge:
+    def of(self, badge_text: BadgeText, palette: Palette, font: QFont, ratio: float) -> Badge:
         """The picture of a label."""
-        key = (lettering, ratio, palette.panel)
+        key = (badge_text, ratio, palette.panel)
         badge = self._made.get(key)
         if badge is None:
-            badge = self._made[key] = _made(lettering, palette, font, ratio)
+            badge = self._made[key] = _made(badge_text, palette, font, ratio)
         return badge
 
 
-def _made(lettering: BadgeText, palette: Palette, font: QFont, ratio: float) -> Badge:
+def _made(badge_text: BadgeText, palette: Palette, font: QFont, ratio: float) -> Badge:
     face = QFont(font)
     face.setPixelSize(TEXT_HEIGHT)
     face.setWeight(QFont.Weight.Bold)
     metrics = QFontMetricsF(face)
-    warning = SIGN_WIDTH if lettering.trouble else 0.0
-    own, other = metrics.horizontalAdvance(lettering.label), metrics.horizontalAdvance(lettering.taken)
-    taken = SIGN_WIDTH + other + GAP if lettering.taken else 0.0
+    warning = SIGN_WIDTH if badge_text.trouble else 0.0
+    own, other = metrics.horizontalAdvance(badge_text.label), metrics.horizontalAdvance(badge_text.taken)
+    taken = SIGN_WIDTH + other + GAP if badge_text.taken else 0.0
     width = float(round(max(own + warning + taken + 13.0, LABEL_HEIGHT)))
     picture = QPixmap(round(width * ratio), round(LABEL_HEIGHT * ratio))
     picture.setDevicePixelRatio(ratio)
     picture.fill(Qt.GlobalColor.transparent)
     painter = QPainter(picture)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    colour, selected = lettering.colour, lettering.selected
+    colour, selected = badge_text.colour, badge_text.selected
     ink = QColor(palette.panel if selected else palette.text)
     painter.setPen(QPen(QColor(palette.panel if selected else colour), 1.5))
     painter.setBrush(QColor(colour if selected else palette.panel))
     pill = QRectF(0.75, 0.75, width - 1.5, LABEL_HEIGHT - 1.5)
     painter.drawRoundedRect(pill, pill.height() / 2.0, pill.height() / 2.0)
-    if lettering.trouble:
+    if badge_text.trouble:
         _paint_warning(painter, palette, face, on_colour=selected)
     painter.setFont(face)
     painter.setPen(ink)
     baseline = (LABEL_HEIGHT + metrics.capHeight()) / 2.0
     left = warning + (width - warning - taken - own) / 2.0
-    painter.drawText(QPointF(left, baseline), lettering.label)
-    if lettering.taken:
+    painter.drawText(QPointF(left, baseline), badge_text.label)
+    if badge_text.taken:
         _paint_mast(painter, left + own + GAP, ink)
-        painter.drawText(QPointF(left + own + SIGN_WIDTH + GAP, baseline), lettering.taken)
+        painter.drawText(QPointF(left + own + SIGN_WIDTH + GAP, baseline), badge_text.taken)
     painter.end()
     return Badge(picture, width, LABEL_HEIGHT)
 

@@ -54,22 +54,22 @@ class MapGeometry:
         return clear
 
 
-def unpack(house: House) -> MapGeometry:
+def unpack(floor_plan: House) -> MapGeometry:
     """Unpack a floor plan; one whose cells cannot be read has rooms and no walls."""
-    cells = _cells(house)
-    origin = Pose2(*house.origin)
+    cells = _cells(floor_plan)
+    origin = Pose2(*floor_plan.origin)
     rows, cols = np.nonzero(cells != UNKNOWN)
-    corners = [np.array(room.region, dtype=np.float64).reshape(-1, 2) for room in house.rooms]
+    corners = [np.array(room.region, dtype=np.float64).reshape(-1, 2) for room in floor_plan.rooms]
     if len(rows):
-        left, right = cols.min() * house.resolution, (cols.max() + 1) * house.resolution
-        bottom, top = rows.min() * house.resolution, (rows.max() + 1) * house.resolution
+        left, right = cols.min() * floor_plan.resolution, (cols.max() + 1) * floor_plan.resolution
+        bottom, top = rows.min() * floor_plan.resolution, (rows.max() + 1) * floor_plan.resolution
         corners.append(origin.transform(np.array([[left, bottom], [right, bottom], [right, top], [left, top]])))
     known = np.concatenate(corners) if corners else np.array([[-1.0, -1.0], [1.0, 1.0]])
     (least_x, least_y), (most_x, most_y) = known.min(axis=0).tolist(), known.max(axis=0).tolist()
     walls = cells == WALL
     return MapGeometry(
         origin=origin,
-        resolution=house.resolution,
+        resolution=floor_plan.resolution,
         floor=boxes(cells == FREE),
         walls=boxes(walls),
         bounds=(least_x, least_y, most_x, most_y),
@@ -77,16 +77,16 @@ def unpack(house: House) -> MapGeometry:
     )
 
 
-def _cells(house: House) -> NDArray[np.uint8]:
-    size = house.width * house.height
+def _cells(floor_plan: House) -> NDArray[np.uint8]:
+    size = floor_plan.width * floor_plan.height
     try:
-        packed = base64.b64decode(house.cells, validate=True)
+        packed = base64.b64decode(floor_plan.cells, validate=True)
         cells = np.frombuffer(zlib.decompressobj().decompress(packed, size), dtype=np.uint8)
     except (binascii.Error, zlib.error):
         cells = np.empty(0, dtype=np.uint8)
     if len(cells) != size:
         cells = np.full(size, UNKNOWN, dtype=np.uint8)
-    return cells.reshape(house.height, house.width)
+    return cells.reshape(floor_plan.height, floor_plan.width)
 
 
 def boxes(mask: NDArray[np.bool_]) -> Boxes:

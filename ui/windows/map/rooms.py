@@ -79,7 +79,7 @@ def paint_signs(
     rooms: Sequence[RoomMark],
     palette: Palette,
     font: QFont,
-    plan: MapGeometry | None,
+    geometry: MapGeometry | None,
 ) -> FloatArray:
     """Paint frames, numbers, names, signs of state and findings: over walls, under robots, clear of furniture.
 
@@ -91,7 +91,7 @@ def paint_signs(
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     for mark in rooms:
         _paint_edge(painter, camera, mark, palette)
-        space = _Space(camera, mark.region, plan)
+        space = _Space(camera, mark.region, geometry)
         _paint_words(painter, space, mark, palette, font)
         written += [(box.left(), box.top(), box.right(), box.bottom()) for box in space.taken]
     painter.restore()
@@ -133,14 +133,14 @@ class _Space:
         taken: boxes in which something lies already.
     """
 
-    def __init__(self, camera: Camera, region: FloatArray, plan: MapGeometry | None) -> None:
+    def __init__(self, camera: Camera, region: FloatArray, geometry: MapGeometry | None) -> None:
         corners = camera.to_screen(region)
         (self._left, self._top), (right, bottom) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
         self.width, self.height = right - self._left, bottom - self._top
         self.inset = FRAME_INSET + HALF_WALL * camera.scale + min(max(0.04 * min(self.width, self.height), 4.0), 14.0)
         self._camera = camera
         self._region = region
-        self._plan = plan
+        self._geometry = geometry
         self.taken: list[QRectF] = []
 
     def put(self, width: float, height: float, right: bool, low: bool) -> QRectF | None:
@@ -166,7 +166,7 @@ class _Space:
         around = np.array([[least, least], [x, least], [x, y], [least, y]])
         corners = self._camera.to_map((places[:, None] + around).reshape(-1, 2))
         free: NDArray[np.bool_] = np.all(contains(self._region, corners).reshape(-1, 4), axis=1)
-        return free if self._plan is None else free & self._plan.is_clear(corners.reshape(-1, 4, 2))
+        return free if self._geometry is None else free & self._geometry.is_clear(corners.reshape(-1, 4, 2))
 
 
 def _paint_words(painter: QPainter, space: _Space, mark: RoomMark, palette: Palette, font: QFont) -> None:

@@ -86,7 +86,7 @@ class MapView(QWidget):
         self._palette = palette
         self._background = MapBackground(palette)
         self._robot_painter = RobotPainter(palette)
-        self._plan: MapGeometry | None = None
+        self._geometry: MapGeometry | None = None
         self._rooms: tuple[RoomMark, ...] = ()
         self._robots: tuple[RobotMark, ...] = ()
         self._layers: list[MapLayer] = []
@@ -108,10 +108,10 @@ class MapView(QWidget):
 
     # Contents ---------------------------------------------------------------------------------------------------------
 
-    def show_floor_plan(self, house: House) -> None:
+    def show_floor_plan(self, floor_plan: House) -> None:
         """Show another floor plan, all of it."""
-        self._plan = unpack(house)
-        self._background.show_geometry(self._plan)
+        self._geometry = unpack(floor_plan)
+        self._background.show_geometry(self._geometry)
         self.fit()
 
     def show_rooms(self, rooms: Sequence[RoomMark]) -> None:
@@ -276,9 +276,9 @@ class MapView(QWidget):
         self.update()
 
     def _refit(self) -> None:
-        if self._plan is not None:
+        if self._geometry is not None:
             width, height = float(max(self.width(), 1)), float(max(self.height(), 1))
-            self._camera = Camera.fitted(self._plan.bounds, width, height, FIT_MARGIN)
+            self._camera = Camera.fitted(self._geometry.bounds, width, height, FIT_MARGIN)
 
     def _follow(self) -> None:
         target = next((mark.pose for mark in self._robots if mark.robot == self._followed), None)

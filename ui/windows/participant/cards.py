@@ -67,15 +67,15 @@ class CardFace(ParticipantButton):
         card = self._card
         if card is None:
             return
-        worn = colours()
+        palette = colours()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         rect = QRectF(self.rect())
-        edge = worn.accent if card.selected else worn.line
-        ground = worn.track if self.pointed_at() and not card.selected else worn.panel
+        edge = palette.accent if card.selected else palette.line
+        ground = palette.track if self.pointed_at() and not card.selected else palette.panel
         box(painter, rect, ground, edge, width=2.5 if card.selected else 1.0, radius=RADIUS)
         if self.hasFocus():
-            ring(painter, rect, worn.text if card.selected else worn.accent)
+            ring(painter, rect, palette.text if card.selected else palette.accent)
         space = min(FAR, CLOSE + max(0.0, rect.height() - self._high(CLOSE)) / 4.0)
         left, right = rect.left() + PAD, rect.right() - PAD
         middle = rect.top() + EDGE + space - CLOSE + self._line() / 2.0
@@ -84,13 +84,13 @@ class CardFace(ParticipantButton):
         draw_energy(painter, bar, card)
         line = QRectF(left, bar.bottom() + space, right - left - self._button_width, self._line())
         if card.commander:
-            _told(painter, line, "mast", worn.text, card.commander[:1].upper() + card.commander[1:])
+            _draw_line(painter, line, "mast", palette.text, card.commander[:1].upper() + card.commander[1:])
             line.translate(0.0, self.commander_high())
             line.setRight(right)
-        ink = worn.bad if card.trouble else worn.text
-        _told(painter, line, "trouble" if card.trouble else None, ink, card.state, card.place)
+        ink = palette.bad if card.trouble else palette.text
+        _draw_line(painter, line, "trouble" if card.trouble else None, ink, card.state, card.place)
         if card.progress is not None:
-            self._progress(painter, rect, card.progress, worn.robot(card.robot))
+            self._progress(painter, rect, card.progress, palette.robot(card.robot))
 
     def button_place(self, size: QSize) -> QRect:
         """Return the place of a button of this size: at the end of the first line below the bar."""
@@ -116,7 +116,7 @@ class CardFace(ParticipantButton):
         return 2.0 * (EDGE + space - CLOSE) + lines + BAR + 2.0 * space + 2.0
 
     def _top_line(self, painter: QPainter, card: RobotCard, left: float, right: float, middle: float) -> None:
-        worn = colours()
+        palette = colours()
         size = chip_size()
         chip(painter, QPointF(left + size / 2.0, middle), card.robot)
         bold = font("body", bold=True)
@@ -126,17 +126,17 @@ class CardFace(ParticipantButton):
         wide = metrics.horizontalAdvance(words)
         row = QRectF(at, middle - size, right - at, 2.0 * size)
         painter.setFont(bold)
-        painter.setPen(QColor(worn.text if card.affordable else worn.bad))
+        painter.setPen(QColor(palette.text if card.affordable else palette.bad))
         painter.drawText(row, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, words)
         if not card.affordable:
             side = metrics.height() * 0.85
-            sign(painter, QRectF(right - wide - side - 4, middle - side / 2, side, side), "trouble", worn.bad)
-        painter.setPen(QColor(worn.text))
+            sign(painter, QRectF(right - wide - side - 4, middle - side / 2, side, side), "trouble", palette.bad)
+        painter.setPen(QColor(palette.text))
         painter.drawText(row, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, card.name)
         at += metrics.horizontalAdvance(card.name) + GAP
         key_wide, key_high = key_size(card.select.key)
         if key_wide:
-            key_cap(painter, QRectF(at, middle - key_high / 2.0, key_wide, key_high), card.select.key, worn.muted)
+            key_cap(painter, QRectF(at, middle - key_high / 2.0, key_wide, key_high), card.select.key, palette.muted)
             at += key_wide + GAP
         if card.waits:
             self._waits(painter, card.waits, at, middle)
@@ -144,17 +144,17 @@ class CardFace(ParticipantButton):
     @staticmethod
     def _waits(painter: QPainter, waits: int, left: float, middle: float) -> None:
         """Draw the number of things that wait for an answer."""
-        worn, face = colours(), font("small", bold=True)
+        palette, face = colours(), font("small", bold=True)
         metrics = QFontMetricsF(face)
         text, side = str(waits), metrics.height()
         pill = QRectF(left, middle - side / 2 - 1, side + metrics.horizontalAdvance(text) + GAP + 2, side + 2)
         painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(QColor(worn.accent))
+        painter.setBrush(QColor(palette.accent))
         painter.drawRoundedRect(pill, pill.height() / 2, pill.height() / 2)
         icon = QRectF(pill.left() + 5, pill.top() + 1, side, side).adjusted(2, 2, -2, -2)
-        sign(painter, icon, "talk", worn.on_accent)
+        sign(painter, icon, "talk", palette.on_accent)
         painter.setFont(face)
-        painter.setPen(QColor(worn.on_accent))
+        painter.setPen(QColor(palette.on_accent))
         painter.drawText(pill.adjusted(side + 4, 0, 0, 0), Qt.AlignmentFlag.AlignVCenter, text)
 
     @staticmethod
@@ -286,7 +286,7 @@ class Cards(QWidget):
         return card
 
 
-def _told(painter: QPainter, line: QRectF, marked: Sign | None, ink: str, words: str, beside: str = "") -> None:
+def _draw_line(painter: QPainter, line: QRectF, marked: Sign | None, ink: str, words: str, beside: str = "") -> None:
     """Draw a line of a card: a sign and bold words, or plain words without a sign; and the words beside them."""
     small = QFontMetricsF(font("small"))
     left, middle = line.left(), Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
@@ -309,19 +309,19 @@ def _told(painter: QPainter, line: QRectF, marked: Sign | None, ink: str, words:
 
 def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
     """Draw the energy left in the robot's colour; the part that the considered move would cost is hatched."""
-    worn = colours()
-    colour = worn.robot(card.robot)
+    palette = colours()
+    colour = palette.robot(card.robot)
     full = max(card.energy_at_start, card.energy, 1e-9)
     painter.setPen(Qt.PenStyle.NoPen)
-    painter.setBrush(QColor(worn.track))
+    painter.setBrush(QColor(palette.track))
     half = rect.height() / 2.0
     painter.drawRoundedRect(rect, half, half)
     left = rect.width() * card.energy / full
     kept = rect.width() * max(0.0, card.energy - (card.cost or 0.0)) / full
     painter.save()
     painter.setClipRect(QRectF(rect.left(), rect.top(), left, rect.height()))
-    painter.setBrush(hatch(colour if card.affordable else worn.bad, worn.panel))
-    painter.setPen(QPen(QColor(colour if card.affordable else worn.bad), 1.0))
+    painter.setBrush(hatch(colour if card.affordable else palette.bad, palette.panel))
+    painter.setPen(QPen(QColor(colour if card.affordable else palette.bad), 1.0))
     if card.cost:
         painter.drawRoundedRect(
             QRectF(rect.left(), rect.top(), left, rect.height()).adjusted(0.5, 0.5, -0.5, -0.5), half, half

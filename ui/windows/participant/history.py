@@ -36,28 +36,28 @@ class HistoryView(QPlainTextEdit):
         if len(new) == len(history):
             self.clear()
         self._shown = history
-        for told in new:
-            self._write(told)
+        for line in new:
+            self._write(line)
 
     def repaint_words(self) -> None:
         """Write it anew in the colours in force."""
         shown, self._shown = self._shown, ()
         self.show_history(shown)
 
-    def _write(self, told: HistoryLine) -> None:
-        worn = colours()
+    def _write(self, line: HistoryLine) -> None:
+        palette = colours()
         plain, strong = QTextCharFormat(), QTextCharFormat()
-        plain.setForeground(QColor(worn.muted if told.speaker == "game" else worn.text))
-        strong.setForeground(QColor(worn.text))
+        plain.setForeground(QColor(palette.muted if line.speaker == "game" else palette.text))
+        strong.setForeground(QColor(palette.text))
         strong.setFontWeight(QFont.Weight.DemiBold)
         cursor = QTextCursor(self.document())
         cursor.movePosition(QTextCursor.MoveOperation.End)
         if not self.document().isEmpty():
             cursor.insertBlock()
-        speaker = _speaker(told)
+        speaker = _speaker(line)
         if speaker:
             cursor.insertText(f"{speaker}: ", strong)
-        cursor.insertText(told.text, plain)
+        cursor.insertText(line.text, plain)
         bar = self.verticalScrollBar()
         bar.setValue(bar.maximum())
 
@@ -71,10 +71,10 @@ def _new(shown: tuple[HistoryLine, ...], history: tuple[HistoryLine, ...]) -> tu
     return history
 
 
-def _speaker(told: HistoryLine) -> str:
-    if told.speaker == "game":
+def _speaker(line: HistoryLine) -> str:
+    if line.speaker == "game":
         return ""
-    robot = robot_name(told.robot) if told.robot is not None else ""
-    if told.speaker == "you":
+    robot = robot_name(line.robot) if line.robot is not None else ""
+    if line.speaker == "you":
         return f"You to {robot}" if robot else "You"
     return robot.capitalize()

@@ -47,26 +47,26 @@ class ScoreLabel(QWidget):
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the word, the score and the gain."""
-        worn = colours()
+        palette = colours()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         rect = QRectF(self.rect())
         middle = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
         painter.setFont(font("small"))
-        painter.setPen(QColor(worn.muted))
+        painter.setPen(QColor(palette.muted))
         painter.drawText(rect, middle, "Score")
         left = rect.left() + QFontMetricsF(font("small")).horizontalAdvance("Score") + GAP
         share = self._share()
         now, target = round(self._from + share * ((self._score or 0) - self._from)), self._score or 0
         hero = font("hero", bold=True)
         painter.setFont(hero)
-        painter.setPen(QColor(worn.text))
+        painter.setPen(QColor(palette.text))
         words = _signed(now)
         painter.drawText(rect.adjusted(left, 0, 0, 0), middle, words)
         gain = target - self._from
         if share < 1.0 and gain:
             left += QFontMetricsF(hero).horizontalAdvance(words) + GAP
-            ink = QColor(worn.good if gain > 0 else worn.bad)
+            ink = QColor(palette.good if gain > 0 else palette.bad)
             ink.setAlphaF(min(1.0, 2.0 * (1.0 - share)))
             painter.setPen(ink)
             painter.setFont(font("title", bold=True))

@@ -74,47 +74,47 @@ class Tile(ParticipantButton):
         tile = self._tile
         if tile is None:
             return
-        worn = colours()
+        palette = colours()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         rect = QRectF(self.rect())
         can = tile.choose.enabled
-        ground = {"unvisited": worn.unvisited, "reserved": worn.reserved, "visited": worn.visited}[tile.state]
+        ground = {"unvisited": palette.unvisited, "reserved": palette.reserved, "visited": palette.visited}[tile.state]
         strong = tile.considered or self.pointed_at()
         box(
             painter,
             rect,
             ground,
-            worn.accent if can else worn.line,
+            palette.accent if can else palette.line,
             width=2.5 if strong else 1.0,
             dashed=not can,
             radius=RADIUS - 2,
         )
         if self.hasFocus():
-            ring(painter, rect, worn.text)
+            ring(painter, rect, palette.text)
         inner = rect.adjusted(1.1 * GAP, GAP / 2, -GAP, -GAP / 2)
         top = QRectF(inner.left(), inner.top(), inner.width(), QFontMetricsF(font("title", bold=True)).height())
         self._number(painter, tile, top)
         self._below(painter, tile, QRectF(inner.left(), top.bottom(), inner.width(), inner.bottom() - top.bottom()))
 
     def _number(self, painter: QPainter, tile: RoomTile, line: QRectF) -> None:
-        worn = colours()
+        palette = colours()
         face = font("title", bold=True)
         metrics = QFontMetricsF(face)
         number = tile.choose.key or str(tile.room)  # the key is the number, with a zero before it among ten or more
         painter.setFont(face)
-        painter.setPen(QColor(worn.text if tile.choose.enabled else worn.muted))
+        painter.setPen(QColor(palette.text if tile.choose.enabled else palette.muted))
         painter.drawText(line, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, number)
         side = metrics.height() * 0.7
         mark = QRectF(line.right() - side, line.center().y() - side / 2, side, side)
         kind: Sign = "busy" if tile.choose.pending else SIGNS[tile.state]
-        sign(painter, mark, kind, worn.text if tile.choose.enabled or kind != "open" else worn.muted)
+        sign(painter, mark, kind, palette.text if tile.choose.enabled or kind != "open" else palette.muted)
         if tile.robot is not None:
             chip(painter, QPointF(mark.left() - chip_size() / 2 - 3, line.center().y()), tile.robot)
         if self.width() >= _WIDE:
             at = line.left() + metrics.horizontalAdvance(number) + GAP
             painter.setFont(font("small"))
-            painter.setPen(QColor(worn.muted))
+            painter.setPen(QColor(palette.muted))
             room = mark.left() - at - (chip_size() + GAP if tile.robot is not None else GAP / 2)
             name = elided(tile.name, room, QFontMetricsF(font("small")))
             painter.drawText(
@@ -125,13 +125,13 @@ class Tile(ParticipantButton):
 
     @staticmethod
     def _below(painter: QPainter, tile: RoomTile, line: QRectF) -> None:
-        worn = colours()
+        palette = colours()
         small = font("small")
         painter.setFont(small)
-        painter.setPen(QColor(worn.text if tile.choose.enabled or tile.found else worn.muted))
+        painter.setPen(QColor(palette.text if tile.choose.enabled or tile.found else palette.muted))
         if tile.warning:
             side = QFontMetricsF(small).height() * 0.8
-            sign(painter, QRectF(line.left(), line.center().y() - side / 2, side, side), "trouble", worn.text)
+            sign(painter, QRectF(line.left(), line.center().y() - side / 2, side, side), "trouble", palette.text)
             line = line.adjusted(side + 4.0, 0.0, 0.0, 0.0)
         metrics = QFontMetricsF(small)
         words = below(tile)

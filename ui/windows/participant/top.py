@@ -82,13 +82,13 @@ class BannerLine(QWidget):
         """Draw bad news on red with a warning sign, a note on a panel's background."""
         if self._banner is None:
             return
-        worn = colours()
+        palette = colours()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         rect = QRectF(self.rect())
         bad = self._banner.kind == "bad"
-        ink = worn.panel if bad else worn.text
-        box(painter, rect, worn.bad if bad else worn.panel, worn.bad if bad else worn.line, radius=RADIUS)
+        ink = palette.panel if bad else palette.text
+        box(painter, rect, palette.bad if bad else palette.panel, palette.bad if bad else palette.line, radius=RADIUS)
         side = QFontMetricsF(font()).height()
         mark = QRectF(rect.left() + 1.5 * GAP, rect.center().y() - side / 2, side, side)
         sign(painter, mark, "trouble" if bad else "talk", ink)

@@ -41,23 +41,23 @@ class WaitingChip(ParticipantButton):
         """Draw the chip and the words."""
         if self._waiting is None:
             return
-        worn = colours()
+        palette = colours()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         rect = QRectF(self.rect())
-        box(painter, rect, worn.track if self.pointed_at() else worn.panel, worn.accent, radius=RADIUS)
+        box(painter, rect, palette.track if self.pointed_at() else palette.panel, palette.accent, radius=RADIUS)
         if self.hasFocus():
-            ring(painter, rect, worn.text)
+            ring(painter, rect, palette.text)
         chip(painter, QPointF(rect.left() + GAP + chip_size() / 2, rect.center().y()), self._waiting.robot)
         painter.setFont(font("small"))
-        painter.setPen(QColor(worn.text))
+        painter.setPen(QColor(palette.text))
         area = rect.adjusted(1.75 * GAP + chip_size(), 2, -GAP - self._key_room(), -2)
         painter.drawText(area, Qt.AlignmentFlag.AlignVCenter | Qt.TextFlag.TextWordWrap, self._waiting.text)
         key = self._waiting.show.key
         if key:
             wide, high = key_size(key)
             cap = QRectF(rect.right() - GAP - wide, rect.center().y() - high / 2.0, wide, high)
-            key_cap(painter, cap, key, worn.muted)
+            key_cap(painter, cap, key, palette.muted)
 
     def _key_room(self) -> float:
         """Return the width that its key takes, logical pixels."""

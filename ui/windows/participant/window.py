@@ -98,7 +98,7 @@ class ParticipantWindow(QWidget):
         self._model = model
         self._clock = clock
         self._screen: Screen | None = None
-        self._house: House | None = None
+        self._floor_plan: House | None = None
         self._announced: int | None = None
         self._popped: tuple[Act, ...] = ()
         self._popped_at = -ANSWER_DELAY
@@ -208,13 +208,13 @@ class ParticipantWindow(QWidget):
         self.history.repaint_words()
 
     def _show_map(self, now: float) -> None:
-        house = self._model.floor_plan
-        if house is None or self.pages.currentWidget() is not self._playing:
+        floor_plan = self._model.floor_plan
+        if floor_plan is None or self.pages.currentWidget() is not self._playing:
             return
-        if house is not self._house:
-            before, self._house = self._house, house
-            if house != before:
-                self.map.show_floor_plan(house)
+        if floor_plan is not self._floor_plan:
+            before, self._floor_plan = self._floor_plan, floor_plan
+            if floor_plan != before:
+                self.map.show_floor_plan(floor_plan)
                 return  # Rooms and robots come with the next frame: both together would hold the window up.
         self.map.show_rooms(self._model.rooms(now))
         self.map.show_robots(self._model.robots(now))

@@ -209,11 +209,12 @@ class DockedWindow(QMainWindow):
         bar.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
         self.addToolBar(bar)
         group = QActionGroup(self)
-        for tool, told in TOOLS.items():
-            action = self._action(f"{told.label} ({told.key})", told.key, partial(self._took, tool))
+        for tool, tool_help in TOOLS.items():
+            label = f"{tool_help.label} ({tool_help.key})"
+            action = self._action(label, tool_help.key, partial(self._tool_chosen, tool))
             action.setCheckable(True)
             action.setChecked(tool is MapTool.LOOK)
-            action.setToolTip(told.how.format(robot="the robot selected"))
+            action.setToolTip(tool_help.how.format(robot="the robot selected"))
             group.addAction(action)
             bar.addAction(action)
             self._tool_actions[tool] = action
@@ -295,7 +296,7 @@ class DockedWindow(QMainWindow):
                 return True
         return super().eventFilter(watched, event)
 
-    def _took(self, tool: MapTool) -> None:
+    def _tool_chosen(self, tool: MapTool) -> None:
         self.tool = tool
         self.tool_selected.emit(tool)
 

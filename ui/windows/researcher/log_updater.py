@@ -19,12 +19,12 @@ class LogUpdater:
 
     Args:
         feed: the source of the log.
-        deck: the window with the lists.
+        window: the window with the lists.
     """
 
-    def __init__(self, feed: Feed, deck: DockedWindow) -> None:
+    def __init__(self, feed: Feed, window: DockedWindow) -> None:
         self._feed = feed
-        self._deck = deck
+        self._window = window
         self._taken: dict[EntryKind, int] = {}
         self._marks: tuple[TimelineMark, ...] = ()
         self._marked = (0, 0.0)
@@ -32,29 +32,29 @@ class LogUpdater:
     def clear(self) -> None:
         """Empty the lists, for another log."""
         self._taken = {}
-        for log in self._deck.logs:
+        for log in self._window.logs:
             log.clear()
 
     def show(self) -> None:
         """Copy the next portion of new entries."""
-        story = self._feed.log
+        session_log = self._feed.log
         kinds: tuple[tuple[EntryKind, LogView], ...] = (
-            ("event", self._deck.events),
-            ("said", self._deck.dialogue),
-            ("line", self._deck.lines),
-            ("input", self._deck.inputs),
-            ("log", self._deck.ros_log),
+            ("event", self._window.events),
+            ("said", self._window.dialogue),
+            ("line", self._window.lines),
+            ("input", self._window.inputs),
+            ("log", self._window.ros_log),
         )
         for kind, log in kinds:
-            dropped, entries = story.dropped(kind), story.entries(kind)
+            dropped, entries = session_log.dropped(kind), session_log.entries(kind)
             new = max(self._taken.get(kind, 0) - dropped, 0)
             log.extend([self._row(entry) for entry in entries[new : new + MAX_NEW_ROWS]])
             self._taken[kind] = dropped + min(new + MAX_NEW_ROWS, len(entries))
-        told = sum(story.dropped(kind) + len(story.entries(kind)) for kind in ("event", "said"))
-        if not self._feed.live and (told, self._feed.span) != self._marked:
-            self._marked = told, self._feed.span
+        total = sum(session_log.dropped(kind) + len(session_log.entries(kind)) for kind in ("event", "said"))
+        if not self._feed.live and (total, self._feed.span) != self._marked:
+            self._marked = total, self._feed.span
             self._marks = tuple(self._timeline_marks())
-            self._deck.playback.show_span(self._feed.span, self._marks)
+            self._window.playback.show_span(self._feed.span, self._marks)
 
     def _row(self, entry: Entry) -> LogRow:
         time = (entry.stamp_ns - self._feed.start_ns) / 1e9
@@ -81,10 +81,10 @@ class LogUpdater:
                 (entry.stamp_ns - start_ns) / 1e9, f"{entry.who}: {entry.text}", entry.robot, is_utterance=True
             )
 
-    def neighbouring_mark(self, way: int) -> float:
+    def neighbouring_mark(self, direction: int) -> float:
         """Return the time of the next mark (1) or the one before (-1), seconds; else the end or the beginning."""
         times = sorted(mark.time for mark in self._marks if not mark.is_utterance)
         here = self._feed.time
-        if way > 0:
+        if direction > 0:
             return next((time for time in times if time > here + MARK_TOLERANCE), self._feed.span)
         return next((time for time in reversed(times) if time < here - MARK_TOLERANCE), 0.0)

@@ -20,7 +20,7 @@ from ui.windows.researcher.map.tools import TOOLS, Gesture, MapTool
 
 GRAB_RADIUS, GRAB_PIXELS = 0.4, 24.0
 """Distance from a robot's middle within which it is grabbed: metres, or pixels where those are more."""
-_TOLD = {
+_CONFIRMATIONS = {
     MapTool.GOAL: "{robot} is sent there.",
     MapTool.POSE: "{robot} is told that it is there.",
     MapTool.CARRY: "{robot} is carried there, and not told.",
@@ -33,7 +33,7 @@ class ToolController:
 
     Args:
         feed: takes the requests.
-        deck: the window with the buttons.
+        window: the window with the buttons.
         view: the map.
         bodies: (n, 2) corners of robots in their own frames, by robot, as far as they are known.
         select: selects another robot.
@@ -46,7 +46,7 @@ class ToolController:
     def __init__(
         self,
         feed: Feed,
-        deck: DockedWindow,
+        window: DockedWindow,
         view: MapView,
         bodies: Mapping[int, FloatArray],
         select: Callable[[int], None],
@@ -54,20 +54,20 @@ class ToolController:
         self.scene: Scene | None = None
         self.selected = 0
         self._feed = feed
-        self._deck = deck
+        self._window = window
         self._view = view
         self._bodies = bodies
         self._select = select
         self._tools = Tools()
         self._preview = ToolPreview()
         view.add_layer(self._preview)
-        deck.kill.connect(self._ask_to_kill)
-        deck.revive.connect(partial(self._ask, Tools.revive, "{robot} is to go on."))
-        deck.clear_costmaps.connect(partial(self._ask, Tools.clear_costmaps, "{robot} is to clear its costmaps."))
-        deck.wizard.puppeteered.connect(self._puppeteer)
-        deck.wizard.spoke.connect(self._speak)
-        deck.wizard.advised.connect(self._advise)
-        deck.tool_selected.connect(self.use_tool)
+        window.kill.connect(self._ask_to_kill)
+        window.revive.connect(partial(self._ask, Tools.revive, "{robot} is to go on."))
+        window.clear_costmaps.connect(partial(self._ask, Tools.clear_costmaps, "{robot} is to clear its costmaps."))
+        window.wizard.puppeteered.connect(self._puppeteer)
+        window.wizard.spoke.connect(self._speak)
+        window.wizard.advised.connect(self._advise)
+        window.tool_selected.connect(self.use_tool)
         view.point_pressed.connect(self._press)
         view.point_dragged.connect(self._drag)
         view.point_released.connect(self._release)
@@ -76,18 +76,18 @@ class ToolController:
     def _name(self) -> str:
         return robot_name(self.selected).capitalize()
 
-    def _ask(self, make: Callable[[Tools, Scene, int], FeedRequest | RequestRefused], told: str) -> None:
+    def _ask(self, make: Callable[[Tools, Scene, int], FeedRequest | RequestRefused], sentence: str) -> None:
         """Make a request for the selected robot."""
         if self.scene is not None:
-            self._send(make(self._tools, self.scene, self.selected), told)
+            self._send(make(self._tools, self.scene, self.selected), sentence)
 
-    def _send(self, wish: FeedRequest | RequestRefused, told: str) -> None:
+    def _send(self, request: FeedRequest | RequestRefused, sentence: str) -> None:
         """Send a request, and say that it was sent or why not."""
-        refusal = wish.sentence if isinstance(wish, RequestRefused) else self._feed.ask(wish)
-        self._deck.show_status(refusal or told.format(robot=self._name))
+        refusal = request.sentence if isinstance(request, RequestRefused) else self._feed.ask(request)
+        self._window.show_status(refusal or sentence.format(robot=self._name))
 
     def _ask_to_kill(self) -> None:
-        box = QMessageBox(self._deck)
+        box = QMessageBox(self._window)
         box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         box.setIcon(QMessageBox.Icon.Warning)
         box.setWindowTitle("Kill a robot")
@@ -101,37 +101,37 @@ class ToolController:
 
     def _puppeteer(self, robot: int, on: bool) -> None:
         if self.scene is not None:
-            told = "You speak for {robot}." if on else "{robot} speaks for itself."
-            self._send(self._tools.puppeteer(self.scene, robot, on), told.format(robot=robot_name(robot)))
+            sentence = "You speak for {robot}." if on else "{robot} speaks for itself."
+            self._send(self._tools.puppeteer(self.scene, robot, on), sentence.format(robot=robot_name(robot)))
 
     def _speak(self, turn: PendingTurn, move: int, text: str) -> None:
         if self.scene is not None:
-            said = f"{robot_name(turn.robot).capitalize()} says so."
-            self._send(self._tools.speak(self.scene, turn, move, text), said)
+            sentence = f"{robot_name(turn.robot).capitalize()} says so."
+            self._send(self._tools.speak(self.scene, turn, move, text), sentence)
 
     def _advise(self, robot: int, room: int) -> None:
         if self.scene is not None:
-            told = f"{robot_name(robot).capitalize()} is to suggest room {room}; choose its words next."
-            self._send(self._tools.advise(self.scene, robot, room), told)
+            sentence = f"{robot_name(robot).capitalize()} is to suggest room {room}; choose its words next."
+            self._send(self._tools.advise(self.scene, robot, room), sentence)
 
     def use_tool(self, tool: MapTool) -> None:
         """Use this tool from now on."""
         self._preview.gesture = None
         self._view.set_tool(None if tool is MapTool.LOOK else Qt.CursorShape.CrossCursor)
-        self._deck.tool_help.setText(TOOLS[tool].how.format(robot=robot_name(self.selected)))
+        self._window.tool_help.setText(TOOLS[tool].how.format(robot=robot_name(self.selected)))
         self._view.update()
 
     def _press(self, x: float, y: float) -> None:
-        if self._deck.tool is MapTool.CARRY:
+        if self._window.tool is MapTool.CARRY:
             robot = self._robot_near(x, y)
             if robot is None:
-                self._deck.show_status("Nobody stands there: press on a robot to carry it.")
+                self._window.show_status("Nobody stands there: press on a robot to carry it.")
                 return
             self._select(robot)
             self._preview.body = self._bodies.get(robot)
-        self._preview.shape = self._deck.shape
+        self._preview.shape = self._window.shape
         self._preview.heading = self._heading()
-        self._preview.gesture = Gesture(self._deck.tool, x, y, x, y)
+        self._preview.gesture = Gesture(self._window.tool, x, y, x, y)
         self._view.update()
 
     def _drag(self, x: float, y: float) -> None:
@@ -145,9 +145,9 @@ class ToolController:
         done, self._preview.gesture = self._preview.gesture, None
         if done is None or self.scene is None:
             return
-        self._send(self._meant(done, self.scene), _TOLD[done.tool])
+        self._send(self._meant(done, self.scene), _CONFIRMATIONS[done.tool])
         if done.tool in {MapTool.GOAL, MapTool.POSE}:
-            self._deck.select_tool(MapTool.LOOK)
+            self._window.select_tool(MapTool.LOOK)
 
     def _meant(self, done: Gesture, scene: Scene) -> FeedRequest | RequestRefused:
         """Return the request that a stroke makes."""
@@ -161,7 +161,7 @@ class ToolController:
                 return tools.carry(scene, self.selected, done.to_x, done.to_y)
             case _:
                 hit = tools.remove(scene, done.x, done.y) if done.is_click else None
-                put = tools.put(scene, self._deck.shape, done.x, done.y, done.size)
+                put = tools.put(scene, self._window.shape, done.x, done.y, done.size)
                 return put if hit is None or isinstance(hit, RequestRefused) else hit
 
     def _robot(self) -> RobotScene | None:
@@ -173,7 +173,8 @@ class ToolController:
         robot = self._robot()
         if robot is None:
             return 0.0
-        pose = (robot.truth or robot.estimate) if self._deck.tool is MapTool.CARRY else (robot.estimate or robot.truth)
+        carried = self._window.tool is MapTool.CARRY
+        pose = (robot.truth or robot.estimate) if carried else (robot.estimate or robot.truth)
         return 0.0 if pose is None else pose.theta
 
     def _robot_near(self, x: float, y: float) -> int | None:

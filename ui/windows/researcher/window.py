@@ -53,7 +53,7 @@ class ResearcherWindow(DockedWindow):
         self._feed = feed
         self._clock = clock
         self._selected = 0
-        self._edition = feed.generation
+        self._generation = feed.generation
         self._scene: Scene | None = None
         self._bodies: dict[int, FloatArray] = {}
         self._frames = 0
@@ -80,8 +80,8 @@ class ResearcherWindow(DockedWindow):
         bar.speed_chosen.connect(feed.set_speed)
         bar.seek.connect(feed.seek)
         self.speed_stepped.connect(self._change_speed)
-        self.jumped.connect(lambda way: feed.seek(self._log_updater.neighbouring_mark(way)))
-        self.jumped_to_end.connect(lambda way: feed.seek(0.0 if way < 0 else feed.span))
+        self.jumped.connect(lambda direction: feed.seek(self._log_updater.neighbouring_mark(direction)))
+        self.jumped_to_end.connect(lambda direction: feed.seek(0.0 if direction < 0 else feed.span))
         self.plots.seek.connect(feed.seek)
         for log in self.logs:
             log.chosen.connect(feed.seek)
@@ -107,14 +107,14 @@ class ResearcherWindow(DockedWindow):
         """Show all that has changed since the last frame."""
         feed, now = self._feed, self._clock()
         feed.advance(now)
-        if feed.generation != self._edition:
+        if feed.generation != self._generation:
             self._begin_anew()
         scene = feed.scene(self._shown())
         if scene is not None:
             self._show_map(scene)
         self._sign.show_sentence(feed.trouble())
-        for news in feed.take_notices():
-            self.show_status(news)
+        for notice in feed.take_notices():
+            self.show_status(notice)
         time = feed.time
         self.playback.show_time(time)
         self.playback.show_playing(feed.playing)
@@ -137,7 +137,7 @@ class ResearcherWindow(DockedWindow):
             self._working.setInterval(0)
 
     def _begin_anew(self) -> None:
-        self._edition = self._feed.generation
+        self._generation = self._feed.generation
         self._scene = self._tool_controller.scene = None
         self._bodies.clear()
         self.plots.clear()

@@ -37,13 +37,13 @@ class FaultList(QWidget):
     def show_draft(self, draft: StudyDraft) -> None:
         """Show the faults and notices of a draft."""
         self._count = len(draft.faults)
-        told = [f"⚠ {_short(str(fault), draft.path)}" for fault in draft.faults]
-        told += [f"ℹ {_short(notice, draft.path)}" for notice in draft.notices]
-        if told != [self.list.item(row).text() for row in range(self.list.count())]:
+        lines = [f"⚠ {_short(str(fault), draft.path)}" for fault in draft.faults]
+        lines += [f"ℹ {_short(notice, draft.path)}" for notice in draft.notices]
+        if lines != [self.list.item(row).text() for row in range(self.list.count())]:
             self.list.clear()
-            for line in told:
+            for line in lines:
                 self.list.addItem(QListWidgetItem(line))
-        self.list.setVisible(bool(told))
+        self.list.setVisible(bool(lines))
         height = sum(self.list.sizeHintForRow(row) for row in range(self.list.count())) + 2 * GAP
         self.list.setFixedHeight(min(_TALLEST, height))
         words = f"{self._count} fault{'s' if self._count > 1 else ''}"

@@ -1,7 +1,5 @@
 """One field of the form: its name, meaning, value, the value's origin, and its faults."""
 
-from collections.abc import Callable
-
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QWheelEvent
 from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QLineEdit, QPushButton, QSlider, QVBoxLayout, QWidget
@@ -133,19 +131,19 @@ class FieldRow(QWidget):
     def show_field(self, field: FormField, faults: tuple[BadFile, ...]) -> None:
         """Show the field's current value; a text that is being typed stays."""
         self._field = field
-        said = editable_text(field)
+        text = editable_text(field)
         if self._line is not None and not (self._line.hasFocus() and self._line.isModified()):
-            if self._line.text() != said:
+            if self._line.text() != text:
                 with QSignalBlocker(self._line):
-                    self._line.setText(said)
+                    self._line.setText(text)
                     self._line.setCursorPosition(0)
             self._set_muted(self._line, field.written is None)
-        if self._combo is not None and self._combo.currentText() != said:
+        if self._combo is not None and self._combo.currentText() != text:
             with QSignalBlocker(self._combo):
-                if self._combo.findText(said) < 0:
-                    self._combo.addItem(said)
-                self._combo.setCurrentText(said)
-        self._show_slider(said)
+                if self._combo.findText(text) < 0:
+                    self._combo.addItem(text)
+                self._combo.setCurrentText(text)
+        self._show_slider(text)
         self._reset.setVisible(field.written is not None)
         origin = "default" if field.written is None else f"written in line {field.line}"
         if field.written is not None and field.place != field.key:
@@ -197,22 +195,22 @@ class FieldRow(QWidget):
             return
         self._line.setText(_value_at(self._field, place))
 
-    def _show_slider(self, said: str) -> None:
+    def _show_slider(self, text: str) -> None:
         if self._slider is None or self._slider.isSliderDown():
             return
         try:
-            place = _place_of(self._field, float(said))
+            place = _place_of(self._field, float(text))
         except ValueError:
             return
-        if _value_at(self._field, self._slider.value()) != said:
+        if _value_at(self._field, self._slider.value()) != text:
             with QSignalBlocker(self._slider):
                 self._slider.setValue(place)
 
-    def _typed(self, said: str) -> None:
+    def _typed(self, text: str) -> None:
         if self._line is not None:
             self._set_muted(self._line, False)
-        self._show_slider(said)
-        self.edited.emit(self._field.key, said)
+        self._show_slider(text)
+        self.edited.emit(self._field.key, text)
 
     def _done(self) -> None:
         if self._line is not None:
@@ -230,15 +228,6 @@ class FieldRow(QWidget):
         wanted = font()
         wanted.setItalic(muted)
         line.setFont(wanted)
-
-
-def connect_row(
-    row: FieldRow, said: Callable[[str, str], None], left: Callable[[str], None], reset: Callable[[str], None]
-) -> None:
-    """Tell these of what happens in a row."""
-    row.edited.connect(said)
-    row.edit_finished.connect(left)
-    row.reset.connect(reset)
 
 
 def _sentence(words: str) -> str:

@@ -40,9 +40,9 @@ class SectionTree(QTreeWidget):
             written = group.written() if own else sum(field.written is not None for field in group.fields)
             wrong = sum(_is_in(place, own) for place in faulty)
             marks = ([f"● {written}"] if written else []) + ([f"⚠ {wrong}"] if wrong else [])
-            told = ([f"{written} written"] if written else []) + ([f"{wrong} wrong"] if wrong else [])
+            spoken = ([f"{written} written"] if written else []) + ([f"{wrong} wrong"] if wrong else [])
             item.setText(0, "   ".join([group.label, *marks]))
-            item.setData(0, Qt.ItemDataRole.AccessibleTextRole, ", ".join([group.label, *told]))
+            item.setData(0, Qt.ItemDataRole.AccessibleTextRole, ", ".join([group.label, *spoken]))
 
     def select(self, key: str) -> bool:
         """Mark a section as chosen, without a signal; return False where there is none with this key."""

@@ -173,11 +173,11 @@ class StudyWindow(QMainWindow):
 
     # Changes ----------------------------------------------------------------------------------------------------------
 
-    def _field_edited(self, key: str, said: str) -> None:
-        self._typed[key] = said
+    def _field_edited(self, key: str, text: str) -> None:
+        self._typed[key] = text
         field = self.editor.draft.fields().get(key)
         chosen = field is not None and field.kind in {FieldKind.CHOICE, FieldKind.BOOLEAN}
-        self.editor.set(key, said, at_once=chosen)
+        self.editor.set(key, text, at_once=chosen)
         if key.startswith(f"{NOISE}."):
             self.noise.draw(self.editor.draft, self._typed)
         self.setWindowModified(True)

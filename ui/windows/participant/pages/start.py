@@ -48,8 +48,8 @@ class StartPage(QWidget):
         rows.addWidget(look.label(INTRODUCTION))
         rows.addSpacing(GAP)
         asks = most > least
-        told = "How many robots?" if asks else f"You will command {_robots(usual)}."
-        rows.addWidget(look.label(told, "title", bold=asks))
+        heading = "How many robots?" if asks else f"You will command {_robots(usual)}."
+        rows.addWidget(look.label(heading, "title", bold=asks))
         self.choices = {number: self._choice(number) for number in range(least, most + 1)}
         grid = QGridLayout()
         grid.setSpacing(GAP)

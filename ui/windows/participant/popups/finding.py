@@ -45,17 +45,17 @@ class TreasurePicture(QWidget):
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the picture as large as fits."""
-        worn = colours()
+        palette = colours()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
         rect = QRectF(self.rect()).adjusted(0.5, 0.5, -0.5, -0.5)
-        painter.setPen(QColor(worn.line))
-        painter.setBrush(QColor(worn.track))
+        painter.setPen(QColor(palette.line))
+        painter.setBrush(QColor(palette.track))
         painter.drawRoundedRect(rect, RADIUS - 2, RADIUS - 2)
         if self._pixmap.isNull():
             painter.setFont(font("small"))
-            painter.setPen(QColor(worn.muted))
+            painter.setPen(QColor(palette.muted))
             wrap = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
             painter.drawText(rect.adjusted(GAP, GAP, -GAP, -GAP), wrap, self._note)
             return
@@ -94,26 +94,26 @@ class SensedFacts(QWidget):
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the two lines."""
-        worn = colours()
+        palette = colours()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setFont(font())
         if not self._colour:
-            painter.setPen(QColor(worn.muted))
+            painter.setPen(QColor(palette.muted))
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, "Looking at it …")
             return
         for row, words in enumerate((self._colour, self._footprint)):
             line = QRectF(0.0, row * (self._line() + GAP / 2), self.width(), self._line())
             side = line.height() - 4.0
             patch = QRectF(line.left() + 1, line.top() + 2, side, side)
-            painter.setPen(QColor(worn.line))
+            painter.setPen(QColor(palette.line))
             if row == 0:
                 swatch = QColor(words.casefold().replace(" ", ""))
-                painter.setBrush(swatch if swatch.isValid() else QColor(worn.track))
+                painter.setBrush(swatch if swatch.isValid() else QColor(palette.track))
                 painter.drawRoundedRect(patch, 4, 4)
             else:
                 self._shape(painter, patch, words.casefold())
-            painter.setPen(QColor(worn.text))
+            painter.setPen(QColor(palette.text))
             area = line.adjusted(side + 1.5 * GAP, 0, 0, 0)
             painter.drawText(area, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, words)
 
@@ -151,12 +151,12 @@ class NamingResult(QWidget):
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw a tick and the points won, or a warning sign and the points lost."""
-        worn = colours()
+        palette = colours()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         rect = QRectF(self.rect())
         won = (self._points or 0) > 0
-        ink = worn.good if won else worn.bad if (self._points or 0) < 0 else worn.text
+        ink = palette.good if won else palette.bad if (self._points or 0) < 0 else palette.text
         hero = font("hero", bold=True)
         high = QFontMetricsF(hero).height()
         words = f"{self._points:+d}".replace("-", "−") if self._points is not None else ""
@@ -168,7 +168,7 @@ class NamingResult(QWidget):
         painter.setPen(QColor(ink))
         painter.drawText(QRectF(left + high, top, wide + 4, high), Qt.AlignmentFlag.AlignVCenter, words)
         painter.setFont(font())
-        painter.setPen(QColor(worn.text))
+        painter.setPen(QColor(palette.text))
         wrap = Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignTop | Qt.TextFlag.TextWordWrap
         painter.drawText(
             QRectF(rect.left(), top + high + GAP, rect.width(), rect.bottom() - top - high - GAP), wrap, self._text

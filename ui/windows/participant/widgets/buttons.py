@@ -163,7 +163,7 @@ class ActionButton(ParticipantButton):
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the face, the words, the key, and the ring of the focus."""
-        face, worn = self.face, colours()
+        face, palette = self.face, colours()
         if face is None:
             return
         painter = QPainter(self)
@@ -171,20 +171,20 @@ class ActionButton(ParticipantButton):
         rect = QRectF(self.rect())
         ready = face.enabled and not face.busy
         filled = (self._weight == "main" or self.isChecked()) and ready
-        ink = worn.on_accent if filled else worn.text if ready else worn.muted
-        edge = worn.accent if filled else worn.line
-        ground = worn.accent if filled else worn.track if self.pointed_at() or face.busy else worn.panel
+        ink = palette.on_accent if filled else palette.text if ready else palette.muted
+        edge = palette.accent if filled else palette.line
+        ground = palette.accent if filled else palette.track if self.pointed_at() or face.busy else palette.panel
         if self._weight != "quiet" or self.pointed_at() or self.hasFocus() or not ready:
             box(painter, rect, ground, edge, dashed=not ready)
         if filled and self.pointed_at():
-            box(painter, rect.adjusted(2, 2, -2, -2), worn.accent, worn.on_accent)
+            box(painter, rect.adjusted(2, 2, -2, -2), palette.accent, palette.on_accent)
         if self.hasFocus():
-            ring(painter, rect, worn.on_accent if filled else worn.accent)
+            ring(painter, rect, palette.on_accent if filled else palette.accent)
         key_wide, key_high = key_size(face.key)
         text = rect.adjusted(1.5 * GAP, self._above(), -1.5 * GAP, -self._above())
         if key_wide:
             cap = QRectF(text.right() - key_wide, rect.center().y() - key_high / 2.0, key_wide, key_high)
-            key_cap(painter, cap, face.key, worn.on_accent if filled else worn.muted)
+            key_cap(painter, cap, face.key, palette.on_accent if filled else palette.muted)
             text.setRight(cap.left() - GAP)
         if face.busy:
             side = key_size("X")[1]
@@ -195,7 +195,7 @@ class ActionButton(ParticipantButton):
                 ink,
             )
             text.setLeft(text.left() + side + GAP / 2.0)
-        self._words(painter, text, face, ink, worn.on_accent if filled else worn.muted)
+        self._words(painter, text, face, ink, palette.on_accent if filled else palette.muted)
 
     def _words(self, painter: QPainter, area: QRectF, face: ButtonFace, ink: str, faint: str) -> None:
         wrap = Qt.TextFlag.TextWordWrap

@@ -122,7 +122,7 @@ class SpeechBubble(QWidget):
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the bubble, its edge and the words."""
-        worn = colours()
+        palette = colours()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         words = self._words(self.width())
@@ -130,12 +130,12 @@ class SpeechBubble(QWidget):
         wide = words.width() + 3.0 * GAP + 1.0
         bubble = QRectF(0.0 if robot else self.width() - wide, 0.0, wide, float(self.height()))
         painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(QColor(worn.track))
+        painter.setBrush(QColor(palette.track))
         painter.drawRoundedRect(bubble, 10, 10)
-        painter.setBrush(QColor(worn.robot(self._robot) if robot else worn.accent))
+        painter.setBrush(QColor(palette.robot(self._robot) if robot else palette.accent))
         at = bubble.left() if robot else bubble.right() - 4.0
         painter.drawRoundedRect(QRectF(at, 7.0, 4.0, bubble.height() - 14.0), 2, 2)
-        painter.setPen(QColor(worn.text))
+        painter.setPen(QColor(palette.text))
         painter.setFont(font())
         area = bubble.adjusted(1.5 * GAP, GAP, -1.5 * GAP, -GAP)
         painter.drawText(
@@ -167,29 +167,30 @@ class Transcript(QScrollArea):
         self._lines.addStretch(1)
         self.setWidget(inside)
         self.setAccessibleName("What was said")
-        self._said: tuple[tuple[Literal["robot", "you"], str], ...] = ()
+        self._sentences: tuple[tuple[Literal["robot", "you"], str], ...] = ()
         self._robot: int | None = None
         self.verticalScrollBar().rangeChanged.connect(self._to_end)
 
-    def show_sentences(self, said: tuple[tuple[Literal["robot", "you"], str], ...], robot: int) -> None:
+    def show_sentences(self, sentences: tuple[tuple[Literal["robot", "you"], str], ...], robot: int) -> None:
         """Show these sentences; bubbles that are shown already are kept."""
-        if (said, robot) == (self._said, self._robot):
+        if (sentences, robot) == (self._sentences, self._robot):
             return
-        keep = len(self._said) if robot == self._robot and said[: len(self._said)] == self._said else 0
-        self._said, self._robot = said, robot
+        shown = len(self._sentences)
+        keep = shown if robot == self._robot and sentences[:shown] == self._sentences else 0
+        self._sentences, self._robot = sentences, robot
         while self._lines.count() - 1 > keep:
             item = self._lines.takeAt(self._lines.count() - 2)
             gone = item.widget() if item is not None else None
             if gone is not None:
                 gone.hide()
                 gone.deleteLater()
-        for speaker, text in said[keep:]:
+        for speaker, text in sentences[keep:]:
             self._lines.insertWidget(self._lines.count() - 1, SpeechBubble(speaker, text, robot))
         self.updateGeometry()
 
     def heightForWidth(self, width: int) -> int:
         """Return the height of all sentences."""
-        return self._lines.heightForWidth(width) if self._said else 0
+        return self._lines.heightForWidth(width) if self._sentences else 0
 
     def sizeHint(self) -> QSize:
         """Return the size with lines of a readable length."""

@@ -79,8 +79,8 @@ class WizardDock(QWidget):
                 old.deleteLater()
         for turn in wizard.turns:
             self._cards.addWidget(self._turn(turn))
-        for wish in wizard.advice:
-            self._cards.addWidget(self._advice(wish))
+        for pending in wizard.advice:
+            self._cards.addWidget(self._advice(pending))
         if not wizard.turns and not wizard.advice:
             self._cards.addWidget(QLabel("Nothing waits for you."))
 
@@ -117,13 +117,13 @@ class WizardDock(QWidget):
     def _advise(self, robot: int, room: int) -> None:
         self.advised.emit(robot, room)
 
-    def _advice(self, wish: PendingAdvice) -> QWidget:
-        card, column = _card(f"{robot_name(wish.robot).capitalize()} is asked where to go")
+    def _advice(self, pending: PendingAdvice) -> QWidget:
+        card, column = _card(f"{robot_name(pending.robot).capitalize()} is asked where to go")
         rooms = QGridLayout()
-        for number, (room, cost) in enumerate(wish.costs):
-            own = "; its own choice" if room == wish.suggestion else ""
+        for number, (room, cost) in enumerate(pending.costs):
+            own = "; its own choice" if room == pending.suggestion else ""
             button = QPushButton(f"Room {room} ({energy_text(cost)}{own})")
-            button.clicked.connect(partial(self._advise, wish.robot, room))
+            button.clicked.connect(partial(self._advise, pending.robot, room))
             rooms.addWidget(button, number // ROOMS_PER_ROW, number % ROOMS_PER_ROW)
         column.addLayout(rooms)
         return card

@@ -84,7 +84,7 @@ class Feed(Protocol):
     def seek(self, time: float) -> None:
         """Go to this time."""
 
-    def ask(self, wish: FeedRequest) -> str:
+    def ask(self, request: FeedRequest) -> str:
         """Send a request; return why that cannot be done, or an empty text."""
 
     def close(self) -> None:

@@ -77,14 +77,14 @@ class RecordingFeed:
     """A recording; see `Feed`.
 
     Args:
-        opening: still running, or done.
+        opener: still running, or done.
     """
 
     live = False
     refusal = RECORDED.sentence
 
-    def __init__(self, opening: BagOpener) -> None:
-        self._opener = opening
+    def __init__(self, opener: BagOpener) -> None:
+        self._opener = opener
         self._source: BagSource | None = None
         self._reading: Iterator[float] = iter(())
         self._share = 0.0
@@ -92,7 +92,7 @@ class RecordingFeed:
         self._playback = Playback(0, 0)
         self._now = 0.0
         self._fault = ""
-        self._told = 0
+        self._noticed = 0
         self._story, self._series = SessionLog(), Series(0)
         self.generation = 0
 
@@ -180,9 +180,9 @@ class RecordingFeed:
 
     def take_notices(self) -> list[str]:
         """Return the topics that cannot be read, once it is open."""
-        if self._source is None or self._told == self.generation:
+        if self._source is None or self._noticed == self.generation:
             return []
-        self._told = self.generation
+        self._noticed = self.generation
         return list(self._source.unreadable)
 
     @property
@@ -213,7 +213,7 @@ class RecordingFeed:
         """Go to this time, or the nearest one in the recording."""
         self._playback.seek(self.start_ns + round(time * 1e9))
 
-    def ask(self, wish: FeedRequest) -> str:
+    def ask(self, request: FeedRequest) -> str:
         """Refuse: a recording takes no requests."""
         return self.refusal
 

@@ -177,8 +177,8 @@ class SessionFeed:
         if self._rooms is not None and self._rooms[0] == self.generation:
             self._source.rooms, self._rooms = self._rooms[1], None
 
-    def _read_rooms(self, record: SessionRecord, edition: int) -> None:
-        self._rooms = edition, rooms_of(record, Path("session.bag"))
+    def _read_rooms(self, record: SessionRecord, generation: int) -> None:
+        self._rooms = generation, rooms_of(record, Path("session.bag"))
 
     def work(self) -> bool:
         """Do nothing: there is no background work."""
@@ -194,8 +194,8 @@ class SessionFeed:
             return "not connected"
         if self._status is not None and self._status.paused:
             return "live, paused"
-        silent = self._source.stale_for(now)
-        if silent > STALE_AFTER:
+        stale = self._source.stale_for(now)
+        if stale > STALE_AFTER:
             return "live, silent"
         behind = self._delays[-1][1] - min(came for _, came in self._delays) if self._delays else 0.0
         state = f"live, {1000.0 * behind:.0f} ms behind"
@@ -221,8 +221,8 @@ class SessionFeed:
 
     def take_notices(self) -> list[str]:
         """Return the refusals since the last call."""
-        news, self._notices = self._notices, []
-        return news
+        notices, self._notices = self._notices, []
+        return notices
 
     def play(self, on: bool) -> None:
         """Ask the session to go on, or to stop."""
@@ -240,9 +240,9 @@ class SessionFeed:
     def seek(self, time: float) -> None:
         """Do nothing: only the session's bag can be searched, afterwards."""
 
-    def ask(self, wish: FeedRequest) -> str:
+    def ask(self, request: FeedRequest) -> str:
         """Send a request; a refusal comes later, with the status."""
-        sent = self._connection.client.send(request_line(SENDER, wish))
+        sent = self._connection.client.send(request_line(SENDER, request))
         return "" if sent else f"There is no connection to {self._address}: nothing can be asked."
 
     def close(self) -> None:
