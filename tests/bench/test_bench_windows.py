@@ -21,7 +21,7 @@ from pytestqt.qtbot import QtBot
 
 from tests.bench.film import Film, Shown, shoot
 from tests.peers.desktop import desktop, needs_desktop
-from tests.ui.windows.researcher.hunts import door
+from tests.ui.windows.researcher.hunts import watched_hunt
 from thbridge.sockets.watch_client import WatchClient
 from ui.model.screen import Screen
 from ui.model.theme import LIGHT
@@ -258,7 +258,7 @@ def at(place: QPoint) -> str:
 
 def test_a_researcher_watches_ten_robots(qtbot: QtBot, tmp_path: Path) -> None:
     """A session under way in another process, with clouds, scans, plans and plots."""
-    with door(tmp_path / "hunt.bag", "--robots", "10", "--map", "warehouse12") as port:
+    with watched_hunt(tmp_path / "hunt.bag", "--robots", "10", "--map", "warehouse12") as port:
         session = SessionFeed(WatchConnection(WatchClient("127.0.0.1", port)), "the session")
         window = ResearcherWindow(session, "the session", LIGHT, time.monotonic)
         qtbot.addWidget(window)

@@ -1,4 +1,4 @@
-"""What the tests against others' programs need is installed for them by name."""
+"""The script installs by name all that tests against others' programs need."""
 
 from pathlib import Path
 

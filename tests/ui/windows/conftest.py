@@ -1,4 +1,4 @@
-"""What all tests of windows share."""
+"""Fixtures of all tests of windows."""
 
 from collections.abc import Callable
 

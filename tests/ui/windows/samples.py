@@ -59,8 +59,8 @@ _STATES = ("driving", "rest", "waiting", "lost", "rest", "empty")
 
 
 @cache
-def house(name: str = "arena8") -> House:
-    """A house of ours as a participant is told of it."""
+def floor_plan(name: str = "arena8") -> House:
+    """One of our maps as the notice that a participant gets."""
     drawn = read_map(PROJECT / "maps" / name)
     rows, cols = drawn.grid.cells.shape
     cells = np.where(drawn.grid.cells == 100, 1, np.where(drawn.grid.cells < 0, 2, 0)).astype(np.uint8)
@@ -284,17 +284,19 @@ def states() -> Mapping[str, Screen]:
         "connecting": replace(usual, phase=Phase.CONNECTING, waiting_for="The robots are getting ready."),
         "consent": replace(usual, phase=Phase.CONSENT, consent=CONSENT),
         "playing": usual,
-        "dialogue": replace(usual, pop=dialogue(), waiting=waiting(2)),
-        "thinking": replace(usual, pop=replace(dialogue(), choices=())),
-        "treasure": replace(usual, pop=treasure(), waiting=waiting(1)),
-        "picture": replace(usual, pop=treasure(picture=True, picked="Pink can")),
+        "dialogue": replace(usual, popup=dialogue(), waiting=waiting(2)),
+        "thinking": replace(usual, popup=replace(dialogue(), choices=())),
+        "treasure": replace(usual, popup=treasure(), waiting=waiting(1)),
+        "picture": replace(usual, popup=treasure(picture=True, picked="Pink can")),
         "verdict": replace(
-            usual, pop=treasure(picture=True, verdict="Right, it is Pink can: 30 points won.", points=30), gained=30
+            usual,
+            popup=treasure(picture=True, verdict="Right, it is Pink can: 30 points won.", points=30),
+            last_points=30,
         ),
         "wrong": replace(
-            usual, pop=treasure(picture=True, verdict="No, it is not Blue bottle: 5 points lost.", points=-5)
+            usual, popup=treasure(picture=True, verdict="No, it is not Blue bottle: 5 points lost.", points=-5)
         ),
-        "question": replace(usual, question=QUESTION),
+        "question": replace(usual, confirmation=QUESTION),
         "help": replace(usual, help=help_lines(8)),
         "lost": replace(
             usual,
@@ -310,11 +312,11 @@ def states() -> Mapping[str, Screen]:
 
 
 @dataclass
-class Shown:
-    """A model that shows what it is told to, and keeps what was done."""
+class SampleModel:
+    """A model that shows a given screen, and keeps the acts done."""
 
     shown: Screen
-    house: House | None = None
+    floor_plan: House | None = None
     followed: int | None = None
     done: list[Act] = field(default_factory=list)
 
@@ -325,7 +327,7 @@ class Shown:
         self.done.append(act)
 
     def rooms(self, now: float) -> Sequence[RoomMark]:
-        outlines = self.house.rooms if self.house is not None else ()
+        outlines = self.floor_plan.rooms if self.floor_plan is not None else ()
         tiles = {tile.room: tile for tile in self.shown.tiles}
         return tuple(
             RoomMark(
@@ -343,13 +345,13 @@ class Shown:
         )
 
     def robots(self, now: float) -> Sequence[RobotMark]:
-        outlines = self.house.rooms if self.house is not None else ()
+        outlines = self.floor_plan.rooms if self.floor_plan is not None else ()
         marks = []
         for shown in self.shown.cards if outlines else ():
             room = outlines[(shown.robot * 3 + 1) % len(outlines)]
             goal = outlines[(shown.robot * 3 + 4) % len(outlines)]
             pose = Pose2(room.goal[0] + 0.4, room.goal[1] - 0.5, 0.6 * shown.robot)
-            way = np.array([[pose.x, pose.y], [pose.x + 2.0, pose.y], [goal.goal[0], goal.goal[1]]])
+            path = np.array([[pose.x, pose.y], [pose.x + 2.0, pose.y], [goal.goal[0], goal.goal[1]]])
             trail = np.array([[pose.x - 2.0, pose.y - 0.4], [pose.x - 1.0, pose.y - 0.5], [pose.x, pose.y]])
             marks.append(
                 RobotMark(
@@ -360,7 +362,7 @@ class Shown:
                     selected=shown.selected,
                     trouble=shown.trouble,
                     trail=trail if shown.progress is not None else np.zeros((0, 2)),
-                    path=way if shown.progress is not None else np.zeros((0, 2)),
+                    path=path if shown.progress is not None else np.zeros((0, 2)),
                 )
             )
         return tuple(marks)

@@ -1,4 +1,4 @@
-"""What screen readers hear of a window's parts, and where Tab goes in it."""
+"""Names that screen readers say in a window, and the order of Tab in it."""
 
 from collections.abc import Iterator
 from itertools import pairwise
@@ -11,7 +11,7 @@ from ui.windows.participant.widgets.buttons import ParticipantButton
 
 
 def stops(inside: QWidget) -> list[QWidget]:
-    """What can have the focus inside a widget just now, in Tab's order."""
+    """Return the widgets inside a widget that can have the focus just now, in Tab's order."""
     found: list[QWidget] = []
     at = inside
     while True:
@@ -27,7 +27,7 @@ def _stops_at(widget: QWidget) -> bool:
 
 
 def nameless(inside: QWidget) -> list[str]:
-    """What can be pressed or typed in, or has the focus, and says nothing of itself to a screen reader."""
+    """Return the widgets that can be used or have the focus, and have no name for a screen reader."""
     return [
         f"{type(widget).__name__} {widget.objectName()} in {type(widget.parent()).__name__}"
         for widget in inside.findChildren(QWidget)
@@ -43,7 +43,7 @@ def _spoken(widget: QWidget) -> str:
 
 
 def against_the_eye(stops: list[QWidget], inside: QWidget) -> list[tuple[str, str]]:
-    """Neighbours in an order whose later one ends above where the other begins, or left of it in the same row."""
+    """Return neighbours in an order whose later one ends above the other, or left of it in the same row."""
     return list(_wrong(stops, inside))
 
 

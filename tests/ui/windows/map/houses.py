@@ -49,7 +49,7 @@ def robot_at(number: int, x: float, y: float, theta: float = 0.0, selected: bool
 
 
 def busy_robots(shown: Map, count: int) -> list[RobotMark]:
-    """Robots at their starts, each with a full trail, a way to a room, an ellipse; the first selected."""
+    """Robots at their starts, each with a full trail, a path to a room, an ellipse; the first selected."""
     share = np.linspace(0.0, 1.0, 44)[:, None]
     robots = []
     for number in range(count):

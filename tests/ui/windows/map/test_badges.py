@@ -77,7 +77,7 @@ def test_a_label_grows_by_the_words_on_who_commands_its_robot(qtbot) -> None:
 
 
 def test_the_map_in_words_says_who_commands_a_robot() -> None:
-    taken = replace(robot_at(0, 0.0, 0.0), taken="ground station 255")
+    taken = replace(robot_at(0, 0.0, 0.0), commander="ground station 255")
     assert describe((), (taken, robot_at(1, 1.0, 1.0))) == (
         "Map: 0 rooms; robot 1 in the corridor, commanded by ground station 255; robot 2 in the corridor."
     )

@@ -1,4 +1,4 @@
-"""A house is unpacked without a loss, and one that cannot be read does no harm."""
+"""A floor plan is unpacked without a loss, and one that cannot be read does no harm."""
 
 import base64
 import zlib

@@ -1,4 +1,4 @@
-"""The map view: what is pointed at is told, the view goes where it is led, and colours reach the eye."""
+"""The map view: it reports what is pointed at, moves as it is asked to, and shows the colours."""
 
 from dataclasses import replace
 

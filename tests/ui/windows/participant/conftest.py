@@ -16,10 +16,10 @@ from ui.windows.participant import ParticipantWindow
 
 @dataclass
 class Opened:
-    """A window, what it shows, and its clock."""
+    """A window, its model, and its clock."""
 
     window: ParticipantWindow
-    model: samples.Shown
+    model: samples.SampleModel
     now: float = 0.0
 
     def show(self, screen: Screen, after: float = 1.0) -> None:
@@ -41,7 +41,7 @@ def opened(qtbot: QtBot, qapp: QApplication) -> Callable[..., Opened]:
     def make(screen: Screen, width: int = 1024, height: int = 768) -> Opened:
         look.apply_palette(qapp, LIGHT)
         rooms = {8: "arena8", 12: "warehouse12"}[len(screen.tiles)]
-        model = samples.Shown(screen, samples.house(rooms))
+        model = samples.SampleModel(screen, samples.floor_plan(rooms))
         made = Opened.__new__(Opened)
         made.model, made.now = model, 0.0
         made.window = ParticipantWindow(model, lambda: made.now, LIGHT)

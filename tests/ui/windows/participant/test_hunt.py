@@ -34,7 +34,7 @@ TURNS = 300
 
 @dataclass
 class Player:
-    """Somebody at the window; what is done is drawn before the game goes on."""
+    """A person at the window; each act is drawn before the game goes on."""
 
     seat: Seat
     window: ParticipantWindow

@@ -237,11 +237,11 @@ def test_everything_can_be_reached_by_keyboard(qtbot: QtBot, opened: Open) -> No
 def test_a_press_meant_for_what_was_there_before_is_no_answer(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["dialogue"])
     pop = samples.dialogue()
-    following = replace(pop, said=(*pop.sentences, ("you", "Continue"), ("robot", "Sure?")))
+    following = replace(pop, sentences=(*pop.sentences, ("you", "Continue"), ("robot", "Sure?")))
     other = (replace(pop.choices[0], act=GiveAnswer(7)), pop.choices[1])
     button = shown.window.dialogue.choices.buttons[0]
     qtbot.mousePress(button, LEFT)
-    shown.show(replace(STATES["dialogue"], pop=replace(following, choices=other)))
+    shown.show(replace(STATES["dialogue"], popup=replace(following, choices=other)))
     qtbot.mouseRelease(button, LEFT)
     assert shown.done == [], "pressed on the old answer, let go on the new one"
     qtbot.mouseClick(button, LEFT)
@@ -256,7 +256,9 @@ def test_the_next_turn_with_the_same_answers_wants_to_be_read_too(qtbot: QtBot, 
     shown = opened(STATES["dialogue"])
     pop = samples.dialogue()
     shown.show(
-        replace(STATES["dialogue"], pop=replace(pop, said=(*pop.sentences, ("you", "Continue"), ("robot", "Sure?"))))
+        replace(
+            STATES["dialogue"], popup=replace(pop, sentences=(*pop.sentences, ("you", "Continue"), ("robot", "Sure?")))
+        )
     )
     qtbot.mouseClick(shown.window.dialogue.choices.buttons[0], LEFT)
     assert shown.done == []
@@ -270,7 +272,7 @@ def test_a_pop_up_leaves_the_focus_where_it_is(opened: Open) -> None:
     assert QApplication.focusWidget() is tile
     names = shown.window.treasure.names
     names.setFocus()
-    shown.show(replace(STATES["treasure"], waiting=samples.waiting(3), question=None))
+    shown.show(replace(STATES["treasure"], waiting=samples.waiting(3), confirmation=None))
     assert QApplication.focusWidget() is names
 
 
@@ -284,20 +286,20 @@ def test_the_focus_goes_to_what_takes_the_place_of_what_has_gone(opened: Open) -
 
 def test_what_is_said_later_is_shown_whole(qtbot: QtBot, opened: Open) -> None:
     pop = samples.dialogue()
-    shown = opened(replace(STATES["playing"], pop=replace(pop, said=(), choices=())))
-    shown.show(replace(STATES["playing"], pop=replace(pop, said=pop.sentences[:2])))
+    shown = opened(replace(STATES["playing"], popup=replace(pop, sentences=(), choices=())))
+    shown.show(replace(STATES["playing"], popup=replace(pop, sentences=pop.sentences[:2])))
     talk = shown.window.dialogue.transcript
     qtbot.waitUntil(lambda: talk.height() >= talk.heightForWidth(talk.width()) > 0)
-    shown.show(replace(STATES["playing"], pop=pop))
+    shown.show(replace(STATES["playing"], popup=pop))
     qtbot.waitUntil(lambda: talk.verticalScrollBar().maximum() == 0 and talk.height() > 150)
 
 
 def test_answers_stay_where_they_are_while_the_talk_goes_on(opened: Open) -> None:
     pop = samples.dialogue()
-    shown = opened(replace(STATES["playing"], pop=replace(pop, said=pop.sentences[:2])))
+    shown = opened(replace(STATES["playing"], popup=replace(pop, sentences=pop.sentences[:2])))
     button = shown.window.dialogue.choices.buttons[0]
     before = button.mapTo(shown.window, QPoint(0, 0))
-    shown.show(replace(STATES["playing"], pop=pop))
+    shown.show(replace(STATES["playing"], popup=pop))
     for _ in range(5):
         QApplication.processEvents()
     assert shown.window.dialogue.transcript.height() > 150
@@ -308,11 +310,11 @@ def test_news_are_announced_once(opened: Open, monkeypatch: pytest.MonkeyPatch) 
     told: list[str] = []
     monkeypatch.setattr(QAccessible, "updateAccessibility", lambda event: told.append(event.message()))
     shown = opened(STATES["playing"])
-    news = replace(STATES["playing"], announcement="Robot 1 is in room 4.", announced=7)
+    news = replace(STATES["playing"], announcement="Robot 1 is in room 4.", announcement_number=7)
     shown.show(news)
     shown.show(replace(news, score=130))
     assert told == ["Robot 1 is in room 4."]
-    shown.show(replace(news, announced=8))
+    shown.show(replace(news, announcement_number=8))
     assert told == ["Robot 1 is in room 4."] * 2
 
 
@@ -343,7 +345,7 @@ SHOWS = (
     | BannerLine
     | TitledPanel
 )
-"""What shows something without being a button or words that Qt reads out itself."""
+"""Widgets that show something without being a button or text that Qt reads out itself."""
 
 
 def test_everything_has_a_name_for_assistive_technology(opened: Open) -> None:
@@ -516,11 +518,11 @@ def test_the_score_counts_up_to_the_new_one(qtbot: QtBot, opened: Open) -> None:
     qtbot.waitUntil(lambda: not score.is_counting)
 
 
-def test_phases_without_a_house_show_no_map(opened: Open) -> None:
+def test_phases_without_a_floor_plan_show_no_map(opened: Open) -> None:
     shown = opened(replace(STATES["connecting"], phase=Phase.CONNECTING))
-    shown.model.house = None
+    shown.model.floor_plan = None
     shown.show(STATES["playing"])
-    shown.model.house = samples.house("arena8")
+    shown.model.floor_plan = samples.floor_plan("arena8")
     shown.show(STATES["dialogue"])
     assert shown.window.map.isVisible()
 

@@ -1,4 +1,4 @@
-"""Hunts to look at: recorded, and under way behind a door."""
+"""Hunts to watch: recorded ones, and running ones with a watch server."""
 
 import asyncio
 import dataclasses
@@ -16,7 +16,7 @@ from thbridge.study.study_file import Study
 
 
 def record(bag: Path, robots: int = 3, seconds: float = 15.0) -> Path:
-    """The beginning of a hunt with a simulated participant."""
+    """Record the beginning of a hunt with a simulated participant."""
     study = dataclasses.replace(Study(), seed=4, robots=robots, server=dataclasses.replace(Study().server, port=0))
     setting = read_setting(study, Path())
     bot = TabUI(build_bot(setting.templates, study.participant.strategy, study.seed))
@@ -29,8 +29,8 @@ def record(bag: Path, robots: int = 3, seconds: float = 15.0) -> Path:
 
 
 @contextmanager
-def door(bag: Path, *options: str) -> Iterator[int]:
-    """A hunt under way in another process; its door's port. It ends with the block."""
+def watched_hunt(bag: Path, *options: str) -> Iterator[int]:
+    """Run a hunt in another process until the end of the block; the watch server's port."""
     command = [sys.executable, "-c", "from ui.cli import main; main()", "play", "--headless", "--participant"]
     command += ["suggestion", "--robots", "2", "--seed", "4", "--rate", "1", "--port", "0", "--watch", "0"]
     command += ["--no-report", "--bag", str(bag), *options]

@@ -1,4 +1,4 @@
-"""The researcher's window on a session under way, through its door."""
+"""The researcher's window on a running session, through its watch server."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QApplication, QCheckBox, QLineEdit, QMessageBox, Q
 from pytestqt.qtbot import QtBot
 
 from sim.common.geometry import Pose2
-from tests.ui.windows.researcher.hunts import door
+from tests.ui.windows.researcher.hunts import watched_hunt
 from thbridge.sockets.watch_client import WatchClient
 from ui.model.theme import LIGHT
 from ui.model.watching.scene import RobotScene
@@ -33,7 +33,7 @@ def window_on(port: int) -> ResearcherWindow:
 @pytest.fixture(scope="module")
 def opened(tmp_path_factory: pytest.TempPathFactory, qapp: QApplication) -> Iterator[ResearcherWindow]:
     """One session for all tests: to begin one takes its time."""
-    with door(tmp_path_factory.mktemp("watched") / "hunt.bag") as port:
+    with watched_hunt(tmp_path_factory.mktemp("watched") / "hunt.bag") as port:
         made = window_on(port)
         made.show()
         yield made
@@ -174,7 +174,7 @@ def test_its_speed_is_asked_for(window: ResearcherWindow, qtbot: QtBot) -> None:
 
 @pytest.mark.slow
 def test_the_wizard_speaks_in_a_robots_place(tmp_path: Path, qtbot: QtBot) -> None:
-    with door(tmp_path / "hunt.bag", "--rate", "2") as port:
+    with watched_hunt(tmp_path / "hunt.bag", "--rate", "2") as port:
         window = window_on(port)
         qtbot.addWidget(window)
         window.show()
@@ -212,13 +212,13 @@ def test_where_nobody_answers_it_says_so_and_waits(qtbot: QtBot) -> None:
 
 @pytest.mark.slow
 def test_a_session_that_ends_is_told_and_the_next_one_is_shown(tmp_path: Path, qtbot: QtBot) -> None:
-    with door(tmp_path / "one.bag") as port:
+    with watched_hunt(tmp_path / "one.bag") as port:
         window = window_on(port)
         qtbot.addWidget(window)
         window.show()
         waits(qtbot, lambda: window.scene is not None and bool(window.scene.robots))
     waits(qtbot, lambda: "Trying again" in window.trouble)
     assert window.scene is not None
-    with door(tmp_path / "two.bag", "--watch", str(port)):
+    with watched_hunt(tmp_path / "two.bag", "--watch", str(port)):
         waits(qtbot, lambda: window.trouble == "")
     window.close()
