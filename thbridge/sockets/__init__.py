@@ -1,1 +1,1 @@
-"""TCP and UDP: carries out what `thbridge.wire` decides; nothing is decided here."""
+"""TCP and UDP sockets for the protocols of `thbridge.wire`, which makes all decisions."""

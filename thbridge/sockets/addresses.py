@@ -1,11 +1,11 @@
-"""Where programs are reached, as people write it: HOST:PORT."""
+"""Network addresses as people write them: HOST:PORT."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
 
 
 class Address(NamedTuple):
-    """Where a program is reached."""
+    """Network address of a program."""
 
     host: str
     port: int
@@ -23,7 +23,7 @@ class ListeningAddress:
 
 
 def address_in(text: str) -> Address | None:
-    """The address that HOST:PORT means; an IPv6 one stands in brackets. None: it means none."""
+    """Parse HOST:PORT, with an IPv6 host in brackets; None when it is invalid."""
     host, colon, number = text.rpartition(":")
     if not (colon and number.isascii() and number.isdecimal() and 0 < int(number) <= 65535):
         return None

@@ -1,4 +1,4 @@
-"""The text client's socket: keeps one of our own programs connected to a server, come what may."""
+"""Text client's socket, which keeps one of our own programs connected to a server."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from thbridge.wire.text import OverlongLine, TextMessage, encode_line
 _log = logging.getLogger(__name__)
 
 _EVENTS = 1024
-"""Events that may wait for the program; after that the server has to wait, and cuts us off in the end."""
+"""Most queued events for the program; beyond that nothing is read, and the server disconnects us in the end."""
 
 _BACKLOG = 1024 * 1024
-"""Bytes that may wait to be sent; after that the connection is taken for dead."""
+"""Bytes that may wait to be sent before the connection counts as dead."""
 
 _SEGMENT = 16 * 1024
 
 _LAST_WORDS = 0.1
-"""Seconds in which what was said last may still leave."""
+"""Seconds for the last messages to be sent."""
 
 
 class LossReason(Enum):
-    """Why there is no connection to the server."""
+    """Reason why there is no connection to the server."""
 
     UNREACHABLE = "the server cannot be reached"
     BROKEN = "the connection broke"
@@ -39,7 +39,7 @@ class LossReason(Enum):
 
 @dataclass(frozen=True, slots=True)
 class ConnectionLost:
-    """There is no connection any more; the client goes on trying. Told once for each change of reason."""
+    """Loss of the connection; the client keeps trying. One event for each change of the reason."""
 
     reason: LossReason
     detail: str = ""
@@ -50,13 +50,13 @@ TextClientEvent: TypeAlias = NameRegistered | TextMessage | ConnectionLost
 
 @dataclass(frozen=True, slots=True)
 class Backoff:
-    """How a client waits, seconds.
+    """Delays between attempts to connect, and the timeout of a connection, seconds.
 
     Attributes:
-        first: before the first attempt to connect again; doubles at each further one.
-        longest: at most between two attempts.
-        silence: without a byte from the server (which pings the silent every 15 s) until the connection counts as
-            broken.
+        initial: delay before the first reconnection; doubles at each further one.
+        maximum: longest delay between two attempts.
+        timeout: time without a byte from the server (which pings idle clients every 15 s) until the connection counts
+            as broken.
     """
 
     first: float = 0.25
@@ -67,7 +67,7 @@ class Backoff:
 class TextClient:
     """Connects the program called `name` to a server, again and again until `run` is cancelled.
 
-    `Registered` comes at the first connection and after every loss: the moment to introduce oneself anew.
+    `NameRegistered` comes at the first connection and after every loss: the moment to introduce oneself anew.
 
     Args:
         name: name of the program on the server.
@@ -102,7 +102,7 @@ class TextClient:
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
-        """Keep connected inside the `async with`; what was said in it still leaves."""
+        """Keep connected inside the `async with`; messages sent inside it are still delivered."""
         running = asyncio.create_task(self.run())
         try:
             yield
@@ -111,7 +111,7 @@ class TextClient:
             running.cancel()
 
     def send(self, message: TextMessage) -> bool:
-        """Say something; False when we are not registered with a server just now, and the message is lost."""
+        """Send a message; return False when we are not registered with a server, and the message is lost."""
         if self._writer is None:
             return False
         self._write(self._writer, encode_line(message.line()))
@@ -122,7 +122,7 @@ class TextClient:
         return await self._events.get()
 
     def take(self) -> list[TextClientEvent]:
-        """The events that have come, oldest first, without waiting."""
+        """Take the events that have come, oldest first, without waiting."""
         return [self._events.get_nowait() for _ in range(self._events.qsize())]
 
     def _delays(self) -> Iterator[float]:
@@ -132,7 +132,7 @@ class TextClient:
             delay = min(2.0 * delay, self._patience.longest)
 
     async def _converse(self) -> ConnectionLost:
-        """Connect once and talk until the connection ends, for whatever reason."""
+        """Connect once and exchange messages until the connection ends, for any reason."""
         try:
             async with asyncio.timeout(self._patience.silence):
                 reader, writer = await asyncio.open_connection(self._host, self._port)

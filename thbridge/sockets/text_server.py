@@ -1,7 +1,7 @@
-"""The text server's sockets: carries out over TCP what the router decides.
+"""Text server's sockets: carries out the router's decisions over TCP.
 
-Everything happens on the thread of one event loop, the router included. A session that runs programs inside this
-process drives them on the same loop, stands before its router, and so sees all that comes in.
+Everything runs on the thread of one event loop, the router included. A session that runs programs inside this process
+steps them on the same loop, and wraps the router, so it sees all input.
 """
 
 from __future__ import annotations
@@ -35,48 +35,48 @@ DEFAULT_PORT = 6009
 _log = logging.getLogger(__name__)
 
 _SEGMENT = 16 * 1024
-"""Bytes handled at a time, so that a client that floods the server leaves turns to the others."""
+"""Bytes handled at a time, so that a client that floods the server leaves time for the others."""
 
 _LINGER = 1.0
-"""Seconds that a closed connection has to read its farewell before it is cut off."""
+"""Seconds that a client has to read its last line before the connection is cut off."""
 
 _CHECK_INTERVAL = 1.0
-"""Seconds between two looks for silent clients."""
+"""Seconds between two checks for idle clients."""
 
 
 class RouterInterface(Protocol):
-    """What decides for a server: a `Router`, or whoever stands before one; see there for more."""
+    """Decisions for a server: a `MessageRouter`, which describes the methods, or a wrapper of one."""
 
     def connect(self, now: float) -> ConnectionId | TurnedAway:
-        """A connection is opened."""
+        """Accept a connection."""
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> Sequence[RouterOutput]:
-        """Bytes have come in."""
+        """Handle received bytes."""
 
     def eof(self, connection: ConnectionId) -> Sequence[RouterOutput]:
-        """A connection has ended."""
+        """Remove a connection that has ended."""
 
     def report_backlog(self, connection: ConnectionId, size: int) -> Sequence[RouterOutput]:
-        """So many bytes wait for a connection."""
+        """Note the bytes that wait for a connection."""
 
     def advance(self, now: float) -> Sequence[RouterOutput]:
-        """Time has passed."""
+        """Ping idle connections."""
 
     def stop(self) -> Sequence[RouterOutput]:
-        """The server ends."""
+        """Close all connections."""
 
 
 def _ignore(forwarded: Forwarded) -> None:
-    """Listen to nothing."""
+    """Do nothing."""
 
 
 class TextServer:
-    """Serves one switchboard over TCP.
+    """TCP server of one router.
 
     Args:
-        switchboard: decides; it may have local endpoints that never see a socket.
-        tap: hears of every message passed on, delivered or not, in order. It must not raise.
-        clock: seconds; must not run backwards.
+        router: makes the decisions; it may have local endpoints without a socket.
+        tap: called with every message passed on, delivered or not, in order. It must not raise.
+        clock: returns seconds; must not run backwards.
     """
 
     def __init__(
@@ -111,7 +111,7 @@ class TextServer:
         return ListeningAddress(address[0], address[1])
 
     async def stop(self) -> None:
-        """Say farewell to every client, wait a moment for them to go, and close the port."""
+        """Send the shutdown line to every client, wait a moment for them to close, and close the port."""
         if self._server is None or self._watch is None:
             return
         self._server.close()
@@ -124,7 +124,7 @@ class TextServer:
         self._server = None
 
     def perform(self, outputs: Iterable[RouterOutput]) -> None:
-        """Carry out what the router decided, and what it decides in consequence."""
+        """Carry out outputs of the router, and those that follow from them."""
         waiting = deque(outputs)
         while waiting:
             output = waiting.popleft()
@@ -149,7 +149,7 @@ class TextServer:
                     self._tap(output)
 
     def connected(self, transport: Transport) -> ConnectionId | None:
-        """Take on a new connection, or turn it away."""
+        """Accept a new connection, or turn it away."""
         self._open.add(transport)
         connection = self._switchboard.connect(self._clock())
         if isinstance(connection, TurnedAway):
@@ -161,16 +161,16 @@ class TextServer:
         return connection
 
     def received(self, connection: ConnectionId, data: bytes) -> None:
-        """Handle bytes of a connection."""
+        """Handle received bytes of a connection."""
         self.perform(self._switchboard.receive_data(connection, data, self._clock()))
 
     def ended(self, connection: ConnectionId) -> None:
-        """Hear that a client has sent its last byte."""
+        """Handle the end of a client's bytes."""
         self.perform(self._switchboard.eof(connection))
         self._transports.pop(connection, None)
 
     def lost(self, transport: Transport) -> None:
-        """Hear that a connection is closed on both sides."""
+        """Remove a connection that is closed on both sides."""
         self._open.discard(transport)
         self._all_closed.set()
 
@@ -181,9 +181,10 @@ class TextServer:
 
 
 class _Connection(BufferedProtocol):
-    """One TCP connection. What comes after it is closed is read and ignored.
+    """One TCP connection. Bytes that come after its end are read and ignored.
 
-    Were it left unread, closing the socket would reset the connection and could destroy the farewell under way.
+    If they were left unread, closing the socket would reset the connection and could destroy the shutdown line on its
+    way.
 
     asyncio sends each write at once (TCP_NODELAY), which matters: the C++ client of 2016 takes one segment for one
     line, and would overlook a ``%%goto`` that shares one with an ack.
@@ -221,7 +222,7 @@ class _Connection(BufferedProtocol):
 
 
 def _close(transport: Transport, flush: bool) -> None:
-    """End a connection: at once, or after the other side has had a moment to read what it was sent."""
+    """Close a connection: at once, or after the other side has had a moment to read what it was sent."""
     if flush:
         try:
             transport.write_eof()

@@ -1,4 +1,4 @@
-"""The other side of the watch door: hears a session over TCP and asks for things, come what may."""
+"""Watch client: receives a session's messages over TCP, sends requests, and reconnects after every loss."""
 
 from __future__ import annotations
 
@@ -14,31 +14,30 @@ from thbridge.wire.watch_protocol import BagStreamReader, BrokenStream, SessionM
 
 _SEGMENT = 256 * 1024
 _WAITING = 20_000
-"""Messages that may wait to be taken; after that the session's door has to wait, and drops some in the end."""
+"""Most queued messages; beyond that nothing is read, and the watch server drops some in the end."""
 _NAP = 0.02
 _SILENCE = 10.0
-"""Seconds without a word, of a door that says something every second, until the connection counts as broken."""
+"""Seconds without a byte until the connection counts as broken; the server sends its status every second."""
 
 
 @dataclass(frozen=True, slots=True)
 class WatchConnected:
-    """The session can be heard (again), from what is in force on."""
+    """Connection to the session; its latched messages come next."""
 
 
 WatchEvent: TypeAlias = WatchConnected | SessionMessage | ConnectionLost
 
 
 class WatchClient:
-    """Hears a session, again and again until `run` is cancelled.
+    """Receives a session's messages, with reconnections until `run` is cancelled.
 
-    `run` belongs on an event loop, for example that of a thread of its own; everything else may be called from any
-    thread.
+    `run` needs an event loop, for example that of a thread of its own; everything else may be called from any thread.
 
     Args:
-        host: of the door.
-        port: of the door.
-        key: that it wants; None: none.
-        patience: how to wait between two attempts.
+        host: host of the watch server.
+        port: port of the watch server.
+        key: key of the watch server; None for none.
+        backoff: delays between two attempts.
     """
 
     def __init__(self, host: str, port: int, key: str | None = None, patience: Backoff | None = None) -> None:
@@ -65,14 +64,14 @@ class WatchClient:
             await asyncio.sleep(next(delays))
 
     def take(self) -> list[WatchEvent]:
-        """What has come, oldest first, without waiting."""
+        """Take the events that have come, oldest first, without waiting."""
         events: list[WatchEvent] = []
         while self._events:
             events.append(self._events.popleft())
         return events
 
     def send(self, line: bytes) -> bool:
-        """Say a line, such as `app.session.watching.request_line` makes; False when nobody hears it just now."""
+        """Send a line, such as `app.session.watching.request_line` makes; return False when not connected."""
         loop, writer = self._loop, self._writer
         if loop is None or writer is None or loop.is_closed():
             return False
@@ -86,7 +85,7 @@ class WatchClient:
             delay = min(2.0 * delay, self._patience.longest)
 
     async def _converse(self) -> ConnectionLost:
-        """Connect once and listen until the connection ends, for whatever reason."""
+        """Connect once and receive until the connection ends, for any reason."""
         try:
             async with asyncio.timeout(self._patience.silence):
                 reader, writer = await asyncio.open_connection(self._host, self._port, limit=_SEGMENT)
@@ -125,7 +124,7 @@ class WatchClient:
                 if status is not None and status.refused is not None:
                     refused = status.refused.reason
                 elif self._writer is None:
-                    # The first word is something in force; whoever is turned away hears a refusal alone.
+                    # An admitted watcher first gets a latched message; a rejected one gets only a refusal.
                     self._writer = writer
                     self._reason = None
                     self._events.append(WatchConnected())

@@ -1,7 +1,7 @@
-"""The watch door's sockets: researchers' windows hear over TCP what a session's bag hears, and may ask for things.
+"""Watch server: sends a session's messages over TCP to researchers' windows, and handles their requests.
 
-Everything happens on the thread of one event loop. Nothing that a watcher does or leaves undone slows the session: what
-it does not read waits for it within bounds, and beyond those it loses messages and is told how many.
+Everything runs on the thread of one event loop. No watcher can slow the session down: unread messages wait in a bounded
+queue; beyond the bound they are dropped, and the status has their number.
 """
 
 from __future__ import annotations
@@ -35,26 +35,26 @@ from thbridge.wire.watch_protocol import (
 DEFAULT_PORT = 6010
 
 WATCHERS = 8
-"""Who comes when so many watch is turned away."""
+"""Most watchers at a time; further ones are turned away."""
 
 CALLERS = 4 * WATCHERS
-"""Who comes when so many are connected, with the key or without, is not even told so."""
+"""Most connections, with the key or without; further ones are closed without a message."""
 
 _log = logging.getLogger(__name__)
 
 _STATUS = Topic(STATUS, types.STRING, latched=True)
 _KEY_SECONDS = 10.0
-"""How long a key may take to come."""
+"""Seconds that a connection has to send its key."""
 _LINGER = 1.0
-"""Seconds that a watcher which is cut off has to read why."""
+"""Seconds that a disconnected watcher has to read the reason."""
 _HEARTBEAT = 1.0
 _SEGMENT = 256 * 1024
-"""Bytes that are given to a socket at a time; what the socket has not taken cannot be dropped any more."""
+"""Bytes written to a socket at a time; bytes in the socket's buffer cannot be dropped any more."""
 
 
 @dataclass(frozen=True, slots=True)
 class SessionPace:
-    """How the session runs; attributes as those of `Status`."""
+    """Pace of the session; attributes as those of `WatchStatus`."""
 
     paused: bool
     rate: float
@@ -62,25 +62,25 @@ class SessionPace:
 
 
 class WatchedSession(Protocol):
-    """What is behind the door."""
+    """Session behind the server."""
 
     def ask(self, watcher: str, wish: Mapping[str, object]) -> str | None:
-        """Somebody asks for something: granted, or the answer says why not, for people."""
+        """Carry out a watcher's request; return None, or the reason of a refusal, for people."""
 
     def pace(self) -> SessionPace:
-        """How it runs."""
+        """Return the session's pace."""
 
     def unwatched(self) -> None:
-        """The last watcher has gone."""
+        """Note that the last watcher has left."""
 
 
 class WatchServer:
-    """Says a session's messages to whoever connects, and passes on what they ask for.
+    """Sends a session's messages to all watchers, and passes on their requests.
 
     Args:
-        house: grants.
-        key: that watchers have to know; None lets in whoever can connect.
-        definitions: of message types; None takes them from an installed ROS, where there is one.
+        session: carries out requests.
+        key: key that watchers must send; None admits every connection.
+        definitions: message definitions; None takes them from an installed ROS, where there is one.
     """
 
     def __init__(self, house: WatchedSession, key: str | None = None, definitions: Definitions | None = None) -> None:
@@ -114,7 +114,7 @@ class WatchServer:
         return ListeningAddress(address[0], address[1])
 
     async def stop(self) -> None:
-        """Close the port; what was said last has a moment to be read."""
+        """Close the port; watchers have a moment to read the last messages."""
         if self._server is None or self._heart is None:
             return
         self._server.close()
@@ -128,7 +128,7 @@ class WatchServer:
         self._server = None
 
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
-        """Say what is said in a tick; see `thbridge.app.session.broadcast.Listener`."""
+        """Send the messages of a tick; see `thbridge.app.session.broadcast.Listener`."""
         for message in self._latest:
             if message.topic.latched:
                 self._levels[message.topic] = message
@@ -138,25 +138,25 @@ class WatchServer:
         self._say(self._watchers, self._latest)
 
     def tell_status(self) -> None:
-        """Tell every watcher how things stand."""
+        """Send every watcher its status."""
         for watcher in self._watchers:
             self._tell_status(watcher)
 
-    # What watchers do
+    # Connections and requests of watchers
 
     @property
     def is_crowded(self) -> bool:
-        """Whether so many stand at the door that nobody else is even told to go away."""
+        """True when no further connection is accepted, not even to turn it away."""
         return len(self._open) >= CALLERS
 
     def meet(self, watcher: _Watcher) -> int:
-        """Somebody connects; a number for them."""
+        """Add a connection and return its number."""
         self._open.add(watcher)
         self._met += 1
         return self._met
 
     def admit(self, watcher: _Watcher) -> None:
-        """Somebody begins to watch: they hear what is in force, then all of the tick that was last."""
+        """Add a watcher: it gets the latched messages, then all messages of the last tick."""
         if len(self._watchers) >= WATCHERS:
             self.turn_away(watcher, WatchRefusal("", f"{WATCHERS} others watch already"))
             return
@@ -169,14 +169,14 @@ class WatchServer:
         self.tell_status()
 
     def turn_away(self, watcher: _Watcher, why: WatchRefusal) -> None:
-        """Somebody who does not watch is told why, and sent away."""
+        """Send a connection that is not admitted the reason, and close it."""
         watcher.write(BEGINNING)
         watcher.refuse(why)
         self._tell_status(watcher)
         watcher.close()
 
     def ask(self, watcher: _Watcher, wish: WatcherRequest) -> None:
-        """Somebody asks for something; all are told how things stand then."""
+        """Handle a watcher's request, and send the status to all."""
         reason = self._house.ask(f"watcher {watcher.number}", wish.value)
         if reason is None:
             watcher.guest.granted()
@@ -186,13 +186,13 @@ class WatchServer:
         self.tell_status()
 
     def lost(self, watcher: _Watcher) -> None:
-        """Somebody's connection is closed on both sides."""
+        """Remove a connection that is closed on both sides."""
         self.left(watcher)
         self._open.discard(watcher)
         self._all_closed.set()
 
     def left(self, watcher: _Watcher) -> None:
-        """Somebody watches no longer, if they ever did."""
+        """Remove a watcher; no effect if it was not admitted."""
         if watcher in self._watchers:
             self._watchers.remove(watcher)
             _log.info("watcher %d has gone", watcher.number)
@@ -200,7 +200,7 @@ class WatchServer:
                 self._house.unwatched()
             self.tell_status()
 
-    # What they are told
+    # Messages to watchers
 
     def _say(self, watchers: Sequence[_Watcher], messages: Iterable[RosMessage]) -> None:
         if not watchers:
@@ -234,13 +234,13 @@ class WatchServer:
 
 
 class _Watcher(AsyncioProtocol):
-    """One TCP connection.
+    """TCP connection of one watcher.
 
     Attributes:
-        number: counts all that ever connected.
-        guest: what it says.
-        backlog: what it has not read.
-        status: what it was told last of its own affairs.
+        number: number in the order of connections.
+        input: decoder of its lines.
+        backlog: messages it has not read.
+        status: its status as of the last change.
     """
 
     def __init__(self, server: WatchServer, guest: WatcherSession, chunks: ChunkMaker) -> None:
@@ -288,7 +288,7 @@ class _Watcher(AsyncioProtocol):
 
     def eof_received(self) -> bool:
         self._mute = True
-        # Who has nothing to ask may still listen: `nc HOST PORT < /dev/null`.
+        # A watcher without requests may end its input and still receive: `nc HOST PORT < /dev/null`.
         return self.guest.admitted and not self._closing
 
     def pause_writing(self) -> None:
@@ -303,11 +303,11 @@ class _Watcher(AsyncioProtocol):
         self._server.lost(self)
 
     def refuse(self, why: WatchRefusal) -> None:
-        """Remember what is not granted; the next status tells it."""
+        """Record a refusal for the next status."""
         self.status = replace(self.status, refused=why, refusals=self.status.refusals + 1)
 
     def flush(self) -> None:
-        """Give the socket what waits, as far as it takes it."""
+        """Write queued messages to the socket, as far as it takes them."""
         while not (self._full or self._closing) and self._transport is not None:
             taken = self.backlog.take(_SEGMENT)
             if not taken:
@@ -315,12 +315,12 @@ class _Watcher(AsyncioProtocol):
             self._transport.write(self._chunks.chunk(taken))
 
     def write(self, data: bytes) -> None:
-        """Give the socket these bytes."""
+        """Write these bytes to the socket."""
         if self._transport is not None:
             self._transport.write(data)
 
     def close(self) -> None:
-        """End the connection, once the other side has had a moment to read what it was sent."""
+        """Close the connection once the other side has had a moment to read what it was sent."""
         if self._closing or self._transport is None:
             return
         self._closing = True

@@ -1,10 +1,10 @@
-"""What waits for a reader that is slower than what it reads: whole messages, so many bytes of them, and no more."""
+"""Bounded queue of whole messages for a slow reader: when it is full, old messages are dropped."""
 
 from collections import OrderedDict, defaultdict, deque
 from typing import NamedTuple
 
 LIMIT = 8 * 2**20
-"""Bytes that may wait."""
+"""Bytes that may be queued."""
 
 
 class _Waiting(NamedTuple):
@@ -13,17 +13,17 @@ class _Waiting(NamedTuple):
 
 
 class Backlog:
-    """Records of several channels in order. Of what is too much, the heaviest channel's oldest are dropped.
+    """Records of several channels in order; over the limit, the oldest records of the largest channel are dropped.
 
-    The newest record of a latched channel is never dropped: it may be the only one for a long time. So what waits is
-    bounded by the limit and these.
+    The newest record of a latched channel is never dropped: it may be the only one for a long time. So the queue is
+    bounded by the limit plus these records.
 
     Args:
-        limit: bytes that may wait.
+        limit: bytes that may be queued.
 
     Attributes:
-        dropped: records so far.
-        size: bytes that wait.
+        dropped: number of records dropped so far.
+        size: bytes in the queue.
     """
 
     def __init__(self, limit: int = LIMIT) -> None:
@@ -37,7 +37,7 @@ class Backlog:
         self._number = 0
 
     def put(self, channel: int, record: bytes, latched: bool) -> None:
-        """Let a record wait; it may be one of those that are dropped for it."""
+        """Append a record; if the queue is over its limit then, records are dropped, possibly this one."""
         self._number += 1
         self._waiting[self._number] = _Waiting(channel, record)
         self._of_channel[channel].append(self._number)
@@ -49,7 +49,7 @@ class Backlog:
             pass
 
     def take(self, size: int) -> list[tuple[int, bytes]]:
-        """The oldest records, by channel, until they are as many bytes as this or more."""
+        """Take the oldest records, each with its channel, until they add up to at least `size` bytes."""
         taken: list[tuple[int, bytes]] = []
         while self._waiting and size > 0:
             _, (channel, record) = self._waiting.popitem(last=False)
@@ -61,7 +61,7 @@ class Backlog:
         return taken
 
     def _drop_from_heaviest(self) -> bool:
-        """Drop the older half of a channel; whether there was one to drop from."""
+        """Drop the older half of the largest channel; return False when nothing may be dropped."""
         channel = max(self._of_channel, key=self._droppable_bytes)
         droppable = self._droppable(channel)
         for _ in range((droppable + 1) // 2):

@@ -1,4 +1,4 @@
-"""The canonical content of the routed commands, as HRTeam defined them in 2015.
+"""Canonical content of the routed commands, as HRTeam defined them in 2015.
 
 Positions are metres in the map frame. Headings are radians here, degrees on the wire (0 is East, anti-clockwise);
 numbers travel with three decimals.
@@ -18,7 +18,7 @@ from thbridge.wire.text import TextCommand, TextMessage, UnreadableText, tokens
 
 
 class Dialect(StrEnum):
-    """Which reading of ``%%goto`` comes first."""
+    """The reading of ``%%goto`` that is tried first."""
 
     LEGACY_2016 = "legacy-2016"
     CANONICAL = "canonical"
@@ -41,7 +41,7 @@ Properties: TypeAlias = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True, slots=True)
 class PoseReport:
-    """Where a robot is."""
+    """Pose of a robot."""
 
     robot: int
     x: float
@@ -51,14 +51,14 @@ class PoseReport:
 
 @dataclass(frozen=True, slots=True)
 class PoseQuery:
-    """Asks for a robot's pose."""
+    """Question for a robot's pose."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
 class GotoPoint:
-    """Sends a robot to a point; `heading` is None when any will do."""
+    """Order to drive to a point; `heading` is None when any heading will do."""
 
     robot: int
     x: float
@@ -68,7 +68,7 @@ class GotoPoint:
 
 @dataclass(frozen=True, slots=True)
 class MoveByHand:
-    """Drives a robot by hand.
+    """Order to drive by hand.
 
     Raises:
         ValueError: the intensity is not 1 to 5.
@@ -85,14 +85,14 @@ class MoveByHand:
 
 @dataclass(frozen=True, slots=True)
 class SnapHere:
-    """Asks a robot for a picture from where it stands."""
+    """Request for a picture from where the robot stands."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
 class PictureTaken:
-    """The picture a robot took, and the pose it took it from; `data` is one token."""
+    """Picture that a robot took, and the pose it took it from; `data` is one token."""
 
     robot: int
     x: float
@@ -103,7 +103,7 @@ class PictureTaken:
 
 @dataclass(frozen=True, slots=True)
 class HideTreasure:
-    """Hides a treasure."""
+    """Order to hide a treasure."""
 
     x: float
     y: float
@@ -112,7 +112,7 @@ class HideTreasure:
 
 @dataclass(frozen=True, slots=True)
 class TreasureFound:
-    """A treasure was found."""
+    """Report that a treasure was found."""
 
     x: float
     y: float
@@ -121,7 +121,7 @@ class TreasureFound:
 
 @dataclass(frozen=True, slots=True)
 class PointsEarned:
-    """Points were earned for a treasure."""
+    """Report that points were earned for a treasure."""
 
     points: int
     x: float
@@ -131,7 +131,7 @@ class PointsEarned:
 
 @dataclass(frozen=True, slots=True)
 class ErrorText:
-    """Something went wrong."""
+    """Report that something went wrong."""
 
     text: str
 
@@ -151,7 +151,7 @@ CanonicalValue: TypeAlias = (
 
 
 def encode(value: CanonicalValue, sender: str, receiver: str) -> TextMessage:
-    """The message that says a value.
+    """Return the message that carries a value.
 
     Raises:
         ValueError: a number is not finite, or picture data or a property is not one token.
@@ -161,7 +161,7 @@ def encode(value: CanonicalValue, sender: str, receiver: str) -> TextMessage:
 
 
 def decode(message: TextMessage) -> CanonicalValue | UnreadableText:
-    """The value that a message stands for."""
+    """Return the value that a message carries."""
     try:
         value = _value(message)
     except ValueError as error:
@@ -172,7 +172,7 @@ def decode(message: TextMessage) -> CanonicalValue | UnreadableText:
 
 
 def decode_goto(message: TextMessage, dialect: Dialect, rooms: int) -> legacy.GotoRoom | GotoPoint | UnreadableText:
-    """Where a ``%%goto`` sends a robot.
+    """Return the room or point that a ``%%goto`` sends a robot to.
 
     In the legacy dialect it is a room if x and y are the same whole number below `rooms` and the heading is 45; in
     every other case it is a point.
@@ -287,7 +287,7 @@ def _flat(properties: Properties) -> list[str]:
 
 
 def _pairs(parts: Sequence[str]) -> Properties:
-    """Names and values by twos; some programs bracket each pair, which says nothing more."""
+    """Pair names with values; some programs put brackets around each pair, which mean nothing."""
     bare = tokens(" ".join(parts).replace("(", " ").replace(")", " "))
     if len(bare) % 2:
         raise ValueError(f"the property {bare[-1]!r} has no value")

@@ -1,4 +1,4 @@
-"""The text protocol as one of our own programs speaks it, without the socket.
+"""Text protocol as one of our own programs speaks it, without the socket.
 
 `ClientSession` lives as long as one connection: send its `hello`, feed it what arrives, carry out the events. It
 registers as an extended client, answers pings and keeps the server's own lines to itself.
@@ -26,18 +26,18 @@ _PONG_LINE = encode_line(f"{TextCommand.PONG} ")
 
 @dataclass(frozen=True, slots=True)
 class NameRegistered:
-    """The server knows us by our name from now on: the moment to introduce ourselves to the others."""
+    """The server has accepted our name: the moment to introduce ourselves to the other programs."""
 
 
 @dataclass(frozen=True, slots=True)
 class SendToServer:
-    """Write these bytes to the server."""
+    """Bytes to be written to the server."""
 
     data: bytes
 
 
 class ServerCloseReason(Enum):
-    """Why the server ends the connection."""
+    """Reason why the server ends the connection."""
 
     REFUSED = "our name is already held, or the server is full"
     STOPPED = "the server stops"
@@ -45,7 +45,7 @@ class ServerCloseReason(Enum):
 
 @dataclass(frozen=True, slots=True)
 class ClosedByServer:
-    """The server has said farewell; nothing more comes on this connection."""
+    """The server has announced the end of this connection; nothing more will come on it."""
 
     reason: ServerCloseReason
 
@@ -75,11 +75,11 @@ class ClientSession:
 
     @property
     def hello(self) -> bytes:
-        """What to send first."""
+        """Registration line, to be sent first."""
         return self._hello
 
     def receive_data(self, data: bytes) -> list[ClientSessionEvent]:
-        """The events in what the server sent; none after `Ended`."""
+        """Return the events in bytes from the server; none after `ClosedByServer`."""
         events: list[ClientSessionEvent] = []
         for line in self._lines.feed(data):
             if self._ended:

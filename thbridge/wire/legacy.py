@@ -1,11 +1,11 @@
-"""The ``legacy-2016`` dialect: how the programs of the 2016 treasure hunt bent the protocol to their game.
+"""Dialect ``legacy-2016``: how the programs of the 2016 treasure hunt adapted the protocol to their game.
 
 Robots and rooms are numbered from 0 on the wire: robot 0 is the first robot, room 0 the first room (the corridor has no
-number here). Every value says itself with `message` and is understood from what the message looks like, whoever
-speaks: `decode` relies on the command and the shape of the content only.
+number here). Every value is encoded by its method `message`. `decode` relies on the command and the shape of the
+content only, whoever the sender is.
 
-The programs of 2016 find out what a line is by looking for ``ping``, ``error``, ``found``, ``score``, ``image`` and
-``snap``, in about that order, anywhere in it. Treasures and pictures should not have these words in their names.
+The programs of 2016 recognise a line by looking for ``ping``, ``error``, ``found``, ``score``, ``image`` and ``snap``,
+in about that order, anywhere in it. Treasures and pictures should not have these words in their names.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _MAX_DIGITS = 9  # an int for Java too
 
 @dataclass(frozen=True, slots=True)
 class GotoRoom:
-    """TabUI sends a robot to a room."""
+    """Order of TabUI that a robot go to a room."""
 
     robot: int
     room: int
@@ -43,7 +43,7 @@ class GotoRoom:
 
 @dataclass(frozen=True, slots=True)
 class RoomReached:
-    """SimR reports that a robot has reached its room."""
+    """Report of SimR that a robot has reached its room."""
 
     robot: int
     room: int
@@ -55,7 +55,7 @@ class RoomReached:
 
 @dataclass(frozen=True, slots=True)
 class AskTreasure:
-    """TabUI asks which treasure is in a room."""
+    """Question of TabUI: which treasure is in a room."""
 
     room: int
 
@@ -66,7 +66,7 @@ class AskTreasure:
 
 @dataclass(frozen=True, slots=True)
 class FoundTreasure:
-    """Hider tells what the robot senses in a room; several blanks in a row become one on the wire."""
+    """Answer of Hider: what the robot senses in a room; several blanks in a row become one on the wire."""
 
     room: int
     colour: str
@@ -80,7 +80,7 @@ class FoundTreasure:
 
 @dataclass(frozen=True, slots=True)
 class SnapTreasure:
-    """TabUI asks for a picture of the treasure in a room."""
+    """Request of TabUI for a picture of the treasure in a room."""
 
     room: int
 
@@ -91,7 +91,7 @@ class SnapTreasure:
 
 @dataclass(frozen=True, slots=True)
 class TreasureImage:
-    """Hider names the picture of the treasure in a room.
+    """Answer of Hider: the file name of the picture of the treasure in a room.
 
     Attributes:
         room: the room's number.
@@ -117,7 +117,7 @@ class TreasureImage:
 
 @dataclass(frozen=True, slots=True)
 class NameTreasure:
-    """TabUI says what the participant takes the treasure for; several blanks in a row become one on the wire."""
+    """Message of TabUI: the participant's name for a treasure; several blanks in a row become one on the wire."""
 
     room: int
     name: str
@@ -129,7 +129,7 @@ class NameTreasure:
 
 @dataclass(frozen=True, slots=True)
 class PointsAwarded:
-    """Hider tells the points of an identification, negative for a wrong one."""
+    """Message of Hider: the points for an identification, negative for a wrong one."""
 
     points: int
 
@@ -154,7 +154,7 @@ _SCORE = re.compile(rf",(-?[0-9]{{1,{_MAX_DIGITS}}})")
 
 
 def decode(message: TextMessage) -> LegacyValue | UnreadableText:
-    """The value that a message of this dialect stands for."""
+    """Return the value that a message of this dialect carries."""
     text = message.text
     match message.command:
         case TextCommand.GOTO:

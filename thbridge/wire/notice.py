@@ -1,4 +1,4 @@
-r"""Notices: what our own programs tell each other beyond the protocol of 2016.
+r"""Notices: messages between our own programs beyond the protocol of 2016.
 
 A notice travels as ``%%error FROM TO thbridge {json}``. The JSON is compact ASCII without a single blank (blanks in
 strings are written ``\u0020``), so it is one token and any server of the protocol passes it on unchanged.
@@ -14,10 +14,10 @@ from typing import NoReturn, TypeAlias
 from thbridge.wire.text import TextCommand, TextMessage, UnreadableText
 
 JsonValue: TypeAlias = bool | int | float | str | Sequence["JsonValue"] | Mapping[str, "JsonValue"] | None
-"""What JSON can hold; `parse_notice` gives lists and dictionaries."""
+"""Any value that JSON can hold; `parse_notice` gives lists and dictionaries."""
 
 SERVER = "Server"
-"""The name under which the server itself speaks in notices."""
+"""Sender name in the server's own notices."""
 
 UNDELIVERED = "undelivered"
 """The server's notice of a failed delivery: `command`, `receiver`, `content` (its beginning) and `reason`."""
@@ -27,12 +27,12 @@ _MARK = "thbridge"
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """A notice as its receiver reads it.
+    """Notice as its receiver reads it.
 
     Attributes:
-        sender: name of the program that says it.
+        sender: name of the program that sends it.
         receiver: name of the program it is for.
-        kind: what it is about; says which fields to expect.
+        kind: name of its subject; decides which fields to expect.
         fields: everything else.
     """
 
@@ -43,7 +43,7 @@ class Notice:
 
 
 def notice(sender: str, receiver: str, kind: str, /, **fields: JsonValue) -> TextMessage:
-    """The message that carries a notice; fields keep their order.
+    """Return the message that carries a notice; fields keep their order.
 
     Raises:
         ValueError: a number is not finite, a field is called ``kind``, or a name is not one token.
@@ -55,12 +55,12 @@ def notice(sender: str, receiver: str, kind: str, /, **fields: JsonValue) -> Tex
 
 
 def is_notice(message: TextMessage) -> bool:
-    """Whether a message has the outward form of a notice; its JSON may still be broken."""
+    """Return True when a message has the outward form of a notice; its JSON may still be broken."""
     return message.command == TextCommand.ERROR and message.content[:1] == (_MARK,)
 
 
 def parse_notice(message: TextMessage) -> Notice | UnreadableText:
-    """The notice that a message carries."""
+    """Return the notice that a message carries."""
     if not is_notice(message):
         return UnreadableText(message.line(), "it is not a notice")
     text = " ".join(message.content[1:])

@@ -1,15 +1,14 @@
-"""The text server without its sockets: who holds which name, and what goes to whom.
+"""Text server without its sockets: it knows the holder of each name and passes messages on.
 
 `Router` takes bytes, times and messages and answers with outputs for its owner to carry out. It serves two kinds of
 party under one set of names and rules:
 
-* connections, which bring bytes (`connect`, `receive_data`, `eof`, `report_backlog`) and are watched for life
-  (`advance`);
-* local endpoints, the programs of this very process, which exchange `Message` values (`attach`, `submit`, `take`).
-  What they submit waits for `exchange`, and so does what is said to them: everything said during one tick is heard
-  in the next, whatever the order in which the programs take their turns.
+* connections, which bring bytes (`connect`, `receive_data`, `eof`, `report_backlog`) and are pinged (`advance`);
+* local endpoints, the programs of this very process, which exchange `TextMessage` values (`attach`, `submit`, `take`).
+  Messages from them and to them wait for `exchange`: everything sent during one tick is received in the next,
+  whatever the order in which the programs are stepped.
 
-What a connection's line does (T is one of the routed commands):
+Effect of a connection's line (T is one of the routed commands):
 
 ==========================================  ==========================================================
 line                                        outputs, in this order
@@ -25,13 +24,13 @@ anything else, blank, binary or overlong    ack
 
 Extended clients register with ``%%setid NAME extended [TOKEN]``. They alone
 
-* are told of a failed delivery, by a notice of kind ``undelivered`` before the ack (notices themselves are exempt:
-  a stream nobody listens to must not echo);
+* get a notice of kind ``undelivered`` about a failed delivery, before the ack (notices themselves are exempt: a
+  stream that nobody receives must not echo);
 * receive the notices of other extended parties (one for a client of 2016 is withheld: it would misread it);
-* replace a dead holder of their name: one that has left a ping unanswered so far, or one that registered with the
-  same TOKEN, which is then this program's own connection from before the network failed it.
+* replace a dead holder of their name: one that has not answered a ping yet, or one that registered with the same
+  TOKEN, which is then this program's own connection from before a network failure.
 
-Nobody else can tell the difference from the server of 2016.
+For all other clients there is no difference from the server of 2016.
 """
 
 from __future__ import annotations
@@ -68,14 +67,14 @@ _QUOTED = 200
 
 @dataclass(frozen=True, slots=True)
 class RouterLimits:
-    """What one server is ready to bear.
+    """Limits of one server.
 
     Attributes:
         clients: connections at a time; one more is turned away.
-        line: longest line read, bytes.
-        backlog: what may wait for one reader, bytes (characters for a local endpoint).
-        silence: seconds without a line after which a client is pinged.
-        answer: seconds after a ping at which a client still silent is dropped.
+        line: longest line that is read, bytes.
+        backlog: bytes (characters for a local endpoint) that may wait for one reader.
+        ping_after: seconds without a line after which a client is pinged.
+        drop_after: seconds after an unanswered ping at which a client is dropped.
     """
 
     clients: int = 256
@@ -86,7 +85,7 @@ class RouterLimits:
 
 
 class CloseReason(Enum):
-    """Why the server ends a connection."""
+    """Reason why the server ends a connection."""
 
     NAME_TAKEN = "its name is already held"
     ASKED = "it asked to be closed"
@@ -97,13 +96,13 @@ class CloseReason(Enum):
 
     @property
     def flush(self) -> bool:
-        """Whether what was sent before shall still arrive; otherwise there is nobody to wait for."""
+        """True when pending bytes shall still arrive; otherwise the other side does not read any more."""
         return self in (CloseReason.NAME_TAKEN, CloseReason.ASKED, CloseReason.STOPPED)
 
 
 @dataclass(frozen=True, slots=True)
 class SendToClient:
-    """Write these bytes to a connection."""
+    """Bytes to be written to a connection."""
 
     connection: ConnectionId
     data: bytes
@@ -111,7 +110,7 @@ class SendToClient:
 
 @dataclass(frozen=True, slots=True)
 class CloseConnection:
-    """End a connection; the router has forgotten it already and its name is free."""
+    """Connection to be closed; the router has forgotten it already and its name is free."""
 
     connection: ConnectionId
     reason: CloseReason
@@ -119,12 +118,12 @@ class CloseConnection:
 
 @dataclass(frozen=True, slots=True)
 class Forwarded:
-    """A message was passed on, or would have been: for taps and recorders.
+    """Message that was passed on, or could not be: for taps and recorders.
 
     Attributes:
-        message: what was said.
-        delivered: whether somebody under the receiver's name got it.
-        sender_extended: whether it came from an extended client or a local endpoint.
+        message: the message.
+        delivered: True when the holder of the receiver's name got it.
+        sender_extended: True when it came from an extended client or a local endpoint.
     """
 
     message: TextMessage
@@ -134,7 +133,7 @@ class Forwarded:
 
 @dataclass(frozen=True, slots=True)
 class LineSkipped:
-    """A connection sent a line longer than the limit; it was thrown away and acknowledged like an unknown one."""
+    """Line longer than the limit; it was thrown away and acknowledged like an unknown one."""
 
     connection: ConnectionId
     length: int
@@ -142,7 +141,7 @@ class LineSkipped:
 
 @dataclass(frozen=True, slots=True)
 class ClientJoined:
-    """A connection holds a name from now on: for logs, and for recorders that want to know who could be reached."""
+    """A connection holds a name from now on: for logs, and for recorders that note which names can be reached."""
 
     connection: ConnectionId
     name: str
@@ -162,21 +161,21 @@ RouterOutput: TypeAlias = SendToClient | CloseConnection | Forwarded | LineSkipp
 
 @dataclass(frozen=True, slots=True)
 class TurnedAway:
-    """No connection can be taken on now: write `farewell` to it and close it."""
+    """No connection can be accepted now: write `farewell` to it and close it."""
 
     farewell: bytes
 
 
 @dataclass(frozen=True, slots=True)
 class NameTaken:
-    """A local endpoint cannot have this name: somebody holds it."""
+    """A local endpoint cannot have this name: another party holds it."""
 
     name: str
 
 
 @dataclass(slots=True)
 class _Connection:
-    """A TCP client. `pinged` is the time of a ping that no line has followed yet."""
+    """TCP client. `pinged` is the time of a ping that no line has followed yet."""
 
     id: ConnectionId
     lines: LineSplitter
@@ -189,7 +188,7 @@ class _Connection:
 
 @dataclass(slots=True)
 class _Endpoint:
-    """A program of this process. `arriving` becomes `inbox` at the next exchange; `waiting` counts both."""
+    """Program of this process. `arriving` becomes `inbox` at the next exchange; `waiting` counts both."""
 
     name: str
     arriving: list[TextMessage] = field(default_factory=list)
@@ -198,7 +197,7 @@ class _Endpoint:
 
 
 class MessageRouter:
-    """The server's state; see the module's description for what it does.
+    """State of the text server; the module's description says what it does.
 
     Times are seconds on any clock that does not run backwards. Not safe for use by several threads at once.
     """
@@ -216,7 +215,7 @@ class MessageRouter:
     # Connections
 
     def connect(self, now: float) -> ConnectionId | TurnedAway:
-        """Take on a connection, nameless at first; turned away when the server is full or has stopped."""
+        """Accept a connection, nameless at first; turned away when the server is full or has stopped."""
         if self._stopped or len(self._connections) >= self.limits.clients:
             return TurnedAway(SHUTDOWN_LINE)
         self._connection_count += 1
@@ -225,7 +224,7 @@ class MessageRouter:
         return connection
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[RouterOutput]:
-        """Handle bytes from a connection; what still comes from one that is closed is ignored."""
+        """Handle bytes from a connection; bytes from a closed one are ignored."""
         client = self._connections.get(connection)
         if client is None:
             return []
@@ -241,19 +240,19 @@ class MessageRouter:
         return outputs
 
     def eof(self, connection: ConnectionId) -> list[RouterOutput]:
-        """A connection has ended or is lost: its name is free. A line it had begun is dropped."""
+        """Remove a connection that has ended or is lost: its name is free. A line it had begun is dropped."""
         client = self._connections.pop(connection, None)
         return [] if client is None else self._release(client)
 
     def report_backlog(self, connection: ConnectionId, size: int) -> list[RouterOutput]:
-        """Hear how many bytes wait in a connection's outgoing buffer; one that does not read is closed."""
+        """Note how many bytes wait in a connection's outgoing buffer; one that does not read is closed."""
         client = self._connections.get(connection)
         if client is None or size <= self.limits.backlog:
             return []
         return self._close(client, CloseReason.SLOW)
 
     def advance(self, now: float) -> list[RouterOutput]:
-        """Ping connections that have been silent, drop those that did not answer. Call it about once a second."""
+        """Ping connections that have sent nothing for long, drop those that did not answer. Call it once a second."""
         outputs: list[RouterOutput] = []
         for client in list(self._connections.values()):
             if client.pinged is not None:
@@ -265,7 +264,7 @@ class MessageRouter:
         return outputs
 
     def stop(self) -> list[RouterOutput]:
-        """Say farewell to every connection and take on no more."""
+        """Send the shutdown line to every connection, close it, and accept no more."""
         self._stopped = True
         outputs: list[RouterOutput] = []
         for client in list(self._connections.values()):
@@ -274,14 +273,14 @@ class MessageRouter:
         return outputs
 
     def called(self, connection: ConnectionId) -> str | None:
-        """What people may call a connection: the name it holds, or its number; None when it is not open."""
+        """Return a connection's name, or its number while it has none, for people; None when it is not open."""
         client = self._connections.get(connection)
         return None if client is None else client.name or f"connection {connection}"
 
     # Local endpoints
 
     def attach(self, name: str) -> NameTaken | None:
-        """Hold a name for a program of this process; it counts as extended and is not watched for life.
+        """Hold a name for a program of this process; it counts as extended and is never pinged.
 
         Raises:
             ValueError: the name is not one token.
@@ -294,7 +293,7 @@ class MessageRouter:
         return None
 
     def detach(self, name: str) -> None:
-        """Free the name of a local endpoint; what it has submitted is still passed on.
+        """Free the name of a local endpoint; messages it has submitted are still passed on.
 
         Raises:
             KeyError: no endpoint is attached under this name.
@@ -303,7 +302,7 @@ class MessageRouter:
         del self._holders[name]
 
     def submit(self, name: str, message: TextMessage) -> None:
-        """Say something as a local endpoint; it is passed on at the next `exchange`.
+        """Send a message as a local endpoint; it is passed on at the next `exchange`.
 
         Raises:
             KeyError: no endpoint is attached under this name.
@@ -311,7 +310,7 @@ class MessageRouter:
         self._submitted.append((self._endpoints[name], message))
 
     def exchange(self) -> list[RouterOutput]:
-        """Pass on everything submitted, in order, and open what has come for the local endpoints to `take`.
+        """Pass on all submitted messages, in order; local endpoints may `take` theirs from now on.
 
         One call a tick is what makes a run of several local programs deterministic.
         """
@@ -325,7 +324,7 @@ class MessageRouter:
         return outputs
 
     def take(self, name: str) -> list[TextMessage]:
-        """What was said to a local endpoint up to the last `exchange` and not taken yet, oldest first.
+        """Take the messages to a local endpoint that came up to the last `exchange`, oldest first.
 
         Raises:
             KeyError: no endpoint is attached under this name.
@@ -371,7 +370,7 @@ class MessageRouter:
         return outputs + self._rename(client, name, extended)
 
     def _forward(self, origin: _Connection | _Endpoint, message: TextMessage) -> list[RouterOutput]:
-        """Pass a message on; tell an extended origin by a notice when that cannot be done."""
+        """Pass a message on; send an extended origin a notice when that cannot be done."""
         extended = isinstance(origin, _Endpoint) or origin.extended
         is_extension = extended and is_notice(message)
         holder = self._holders.get(message.receiver)
@@ -384,7 +383,7 @@ class MessageRouter:
         return outputs
 
     def _obstacle(self, holder: _Connection | _Endpoint | None, message: TextMessage, is_extension: bool) -> str | None:
-        """Why a message cannot be handed over, or None."""
+        """Return the reason why a message cannot be handed over, or None."""
         match holder:
             case None:
                 return "nobody holds that name"

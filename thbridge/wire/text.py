@@ -21,7 +21,7 @@ _TOKEN = re.compile(r"\S+", re.ASCII)
 
 
 class TextCommand(StrEnum):
-    """Every command that means something to the server or to the programs around it."""
+    """Commands that have a meaning for the server or for the programs around it."""
 
     ACK = "%%ack"
     ERROR = "%%error"
@@ -61,11 +61,11 @@ ROUTED = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class UnreadableText:
-    """Text that is not what the reader of it expects.
+    """Text that could not be decoded.
 
     Attributes:
         text: the text in question.
-        reason: what is wrong with it, as the end of the sentence "cannot be read: ...".
+        reason: the fault, as the end of the sentence "cannot be read: ...".
     """
 
     text: str
@@ -74,11 +74,11 @@ class UnreadableText:
 
 @dataclass(frozen=True, slots=True)
 class TextMessage:
-    """One routed message, ``COMMAND FROM TO CONTENT...``.
+    """Routed message, ``COMMAND FROM TO CONTENT...``.
 
     Attributes:
-        command: usually one of `ROUTED`; what a ``%%send`` wraps may be anything.
-        sender: name of the program that says it (nobody checks it against the connection).
+        command: usually one of `ROUTED`; inside a ``%%send`` it may be anything.
+        sender: name of the program that sends it (it is not checked against the connection).
         receiver: name of the program it is for.
         content: the remaining tokens.
 
@@ -98,30 +98,30 @@ class TextMessage:
 
     @classmethod
     def of(cls, command: str, sender: str, receiver: str, text: str) -> TextMessage:
-        """A message whose content is running text, taken apart at white space as the wire would."""
+        """Return a message whose content is running text, split at white space as on the wire."""
         return cls(command, sender, receiver, tuple(tokens(text)))
 
     @property
     def text(self) -> str:
-        """The content as running text, single blanks between the tokens."""
+        """Content as running text, single blanks between the tokens."""
         return " ".join(self.content)
 
     def line(self) -> str:
-        """The message as it travels, without the line feed.
+        """Return the message as it travels, without the line feed.
 
-        It always ends in one blank: the Java clients of 2016 cut a fixed number of characters off the end and count
-        on that blank being there.
+        It always ends in one blank: the Java clients of 2016 cut a fixed number of characters off the end and rely on
+        that blank.
         """
         return " ".join((self.command, self.sender, self.receiver, *self.content, ""))
 
 
 def tokens(line: str) -> list[str]:
-    """The tokens of a line, apart at ASCII white space (a no-break space is part of a token, as it was for Java)."""
+    """Split a line at ASCII white space (a no-break space is part of a token, as it was for Java)."""
     return _TOKEN.findall(line)
 
 
 def parse_line(line: str) -> TextMessage | UnreadableText:
-    """The message that a line carries; a ``%%send`` is unwrapped to the message inside it."""
+    """Return the message that a line carries; a ``%%send`` is unwrapped to the message inside it."""
     return parse_tokens(tokens(line))
 
 
@@ -139,13 +139,13 @@ def parse_tokens(parts: Sequence[str]) -> TextMessage | UnreadableText:
 
 
 def encode_line(line: str) -> bytes:
-    """A line as bytes with its line feed; what UTF-8 cannot hold (lone surrogates) becomes a question mark."""
+    """Return a line as bytes with its line feed; lone surrogates, which UTF-8 cannot hold, become question marks."""
     return line.encode("utf-8", errors="replace") + b"\n"
 
 
 @dataclass(frozen=True, slots=True)
 class OverlongLine:
-    """A line longer than the limit went by; nothing of it was kept.
+    """Line longer than the limit, of which nothing was kept.
 
     Attributes:
         length: bytes before its line feed.
@@ -155,10 +155,10 @@ class OverlongLine:
 
 
 class LineSplitter:
-    """Takes a byte stream apart into lines, however it is cut into segments, in bounded memory.
+    """Splits a byte stream into lines, however it is cut into segments, in bounded memory.
 
-    A line ends in LF or CRLF. Bytes that are not UTF-8 become U+FFFD. What follows the last line feed waits for more
-    and is never handed out: it may be cut short.
+    A line ends in LF or CRLF. Bytes that are not UTF-8 become U+FFFD. Bytes after the last line feed are kept for the
+    next call and never returned as a line: the line may be incomplete.
     """
 
     def __init__(self, limit: int = LINE_LIMIT) -> None:
@@ -167,7 +167,7 @@ class LineSplitter:
         self._length = 0
 
     def feed(self, data: bytes) -> list[str | OverlongLine]:
-        """The lines that `data` completes, without their line ends."""
+        """Return the lines that `data` completes, without their line ends."""
         *ended, rest = data.split(b"\n")
         lines: list[str | OverlongLine] = []
         for piece in ended:

@@ -1,7 +1,7 @@
-"""How a researcher's window watches a session, sans-IO: both sides of the conversation.
+"""Watch protocol, by which a researcher's window observes a session: both sides of it, without sockets.
 
-The session says a rosbag of format 2.0 without an end: magic, bag header, then chunks, each with its index. The watcher
-says JSON objects, one a line: first the key, where one is wanted, then requests.
+The session sends a rosbag of format 2.0 without an end: magic, bag header, then chunks, each with its index. The
+watcher sends JSON objects, one a line: first the key, where one is required, then requests.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ import msgspec
 from thbridge.wire.text import LineSplitter, OverlongLine
 
 STATUS = "/watch/status"
-"""Topic on which the door itself speaks: std_msgs/String, the JSON of a `Status`."""
+"""Topic of the watch server itself: std_msgs/String, the JSON of a `WatchStatus`."""
 
 MAGIC = b"#ROSBAG V2.0\n"
 
 MISTAKES = 20
-"""So many refusals in a row, and a watcher is cut off."""
+"""Refusals in a row after which a watcher is disconnected."""
 
 _LARGEST = 64 * 2**20
-"""Bytes of a record; a costmap of 400 m by 400 m, 5 cm a cell, fits."""
+"""Most bytes of a record; a costmap of 400 m by 400 m, 5 cm a cell, fits."""
 
 _SHOWN = 80
-"""Characters of a refused line that are told."""
+"""Characters of a refused line that its refusal repeats."""
 
 _U32 = struct.Struct("<I")
 _TIME = struct.Struct("<II")
@@ -37,12 +37,12 @@ _TIME = struct.Struct("<II")
 
 @dataclass(frozen=True, slots=True)
 class SessionMessage:
-    """One message of a session.
+    """Message of a session.
 
     Attributes:
         topic: its topic.
         msgtype: for example "nav_msgs/Odometry".
-        stamp_ns: when it was said, nanoseconds of ROS time.
+        stamp_ns: when it was published, nanoseconds of ROS time.
         data: its bytes, as ROS 1 serialises it.
     """
 
@@ -54,18 +54,18 @@ class SessionMessage:
 
 @dataclass(frozen=True, slots=True)
 class BrokenStream:
-    """What came is no such stream; nothing that follows can be read."""
+    """Stream that is not a session's; nothing that follows can be read."""
 
     reason: str
 
 
 @dataclass(frozen=True, slots=True)
 class WatchRefusal:
-    """A request that was not granted.
+    """Request that was not granted.
 
     Attributes:
-        request: its beginning.
-        reason: why, for people.
+        request: beginning of the request's line.
+        reason: reason for people.
     """
 
     request: str
@@ -74,16 +74,16 @@ class WatchRefusal:
 
 @dataclass(frozen=True, slots=True)
 class WatchStatus:
-    """How the door stands, as one watcher is told: once a second, and whenever something changes.
+    """State of the watch server as one watcher gets it: once a second, and whenever something changes.
 
     Attributes:
-        paused: no tick comes until somebody resumes or steps.
-        rate: simulated seconds per second that are asked for; 0: as fast as the machine can.
+        paused: no tick comes until a request resumes or steps.
+        rate: simulated seconds per second that are requested; 0: as fast as the machine can.
         lag: seconds by which the session is behind that.
-        watchers: how many watch, this one included.
+        watchers: number of watchers, this one included.
         dropped: messages that this watcher did not get, because it reads too slowly.
         refused: the latest request of this watcher that was not granted; None until there is one.
-        refusals: how many there were.
+        refusals: number of such requests.
     """
 
     paused: bool
@@ -95,13 +95,13 @@ class WatchStatus:
     refusals: int = 0
 
     def data(self) -> bytes:
-        """It as the bytes of a std_msgs/String."""
+        """Return the status as a serialised std_msgs/String."""
         text = msgspec.json.encode(self)
         return _U32.pack(len(text)) + text
 
 
 def status_in(said: SessionMessage) -> WatchStatus | None:
-    """The status that a message tells; None where it tells none."""
+    """Return the status in a message; None when it holds none."""
     if said.topic != STATUS:
         return None
     try:
@@ -114,7 +114,7 @@ def status_in(said: SessionMessage) -> WatchStatus | None:
 
 
 class BagStreamReader:
-    """Takes a session's bytes apart into messages, however they are cut into segments."""
+    """Splits a session's bytes into messages, however they are cut into segments."""
 
     def __init__(self) -> None:
         self._held = bytearray()
@@ -123,7 +123,7 @@ class BagStreamReader:
         self._connections: dict[int, tuple[str, str]] = {}
 
     def feed(self, data: bytes) -> list[SessionMessage | BrokenStream]:
-        """The messages that `data` completes; after a `Broken` there are none."""
+        """Return the messages that `data` completes; after a `BrokenStream` there are none."""
         if self._broken:
             return []
         self._held += data
@@ -148,7 +148,7 @@ class BagStreamReader:
                 del self._held[: len(MAGIC)]
 
     def _records(self) -> Iterator[tuple[bytes, bytes]]:
-        """The complete records; they are taken from what is held once all have been seen."""
+        """Yield the complete records; they are removed from the buffer at the end."""
         at = 0
         try:
             while self._begun and (sizes := _sizes(self._held, at)) is not None:
@@ -190,12 +190,12 @@ class BagStreamReader:
 
 
 def key_line(key: str) -> bytes:
-    """What a watcher says first."""
+    """Return the first line of a watcher, with the key."""
     return json.dumps({"key": key}).encode() + b"\n"
 
 
 def _sizes(data: bytes | bytearray, at: int) -> tuple[int, int] | None:
-    """Lengths of header and body of the record at `at`; None where it is not all there.
+    """Return the lengths of header and body of the record at `at`; None while it is incomplete.
 
     Raises:
         ValueError: no record is that long.
@@ -231,16 +231,16 @@ def _fields(header: bytes) -> dict[bytes, bytes]:
 
 @dataclass(frozen=True, slots=True)
 class WatcherAdmitted:
-    """The watcher may hear and ask."""
+    """The watcher may receive messages and make requests."""
 
 
 @dataclass(frozen=True, slots=True)
 class WatcherRequest:
-    """A watcher asks for something.
+    """Request of a watcher.
 
     Attributes:
-        line: as it came.
-        value: of the line.
+        line: the line as it was received.
+        value: the JSON object in it.
     """
 
     line: str
@@ -251,15 +251,15 @@ WatcherEvent: TypeAlias = WatcherAdmitted | WatcherRequest | WatchRefusal
 
 
 class WatcherSession:
-    """What one watcher says.
+    """Decoder of one watcher's lines, which also checks its key.
 
     Args:
-        key: that it has to say first; None: whoever connects is admitted, at the first call of `feed`.
+        key: key that it must send first; None: no key is needed.
 
     Attributes:
-        admitted: whether it may hear and ask.
-        unwelcome: it is to be cut off: its key is wrong, its first word is not ours (a browser's, say), or it goes on
-            and on asking for what cannot be.
+        admitted: True when it may receive messages and make requests.
+        rejected: it is to be disconnected: its key is wrong, its first line is not of this protocol (a browser's,
+            say), or too many requests in a row were refused.
     """
 
     def __init__(self, key: str | None = None) -> None:
@@ -271,18 +271,18 @@ class WatcherSession:
         self._mistakes = 0
 
     def feed(self, data: bytes) -> Iterator[WatcherEvent]:
-        """What the lines come to that `data` completes; the answer to each is to be told before the next is taken."""
+        """Yield the events of the lines that `data` completes; call `granted` or `refused` before taking the next."""
         for line in self._lines.feed(data):
             if self.unwelcome:
                 return
             yield from self._read(line)
 
     def granted(self) -> None:
-        """Its latest wish was granted."""
+        """Note that its latest request was granted."""
         self._mistakes = 0
 
     def refused(self) -> None:
-        """Its latest wish was not."""
+        """Note that its latest request was refused."""
         self._mistakes += 1
         self.unwelcome = self.unwelcome or self._mistakes >= MISTAKES
 
@@ -304,18 +304,18 @@ class WatcherSession:
                 if right
                 else WatchRefusal("", "the key is wrong" if "key" in value else "a key is wanted")
             )
-        elif set(value) != {"key"}:  # one that was not asked for is none of our business
+        elif set(value) != {"key"}:  # a key that is not needed is ignored
             yield WatcherRequest(line, value)
 
     def _misunderstood(self, line: str, reason: str) -> WatchRefusal:
-        # Whoever begins like this is no watcher; a web page could have sent a browser here.
+        # A first line like this is no watcher's; a web page could have sent a browser here.
         self.unwelcome = self.unwelcome or not self._understood
         self.refused()
         return refusal(line, reason)
 
 
 def refusal(line: str, reason: str) -> WatchRefusal:
-    """Why a line was not granted, with as much of it as is told."""
+    """Return the refusal of a line, with the beginning of the line."""
     return WatchRefusal(line[:_SHOWN], reason)
 
 

@@ -1,1 +1,1 @@
-"""MAVLink by UDP and TCP: the links of a session to ground stations, and a ground station's own socket."""
+"""MAVLink over UDP and TCP: the links of a session to ground stations, and a ground station's own socket."""

@@ -1,4 +1,4 @@
-"""A ground station's socket: over UDP as ground stations have it, bound where robots speak to; or over TCP."""
+"""Socket of a ground station: UDP, bound to the port that robots send to, as is usual; or TCP."""
 
 from __future__ import annotations
 
@@ -20,26 +20,26 @@ CONNECT_SECONDS = 5.0
 
 _LARGEST = 65535
 _TURN = 64
-"""Datagrams taken at a time."""
+"""Most datagrams that are read at a time."""
 _STEP = 0.05
-"""Seconds between two looks at the clock, when nothing comes in."""
+"""Seconds between two checks of the clock when nothing is received."""
 
 
 class Unreachable(Exception):  # noqa: N818 - nothing went wrong with the program
-    """There is no way to speak to robots there; as text, why, as a clause without its full stop."""
+    """No connection to robots is possible; its text is the reason, as a clause without its full stop."""
 
 
 class StationSocket:
-    """A ground station at a socket.
+    """Ground station with its socket.
 
     Args:
-        own: connected or bound, and not blocking.
-        peer: whom to speak to by UDP; None: whoever speaks to us.
-        key: with which frames are signed and verified; None for none.
+        own: socket, connected or bound, and not blocking.
+        peer: UDP address to send to; None: all that send to us.
+        key: key to sign and verify frames; None for none.
 
     Attributes:
-        station: what it knows and says.
-        waits: it listens where robots may come to; or else it went where they may be.
+        station: the ground station.
+        is_listening: True when it waits for robots to send first; False when it sends to a given address.
     """
 
     def __init__(self, own: socket.socket, peer: SocketAddress | None, key: SigningKey | None) -> None:
@@ -53,16 +53,16 @@ class StationSocket:
 
     @property
     def refused(self) -> int:
-        """Frames whose signature was missing, wrong or old."""
+        """Number of frames whose signature was missing, wrong or old."""
         return self._channel.tally.refused
 
     async def turn(self) -> list[StationEvent]:
-        """Wait for what comes in next, or for a moment; what has happened.
+        """Wait briefly for frames and handle them; return the events.
 
         Raises:
             Unreachable: the connection has ended.
         """
-        # Its first heartbeat is for the first who is there.
+        # Without a peer yet, its first heartbeat waits for the first one.
         events = self.station.advance(time.monotonic()) if self._stream or self._peers else []
         await self._send()
         try:
@@ -77,7 +77,7 @@ class StationSocket:
         return events
 
     async def _readable(self) -> None:
-        """Wait until something has come in."""
+        """Wait until the socket is readable."""
         loop = asyncio.get_running_loop()
         ready = asyncio.Event()
         loop.add_reader(self._socket, ready.set)
@@ -95,7 +95,7 @@ class StationSocket:
             except OSError as error:
                 if self._stream:
                     raise Unreachable(reason_of(error)) from None
-                continue  # Nobody is there yet.
+                continue  # The peer's port is not open yet.
             if self._stream and not data:
                 raise Unreachable("the other side has ended the connection")
             if self.waits:
@@ -112,18 +112,18 @@ class StationSocket:
                 except OSError as error:
                     raise Unreachable(reason_of(error)) from None
             for peer in self._peers:
-                with suppress(OSError):  # Nobody is there yet; what matters is sent again.
+                with suppress(OSError):  # The peer's port is not open yet; heartbeats and commands are sent again.
                     self._socket.sendto(data, peer)
 
 
 @asynccontextmanager
 async def linked(address: Address, tcp: bool, key: SigningKey | None) -> AsyncIterator[StationSocket]:
-    """A ground station at an address, while it lasts.
+    """Open a ground station at an address.
 
-    By UDP it takes the address for its own, as ground stations do, where that can be; else it speaks to it.
+    Over UDP it binds to the address, as ground stations do, where that is possible; else it sends to it.
 
     Raises:
-        Unreachable: there is no such address, or nobody takes connections there.
+        Unreachable: there is no such address, or no server there.
     """
     kind = socket.SOCK_STREAM if tcp else socket.SOCK_DGRAM
     loop = asyncio.get_running_loop()

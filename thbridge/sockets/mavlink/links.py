@@ -1,7 +1,7 @@
-"""The links of a session to ground stations, whatever carries them: what comes in goes to the session, answers go out.
+"""Links of a session to ground stations over any transport: received frames go to the session, its answers go out.
 
-Everything happens on the thread of one event loop. Framing and signatures end here: the session gets frames that are
-whole, verified and without their signature.
+Everything runs on the thread of one event loop. Framing and signatures end here: the session gets complete, verified
+frames without their signature.
 """
 
 import logging
@@ -20,51 +20,51 @@ from thbridge.wire.mavlink.links import DropReason, LinkReport
 from thbridge.wire.mavlink.outgoing import LinkId
 
 GARBAGE = 16 * 1024
-"""Who has sent so many bytes on end without one good frame is listened to no more, for some time at least."""
+"""Bytes in a row without a good frame after which a peer is ignored, for some time at least."""
 
 _log = logging.getLogger(__name__)
 
 
 class MavlinkSession(Protocol):
-    """What is behind the links: the session, with its vehicles.
+    """Session behind the links, with its vehicles.
 
     Attributes:
-        transmit: sends what vehicles say by themselves; the links take it over.
+        transmit: sends frames that are no answers; set by the links.
     """
 
     transmit: Callable[[Sequence[OutgoingFrame]], None]
 
     def open_link(self, name: str, robot: int | None = None) -> LinkId:
-        """From now on there is a link of this name, to this robot alone if one is given, from 0."""
+        """Open a link of this name, to this robot alone if one is given, from 0."""
 
     def close_link(self, link: LinkId) -> None:
-        """It is gone."""
+        """Close a link."""
 
     def report(self, link: LinkId) -> LinkReport | None:
-        """How a link stands; None: there is no such link."""
+        """Return the report of a link; None when there is no such link."""
 
     def why_not(self, link: LinkId, frame: Frame) -> DropReason | None:
-        """Why a frame would be dropped that comes in on a link."""
+        """Return the reason why a frame from a link would be dropped; None when it would not."""
 
     def receive_frame(self, link: LinkId, frame: Frame) -> Sequence[OutgoingFrame]:
-        """A frame has come in; what goes out at once."""
+        """Handle a received frame and return the answers."""
 
 
 class FrameSender(Protocol):
-    """What takes the bytes of one link."""
+    """Transport of one link."""
 
     def carry(self, frames: Sequence[bytes]) -> int:
-        """Send frames, in order; how many of them could not be sent."""
+        """Send frames, in order; return how many of them could not be sent."""
 
 
 @dataclass(frozen=True, slots=True)
 class FrameTotals:
-    """What all links together have carried.
+    """Frame counts of all links together.
 
     Attributes:
-        received: frames that came in.
-        sent: frames that went out.
-        unsent: frames that should have, and could not.
+        received: frames received.
+        sent: frames sent.
+        unsent: frames that could not be sent.
     """
 
     received: int
@@ -80,11 +80,11 @@ class _Link:
 
 
 class MavlinkLinks:
-    """Brings frames to and fro between links and a session.
+    """Passes frames between links and a session.
 
     Args:
-        key: with which frames are signed and verified; None for none.
-        clock: seconds of Unix time, for signatures.
+        key: key to sign and verify frames; None for none.
+        clock: returns seconds of Unix time, for signatures.
     """
 
     def __init__(self, key: SigningKey | None, clock: Callable[[], float] = time.time) -> None:
@@ -99,22 +99,22 @@ class MavlinkLinks:
 
     @property
     def totals(self) -> FrameTotals:
-        """What was carried until now."""
+        """Frame counts until now."""
         return FrameTotals(self._received, self._sent, self._unsent)
 
     def serve(self, exchange: MavlinkSession) -> None:
-        """From now on links may be opened, and lead there."""
+        """Connect the links to a session; links can be opened from now on."""
         self._exchange = exchange
         exchange.transmit = self.transmit
 
     def channel(self, *, datagrams: bool) -> Channel:
-        """For somebody new; it may become a link's."""
+        """Return a channel for a new peer, which may become a link."""
         self._met += 1
         signing = None if self._key is None else Signing(self._key, self._met % 256, self._timestamps)
         return Channel(signing, datagrams=datagrams)
 
     def open(self, name: str, channel: Channel, carrier: FrameSender, robot: int | None = None) -> LinkId | None:
-        """A new link, to this robot alone if one is given, from 0; None as long as nothing is served."""
+        """Open a link, to this robot alone if one is given, from 0; None as long as there is no session."""
         if self._exchange is None:
             return None
         link = self._exchange.open_link(name, robot)
@@ -122,13 +122,13 @@ class MavlinkLinks:
         return link
 
     def close(self, link: LinkId) -> None:
-        """A link is gone; one that is gone already stays so."""
+        """Close a link; no effect on a closed one."""
         if self._links.pop(link, None) is not None and self._exchange is not None:
             _log.info("MAVLink: %s", self._exchange.report(link))
             self._exchange.close_link(link)
 
     def frames_in(self, name: str, channel: Channel, data: bytes) -> list[Frame]:
-        """The good frames in bytes that came in; of what is not good, it is said once who sends it."""
+        """Return the good frames in received bytes; the log gets one warning for each peer and fault."""
         frames = channel.receive_data(data, self._clock())
         self._received += len(frames)
         if channel.complaint:
@@ -136,7 +136,7 @@ class MavlinkLinks:
         return frames
 
     def receive(self, link: LinkId, frames: Iterable[Frame]) -> None:
-        """Frames have come in on a link; they are answered at once."""
+        """Handle frames received on a link, and send the answers."""
         if self._exchange is None:
             return
         answers: list[OutgoingFrame] = []

@@ -1,4 +1,4 @@
-"""Where ground stations reach a session: its UDP targets and ports, and its TCP port, opened and closed together."""
+"""MAVLink server of a session: its UDP targets and ports, and its TCP port, opened and closed together."""
 
 import logging
 from contextlib import AsyncExitStack
@@ -16,13 +16,13 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class MavlinkPorts:
-    """Where ground stations reach a session.
+    """Addresses at which a session serves ground stations.
 
     Attributes:
-        udp: to whom heartbeats go from the start; whoever answers is heard.
-        tcp: where to listen; None for nowhere.
-        key: with which frames are signed and verified; None for none.
-        udp_listen: where to listen by UDP for those who speak first; None for nowhere.
+        udp: targets that get heartbeats from the start.
+        tcp: address to listen on; None for none.
+        key: key to sign and verify frames; None for none.
+        udp_listen: UDP address to listen on for stations that send first; None for none.
     """
 
     udp: tuple[UdpTarget, ...]
@@ -32,7 +32,7 @@ class MavlinkPorts:
 
 
 class MavlinkServer:
-    """Speaks MAVLink for a session."""
+    """MAVLink server of a session."""
 
     def __init__(self, ports: MavlinkPorts) -> None:
         self._ports = ports
@@ -42,7 +42,7 @@ class MavlinkServer:
         self._opened = AsyncExitStack()
 
     async def open(self) -> list[str] | CannotListen:
-        """Take all ports, still silent; what ground stations find them by, or the first that cannot be had."""
+        """Open all ports without using them yet; return their names for people, or the first failure."""
         names = []
         for target in self._ports.udp:
             udp = self._kept(await udp_port(self._links, target))
@@ -64,14 +64,14 @@ class MavlinkServer:
         return names
 
     def _kept(self, port: UdpPort | CannotListen) -> UdpPort | CannotListen:
-        """The port, to be served and closed with the others."""
+        """Keep a port, to be served and closed with the others, and return it."""
         if isinstance(port, UdpPort):
             self._opened.callback(port.close)
             self._udp_ports.append(port)
         return port
 
     async def serve(self, exchange: MavlinkSession) -> None:
-        """Bring everything that comes in there, and take from there what is said."""
+        """Connect all ports to a session."""
         self._links.serve(exchange)
         for port in self._udp_ports:
             port.serve()
@@ -79,7 +79,7 @@ class MavlinkServer:
             await self._tcp_port.serve()
 
     async def close(self) -> None:
-        """Close everything; what was sent last over TCP has a moment to be read."""
+        """Close all ports; TCP peers have a moment to read the last frames."""
         await self._opened.aclose()
         carried = self._links.totals
         told = f"{carried.received} frames came in, {carried.sent} went out, {carried.unsent} could not be sent"

@@ -1,4 +1,4 @@
-"""MAVLink over TCP: a port where ground stations connect, each a link of its own."""
+"""MAVLink over TCP: a port for ground stations, each with a link of its own."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from thbridge.wire.mavlink.frames.channel import Channel
 from thbridge.wire.mavlink.outgoing import LinkId
 
 CONNECTIONS = 32
-"""Who comes when so many are connected is turned away."""
+"""Most connections at a time; further ones are turned away."""
 
 BACKLOG = 1024 * 1024
-"""Bytes that may wait for somebody who does not read, before the connection is cut off."""
+"""Bytes that may wait for a peer that does not read before its connection is cut off."""
 
 _LINGER = 1.0
-"""Seconds that a connection has at the end to take what it was sent."""
+"""Seconds that a peer has at the end to read what it was sent."""
 
 
 class TcpPort:
-    """A port that is taken, and not served yet.
+    """TCP port, open but not served yet.
 
     Args:
-        links: where its frames come from and go to.
-        own: bound and listening.
+        links: links of the session.
+        own: socket, bound and listening.
 
     Attributes:
-        where: how it is reached.
+        where: its address.
     """
 
     def __init__(self, links: MavlinkLinks, own: socket.socket) -> None:
@@ -45,7 +45,7 @@ class TcpPort:
         self._all_closed = asyncio.Event()
 
     async def serve(self) -> None:
-        """Let ground stations connect."""
+        """Accept connections of ground stations."""
         self._server = await asyncio.get_running_loop().create_server(lambda: _Connection(self), sock=self._socket)
 
     async def close(self) -> None:
@@ -63,21 +63,21 @@ class TcpPort:
 
     @property
     def is_full(self) -> bool:
-        """Whether nobody else may come."""
+        """True when no further connection is accepted."""
         return len(self._open) >= CONNECTIONS
 
     def came(self, connection: _Connection) -> None:
-        """A connection is there."""
+        """Add a connection."""
         self._open.add(connection)
 
     def went(self, connection: _Connection) -> None:
-        """A connection is closed on both sides."""
+        """Remove a connection that is closed on both sides."""
         self._open.discard(connection)
         self._all_closed.set()
 
 
 async def tcp_port(links: MavlinkLinks, address: Address) -> TcpPort | CannotListen:
-    """Take a port; 0 takes any that is free."""
+    """Open a port; 0 takes any that is free."""
     try:
         found = await asyncio.get_running_loop().getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
         family, _, _, _, where = found[0]
@@ -90,7 +90,7 @@ async def tcp_port(links: MavlinkLinks, address: Address) -> TcpPort | CannotLis
 
 
 class _Connection(Protocol):
-    """One ground station."""
+    """Connection of one ground station."""
 
     def __init__(self, port: TcpPort) -> None:
         self._port = port
@@ -127,7 +127,7 @@ class _Connection(Protocol):
         self._port.went(self)
 
     def carry(self, frames: Sequence[bytes]) -> int:
-        """See `thbridge.sockets.mavlink.links.Carrier`."""
+        """See `thbridge.sockets.mavlink.links.FrameSender`."""
         if self._transport is None or self._transport.is_closing():
             return len(frames)
         self._transport.write(b"".join(frames))
@@ -136,7 +136,7 @@ class _Connection(Protocol):
         return 0
 
     def close(self) -> None:
-        """End the connection, once the other side has had a moment to take what it was sent."""
+        """Close the connection once the other side has had a moment to read what it was sent."""
         self._leave()
         if self._transport is not None:
             self._transport.close()

@@ -1,4 +1,4 @@
-"""MAVLink over UDP: a socket for each target and one that waits to be spoken to, and a link for everybody they hear."""
+"""MAVLink over UDP: a socket for each target, one for stations that send first, and a link for each peer."""
 
 from __future__ import annotations
 
@@ -17,34 +17,34 @@ from thbridge.wire.mavlink.frames.channel import Channel
 from thbridge.wire.mavlink.outgoing import LinkId
 
 PEERS = 32
-"""Who speaks to one socket beside its target, if it has one; one more, and who was silent for longest is forgotten."""
+"""Most peers of one socket beside its target; one more replaces the peer whose last frame is oldest."""
 
 SILENT = 60.0
-"""Seconds after which somebody who has said nothing good is forgotten; the target never is."""
+"""Seconds without a good frame after which a peer is forgotten; the target never is."""
 
 MUTED = 10.0
-"""Seconds for which nobody listens to a peer that sent nothing but garbage."""
+"""Seconds for which a peer that sent only garbage is ignored."""
 
 _DATAGRAM = 1200
-"""Bytes that are sent as one datagram: fewer than any network's packets have."""
+"""Most bytes of a datagram: below the packet size of any network."""
 
 _TURN = 64
-"""Datagrams taken at a time, so that a peer that floods us leaves turns to the others."""
+"""Most datagrams that are read at a time, so that a flood leaves time for other work of the loop."""
 
 _LARGEST = 65535
 BUFFER = 4 * 1024 * 1024
-"""Bytes that the system is asked to keep for us while a tick runs; it may grant fewer."""
+"""Bytes of the system's socket buffers, which fill while a tick runs; the system may grant fewer."""
 
 SocketAddress = tuple[str, int] | tuple[str, int, int, int]
-"""As sockets have it: of IPv4, or of IPv6."""
+"""Address in the form of Python's sockets, for IPv4 or IPv6."""
 
 
 class UdpTarget(NamedTuple):
-    """To whom a socket speaks from the start.
+    """Target of a socket, to which it sends from the start.
 
     Attributes:
-        address: theirs.
-        robot: the only one that they find there, from 0; None: all robots.
+        address: address of the station.
+        robot: the only robot on the link, from 0; None: all robots.
     """
 
     address: Address
@@ -55,7 +55,7 @@ class UdpTarget(NamedTuple):
 
 
 def target_in(text: str) -> UdpTarget | None:
-    """The target that HOST:PORT means, or HOST:PORT/ROBOT with a robot's number from 1. None: it means none."""
+    """Parse HOST:PORT, or HOST:PORT/ROBOT with a robot's number from 1; None when it is invalid."""
     where, slash, number = text.partition("/")
     address = address_in(where)
     if address is None or not slash:
@@ -67,13 +67,13 @@ def target_in(text: str) -> UdpTarget | None:
 
 @dataclass(slots=True)
 class _Peer:
-    """Somebody who speaks to a socket.
+    """Peer of a socket; times are seconds of the loop's clock.
 
     Attributes:
-        channel: what it says.
-        heard: seconds of the loop's clock when its last good frame came, or else when it first spoke.
-        link: None as long as nothing good has come.
-        muted: until then it is not listened to.
+        channel: its frame codec.
+        heard: time of its last good frame, or else of its first datagram.
+        link: None until its first good frame.
+        muted: time until which it is ignored.
     """
 
     channel: Channel
@@ -84,13 +84,13 @@ class _Peer:
 
 @dataclass(frozen=True, slots=True)
 class _Outlet:
-    """A link's way out."""
+    """Transport of a link."""
 
     socket: socket.socket
     address: SocketAddress
 
     def carry(self, frames: Sequence[bytes]) -> int:
-        """As many frames to a datagram as go in."""
+        """Send frames, as many in one datagram as fit."""
         unsent = first = 0
         while first < len(frames):
             last, size = first + 1, len(frames[first])
@@ -100,7 +100,7 @@ class _Outlet:
             try:
                 self.socket.sendto(b"".join(frames[first:last]), self.address)
             except ConnectionRefusedError:
-                pass  # Nobody is there yet, which an earlier datagram has found out; this one is none the worse.
+                pass  # An earlier datagram found the port closed; this error says nothing about the present one.
             except OSError:
                 unsent += last - first
             first = last
@@ -108,13 +108,13 @@ class _Outlet:
 
 
 class UdpPort:
-    """A socket, and all who are reached by it.
+    """UDP socket with its peers.
 
     Args:
-        links: where its frames come from and go to.
-        own: bound, and not blocking.
-        target: to whom it speaks from the start; None: to nobody before they speak to it.
-        robot: the only one that is found there, from 0; None: all robots.
+        links: links of the session.
+        own: socket, bound and not blocking.
+        target: peer from the start; None: only peers that send first.
+        robot: the only robot on its links, from 0; None: all robots.
     """
 
     def __init__(
@@ -134,7 +134,7 @@ class UdpPort:
         return Address(host, port)
 
     def serve(self) -> None:
-        """Begin to speak and listen."""
+        """Begin to send and receive."""
         loop = asyncio.get_running_loop()
         if self._target is not None:
             first = self._peers[self._target] = _Peer(self._links.channel(datagrams=True), loop.time())
@@ -143,7 +143,7 @@ class UdpPort:
         self._forget_silent()
 
     def close(self) -> None:
-        """Speak and listen no more."""
+        """Close the socket and all its links."""
         asyncio.get_running_loop().remove_reader(self._socket)
         if self._sweep is not None:
             self._sweep.cancel()
@@ -152,7 +152,7 @@ class UdpPort:
         self._socket.close()
 
     def _forget_silent(self) -> None:
-        """Those who have gone would cost a heartbeat of every robot for ever."""
+        """Forget stale peers, each of which would cost a heartbeat of every robot for ever."""
         loop = asyncio.get_running_loop()
         for address, peer in tuple(self._peers.items()):
             if address != self._target and loop.time() - peer.heard > SILENT:
@@ -166,7 +166,7 @@ class UdpPort:
             except BlockingIOError:
                 return
             except OSError:
-                continue  # Some target is not there, as the network says.
+                continue  # ICMP: a target's port is closed.
             self._received(data, address)
 
     def _received(self, data: bytes, address: SocketAddress) -> None:
@@ -188,7 +188,7 @@ class UdpPort:
     def _meet(self, address: SocketAddress, now: float) -> _Peer:
         if len(self._peers) > PEERS:
             others = (there for there in self._peers if there != self._target)
-            # Whoever has said nothing good yet goes first: strangers drive no ground station out.
+            # Peers without a good frame go first, so that strangers do not displace ground stations.
             self._forget(min(others, key=lambda there: (self._peers[there].link is not None, self._peers[there].heard)))
         peer = self._peers[address] = _Peer(self._links.channel(datagrams=True), now)
         return peer
@@ -205,26 +205,26 @@ class UdpPort:
 
 
 async def udp_port(links: MavlinkLinks, target: UdpTarget) -> UdpPort | CannotListen:
-    """A socket for a target, on this machine alone if the target is on it; not in use yet."""
+    """Open a socket for a target, on the loopback interface if the target is there; not in use yet."""
     found = await _bound(target.address, lambda there, family: (_local(there[0], family), 0))
     return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, found.given, target.robot)
 
 
 async def udp_listener(links: MavlinkLinks, where: Address) -> UdpPort | CannotListen:
-    """A socket at this address, for whoever speaks to it first; not in use yet."""
+    """Open a socket at this address for stations that send first; not in use yet."""
     found = await _bound(where, lambda there, family: there)
     return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, None)
 
 
 class _Bound(NamedTuple):
-    """A socket, and the address for which it was made."""
+    """Bound socket, and the address for which it was made."""
 
     socket: socket.socket
     given: SocketAddress
 
 
 async def _bound(given: Address, own_for: Callable[[SocketAddress, int], SocketAddress]) -> _Bound | CannotListen:
-    """A socket for a given address, bound to what `own_for` makes of it and its family."""
+    """Open a socket for an address, bound to the result of `own_for` for it and its family."""
     try:
         found = await asyncio.get_running_loop().getaddrinfo(given.host, given.port, type=socket.SOCK_DGRAM)
         family, there = found[0][0], cast(SocketAddress, found[0][4])
@@ -246,7 +246,7 @@ async def _bound(given: Address, own_for: Callable[[SocketAddress, int], SocketA
 
 
 def _local(host: str, family: int) -> str:
-    """The address to bind to in order to speak with a host."""
+    """Return the address to bind to in order to reach a host."""
     if ipaddress.ip_address(host.partition("%")[0]).is_loopback:
         return host
     return "::" if family == socket.AF_INET6 else "0.0.0.0"

@@ -1,1 +1,1 @@
-"""The ROS 1 graph over TCP: carries out what `thbridge.wire.rosgraph` decides."""
+"""ROS 1 graph over TCP: the sockets of `thbridge.wire.rosgraph`."""

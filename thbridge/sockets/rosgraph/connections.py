@@ -1,4 +1,4 @@
-"""What all TCPROS connections of a node have in common: how they end, and how they are told of in bus info."""
+"""Common functions for TCPROS connections of a node: keepalive, orderly close, endpoints for bus info."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ import socket
 from asyncio import Transport
 
 HANDSHAKE_SECONDS = 10.0
-"""What a peer may take from the connection to the end of its header."""
+"""Seconds that a peer may take from the connection to the end of its header."""
 
 _LINGER = 60.0
-"""Seconds that a closed connection has to take what it was sent before: a large map, over a poor radio."""
+"""Seconds that a peer has to read the rest after the close: a large map, over a poor radio."""
 
 
 def keep_alive(transport: Transport) -> None:
-    """Let the system find out when the other side is gone without a word; ROS's own figures, some two minutes."""
+    """Let the system detect a peer that disappeared, with ROS's own figures, within some two minutes."""
     link = transport.get_extra_info("socket")
     link.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     link.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPIDLE, 60)
@@ -23,13 +23,13 @@ def keep_alive(transport: Transport) -> None:
 
 
 def close_gently(transport: Transport) -> asyncio.TimerHandle:
-    """Close once everything is sent, and in any case in a minute; to be cancelled when the connection is lost."""
+    """Close once everything is sent, at the latest in a minute; cancel the handle when the connection is lost."""
     transport.close()
     return asyncio.get_running_loop().call_later(_LINGER, transport.abort)
 
 
 def endpoints(transport: Transport) -> tuple[int, str, int, int]:
-    """Local port, remote host, remote port, number of the socket; of a transport that is open."""
+    """Return local port, remote host, remote port and socket number of an open transport."""
     here = transport.get_extra_info("sockname")
     there = transport.get_extra_info("peername") or ("", 0)  # it was gone before it was asked
     return here[1], there[0], there[1], transport.get_extra_info("socket").fileno()

@@ -1,4 +1,4 @@
-"""Real robots on a ROS graph, as a team: the rim around `thbridge.ros.remote`."""
+"""Fleet of real robots on a ROS graph, used as a team: the sockets around `thbridge.ros.remote`."""
 
 import asyncio
 import logging
@@ -28,33 +28,33 @@ from thbridge.sockets.warn_once import WarnOnce
 from thbridge.wire.rosgraph import links
 
 CALLER = "/thbridge_fleet"
-"""The node; a simulated session on the same graph is another one."""
+"""Name of the node; a simulated session on the same graph has another."""
 TEAM_TOPICS = (names.TF, names.TF_STATIC, names.MAP, names.MAP_METADATA, names.ROSOUT, names.DIAGNOSTICS)
-"""What no single robot has, and is recorded."""
+"""Recorded topics that belong to no single robot."""
 AT_HOME = 0.5
-"""Metres from where a robot is to stand at which nobody need move it."""
+"""Metres from its start pose within which a robot need not be moved."""
 
 _log = logging.getLogger(__name__)
 
 
 class TrafficRecorder(Protocol):
-    """Whoever takes down what goes to and fro; it must not raise."""
+    """Recorder of the messages from and to the robots; it must not raise."""
 
     def heard(self, topic: links.TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
-        """A message came, exactly so, at this ROS time."""
+        """Record a received message, byte for byte, at this ROS time."""
 
     def said(self, message: RosMessage) -> None:
-        """A message was said to a robot."""
+        """Record a message that was sent to a robot."""
 
 
 class Fleet:
-    """Robots that exist; a `thbridge.roles.simr.team.Robots`.
+    """Real robots; a `thbridge.roles.simr.team.Robots`.
 
     Args:
-        graph: where they are.
-        robots: what is known of them.
-        ear: told of all that is heard and said.
-        wall: nanoseconds of the wall clock.
+        graph: address of their ROS graph.
+        robots: state and messages of each robot.
+        recorder: records all messages.
+        wall: returns nanoseconds of the wall clock.
     """
 
     def __init__(
@@ -88,7 +88,7 @@ class Fleet:
         return started
 
     async def stop(self) -> None:
-        """Let the robots stand, and leave the graph."""
+        """Stop the robots, and leave the graph."""
         if self._joining is not None:
             self._joining.cancel()
             await asyncio.wait([self._joining])
@@ -100,7 +100,7 @@ class Fleet:
         await self._node.stop()
 
     def missing(self) -> list[str]:
-        """What has to come before the robots can be commanded; one sentence each."""
+        """Return the reasons why the robots cannot be commanded yet; one sentence each."""
         if self._clock is None:
             return [f"there is no ROS master at {self._node.master_uri} yet"]
         if not self._clock.runs:
@@ -108,7 +108,7 @@ class Fleet:
         return missing_of(self._robots) or list(self._deaf())
 
     def _deaf(self) -> Iterator[str]:
-        """Robots that are heard and do not hear: a goal would be said to nobody."""
+        """Yield a sentence for each robot that does not subscribe to its goals yet."""
         for number, robot in enumerate(self._robots, 1):
             goal = robot.names.action("goal")
             if all(connection.peer == CALLER for connection in self._publications[goal].connections()):
@@ -118,26 +118,26 @@ class Fleet:
                 )
 
     def now(self) -> int | None:
-        """Nanoseconds of ROS time; None as long as it is not known."""
+        """Return nanoseconds of ROS time; None while unknown."""
         return None if self._clock is None or not self._clock.runs else self._clock.now(self._wall())
 
     @property
     def size(self) -> int:
-        """How many robots."""
+        """Number of robots."""
         return len(self._robots)
 
     @property
     def parameters(self) -> tuple[RobotParameters, ...]:
-        """None: their software is their own."""
+        """Empty: the robots run their own software."""
         return ()
 
     @property
     def worlds(self) -> tuple[WorldParameters, ...]:
-        """None: nobody knows."""
+        """Empty: the real world has no parameters."""
         return ()
 
     def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
-        """What is known of the robots at this moment; the tick is that of ROS time.
+        """Carry out the inputs and return the present state of the robots; the tick is that of ROS time.
 
         Raises:
             ValueError: something is still missing.
@@ -163,7 +163,7 @@ class Fleet:
             case Go(robot) | Halt(robot) | Drive(robot) | Localize(robot):
                 self._robots[robot].take(item, now_ns)
             case SetCharge():
-                pass  # The game's energy is the keeper's; a battery is as full as it is.
+                pass  # The keeper counts the game's energy; a real battery cannot be set.
             case Place(robot, pose):
                 if self._last is None or self._last.robots[robot].estimate.base_in_map.distance(pose) > AT_HOME:
                     _log.warning("robot %d belongs at (%.2f, %.2f): somebody must bring it", robot + 1, pose.x, pose.y)
@@ -173,7 +173,7 @@ class Fleet:
     # The graph
 
     async def _join(self) -> None:
-        """As soon as there is a master, find out whose time it is, and listen."""
+        """Wait for the master, choose wall or simulated time, and subscribe."""
         await self._node.registered()
         simulated = await self._node.get_param(names.USE_SIM_TIME) is True
         clock = RosClock(simulated)
@@ -189,7 +189,7 @@ class Fleet:
                 wanted.setdefault(topic, [])
             for topic in robot.subscriptions:
                 wanted.setdefault(topic, []).append(robot)
-        wanted.pop(names.CLOCK, None)  # No bag holds it: who plays a bag makes the time.
+        wanted.pop(names.CLOCK, None)  # Not recorded: the player of a bag publishes its own clock.
         for topic, robots in wanted.items():
             self._listen(topic, {robot: robot.subscriptions[topic] for robot in robots})
 

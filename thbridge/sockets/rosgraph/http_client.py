@@ -1,6 +1,6 @@
-"""XML-RPC over HTTP/1.1: calls of ROS 1's master and slave APIs.
+"""XML-RPC over HTTP/1.1: client for calls of ROS 1's master and slave APIs.
 
-A server may be slow, silent, hostile or gone. What goes wrong on the network is a value.
+A server may be slow, silent, hostile or gone. Network errors are returned as values.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from thbridge.wire.rosgraph.xmlrpc import (
 )
 
 _SEGMENT = 64 * 1024
-"""Bytes read at a time."""
+"""Most bytes that are read at a time."""
 
 
 @dataclass(frozen=True, slots=True)
 class CallFailed:
-    """That a call had no answer: nobody is there, too slow, or not a speaker of XML-RPC; as text, one line."""
+    """Call without a valid answer: no server, too slow, or not XML-RPC; its text is one line."""
 
     uri: str
     reason: str
@@ -48,7 +48,7 @@ class _Address:
 
 @dataclass(frozen=True, slots=True)
 class _Link:
-    """A connection to a server."""
+    """Connection to a server."""
 
     reader: asyncio.StreamReader
     writer: asyncio.StreamWriter
@@ -60,16 +60,16 @@ class _HungUpError(Exception):
 
 
 class _NotAnAnswerError(Exception):
-    """The server answered something else than XML-RPC."""
+    """The answer is not XML-RPC."""
 
 
 class XmlRpcClient:
-    """Calls methods of XML-RPC servers; keeps one connection to each of the last ones.
+    """XML-RPC client that keeps one idle connection to each of the last servers.
 
-    A kept connection that the server has closed meanwhile is replaced by a new one, as ROS's own clients do it.
+    A kept connection that the server has closed meanwhile is replaced by a new one, as in ROS's own clients.
 
     Args:
-        kept: how many idle connections are kept.
+        kept: number of idle connections that are kept.
     """
 
     def __init__(self, kept: int = 32) -> None:
@@ -78,7 +78,7 @@ class XmlRpcClient:
 
     @property
     def idle_connections(self) -> int:
-        """How many are kept at the moment."""
+        """Number of idle connections at present."""
         return len(self._idle)
 
     async def call(
@@ -87,9 +87,9 @@ class XmlRpcClient:
         """Call a method.
 
         Args:
-            uri: of the server, ``http://host:port/``.
-            method: its name.
-            params: by position.
+            uri: URI of the server, ``http://host:port/``.
+            method: name of the method.
+            params: parameters by position.
             timeout: seconds for everything, connecting included.
 
         Raises:
@@ -115,7 +115,7 @@ class XmlRpcClient:
         return answer
 
     async def close(self) -> None:
-        """Close the connections that are kept; calls under way go on."""
+        """Close the idle connections; calls in progress continue."""
         while self._idle:
             _, link = self._idle.popitem()
             link.writer.close()
@@ -130,12 +130,12 @@ class XmlRpcClient:
             try:
                 return await self._ask(kept, address, body)
             except (_HungUpError, ConnectionError):
-                pass  # it had been closed; a server that has gone for good fails the next attempt
+                pass  # the server had closed it; if the server is gone, the next attempt fails
         reader, writer = await asyncio.open_connection(address.host, address.port)
         return await self._ask(_Link(reader, writer, h11.Connection(h11.CLIENT)), address, body)
 
     async def _ask(self, link: _Link, address: _Address, body: bytes) -> bytes:
-        """The body of the answer; the connection is kept or closed, whatever happens."""
+        """Send a request and return the body of the answer; the connection is kept or closed in any case."""
         try:
             head = link.http.send(
                 h11.Request(

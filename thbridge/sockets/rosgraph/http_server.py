@@ -1,4 +1,4 @@
-"""XML-RPC over HTTP/1.1: the server of ROS 1's master and slave APIs.
+"""XML-RPC over HTTP/1.1: server of ROS 1's master and slave APIs.
 
 A peer may be slow, silent, hostile or gone. Every wait has a deadline, every buffer and every collection a bound.
 """
@@ -31,28 +31,28 @@ from thbridge.wire.rosgraph.xmlrpc import (
 _log = logging.getLogger(__name__)
 
 _SEGMENT = 64 * 1024
-"""Bytes read at a time."""
+"""Most bytes that are read at a time."""
 
 _APPLICATION_ERROR = 1
-"""The code of a fault that Python's XML-RPC servers, and so rospy and rosmaster, give to everything."""
+"""Fault code that Python's XML-RPC servers, and so rospy and rosmaster, use for every error."""
 
 _PARSE_ERROR = -32700
-"""The code of a call that cannot be read. Source: http://xmlrpc-epi.sourceforge.net/specs/rfc.fault_codes.php."""
+"""Fault code of a malformed call. Source: http://xmlrpc-epi.sourceforge.net/specs/rfc.fault_codes.php."""
 
 CallHandler: TypeAlias = Callable[[MethodCall, str], XmlRpcValue | Fault | Awaitable[XmlRpcValue | Fault]]
-"""Carries out a call from a peer's address, at once or in time."""
+"""Function that answers a call from a peer's address, at once or later."""
 
 
 @dataclass(frozen=True, slots=True)
 class HttpLimits:
-    """What a server bears with.
+    """Limits of a server.
 
     Args:
-        connections: at a time; one more ends the one that has been silent longest.
-        header_bytes: of one request, checked after each read.
-        held_bytes: of half received requests, over all connections.
-        request_seconds: from the first byte of a request to its last, and again to take the answer.
-        idle_seconds: between two requests of a connection.
+        connections: connections at a time; one more ends the one that has been idle longest.
+        header_bytes: bytes of a request's header, checked after each read.
+        held_bytes: bytes of incomplete requests, over all connections.
+        request_seconds: seconds from the first byte of a request to its last, and again to read the answer.
+        idle_seconds: seconds between two requests of a connection.
     """
 
     connections: int = 512
@@ -63,14 +63,14 @@ class HttpLimits:
 
 
 class XmlRpcServer:
-    """Serves XML-RPC methods, several requests a connection.
+    """XML-RPC server with several requests a connection.
 
     ``system.listMethods`` and ``system.multicall`` are answered here.
 
     Args:
-        methods: the names that the handler knows; it is never asked for others.
-        handler: carries out a call. What it raises becomes a fault and a line in the log.
-        limits: what is borne with.
+        methods: names that the handler knows; it is never called for others.
+        handler: answers a call. An exception becomes a fault and a line in the log.
+        limits: limits of the server.
     """
 
     def __init__(self, methods: Collection[str], handler: CallHandler, limits: HttpLimits | None = None) -> None:
@@ -79,12 +79,12 @@ class XmlRpcServer:
         self._limits = limits or HttpLimits()
         self._server: asyncio.Server | None = None
         self._connections: OrderedDict[asyncio.Task[None], None] = OrderedDict()
-        """Longest silent first."""
+        """Longest idle first."""
         self._held = 0
 
     @property
     def connections(self) -> int:
-        """How many are open."""
+        """Number of open connections."""
         return len(self._connections)
 
     async def start(self, host: str = "127.0.0.1", port: int = 0) -> ListeningAddress | CannotListen:
@@ -113,7 +113,7 @@ class XmlRpcServer:
         self._server = None
 
     async def answer(self, call: MethodCall, peer: str) -> XmlRpcValue | Fault:
-        """Carry out a call; one of this process as well, without a socket."""
+        """Answer a call, also one of this process without a socket."""
         if call.method == "system.listMethods":
             return [*sorted(self._methods), "system.listMethods", "system.multicall"]
         if call.method == "system.multicall":
@@ -128,7 +128,7 @@ class XmlRpcServer:
             return Fault(_APPLICATION_ERROR, f"internal error: {error!r}")
 
     async def _multicall(self, multicall: MethodCall, peer: str) -> XmlRpcValue | Fault:
-        """Several calls at once: a list of one-element lists, or of faults as structs.
+        """Answer several calls at once: a list of one-element lists, or of faults as structs.
 
         Source: https://mirrors.talideon.com/articles/multicall.html
         """
@@ -154,7 +154,7 @@ class XmlRpcServer:
         if len(self._connections) >= self._limits.connections:
             longest_silent, _ = self._connections.popitem(last=False)
             longest_silent.cancel()
-        # Drained means handed to the kernel, so nothing waits in us for a peer that does not read.
+        # Drained means handed to the kernel, so no data waits in this process for a peer that does not read.
         writer.transport.set_write_buffer_limits(0)
         task = asyncio.get_running_loop().create_task(self._serve(reader, writer))
         self._connections[task] = None
@@ -166,7 +166,7 @@ class XmlRpcServer:
         task.add_done_callback(ended)
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        """One connection's life."""
+        """Serve one connection until its end."""
         name = writer.get_extra_info("peername")
         peer = str(name[0]) if name else "?"
         http = h11.Connection(h11.SERVER, max_incomplete_event_size=self._limits.header_bytes)
@@ -186,12 +186,12 @@ class XmlRpcServer:
     async def _request(
         self, http: h11.Connection, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
     ) -> bytes | None:
-        """The body of the next request; None when there is none any more.
+        """Return the body of the next request; None at the end of the connection.
 
         Raises:
-            TimeoutError: the peer is silent or too slow.
+            TimeoutError: the peer is idle or too slow.
             OSError: the connection broke.
-            h11.RemoteProtocolError: the request is none that this server serves.
+            h11.RemoteProtocolError: the request is invalid or beyond the limits.
         """
         loop = asyncio.get_running_loop()
         body = bytearray()
@@ -220,7 +220,7 @@ class XmlRpcServer:
                             raise h11.RemoteProtocolError("too much at a time", 503)
                     elif isinstance(event, h11.EndOfMessage):
                         return bytes(body)
-                    else:  # closed, or a switch of protocols that is not going to be
+                    else:  # closed, or a switch of protocols, which is not supported
                         return None
         finally:
             self._held -= len(body)

@@ -1,4 +1,4 @@
-"""Finds the master of a graph, or is it."""
+"""Master of a graph: found, or started here when there is none."""
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -13,17 +13,17 @@ from thbridge.sockets.rosgraph.master_server import DEFAULT_PORT, MasterServer
 DEFAULT_URI = f"http://127.0.0.1:{DEFAULT_PORT}"
 
 _PATIENCE = 2.0
-"""Seconds that a master has to answer the first question."""
+"""Seconds that a master has to answer the first call."""
 _OURS = frozenset({"127.0.0.1", "localhost", "::1"})
 
 
 @dataclass(frozen=True, slots=True)
 class GraphAddress:
-    """Where to meet ROS.
+    """Address of a ROS graph.
 
     Attributes:
-        master_uri: of the master, ``http://HOST:PORT``.
-        host: address to listen on and to be called at. Anybody who can connect there can drive robots.
+        master_uri: URI of the master, ``http://HOST:PORT``.
+        host: own address to listen on and to be called at. Anybody who can connect there can drive robots.
     """
 
     master_uri: str = DEFAULT_URI
@@ -31,7 +31,7 @@ class GraphAddress:
 
 
 class MasterPresence(Enum):
-    """Who is the master of a graph."""
+    """State of a graph's master."""
 
     FOUND = "a master was there"
     OURS = "there was none on this machine: this program is it"
@@ -39,7 +39,7 @@ class MasterPresence(Enum):
 
 
 def is_master_uri(text: str) -> bool:
-    """Whether this can be a master's address."""
+    """Return True for a valid URI of a master."""
     try:
         parts = urlsplit(text)
         return parts.scheme == "http" and bool(parts.hostname) and parts.port is not None
@@ -49,7 +49,7 @@ def is_master_uri(text: str) -> bool:
 
 @asynccontextmanager
 async def master_of(graph: GraphAddress) -> AsyncIterator[MasterPresence | CannotListen]:
-    """While it lasts there is a master, where none is there and the address is this machine's: then it is ours."""
+    """Run a master inside the context when there is none and the address is on this machine."""
     client = XmlRpcClient()
     answer = await client.call(graph.master_uri, "getPid", "/thbridge", timeout=_PATIENCE)
     await client.close()

@@ -1,4 +1,4 @@
-"""The ROS master over TCP: serves calls and carries notifications to the nodes they are for."""
+"""ROS master over TCP: serves calls and delivers notifications to nodes."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ DEFAULT_HOST = "127.0.0.1"
 DEFAULT_PORT = 11311
 
 CALLER_ID = "/master"
-"""The name under which the master calls nodes; theirs for it."""
+"""Caller id of the master in calls to nodes."""
 
 _DISTRIBUTION = "noetic"
 _VERSION = "1.16.0"
-"""The ROS that we speak like, its last: distribution, and version of its roslaunch."""
+"""ROS release that is reported, the last of ROS 1: distribution, and version of its roslaunch."""
 
 _KEPT_CONNECTIONS = 128
 
@@ -45,18 +45,18 @@ _log = logging.getLogger(__name__)
 
 
 class MasterServer:
-    """A master that nodes reach over TCP, and this process without.
+    """ROS master that nodes call over TCP, and this process directly.
 
-    Beside the master's own work it sets what roscore sets: ``/run_id``, ``/rosdistro`` and ``/rosversion``. Usable
+    Like roscore it also sets the parameters ``/run_id``, ``/rosdistro`` and ``/rosversion``. Usable
     inside another program's loop::
 
         async with MasterServer() as master:
             if isinstance(master, CannotListen): ...
 
     Args:
-        host: address to listen on; ``0.0.0.0`` lets other machines in, and ROS 1 has no security whatever.
+        host: address to listen on; ``0.0.0.0`` admits other machines, and ROS 1 has no security at all.
         port: 0 takes any that is free.
-        patience: seconds that a node has to take a notification.
+        timeout: seconds that a node has to accept a notification.
     """
 
     def __init__(self, host: str = DEFAULT_HOST, port: int = DEFAULT_PORT, patience: float = 5.0) -> None:
@@ -69,11 +69,11 @@ class MasterServer:
         self._master = Master("", os.getpid())
         self._stopped = asyncio.Event()
         self.uri = ""
-        """Where nodes find the master once it is started: what ``ROS_MASTER_URI`` is to say."""
+        """URI of the master once it is started, for ``ROS_MASTER_URI``."""
 
     @property
     def connections(self) -> int:
-        """How many connections of nodes and tools are open."""
+        """Number of open connections of nodes and tools."""
         return self._server.connections
 
     async def start(self) -> ListeningAddress | CannotListen:
@@ -84,13 +84,13 @@ class MasterServer:
         self.uri = f"http://{_advertised(where.host)}:{where.port}/"
         self._master = Master(self.uri, os.getpid())
         self.call("setParam", CALLER_ID, "/run_id", str(uuid.uuid4()))
-        # roscore takes these from commands, whose line feeds it keeps.
+        # roscore sets these to the output of commands, line feed included.
         self.call("setParam", CALLER_ID, "/rosdistro", f"{_DISTRIBUTION}\n")
         self.call("setParam", CALLER_ID, "/rosversion", f"{_VERSION}\n")
         return where
 
     async def stop(self) -> None:
-        """Cease to serve; notifications that are not delivered yet are dropped."""
+        """Stop serving; undelivered notifications are dropped."""
         await self._server.stop()
         await self._deliveries.stop()
         await self._client.close()
@@ -109,7 +109,7 @@ class MasterServer:
         await self._stopped.wait()
 
     def call(self, method: str, caller_id: str, *params: XmlRpcValue) -> ApiReply:
-        """Carry out a call of this process, as if it had come over a socket.
+        """Answer a call of this process, as if it had come over a socket.
 
         Raises:
             KeyError: there is no such method.
@@ -144,17 +144,17 @@ class MasterServer:
     async def _tell(self, api: str, method: str, *params: XmlRpcValue) -> MethodResponse | Fault | CallFailed:
         try:
             return await self._client.call(api, method, CALLER_ID, *params, timeout=self._patience)
-        except ValueError as error:  # a parameter that somebody set, and that is too long once it is written
+        except ValueError as error:  # a parameter that is too long once it is encoded
             return CallFailed(api, str(error))
 
 
 async def serve(host: str, port: int, ready: Callable[[ListeningAddress | CannotListen], None]) -> None:
-    """Be what roscore is, master and log, until Ctrl-C, SIGTERM, or a node's call of ``shutdown``.
+    """Run what roscore runs, master and rosout, until Ctrl-C, SIGTERM, or a node's call of ``shutdown``.
 
     Args:
         host: see `MasterServer`.
         port: see `MasterServer`.
-        ready: told where nodes can reach it, or why they cannot.
+        ready: called with the address, or the reason of a failure.
     """
     master = MasterServer(host, port)
     where = await master.start()
@@ -176,10 +176,10 @@ async def serve(host: str, port: int, ready: Callable[[ListeningAddress | Cannot
 
 
 class _Deliveries:
-    """Carries notifications to nodes: in order and one at a time for each, all nodes side by side.
+    """Queues of notifications: in order and one at a time for each node, all nodes in parallel.
 
-    What waits for a node is bounded by what there is to say: a later notification about the same topic or parameter
-    takes the place of the earlier one, at the end of the queue.
+    A node's queue is bounded by the number of topics and parameters: a later notification about the same one replaces
+    the earlier one, at the end of the queue.
     """
 
     def __init__(self, deliver: Callable[[Notification], Awaitable[None]]) -> None:
@@ -188,7 +188,7 @@ class _Deliveries:
         self._carriers: dict[str, asyncio.Task[None]] = {}
 
     def post(self, notification: Notification) -> None:
-        """Have a notification delivered."""
+        """Queue a notification."""
         api = notification.api
         waiting = self._waiting.setdefault(api, OrderedDict())
         subject = _subject(notification)
@@ -198,7 +198,7 @@ class _Deliveries:
             self._carriers[api] = asyncio.get_running_loop().create_task(self._carry(api))
 
     async def stop(self) -> None:
-        """Drop what is not delivered."""
+        """Drop undelivered notifications."""
         carriers = [*self._carriers.values()]
         for carrier in carriers:
             carrier.cancel()
@@ -225,7 +225,7 @@ def _subject(notification: Notification) -> tuple[str, str]:
 
 
 def _advertised(host: str) -> str:
-    """What other machines call a host that we listen on; an address for all of this one's is none of its names."""
+    """Return the host in our URI; for the wildcard address, this machine's name."""
     if host in {"0.0.0.0", "::"}:
         return socket.gethostname()
     return f"[{host}]" if ":" in host else host

@@ -1,13 +1,13 @@
-"""A ROS 1 node: publishes, subscribes, serves and calls on a ROS graph, by TCPROS and without ROS.
+"""ROS 1 node: publishes, subscribes, serves and calls on a ROS graph, by TCPROS and without an installed ROS.
 
-Everything happens on the thread of one event loop; whatever a node calls back is called there, at once, and must not
-raise. Nothing that a peer does makes a node raise or wait.
+Everything runs on the thread of one event loop; callbacks are called there, at once, and must not raise. No peer can
+make a node raise or wait.
 
-Source: https://wiki.ros.org/ROS/Technical%20Overview, Master_API, Slave_API, TCPROS; for what ROS's tools rely on
-beyond that, rospy.
+Source: https://wiki.ros.org/ROS/Technical%20Overview, Master_API, Slave_API, TCPROS; rospy for further behaviour that
+ROS's tools rely on.
 
 Differs: a node registers again with a master that was restarted, which rospy and roscpp do not; UDPROS is not spoken;
-small messages are always sent at once (TCP_NODELAY), whether the subscriber asks for it or not.
+small messages are always sent at once (TCP_NODELAY), even when the subscriber does not ask for it.
 """
 
 from __future__ import annotations
@@ -57,35 +57,35 @@ from thbridge.wire.rosgraph.slave import (
 from thbridge.wire.rosgraph.xmlrpc import MethodCall, XmlRpcValue
 
 ParamCallback: TypeAlias = Callable[[str, XmlRpcValue], None]
-"""Hears the key of a parameter and its new value."""
+"""Callback with the key of a parameter and its new value."""
 
 _CALLERS = 128
-"""Connections to the slave API that are kept."""
+"""Most connections to the slave API."""
 
 _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
 class NodeStarted:
-    """That a node can be reached.
+    """Success of `RosNode.start`.
 
     Attributes:
-        uri: of its slave API.
+        uri: URI of the node's slave API.
     """
 
     uri: str
 
 
 def _ignore() -> None:
-    """Take no notice."""
+    """Do nothing."""
 
 
 def _ignore_reason(reason: str) -> None:
-    """Take no notice."""
+    """Do nothing."""
 
 
 def _ignore_value(value: XmlRpcValue) -> None:
-    """Take no notice."""
+    """Do nothing."""
 
 
 class RosNode:
@@ -95,16 +95,16 @@ class RosNode:
     the node; they can be made before `start` and while the master is away.
 
     Args:
-        name: the node's, ``/thbridge``.
+        name: name of the node, ``/thbridge``.
         master_uri: ``http://127.0.0.1:11311``.
-        host: where the node listens, and what other nodes are told to connect to. Anybody who can connect can command
-            robots, for TCPROS knows no passwords; with 127.0.0.1 only this machine's users can. With 0.0.0.0 it listens
-            on every address, and others are told this machine's name.
-        on_shutdown: called when the node is told to go, with the reason: another node has taken its name, or somebody
-            said ``rosnode kill``. It should make the owner call `stop`.
+        host: address to listen on, and to give to other nodes. Anybody who can connect can command robots, for TCPROS
+            has no passwords; with 127.0.0.1 only this machine's users can. With 0.0.0.0 it listens on every address,
+            and other nodes get this machine's name.
+        on_shutdown: called with the reason when the node is asked to end: another node has taken its name, or a user
+            ran ``rosnode kill``. It should make the owner call `stop`.
         on_lost: called when the master does not answer any more.
-        on_found: called when a master knows everything about this node that did not before: the first one, and one
-            that was restarted, whose parameters are gone.
+        on_found: called when all registrations are complete with a new master: the first one, or one that was
+            restarted, whose parameters are gone.
     """
 
     def __init__(
@@ -157,7 +157,7 @@ class RosNode:
         return NodeStarted(self._addresses.slave)
 
     async def _address(self) -> str | CannotListen:
-        """The one address of our host: ROS's nodes know IPv4 only, and a name may have others beside."""
+        """Return the first IPv4 address of our host, since ROS's nodes know IPv4 only."""
         try:
             found = await asyncio.get_running_loop().getaddrinfo(self.host, 0, family=socket.AF_INET)
         except OSError as error:
@@ -167,14 +167,14 @@ class RosNode:
         return str(found[0][4][0])
 
     async def registered(self) -> None:
-        """Wait until the master knows everything that this node does at the moment.
+        """Wait until all present registrations of this node are complete.
 
-        What it refuses is complained of in the log, and tried again and again.
+        Refused registrations are logged, and tried again and again.
         """
         await self._registrar.settled()
 
     async def stop(self) -> None:
-        """Take back every registration, see that what was published is sent, and close every connection."""
+        """Unregister everything, send the published messages, and close every connection."""
         registering, self._registering = self._registering, None
         if registering is None:
             if self._leaving is not None and self._leaving is not asyncio.current_task():
@@ -189,7 +189,7 @@ class RosNode:
         await self._client.close()
 
     def leave(self) -> None:
-        """As `stop`, without waiting for it."""
+        """Begin `stop` without waiting for it."""
         if self._leaving is None:
             self._leaving = asyncio.get_running_loop().create_task(self.stop())
 
@@ -201,7 +201,7 @@ class RosNode:
             kind: its type, ``sensor_msgs/LaserScan``.
             md5: the type's md5 sum.
             definition: the type's whole text, as in bags.
-            latched: whether new subscribers get the last message at once.
+            latched: True when new subscribers get the last message at once.
 
         Raises:
             ValueError: this node publishes it already.
@@ -221,15 +221,15 @@ class RosNode:
         tcp_nodelay: bool = True,
         met: PublisherCallback = take_no_notice,
     ) -> None:
-        """Subscribe to a topic, whoever publishes it, this node included.
+        """Subscribe to a topic of all publishers, this node included.
 
         Args:
             topic: global name.
             kind: its type, ``*`` for any.
             md5: the type's md5 sum, ``*`` for any.
             heard: called with each message, serialised, and the name of its publisher.
-            tcp_nodelay: whether publishers are asked to send small messages at once.
-            met: told of each publisher that has accepted, and of what it says about the topic.
+            tcp_nodelay: True to ask publishers to send small messages at once.
+            met: called with each publisher that has accepted, and its header of the topic.
 
         Raises:
             ValueError: this node subscribes to it already.
@@ -257,7 +257,7 @@ class RosNode:
             md5: the service type's md5 sum.
             request_type: ``nav_msgs/GetMapRequest``.
             response_type: ``nav_msgs/GetMapResponse``.
-            handler: answers a serialised request with a serialised response or a failure, at once or in time.
+            handler: answers a serialised request with a serialised response or a failure, at once or later.
 
         Raises:
             ValueError: this node serves it already.
@@ -286,23 +286,23 @@ class RosNode:
                 return ServiceFailed("the master's answer is not one of ROS")
 
     async def get_param(self, key: str) -> XmlRpcValue | CallFailed:
-        """The value of a parameter, or of a whole tree of them."""
+        """Return the value of a parameter, or of a whole tree of them."""
         return await self._ask_master("getParam", key)
 
     async def set_param(self, key: str, value: XmlRpcValue) -> CallFailed | None:
-        """Set a parameter, or a whole tree of them. Master and parameters may vanish: see ``on_found``."""
+        """Set a parameter, or a whole tree of them. It is lost with the master: see ``on_found``."""
         result = await self._ask_master("setParam", key, value)
         return result if isinstance(result, CallFailed) else None
 
     def declare_param(self, key: str, value: XmlRpcValue) -> None:
-        """Set a parameter, or a whole tree of them, with this master and with every one to come.
+        """Set a parameter, or a whole tree of them, with this master and every later one.
 
-        It lasts as long as the node and is set before anything else is registered; declared again it has the new value.
+        It lasts as long as the node and is set before all registrations; a second declaration replaces its value.
         """
         self._registrar.declare(key, value)
 
     def subscribe_param(self, key: str, changed: ParamCallback) -> None:
-        """Hear of changes that others make to a parameter or to any below it.
+        """Subscribe to changes by others of a parameter or any below it.
 
         Args:
             key: global name.
@@ -324,7 +324,7 @@ class RosNode:
     def _answer(self, call: MethodCall, peer: str) -> XmlRpcValue:
         told = answer(call, self._described())
         if told.consequence is not None:
-            # The caller has its reply first: what follows may be the end of this node.
+            # The caller gets its reply first: the consequence may be the end of this node.
             asyncio.get_running_loop().call_soon(self._carry_out, told.consequence)
         return told.reply
 
@@ -354,7 +354,7 @@ class RosNode:
                 self._go(reason)
 
     def _go(self, reason: str) -> None:
-        # Were it to go on registering, it would take its name back from whoever has it now.
+        # Otherwise it would register again and take its name back from the node that has it now.
         if self._registering is not None:
             self._registering.cancel()
         _log.warning("%s is told to shut down: %s", self.name, reason)

@@ -1,4 +1,4 @@
-"""Topics that a node publishes, and what waits for each subscriber."""
+"""Topics that a node publishes, and the queue of messages for each subscriber."""
 
 from __future__ import annotations
 
@@ -15,18 +15,17 @@ from thbridge.wire.rosgraph.tcpros import frame
 _log = logging.getLogger(__name__)
 
 WAITING_LIMIT = 1 << 20
-"""Bytes of messages that may wait for one subscriber behind the one under way before newer ones are dropped.
+"""Bytes of messages in a subscriber's queue, beside the one that is being sent, above which newer ones are dropped.
 
 A single message may be longer.
 """
 
 
 class SubscriberQueue:
-    """The way to one subscriber.
+    """Queue of messages for one subscriber.
 
-    Its protocol is told by the transport when the socket takes no more (`pause`) and when it does again (`resume`).
-    In between messages wait here as references to the same bytes, so however many subscribers there are, and however
-    slow, a message is not copied for them.
+    The transport reports when the socket is full (`pause`) and when it is writable again (`resume`). In between
+    messages wait here as references to the same bytes: they are not copied for slow subscribers.
     """
 
     def __init__(self, transport: Transport, topic: str, number: int, caller: str) -> None:
@@ -43,7 +42,7 @@ class SubscriberQueue:
         self._paused = transport.get_write_buffer_size() > 0
 
     def write(self, message: bytes) -> bool:
-        """Pass a framed message on, now or later; whether that was possible."""
+        """Send or queue a framed message; return False when it was dropped."""
         if not self._paused:
             self._hand_over(message)
             return True
@@ -57,11 +56,11 @@ class SubscriberQueue:
         return True
 
     def pause(self) -> None:
-        """Hear that the socket takes no more."""
+        """Note that the socket is full."""
         self._paused = True
 
     def resume(self) -> None:
-        """Hear that the socket takes more."""
+        """Note that the socket is writable again, and send queued messages."""
         self._paused = False
         while self._waiting and not self._paused:  # the transport may pause us again at each
             message = self._waiting.popleft()
@@ -69,20 +68,20 @@ class SubscriberQueue:
             self._hand_over(message)
 
     def close(self) -> None:
-        """Close the connection once all that waits is sent."""
+        """Close the connection once all queued messages are sent."""
         for message in self._waiting:
             self._hand_over(message)
         self._waiting.clear()
         self._transport.close()
 
     def connection(self) -> BusConnection:
-        """This link as the node tells of it."""
+        """Return this connection for bus info."""
         ends = endpoints(self._transport)
         return BusConnection(self._number, self._caller, True, self._topic, ends, self._bytes, self._messages)
 
     @property
     def open(self) -> bool:
-        """Whether the connection still stands."""
+        """True while the connection is open."""
         return not self._transport.is_closing()
 
     def _hand_over(self, message: bytes) -> None:
@@ -93,12 +92,11 @@ class SubscriberQueue:
 
 
 class Publication:
-    """A topic that this node publishes; made by `RosNode.advertise`.
+    """Topic that this node publishes; made by `RosNode.advertise`.
 
     Attributes:
-        topic: what is said of it.
-        dropped: messages that did not reach a subscriber because too much waited for it already; each counts once
-            per such subscriber.
+        topic: description of the topic.
+        dropped: messages dropped because of a full queue; each counts once per such subscriber.
     """
 
     def __init__(self, topic: TopicHeader) -> None:
@@ -109,11 +107,11 @@ class Publication:
 
     @property
     def subscribers(self) -> int:
-        """How many are connected."""
+        """Number of connected subscribers."""
         return len(self._outlets)
 
     def publish(self, data: bytes) -> None:
-        """Send a serialised message to every subscriber. It neither waits nor fails, whatever they do."""
+        """Send a serialised message to every subscriber; it never waits or fails."""
         if not self._outlets and not self.topic.latched:
             return
         message = frame(data)
@@ -124,15 +122,15 @@ class Publication:
                 self.dropped += 1
 
     def add(self, outlet: SubscriberQueue) -> None:
-        """Take on a subscriber; it gets the last message at once if the topic is latched."""
+        """Add a subscriber; it gets the last message at once if the topic is latched."""
         self._outlets.append(outlet)
         if self._last is not None:
             outlet.write(self._last)
 
     def remove(self, outlet: SubscriberQueue) -> None:
-        """Forget a subscriber that is gone."""
+        """Remove a subscriber."""
         self._outlets.remove(outlet)
 
     def connections(self) -> Iterable[BusConnection]:
-        """The subscribers as the node tells of them."""
+        """Return the subscribers' connections for bus info."""
         return [outlet.connection() for outlet in self._outlets if outlet.open]

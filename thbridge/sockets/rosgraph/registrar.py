@@ -1,4 +1,4 @@
-"""Keeps the master informed of what a node does, whenever the master comes, goes and comes back."""
+"""Registration of a node with the master, repeated whenever the master was restarted."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from thbridge.sockets.warn_once import WarnOnce
 from thbridge.wire.rosgraph.xmlrpc import Fault, MethodResponse, XmlRpcValue
 
 _HEARTBEAT = 1.0
-"""Seconds between two looks at the master."""
+"""Seconds between two checks of the master."""
 
 _FIRST_PAUSE = 0.1
-"""Seconds before the master is looked for again; each vain look doubles them."""
+"""Seconds before a missing master is called again; each failure doubles them."""
 
 _LAST_PAUSE = 2.0
 
 _FAREWELL_SECONDS = 3.0
-"""What signing off may take altogether."""
+"""Most seconds for all calls that unregister the node."""
 
 _log = logging.getLogger(__name__)
 
 
 class RegistrationKind(Enum):
-    """What can be registered."""
+    """Kind of a registration, as in the names of the master's methods."""
 
     PUBLISHER = "Publisher"
     SUBSCRIBER = "Subscriber"
@@ -39,7 +39,7 @@ class RegistrationKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class NodeAddresses:
-    """Where a node is found.
+    """URIs of a node.
 
     Attributes:
         slave: ``http://host:port/``.
@@ -52,12 +52,12 @@ class NodeAddresses:
 
 @dataclass(frozen=True, slots=True)
 class Registration:
-    """One thing that the master is to know.
+    """Registration with the master.
 
     Attributes:
-        kind: what it is.
-        name: of the topic, service or parameter.
-        type: of the topic, else empty.
+        kind: its kind.
+        name: name of the topic, service or parameter.
+        type: type of the topic, else empty.
     """
 
     kind: RegistrationKind
@@ -65,7 +65,7 @@ class Registration:
     type: str = ""
 
     def doing(self, at: NodeAddresses) -> tuple[str, tuple[str, ...]]:
-        """The method of the master that registers this, and its arguments after the caller's name."""
+        """Return the master's method that registers this, and its arguments after the caller's name."""
         match self.kind:
             case RegistrationKind.SERVICE:
                 return "registerService", (self.name, at.services, at.slave)
@@ -75,7 +75,7 @@ class Registration:
                 return f"register{self.kind.value}", (self.name, self.type, at.slave)
 
     def undoing(self, at: NodeAddresses) -> tuple[str, tuple[str, ...]]:
-        """The method that takes it back, and its arguments after the caller's name."""
+        """Return the master's method that unregisters this, and its arguments after the caller's name."""
         match self.kind:
             case RegistrationKind.SERVICE:
                 return "unregisterService", (self.name, at.services)
@@ -87,12 +87,12 @@ class Registration:
 
 @dataclass(frozen=True, slots=True)
 class MasterCallbacks:
-    """Whom the registrar tells of what.
+    """Callbacks of the registrar.
 
     Attributes:
-        lost: the master does not answer any more.
-        found: a master that knew nothing of us knows everything now; also the first one.
-        replaced: another node has our name; the registrar has stopped.
+        lost: called when the master does not answer any more.
+        found: called when all registrations with a new master, also the first one, are complete.
+        replaced: called when another node has our name; the registrar has stopped.
     """
 
     lost: Callable[[], None]
@@ -101,16 +101,16 @@ class MasterCallbacks:
 
 
 class Registrar:
-    """Registers what is wanted, and all of it again with a master that has forgotten us.
+    """Registers a node, and again with a restarted master.
 
-    A look at the master is the question where our own name is found. It tells a master that is gone, one that was
-    restarted, however quickly, and one that has given our name to somebody else.
+    Each check looks up our own name. The answer shows a master that is gone, one that was restarted, however quickly,
+    and one that has given our name to another node.
 
     Args:
         client: for calls to the master.
         master_uri: ``http://host:port``.
         caller: the node's name.
-        happenings: whom to tell.
+        callbacks: called on changes.
     """
 
     def __init__(self, client: XmlRpcClient, master_uri: str, caller: str, happenings: MasterCallbacks) -> None:
@@ -128,24 +128,24 @@ class Registrar:
         self._complaints = WarnOnce(_log)
 
     def want(self, registration: Registration, registered: Callable[[XmlRpcValue], None]) -> None:
-        """Register something, now and with every master to come; hear what each master says to it."""
+        """Register something, now and with every later master; `registered` is called with each master's answer."""
         self._wanted[registration] = registered
         self._settled.clear()
         self._woken.set()
 
     def declare(self, key: str, value: XmlRpcValue) -> None:
-        """Set a parameter, now and with every master to come; it is deleted when we leave."""
+        """Set a parameter, now and with every later master; it is deleted when we leave."""
         self._parameters[key] = value
         self._unset[key] = None
         self._settled.clear()
         self._woken.set()
 
     async def settled(self) -> None:
-        """Wait until the master knows everything that is wanted."""
+        """Wait until everything is registered."""
         await self._settled.wait()
 
     async def run(self, addresses: NodeAddresses) -> None:
-        """Keep the master informed until another node has our name."""
+        """Keep everything registered until another node has our name."""
         pause = _FIRST_PAUSE
         while True:
             self._woken.clear()
@@ -168,12 +168,12 @@ class Registrar:
                     await self._woken.wait()
 
     async def leave(self, addresses: NodeAddresses) -> None:
-        """Take back what is registered, as far as the master is there."""
+        """Unregister everything, as far as the master answers."""
         with suppress(TimeoutError):
             async with asyncio.timeout(_FAREWELL_SECONDS):
                 match await self._call("lookupNode", self._caller):
                     case MethodResponse([1, _, str(uri)]) if uri != addresses.slave:
-                        ours: Iterable[str] = ()  # a successor of our name has set them anew
+                        ours: Iterable[str] = ()  # another node with our name may have set them anew
                     case _:
                         ours = self._parameters.keys() - self._unset.keys()
                 for key in ours:
@@ -194,9 +194,9 @@ class Registrar:
             self._happenings.found()
 
     async def _register(self, addresses: NodeAddresses) -> bool:
-        """Register what is not yet; whether the master answered to everything.
+        """Register what is not registered yet; return True when the master answered every call.
 
-        Parameters come first: a node that sees ours, and then looks for `/use_sim_time`, finds it.
+        Parameters come first: a node that finds ours, and then looks for `/use_sim_time`, must find it.
         """
         complete = True
         for key in list(self._unset):

@@ -7,7 +7,7 @@ from thbridge.wire.rosgraph.xmlrpc import Fault, MethodResponse, XmlRpcValue
 
 
 def value_of(uri: str, reply: MethodResponse | Fault | CallFailed) -> XmlRpcValue | CallFailed:
-    """What a call to the master or a node returned, or why it returned nothing."""
+    """Return the value in a reply of the master or a node, or the failure."""
     match reply:
         case MethodResponse([1, _, value]):
             return value

@@ -1,4 +1,4 @@
-"""Services whose answers take milliseconds: one at a time, with other work of the event loop between two of them."""
+"""Queue for services whose answers take milliseconds: one at a time, with other work of the event loop in between."""
 
 import asyncio
 from collections.abc import Callable
@@ -7,13 +7,13 @@ from thbridge.sockets.rosgraph.tcpros_server import ServiceAnswer, ServiceHandle
 
 
 class RequestQueue:
-    """A queue for requests of several services."""
+    """Queue of requests of several services."""
 
     def __init__(self) -> None:
         self._lock = asyncio.Lock()
 
     def of(self, handler: Callable[[bytes], ServiceAnswer]) -> ServiceHandler:
-        """The handler, called when it is its turn; however many requests came in at once."""
+        """Wrap a handler so that it is called in turn."""
 
         async def in_turn(request: bytes) -> ServiceAnswer:
             async with self._lock:

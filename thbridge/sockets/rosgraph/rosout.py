@@ -1,4 +1,4 @@
-"""The node that roscore runs beside the master: says on one topic again what all nodes log."""
+"""Rosout node, which roscore runs beside the master: it republishes the logs of all nodes on one topic."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ AGGREGATED = "/rosout_agg"
 
 
 def rosout_node(master_uri: str, host: str) -> RosNode:
-    """A node that republishes ``/rosout`` as ``/rosout_agg``, still to be started.
+    """Return a node that republishes ``/rosout`` as ``/rosout_agg``, not started yet.
 
     A tool that shows logs then has one connection instead of one to every node.
 
@@ -20,8 +20,8 @@ def rosout_node(master_uri: str, host: str) -> RosNode:
     Differs: it writes no file, and logs nothing of its own.
 
     Args:
-        master_uri: of the master.
-        host: where the node listens and can be reached.
+        master_uri: URI of the master.
+        host: address to listen on and to be called at.
     """
     log = plain_definition(LOG)
     node = RosNode(NODE, master_uri, host)

@@ -1,4 +1,4 @@
-"""Calls of services that other nodes serve."""
+"""Calls of services of other nodes."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from thbridge.wire.rosgraph.outbound import ServiceClientLink
 
 
 async def ask(uri: str, link: ServiceClientLink, timeout: float) -> bytes | ServiceFailed:
-    """Ask a server one thing.
+    """Send one request to a service and wait for its answer.
 
     Args:
-        uri: of the server, ``rosrpc://host:port``, as the master gives it.
-        link: knows the request.
+        uri: URI of the service, ``rosrpc://host:port``, as the master gives it.
+        link: link with the request.
         timeout: seconds for everything.
     """
     try:

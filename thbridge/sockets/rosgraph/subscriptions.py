@@ -1,4 +1,4 @@
-"""Topics that a node subscribes to: it finds their publishers, connects, and comes back when a connection breaks."""
+"""Subscriptions of a node: connections to the publishers of a topic, renewed when they break."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ from thbridge.wire.rosgraph.slave import TRANSPORT, BusConnection
 from thbridge.wire.rosgraph.tcpros import LENGTH_BYTES
 
 PUBLISHER_LIMIT = 256
-"""Publishers of one topic that are connected to; anybody may claim that there are more."""
+"""Most publishers of one topic that are connected to; a hostile peer could report any number."""
 
 _FIRST_PAUSE = 0.25
-"""Seconds before the first attempt to come back; each that does not last doubles them."""
+"""Seconds before the first reconnection; each connection that does not last doubles them."""
 
 _LAST_PAUSE = 8.0
 
 MessageCallback: TypeAlias = Callable[[bytes, str], None]
-"""Hears a serialised message and the name of the node that published it."""
+"""Callback with a serialised message and the name of the node that published it."""
 
 PublisherCallback: TypeAlias = Callable[[str, TopicHeader], None]
-"""Hears the name of a publisher, and what it says about the topic, before its first message."""
+"""Callback with the name of a publisher and its header of the topic, before its first message."""
 
 
 def take_no_notice(publisher: str, topic: TopicHeader) -> None:
-    """For those who know what they subscribe to."""
+    """Do nothing."""
 
 
 _log = logging.getLogger(__name__)
@@ -43,13 +43,13 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class SubscriptionRequest:
-    """What is subscribed to.
+    """Request of a subscription.
 
     Attributes:
         topic: global name.
         kind: its type, or ``*``.
         md5: the type's md5 sum, or ``*``.
-        tcp_nodelay: whether publishers are asked to send small messages at once.
+        tcp_nodelay: True to ask publishers to send small messages at once.
     """
 
     topic: str
@@ -59,18 +59,18 @@ class SubscriptionRequest:
 
 
 class Subscription:
-    """One topic and its publishers.
+    """Subscription of one topic, with its publishers.
 
-    A publisher that the master no longer names is not come back to, but an open connection to it stays: after a
-    restart of the master its list begins empty, while messages may still flow.
+    A publisher that the master no longer lists is not reconnected, but an open connection to it stays: after a restart
+    of the master its list begins empty, while messages may still flow.
 
     Args:
         caller: this node's name.
-        what: is subscribed to.
-        heard: gets the messages; it must not raise.
+        request: topic and type.
+        heard: called with each message; it must not raise.
         client: for calls to publishers.
-        numbers: for the connections, unique within the node.
-        met: told of each publisher that accepts; it must not raise.
+        numbers: numbers of connections, unique within the node.
+        met: called with each publisher that accepts; it must not raise.
     """
 
     def __init__(
@@ -94,7 +94,7 @@ class Subscription:
         self._complaints = WarnOnce(_log)
 
     def name_publishers(self, uris: Sequence[str]) -> None:
-        """Hear who publishes the topic now."""
+        """Set the present publishers of the topic."""
         if len(uris) > PUBLISHER_LIMIT:
             self._complaints.warn(f"{self.what.topic} has more than {PUBLISHER_LIMIT} publishers; not all are heard")
         self._named = frozenset(uris[:PUBLISHER_LIMIT])
@@ -102,7 +102,7 @@ class Subscription:
             self._followed[uri] = asyncio.ensure_future(self._follow(uri))
 
     def connections(self) -> Iterable[BusConnection]:
-        """The open connections as the node tells of them."""
+        """Return the open connections for bus info."""
         return [each.connection(uri, self.what.topic) for uri, each in self._listening.items() if each.open]
 
     async def stop(self) -> None:
@@ -139,7 +139,7 @@ class Subscription:
         return SubscriberLink(self._caller, what.topic, what.kind, what.md5, what.tcp_nodelay)
 
     async def _listen(self, uri: str, listener: _Listener) -> LinkRefused | LinkEnded:
-        """Listen to a publisher as long as it goes."""
+        """Receive messages of a publisher until the connection ends."""
         reply = await self._client.call(uri, "requestTopic", self._caller, self.what.topic, [[TRANSPORT]])
         offered = value_of(uri, reply)
         match offered:
@@ -162,7 +162,7 @@ class Subscription:
 
 
 class _Listener(asyncio.Protocol):
-    """The connection to one publisher; carries out what its link decides."""
+    """Connection to one publisher; carries out the events of its link."""
 
     def __init__(self, link: SubscriberLink, heard: MessageCallback, met: PublisherCallback, number: int) -> None:
         loop = asyncio.get_running_loop()
@@ -203,7 +203,7 @@ class _Listener(asyncio.Protocol):
 
     @property
     def open(self) -> bool:
-        """Whether the connection still stands."""
+        """True while the connection is open."""
         return self._transport is not None and not self._transport.is_closing()
 
     def cut_off(self) -> None:
@@ -212,7 +212,7 @@ class _Listener(asyncio.Protocol):
             self._transport.abort()
 
     def connection(self, uri: str, topic: str) -> BusConnection:
-        """This link, while it is open, as the node tells of it."""
+        """Return this connection, while it is open, for bus info."""
         ends = endpoints(self._transport) if self._transport is not None else (0, "", 0, 0)
         return BusConnection(self._number, uri, False, topic, ends, self._bytes, self._messages)
 

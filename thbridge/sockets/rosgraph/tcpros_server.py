@@ -1,4 +1,4 @@
-"""The port where a node takes TCPROS connections: of subscribers to its topics, of clients of its services."""
+"""TCPROS port of a node: connections of subscribers to its topics and of clients of its services."""
 
 from __future__ import annotations
 
@@ -33,19 +33,19 @@ from thbridge.wire.rosgraph.links import (
 from thbridge.wire.rosgraph.slave import BusConnection
 
 CONNECTION_LIMIT = 6144
-"""Connections taken at a time, of subscribers and clients together: all topics of 64 robots for four recorders."""
+"""Most connections of subscribers and clients at a time: all topics of 64 robots for four recorders."""
 _FILES = 8192
-"""Files that the process should be able to have open for them."""
+"""Open files that the process should be allowed for them."""
 
 ANSWERING_LIMIT = 64
-"""Requests whose answers take their time, at a time; a client may leave, and ask again, before it has its answer."""
+"""Most pending requests; a client may leave, and ask again, before it has its answer."""
 
 _FAREWELL_SECONDS = 1.0
-"""What subscribers may take, altogether, to read what they were sent last."""
+"""Seconds that all subscribers together have to read the last messages."""
 
 ServiceAnswer: TypeAlias = bytes | ServiceFailed
 ServiceHandler: TypeAlias = Callable[[bytes], ServiceAnswer | Awaitable[ServiceAnswer]]
-"""Answers a serialised request, at once or in time."""
+"""Function that answers a serialised request, at once or later."""
 
 _log = logging.getLogger(__name__)
 
@@ -57,11 +57,11 @@ class _Served:
 
 
 class TcprosServer:
-    """Publishes and serves.
+    """Server for the topics and services of a node.
 
     Args:
         caller: the node's name.
-        numbers: for the connections, unique within the node.
+        numbers: numbers of connections, unique within the node.
     """
 
     def __init__(self, caller: str, numbers: Iterator[int]) -> None:
@@ -88,9 +88,9 @@ class TcprosServer:
         return ListeningAddress(address[0], address[1])
 
     async def stop(self) -> None:
-        """Close the port, give up what is being answered, and close every connection.
+        """Close the port, cancel pending requests, and close every connection.
 
-        Subscribers have a moment to take what was published last.
+        Subscribers have a moment to read the last messages.
         """
         if self._server is not None:
             self._server.close()
@@ -116,21 +116,21 @@ class TcprosServer:
         self._services[service.name] = _Served(service, handler)
 
     def topic(self, name: str) -> TopicHeader | None:
-        """The topic of that name, if it is published here."""
+        """Return the topic of that name, if it is published here."""
         publication = self.publications.get(name)
         return publication.topic if publication else None
 
     def service(self, name: str) -> ServiceHeader | None:
-        """The service of that name, if it is served here."""
+        """Return the service of that name, if it is served here."""
         served = self._services.get(name)
         return served.service if served else None
 
     def connections(self) -> Iterable[BusConnection]:
-        """The subscribers' connections."""
+        """Return the subscribers' connections."""
         return [connection for each in self.publications.values() for connection in each.connections()]
 
     def admit(self, connection: _Inbound) -> bool:
-        """Take a new connection on, unless there are too many."""
+        """Accept a new connection, unless there are too many."""
         if len(self._connections) >= self._limit:
             self.complaints.warn(f"more than {self._limit} connections; further ones are turned away")
             return False
@@ -138,12 +138,12 @@ class TcprosServer:
         return True
 
     def forget(self, connection: _Inbound) -> None:
-        """Hear that a connection is closed."""
+        """Remove a closed connection."""
         self._connections.discard(connection)
         self._one_gone.set()
 
     def handle(self, service: str, request: bytes, respond: Callable[[ServiceAnswer], None]) -> ServiceAnswer | None:
-        """Have a request answered: with what is returned, or else by `respond` in time."""
+        """Answer a request: return the answer, or None when `respond` will be called with it later."""
         try:
             answer = self._services[service].handler(request)
         except Exception:
@@ -160,7 +160,7 @@ class TcprosServer:
 
 
 class _Inbound(asyncio.Protocol):
-    """One connection; carries out what its link decides."""
+    """One connection; carries out the events of its link."""
 
     def __init__(self, server: TcprosServer) -> None:
         self._server = server
@@ -197,7 +197,7 @@ class _Inbound(asyncio.Protocol):
             self._patience.cancel()
         if self._publication is not None and self._outlet is not None:
             self._publication.remove(self._outlet)
-        # What a handler is about runs on: it may have moved a robot already. Only nobody hears the answer.
+        # A pending handler runs on, since it may have moved a robot already; its answer is discarded.
         self._transport = None
 
     def close(self) -> None:
@@ -261,7 +261,7 @@ async def _answer_in_time(
 
 
 def _open_files() -> int:
-    """How many files this process may open, made as many as are wanted; as a rule it begins with 1024."""
+    """Raise the limit of open files, which usually is 1024, as far as wanted, and return it."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     wanted = _FILES if hard == resource.RLIM_INFINITY else min(_FILES, hard)
     if soft == resource.RLIM_INFINITY or soft >= wanted:

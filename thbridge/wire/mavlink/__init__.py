@@ -1,5 +1,5 @@
-"""MAVLink 2 without its sockets: every robot as a ground rover, and the links to whoever watches and commands it.
+"""MAVLink 2 without its sockets: every robot as a ground rover, and the links to ground stations.
 
-Bytes become `frames`, frames become messages (`dialect`), the `hub` brings each to the vehicles it is meant for, a
-`vehicle` answers and asks its robot's `helm` for what it was told to do. A `station` is the other end of a link.
+Bytes become `frames`, frames become messages (`dialect`), the `hub` routes each to the vehicles it is meant for, a
+`vehicle` answers it and commands its robot through the `vehicle_interface`. A `station` is the other end of a link.
 """

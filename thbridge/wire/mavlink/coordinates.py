@@ -1,7 +1,7 @@
-"""MAVLink's coordinate frames: points, headings and velocities as the map has them, and back.
+"""Conversions between MAVLink's coordinate frames and the map: points, headings and velocities.
 
 The map has x east and y north, and angles from east, anticlockwise; MAVLink has north first, then east, and angles from
-north, clockwise. Heights are of no account: all robots stand on one floor.
+north, clockwise. Heights are ignored: all robots stand on one floor.
 """
 
 import math
@@ -20,12 +20,12 @@ GLOBAL = frozenset(
         mav.MAV_FRAME_GLOBAL_TERRAIN_ALT_INT,
     }
 )
-"""Latitude and longitude; these frames differ in their heights alone."""
+"""Frames of latitude and longitude; they differ only in their heights."""
 
 _BODY = frozenset({mav.MAV_FRAME_BODY_NED, mav.MAV_FRAME_BODY_OFFSET_NED, mav.MAV_FRAME_BODY_FRD})
 
 LOCAL = _BODY | {mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_LOCAL_OFFSET_NED}
-"""Metres: from the map's origin or from the robot, along the map's axes or along the robot's."""
+"""Frames in metres: from the map's origin or from the robot, along the map's axes or along the robot's."""
 
 PER_METRE = 10_000
 """COMMAND_INT and MISSION_ITEM_INT count metres of `LOCAL` in ten-thousandths."""
@@ -35,33 +35,33 @@ _TURN_RATE = 2.0
 
 
 def yaw_of(theta: float) -> float:
-    """A direction of the map as MAVLink's yaw, radians from north, clockwise, in [-pi, pi)."""
+    """Convert a direction of the map to MAVLink's yaw, radians from north, clockwise, in [-pi, pi)."""
     return wrap_angle(math.pi / 2.0 - theta)
 
 
 def theta_of(yaw: float) -> float:
-    """A finite yaw as a direction of the map."""
+    """Convert a finite yaw to a direction of the map."""
     return wrap_angle(math.pi / 2.0 - yaw)
 
 
 def compass(theta: float) -> float:
-    """A direction of the map in degrees from north, clockwise, in [0, 360)."""
+    """Convert a direction of the map to degrees from north, clockwise, in [0, 360)."""
     return math.degrees(yaw_of(theta)) % 360.0
 
 
 def quaternion(theta: float) -> tuple[float, float, float, float]:
-    """A direction of the map as a turn about MAVLink's axis down, w first."""
+    """Convert a direction of the map to a quaternion about MAVLink's down axis, w first."""
     half = yaw_of(theta) / 2.0
     return math.cos(half), 0.0, 0.0, math.sin(half)
 
 
 def north_east(twist: Twist, theta: float) -> tuple[float, float]:
-    """How a robot that points to `theta` moves, m/s."""
+    """Return the velocity north and east, m/s, of a robot that points to `theta`."""
     return twist.linear * math.sin(theta), twist.linear * math.cos(theta)
 
 
 def point_in_map(frame: int, first: float, second: float, base_in_map: Pose2) -> tuple[float, float]:
-    """The point of the map with these coordinates in a frame of `LOCAL`: north and east, or forward and right."""
+    """Return the map point with these coordinates in a frame of `LOCAL`: north and east, or forward and right."""
     if frame in _BODY:
         away = base_in_map.compose(Pose2(first, -second, 0.0))
         return away.x, away.y
@@ -73,10 +73,10 @@ def point_in_map(frame: int, first: float, second: float, base_in_map: Pose2) ->
 def twist_towards(
     frame: int, first: float, second: float, yaw_rate: float, base_in_map: Pose2, fastest: Twist
 ) -> Twist:
-    """How a robot, which cannot move sideways, follows a velocity in a frame of `LOCAL`.
+    """Return the twist by which a robot, which cannot move sideways, follows a velocity in a frame of `LOCAL`.
 
-    Along its own axes it takes what is forward, and the rate of turn; along the map's it turns to where the velocity
-    points and drives the faster, the better it points there; without a velocity it turns at the rate given.
+    In body frames it takes the forward part and the yaw rate. In map frames it turns towards the velocity's direction
+    and drives with the cosine of the remaining angle; without a velocity it turns at the given rate.
     """
     if frame in _BODY:
         return bounded(Twist(first, -yaw_rate), fastest)
@@ -88,7 +88,7 @@ def twist_towards(
 
 
 def bounded(twist: Twist, fastest: Twist) -> Twist:
-    """The twist, each of its speeds cut to the fastest."""
+    """Clamp both speeds of a twist to the fastest."""
     return Twist(
         max(-fastest.linear, min(twist.linear, fastest.linear)),
         max(-fastest.angular, min(twist.angular, fastest.angular)),

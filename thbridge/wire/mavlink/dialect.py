@@ -1,4 +1,4 @@
-"""MAVLink's messages: pymavlink's generated dialect `all`, which knows those of ArduPilot and of development too."""
+"""MAVLink's messages: pymavlink's generated dialect `all`, which includes ArduPilot's and development messages."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,26 +25,26 @@ __all__ = [
 ]
 
 EVERYBODY = 0
-"""As a target: every system, or every component."""
+"""Target id of every system, or every component."""
 
 TEXT_SIZE = 50
-"""Bytes of a sentence that one STATUSTEXT has room for."""
+"""Bytes of text in one STATUSTEXT."""
 
 _KINDS = mav.mavlink_map | ADDED
 
 SECRETS = frozenset({mav.MAVLINK_MSG_ID_SETUP_SIGNING})
-"""Messages that carry a key: they are thrown away where they come in, so that nothing forwards or records them."""
+"""Messages that carry a key: they are discarded on receipt, so that they are neither forwarded nor recorded."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Field:
-    """A field as it lies in a payload.
+    """Position of a field in a payload.
 
     Attributes:
-        name: of the attribute that holds it as it travels.
-        start: which of the payload's values is its first.
-        stop: one more than its last; text is one value.
-        is_array: whether its value is a list.
+        name: attribute of the message class that holds it in wire form.
+        start: index of its first value among the payload's values.
+        stop: index after its last value; text is one value.
+        is_array: True when its value is a list.
     """
 
     name: str
@@ -55,14 +55,14 @@ class _Field:
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """How a message lies in its payload.
+    """Layout of a message's payload.
 
     Attributes:
         kind: the message's class.
-        seed: what it adds to the checksum.
-        values: all of its values.
-        fields: in the order of the payload.
-        declared: the same, in the order in which the class takes them.
+        seed: CRC_EXTRA byte that it adds to the checksum.
+        values: struct of all its values.
+        fields: fields in the order of the payload.
+        declared: the same fields, in the order of the class's arguments.
     """
 
     kind: type[Message]
@@ -73,25 +73,25 @@ class _Layout:
 
 
 def crc_extra(message_id: int) -> int | None:
-    """The seed that a message's layout adds to the checksum; None for a message that the dialect does not know."""
+    """Return CRC_EXTRA, the seed that a message's layout adds to the checksum; None for an unknown message."""
     layout = _LAYOUTS.get(message_id)
     return None if layout is None else layout.seed
 
 
 def longest_payload(message_id: int) -> int:
-    """Bytes of a message with all its extensions; 0 for a message that the dialect does not know."""
+    """Return the bytes of a payload with all extensions; 0 for an unknown message."""
     layout = _LAYOUTS.get(message_id)
     return 0 if layout is None else layout.values.size
 
 
 def name_of(message_id: int) -> str:
-    """What the dialect calls a message; its number where it does not know it."""
+    """Return a message's name in the dialect; its number for an unknown message."""
     kind = _KINDS.get(message_id)
     return str(message_id) if kind is None else kind.msgname
 
 
 def payload_of(message: Message) -> bytes:
-    """The message's payload, zeros at its end cut off as MAVLink 2 does (but never the first byte).
+    """Encode a message's payload; zeros at its end are cut off as in MAVLink 2 (but never the first byte).
 
     Raises:
         struct.error, OverflowError: a field does not fit its type.
@@ -110,9 +110,10 @@ def payload_of(message: Message) -> bytes:
 
 
 def decoded(message_id: int, payload: bytes) -> Message | None:
-    """The message in a payload of any length: what is missing is zero, what is too much is cut off.
+    """Decode a payload of any length: missing bytes are zero, surplus bytes are cut off.
 
-    None for a message that the dialect does not know.
+    Returns:
+        The message; None when the dialect does not know it.
     """
     layout = _LAYOUTS.get(message_id)
     if layout is None:
@@ -131,9 +132,9 @@ def decoded(message_id: int, payload: bytes) -> Message | None:
 
 
 def target_of(message: Message) -> tuple[int, int]:
-    """The system and component that a message is meant for; `EVERYBODY` where it names none."""
+    """Return the target system and component of a message; `EVERYBODY` where it names none."""
     if isinstance(message, mav.MAVLink_manual_control_message):
-        # The one message that calls its target otherwise.
+        # The only message whose target field has another name.
         return message.target, EVERYBODY
     system: object = getattr(message, "target_system", EVERYBODY)
     component: object = getattr(message, "target_component", EVERYBODY)
@@ -142,7 +143,7 @@ def target_of(message: Message) -> tuple[int, int]:
 
 class _AnyFields:
     def __init__(self, *fields: object) -> None:
-        """As every message class is called."""
+        """Take the fields by position, as every message class does."""
 
 
 def _layout_of(kind: type[Message]) -> _Layout:

@@ -18,7 +18,7 @@ _FORMATS = {"char": "s", "uint8_t": "B", "uint16_t": "H", "uint32_t": "I"}
 
 
 class _Field(NamedTuple):
-    """A field: its type, how many of that type it has, 0 where it is no array, and its name."""
+    """Declaration of a field: type, array length (0 for no array) and name."""
 
     kind: str
     length: int
@@ -30,7 +30,7 @@ class _Field(NamedTuple):
 
     @property
     def values(self) -> int:
-        """How many values it is in a payload; text is one."""
+        """Number of values in a payload; text is one."""
         return 1 if self.kind == "char" else max(1, self.length)
 
 
@@ -42,10 +42,10 @@ def _field(declaration: str) -> _Field:
 
 
 class _Added(Message):
-    """A message that is made of its fields.
+    """Message class built from field declarations.
 
     Args:
-        values: of the fields, in the order in which they are declared; of text bytes.
+        values: values of the fields in the order of declaration; bytes for text.
     """
 
     def __init_subclass__(cls, *, number: int, name: str, fields: tuple[str, ...]) -> None:
@@ -74,7 +74,7 @@ class _Added(Message):
 
 
 def _crc_extra(name: str, on_wire: list[_Field]) -> int:
-    """The seed of a message's checksum, of its fields in the order of the wire."""
+    """Return CRC_EXTRA, the seed of a message's checksum, from its fields in wire order."""
     text = f"{name} ".encode()
     for field in on_wire:
         text += f"{field.kind} {field.name} ".encode() + (bytes((field.length,)) if field.length else b"")
@@ -88,7 +88,7 @@ class CommandCancel(
     name="COMMAND_CANCEL",
     fields=("uint8_t target_system", "uint8_t target_component", "uint16_t command"),
 ):
-    """Give up a command that takes its time."""
+    """Request to cancel a long-running command."""
 
     command: int
 
@@ -105,7 +105,7 @@ class ProtocolVersion(
         "uint8_t[8] library_version_hash",
     ),
 ):
-    """Which versions of MAVLink are spoken, times 100; hashes of nothing."""
+    """Supported versions of MAVLink, times 100; the hashes are zero."""
 
 
 class ComponentMetadata(
@@ -114,7 +114,7 @@ class ComponentMetadata(
     name="COMPONENT_METADATA",
     fields=("uint32_t time_boot_ms", "uint32_t file_crc", "char[100] uri"),
 ):
-    """Where the file is that tells which files there are about a component, and its checksum."""
+    """URI and checksum of the general metadata file, which lists the other files about a component."""
 
 
 class ComponentInformation(
@@ -129,7 +129,7 @@ class ComponentInformation(
         "char[100] peripherals_metadata_uri",
     ),
 ):
-    """The same, as stations asked for it before there was COMPONENT_METADATA."""
+    """Predecessor of COMPONENT_METADATA, which older stations still request."""
 
 
 _OURS = (CommandCancel, ProtocolVersion, ComponentInformation, ComponentMetadata)
@@ -138,7 +138,7 @@ ADDED: dict[int, type[Message]] = {kind.id: kind for kind in _OURS}
 
 
 def extended(declaration: str) -> Callable[[type[M]], type[M]]:
-    """Gives a generated message one more field, at its end; no checksum changes by that."""
+    """Return a class decorator that appends an extension field to a generated message; CRC_EXTRA stays the same."""
     field = _field(declaration)
 
     def with_field(kind: type[M]) -> type[M]:

@@ -1,8 +1,8 @@
-"""Joins vehicles and links: who is reached where, what is meant for whom, and the count of each sender on each link.
+"""MAVLink router between vehicles and links; it also numbers the frames of each vehicle on each link.
 
-The rules of routing are MAVLink's: what names no target goes to everybody; what names one goes to where its target was
-heard from, and nowhere else; nothing goes back to where it came from. Whoever is heard on two links, because they
-are joined elsewhere too, is not told on one what it said on the other: so nothing goes round in circles.
+The routing rules are MAVLink's: a message without a target goes to everybody; one with a target goes only to links
+where that target was heard; no message goes back to its origin. A sender that is heard on two links, because these
+are joined elsewhere too, gets none of its own messages back on the other: so no message circles.
 
 Source: the MAVLink developer guide, "Routing".
 """
@@ -21,7 +21,7 @@ from thbridge.wire.mavlink.vehicle_interface import RobotReadings, Station
 
 @dataclass(frozen=True, slots=True)
 class OutgoingFrame:
-    """A frame that goes out on a link."""
+    """Frame to be sent on a link."""
 
     link: LinkId
     frame: Frame
@@ -29,13 +29,13 @@ class OutgoingFrame:
 
 @dataclass(frozen=True, slots=True)
 class Traffic:
-    """A frame that a vehicle heard or said.
+    """Frame that a vehicle received or sent.
 
     Attributes:
-        robot: which vehicle's, from 0.
-        heard: whether it heard it; or else it said it.
-        link: the name of the link.
-        frame: without its signature.
+        robot: number of the vehicle, from 0.
+        incoming: True when the vehicle received it; False when it sent it.
+        link: name of the link.
+        frame: frame without its signature.
     """
 
     robot: int
@@ -45,11 +45,11 @@ class Traffic:
 
 
 class Hub:
-    """The vehicles of one team and all links to them.
+    """Vehicles of one team and all links to them.
 
     Args:
-        vehicles: in the team's order.
-        patience: seconds without a frame after which a link counts as asleep: it gets heartbeats and nothing else.
+        vehicles: vehicles in the team's order.
+        timeout: seconds without a frame after which a link counts as inactive: it gets heartbeats and nothing else.
     """
 
     def __init__(self, vehicles: Sequence[Vehicle], patience: float) -> None:
@@ -62,34 +62,34 @@ class Hub:
 
     @property
     def vehicles(self) -> tuple[Vehicle, ...]:
-        """In the team's order."""
+        """Vehicles in the team's order."""
         return self._vehicles
 
     def open(self, link: LinkId, name: str, robot: int | None = None) -> None:
-        """From now on there is this link; one of the same number is closed before.
+        """Open a link; one of the same number is closed before.
 
         Args:
             link: its number.
-            name: for people.
-            robot: the only vehicle that is to be found there, from 0, and no station from elsewhere either: programs
-                that know one vehicle may take a station's words for the vehicle's. None: all are.
+            name: name for people.
+            robot: the only vehicle on the link, from 0; then no other station is forwarded to it either, since
+                programs that know one vehicle may take a station's messages for the vehicle's. None: all vehicles.
         """
         self.close(link)
         self._links[link] = HubLink(name, self._patience, robot)
 
     def close(self, link: LinkId) -> None:
-        """A link is gone, and whoever was reached by it."""
+        """Remove a link and all stations on it."""
         if self._links.pop(link, None) is not None:
             for vehicle in self._vehicles:
                 vehicle.forget(link)
 
     def report(self, link: LinkId) -> LinkReport | None:
-        """How a link stands; None: there is none of this number."""
+        """Return the report of a link; None when there is none of this number."""
         there = self._links.get(link)
         return None if there is None else there.report(self._tick)
 
     def why_not(self, link: LinkId, frame: Frame) -> DropReason | None:
-        """Why a frame that comes in on a link would be dropped; None: it would not."""
+        """Return the reason why a frame from a link would be dropped; None when it would not."""
         there = self._links.get(link)
         if frame.system in self._by_system and frame.component == COMPONENT:
             # Other components may have a robot's system id: its companion computer, mavros or MAVSDK on it.
@@ -104,15 +104,15 @@ class Hub:
         return None if there is None or there.has_room_for(sender, self._tick) else DropReason.CROWDED
 
     def receive(self, link: LinkId, frame: Frame, robot: int | None = None) -> list[OutgoingFrame]:
-        """A frame has come in.
+        """Handle a received frame.
 
         Args:
-            link: where; an unknown one is ignored.
-            frame: checked, and without its signature.
-            robot: the only vehicle that is to hear it; None: whoever it is meant for.
+            link: link it came from; an unknown one is ignored.
+            frame: verified frame without its signature.
+            robot: the only vehicle that is to receive it; None: the vehicles it is addressed to.
 
         Returns:
-            What goes out at once.
+            Frames to be sent at once.
         """
         there, message = self._links.get(link), decoded(frame.message_id, frame.payload)
         if there is None:
@@ -137,11 +137,11 @@ class Hub:
         return sent
 
     def step(self, tick: int, readings: Sequence[RobotReadings]) -> list[OutgoingFrame]:
-        """A tick has passed: what vehicles say by themselves.
+        """Step all vehicles by one tick and return their frames.
 
         Args:
-            tick: which.
-            readings: of each robot, in the team's order.
+            tick: number of the tick.
+            readings: readings of each robot, in the team's order.
         """
         self._tick = tick
         sent: list[OutgoingFrame] = []
@@ -150,18 +150,18 @@ class Hub:
         return sent
 
     def keep_alive(self) -> list[OutgoingFrame]:
-        """No tick has passed for a while: the heartbeats of all vehicles."""
+        """Return heartbeats of all vehicles, for a time without ticks."""
         return [
             frame for robot, vehicle in enumerate(self._vehicles) for frame in self._said(robot, vehicle.keep_alive())
         ]
 
     def take_traffic(self) -> tuple[Traffic, ...]:
-        """What vehicles heard and said since the last call, in order."""
+        """Take the frames that vehicles received and sent since the last call, in order."""
         traffic, self._traffic = tuple(self._traffic), []
         return traffic
 
     def _meant(self, system: int, component: int) -> Iterable[int]:
-        """The vehicles that a message with this target is meant for."""
+        """Return the vehicles that a message with this target is addressed to."""
         if component not in (EVERYBODY, COMPONENT):
             return ()
         if system == EVERYBODY:
@@ -170,7 +170,7 @@ class Hub:
         return () if robot is None else (robot,)
 
     def _beyond(self, origin: LinkId, sender: Station, system: int, component: int) -> list[LinkId]:
-        """The other links that a message with this target goes on to."""
+        """Return the other links that a message with this target is forwarded to."""
         wanted = None if component == EVERYBODY else component
         return [
             number
@@ -194,7 +194,7 @@ class Hub:
         return sent
 
     def _reached(self, word: OutgoingMessage, robot: int) -> list[tuple[LinkId, HubLink]]:
-        """The links on which a vehicle's word goes out."""
+        """Return the links on which a vehicle's message is sent."""
         if word.link is not None:
             there = self._links.get(word.link)
             return [] if there is None or not there.reaches(robot) else [(word.link, there)]

@@ -1,4 +1,4 @@
-"""What is known of each link: who was heard there and when, what was lost and what was dropped."""
+"""State of each link: the senders heard there and when, frames lost and frames dropped."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -9,11 +9,11 @@ from thbridge.wire.mavlink.frames.frame import missing_between
 from thbridge.wire.mavlink.vehicle_interface import Station
 
 MOST_STATIONS = 16
-"""Senders that are listened to on one link: whoever makes up more is not heard."""
+"""Most senders on one link; frames of further ones are dropped."""
 
 
 class DropReason(StrEnum):
-    """Why a frame that was whole goes nowhere, as the end of the sentence "a frame goes nowhere: ..."."""
+    """Reason why a complete frame is dropped, as the end of the sentence "a frame goes nowhere: ..."."""
 
     OURS = "its sender has the ids of one of our vehicles"
     NOBODY = "its sender has the system id 0, which stands for everybody"
@@ -24,15 +24,15 @@ class DropReason(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class LinkReport:
-    """How a link stands.
+    """Report on a link.
 
     Attributes:
-        name: of the link.
-        stations: who has been, in the order in which they came.
-        received: frames that came in and were listened to.
-        lost: frames that did not come in, by the gaps in their senders' counts.
-        dropped: frames that came in and went nowhere, by why.
-        sent: frames that went out.
+        name: name of the link.
+        stations: stations heard lately, in the order in which they first came.
+        received: number of frames received and accepted.
+        lost: number of frames lost, by the gaps in their senders' sequence numbers.
+        dropped: number of frames dropped, by reason.
+        sent: number of frames sent.
     """
 
     name: str
@@ -50,7 +50,7 @@ class LinkReport:
 
 @dataclass(slots=True)
 class _Heard:
-    """When a sender was last heard, and its count then."""
+    """Tick and sequence number of a sender's last frame."""
 
     tick: int
     sequence: int
@@ -58,14 +58,14 @@ class _Heard:
 
 @dataclass(slots=True)
 class HubLink:
-    """What the hub knows of a link.
+    """State of a link in the hub.
 
     Attributes:
-        name: for people.
-        patience: ticks for which somebody counts as heard.
-        robot: the only vehicle that is there, from 0; None: all are.
-        sent: frames that went out.
-        dropped: frames that went nowhere, by why.
+        name: name for people.
+        timeout: ticks for which a sender counts as present after a frame.
+        robot: the only vehicle on the link, from 0; None: all are.
+        sent: number of frames sent.
+        dropped: number of frames dropped, by reason.
     """
 
     name: str
@@ -80,16 +80,16 @@ class HubLink:
     _counts: dict[int, int] = field(default_factory=dict)
 
     def reaches(self, robot: int) -> bool:
-        """Whether this vehicle is there."""
+        """Return True when this vehicle is on the link."""
         return self.robot in (None, robot)
 
     def has_room_for(self, station: Station, tick: int) -> bool:
-        """Whether this sender is listened to; who has been silent for long makes room for another."""
+        """Return True when frames of this sender are accepted; a stale sender makes room for a new one."""
         known = self._stations
         return station in known or len(known) < MOST_STATIONS or not all(self.has(other, tick) for other in known)
 
     def hear(self, station: Station, sequence: int, tick: int) -> None:
-        """Note that a frame came in, from a sender for whom there is room."""
+        """Record a frame from a sender for whom there is room."""
         heard = self._stations.get(station)
         if heard is None:
             if len(self._stations) >= MOST_STATIONS:
@@ -102,29 +102,29 @@ class HubLink:
         self._received += 1
 
     def is_awake(self, tick: int) -> bool:
-        """Whether anybody has been heard here lately."""
+        """Return True when a frame came within the timeout."""
         return self._tick is not None and tick - self._tick <= self.patience
 
     def has(self, station: Station, tick: int) -> bool:
-        """Whether this sender has been heard here lately."""
+        """Return True when a frame of this sender came within the timeout."""
         heard = self._stations.get(station)
         return heard is not None and tick - heard.tick <= self.patience
 
     def leads_to(self, system: int, component: int | None, tick: int) -> bool:
-        """Whether anybody of this system has been heard here lately; a component of None is any."""
+        """Return True when a frame of this system came within the timeout; a component of None is any."""
         return any(
             station.system == system and component in (None, station.component) and tick - heard.tick <= self.patience
             for station, heard in self._stations.items()
         )
 
     def next_sequence(self, system: int) -> int:
-        """The number of the next frame that one of our vehicles says here."""
+        """Return the sequence number of the next frame that one of our vehicles sends here."""
         number = self._counts.get(system, 0)
         self._counts[system] = (number + 1) % 256
         self.sent += 1
         return number
 
     def report(self, tick: int) -> LinkReport:
-        """How it stands."""
+        """Return the link's report."""
         stations = tuple(station for station in self._stations if self.has(station, tick))
         return LinkReport(self.name, stations, self._received, self._lost, dict(self.dropped), self.sent)

@@ -1,7 +1,7 @@
-"""The modes of a vehicle, and the numbers by which ground stations know them.
+"""Modes of a vehicle, and the numbers by which ground stations know them.
 
-ArduPilot's rovers number their modes; PX4 has a main mode and a mode below it. A vehicle that says it is ArduPilot's
-shows the former; one that says it is nobody's shows the latter, as MAVSDK expects of all that is not ArduPilot's.
+ArduPilot's rovers number their modes; PX4 has a main mode and a sub mode. A vehicle that presents itself as ArduPilot's
+shows the former; a generic one shows the latter, as MAVSDK expects of every autopilot but ArduPilot.
 
 Source: ArduPilot, Rover, `Mode::Number`; PX4, `px4_custom_mode.h`.
 """
@@ -13,7 +13,7 @@ from thbridge.wire.mavlink.options import AutopilotIdentity
 
 
 class Mode(StrEnum):
-    """What a vehicle does by itself."""
+    """Flight mode of a vehicle, by its name for people."""
 
     HOLD = "HOLD"
     GUIDED = "GUIDED"
@@ -37,7 +37,7 @@ _ASKED_ARDUPILOT = {number: mode for mode, number in _ARDUPILOT.items()}
 _ASKED_GENERIC = (
     {(number, 0): mode for mode, number in _ARDUPILOT.items()}
     | {numbers: mode for mode, numbers in _PX4.items()}
-    # Flown by hand, with more help or less.
+    # PX4's manual modes with different degrees of assistance.
     | {(_PX4_ALTCTL, 0): Mode.MANUAL, (_PX4_POSCTL, 0): Mode.MANUAL}
 )
 """MAVProxy and mavutil send ArduPilot's numbers to everything that is not PX4's; none of them means two things here."""
@@ -46,7 +46,7 @@ _STANDARD = {Mode.RETURN: mav.MAV_STANDARD_MODE_SAFE_RECOVERY, Mode.AUTO: mav.MA
 
 
 def custom_mode(identity: AutopilotIdentity, mode: Mode) -> int:
-    """The number by which heartbeats show a mode."""
+    """Return `custom_mode` of heartbeats for a mode."""
     if identity is AutopilotIdentity.ARDUPILOT:
         return _ARDUPILOT[mode]
     main, sub = _PX4[mode]
@@ -54,12 +54,12 @@ def custom_mode(identity: AutopilotIdentity, mode: Mode) -> int:
 
 
 def mode_asked(identity: AutopilotIdentity, main: int, sub: int) -> Mode | None:
-    """The mode that is meant; None where there is none of these numbers.
+    """Return the mode of these numbers; None when there is none.
 
     Args:
-        identity: whose autopilot the vehicle says it has.
-        main: a main mode, or a whole number as heartbeats show it.
-        sub: the mode below a main one; else 0.
+        identity: autopilot that the vehicle presents itself as.
+        main: a main mode, or `custom_mode` as in heartbeats.
+        sub: sub mode of a main mode; else 0.
     """
     if identity is AutopilotIdentity.ARDUPILOT:
         return _ASKED_ARDUPILOT.get(main) if sub == 0 else None
@@ -69,17 +69,17 @@ def mode_asked(identity: AutopilotIdentity, main: int, sub: int) -> Mode | None:
 
 
 def standard_mode(mode: Mode) -> int:
-    """A mode's code of MAV_STANDARD_MODE; 0 where the standard has none like it."""
+    """Return a mode's code of MAV_STANDARD_MODE; 0 when the standard has none like it."""
     return _STANDARD.get(mode, mav.MAV_STANDARD_MODE_NON_STANDARD)
 
 
 def mode_of_standard(code: int) -> Mode | None:
-    """The mode of a code of MAV_STANDARD_MODE; None where there is none."""
+    """Return the mode of a code of MAV_STANDARD_MODE; None when there is none."""
     return next((mode for mode, standard in _STANDARD.items() if standard == code), None)
 
 
 def mode_shown(autopilot: int, number: int) -> str:
-    """The name of the mode that a heartbeat shows; of one that is none of ours, its number."""
+    """Return the name of the mode in a heartbeat; its number when it is none of ours."""
     identity = (
         AutopilotIdentity.ARDUPILOT if autopilot == mav.MAV_AUTOPILOT_ARDUPILOTMEGA else AutopilotIdentity.GENERIC
     )

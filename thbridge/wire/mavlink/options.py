@@ -1,21 +1,21 @@
-"""What a study decides about vehicles."""
+"""Options of vehicles, set by the study file."""
 
 from dataclasses import dataclass
 from enum import StrEnum
 
 SHORTEST_PATIENCE, LONGEST_PATIENCE = 1.0, 600.0
-"""Seconds without a heartbeat after which a ground station may count as lost."""
+"""Bounds of the seconds without a heartbeat after which a ground station counts as lost."""
 
 
 class AutopilotIdentity(StrEnum):
-    """Whose autopilot a vehicle says it has; ground stations offer more to those that they know."""
+    """Autopilot that a vehicle presents itself as; ground stations offer more functions to those that they know."""
 
     GENERIC = "generic"
     ARDUPILOT = "ardupilot"
 
 
 class Failsafe(StrEnum):
-    """What a robot does when the ground station that commands it is not heard any more."""
+    """Action of a robot when the ground station that commands it is lost."""
 
     STOP = "stop"
     HOME = "home"
@@ -24,7 +24,7 @@ class Failsafe(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class GeoOrigin:
-    """Where on earth the map's origin lies, WGS84: degrees north and east, metres above sea level; north is map y."""
+    """Position of the map's origin, WGS84: degrees north and east, metres above sea level; north is map y."""
 
     latitude: float
     longitude: float
@@ -33,14 +33,14 @@ class GeoOrigin:
 
 @dataclass(frozen=True, slots=True)
 class VehicleOptions:
-    """What a study decides about vehicles.
+    """Options of all vehicles of a study.
 
     Attributes:
-        identity: whose autopilot they say they have.
-        origin: where the map lies on earth.
+        identity: autopilot that they present themselves as.
+        origin: position of the map's origin on earth.
         lost_after: seconds without a heartbeat after which a ground station counts as lost.
-        failsafe: what is done then.
-        position_rate: of position, attitude and speed, Hz, as long as nobody asks for another rate.
+        failsafe: action in that case.
+        position_rate: default rate of position, attitude and speed messages, Hz.
     """
 
     identity: AutopilotIdentity

@@ -1,4 +1,4 @@
-"""What a vehicle gives away: messages for links, and how it stands."""
+"""Output of a vehicle: messages for links, and its status."""
 
 from dataclasses import dataclass
 from typing import NewType
@@ -8,18 +8,18 @@ from thbridge.wire.mavlink.dialect import Message, mav
 LinkId = NewType("LinkId", int)
 
 COMPONENT = mav.MAV_COMP_ID_AUTOPILOT1
-"""The one component that a robot has."""
+"""Component id of a vehicle; it has only this one."""
 
 
 @dataclass(frozen=True, slots=True)
 class OutgoingMessage:
-    """Something that a vehicle says.
+    """Message that a vehicle sends.
 
     Attributes:
-        message: what.
-        link: the only link it goes to; None: to all that are awake.
-        besides: links that it does not go to, because they asked for another rate.
-        to_sleepers: also to links on which nobody has been heard, as heartbeats are.
+        message: the message.
+        link: the only link it goes to; None: all active links.
+        except_links: links that it does not go to, because they requested another rate.
+        to_inactive: True when it also goes to inactive links, as heartbeats do.
     """
 
     message: Message
@@ -30,14 +30,14 @@ class OutgoingMessage:
 
 @dataclass(frozen=True, slots=True)
 class VehicleStatus:
-    """How a vehicle stands, as mavros tells it.
+    """Status of a vehicle as in mavros_msgs/State.
 
     Attributes:
-        connected: its software answers: mavros hears its heartbeat.
-        armed: its motors obey.
-        guided: it goes where it is told.
-        manual_input: it goes as a hand drives it.
-        mode: its mode's name.
+        connected: its software responds: mavros receives its heartbeat.
+        armed: its motors are enabled.
+        guided: it drives to given goals.
+        manual_input: it is driven by hand.
+        mode: name of its mode.
         system_status: a code of MAV_STATE.
     """
 

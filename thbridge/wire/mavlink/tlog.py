@@ -1,8 +1,8 @@
-"""Telemetry logs: each frame behind the microseconds at which it was heard or said, as ground stations keep them.
+"""Telemetry logs as ground stations keep them: each frame with the microseconds of its receipt or sending before it.
 
 Source: the format of MAVProxy's and QGroundControl's `.tlog` files.
 
-Differs: no real time. The stamps are those of the bag beside it, so tools show dates of January 1970.
+Differs: the stamps are not real time but those of the bag beside it, so tools show dates of January 1970.
 """
 
 import struct
@@ -17,21 +17,21 @@ _STAMP = struct.Struct(">Q")
 
 
 class Tlog:
-    """A log of all vehicles, as if it were one more link on which all was said and heard once.
+    """Log of all vehicles, as if it were one more link that carries each message once.
 
-    So what vehicles say is counted by the log's own sequence numbers, and tools find no frames lost.
+    So the frames of vehicles get the log's own sequence numbers, and tools find no frames lost.
     """
 
     def __init__(self) -> None:
         self._counts: defaultdict[int, int] = defaultdict(int)
 
     def records(self, microseconds: int, traffic: Iterable[Traffic]) -> bytes:
-        """What to append for some traffic, in order.
+        """Return the bytes to append for some traffic, in order.
 
         Args:
-            microseconds: when it was.
-            traffic: of one tick; a message that went to several links, or was heard by several vehicles, is there
-                several times on end.
+            microseconds: time of the traffic.
+            traffic: frames of one tick; a message that went to several links, or was received by several vehicles, is
+                there several times in a row.
         """
         stamp = _STAMP.pack(microseconds)
         records: list[bytes] = []
@@ -49,7 +49,7 @@ class Tlog:
 
 
 def _same(last: Traffic, one: Traffic) -> bool:
-    """Whether it is the same message, heard by another vehicle or said on another link."""
+    """Return True when it is the same message, received by another vehicle or sent on another link."""
     if one.heard:
         return last.heard and last.frame is one.frame
     said = (one.robot, one.frame.message_id, one.frame.payload)

@@ -1,6 +1,7 @@
-"""The seam between a vehicle and its robot: what a ground station may ask of the robot, and what it is told of it.
+"""Interface between a vehicle and its robot: the commands that a ground station may give, and the robot's readings.
 
-A vehicle speaks MAVLink and knows no game; whoever holds the helm knows both robot and game, and no MAVLink.
+A vehicle speaks MAVLink and knows nothing of the game; the implementation of `VehicleInterface` knows robot and game,
+and no MAVLink.
 """
 
 from collections.abc import Sequence
@@ -14,10 +15,10 @@ from sim.common.observations import STANDSTILL, Twist
 
 @dataclass(frozen=True, slots=True)
 class Station:
-    """Whoever speaks to vehicles: a ground station, a companion computer, a script.
+    """Sender of messages to vehicles: a ground station, a companion computer, a script.
 
     Attributes:
-        system: its system id, as 255 of most ground stations.
+        system: its system id; most ground stations have 255.
         component: its component id.
     """
 
@@ -29,11 +30,11 @@ class Station:
 
 
 PARTICIPANT = "participant"
-"""The words for the participant in `Readings.commanded_by`."""
+"""Name of the participant in `RobotReadings.commanded_by`."""
 
 
 class DenialKind(Enum):
-    """How firmly something is refused."""
+    """Kind of a denial."""
 
     DENIED = "denied"
     NOT_NOW = "not now"
@@ -42,11 +43,11 @@ class DenialKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Denied:
-    """Why the robot does not do it.
+    """Denial of a command.
 
     Attributes:
-        sentence: for people, of at most some 100 characters.
-        refusal: how firmly; `NOT_NOW` where asking again later may help.
+        sentence: reason for people, at most some 100 characters.
+        kind: kind of denial; `NOT_NOW` when a later attempt may succeed.
     """
 
     sentence: str
@@ -55,7 +56,7 @@ class Denied:
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """Where a robot is to go.
+    """Goal of a robot.
 
     Attributes:
         x: metres east, map.
@@ -70,13 +71,13 @@ class Target:
 
 @dataclass(frozen=True, slots=True)
 class HelmLeg:
-    """Where a robot was last told to go from its helm.
+    """Progress of the last `VehicleInterface.go_to`.
 
     Attributes:
-        number: that `Helm.go_to` gave it.
+        number: number that `go_to` returned.
         state: "under way", "arrived" or "failed"; the last two stay until the next leg.
         remaining: metres still to drive; 0 when it is over.
-        reason: why it failed, for people.
+        reason: reason of a failure, for people.
     """
 
     number: int
@@ -86,7 +87,7 @@ class HelmLeg:
 
 
 class LegState(StrEnum):
-    """How a leg stands."""
+    """State of a leg."""
 
     UNDER_WAY = "under way"
     ARRIVED = "arrived"
@@ -95,23 +96,23 @@ class LegState(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class RobotReadings:
-    """A robot as its own software knows it, after one tick.
+    """State of a robot by its own estimates, after one tick.
 
     Attributes:
-        base_in_map: where it believes it is; x east, y north, metres; theta from east, anticlockwise.
-        twist: how it moves by its own odometry.
-        goal_in_map: where it is bound for, whoever sent it; None at rest.
-        energy: what it has left, in the game's units.
-        capacity: what it had at the start, in the same.
-        answers: whether its software says anything; everything else is as it was when it last did.
-        lost: it does not know where it is.
-        under_way: it drives to a goal, whoever sent it.
-        commander: the station in command of it, by its words (`Station`); None when no station is.
-        commanded_by: who is in command, for people: "participant", "ground station 255", "researcher".
-        leg: where it was last told to go from here; None before the first.
-        news: what has come up in this tick and people at ground stations should know: a room reached, what was found
-            in it, what the game refused; sentences of at most some 100 characters.
-        asked: what in this tick the participant asks of the station in command, likewise.
+        base_in_map: estimated pose; x east, y north, metres; theta from east, anticlockwise.
+        twist: velocity by its own odometry, m/s and rad/s.
+        goal_in_map: its current goal, from any source; None at rest.
+        energy: remaining energy in the game's units.
+        capacity: energy at the start, in the same units.
+        responsive: False when its software does not respond; all else is then as it was when it last did.
+        lost: True when it has lost its position.
+        under_way: True while it drives to a goal, from any source.
+        commander: the station in command of it, as text of `Station`; None when no station is.
+        commanded_by: its commander for people: "participant", "ground station 255", "researcher".
+        leg: progress of the last `go_to`; None before the first.
+        announcements: texts of this tick for people at ground stations: a room reached, a treasure found, a refusal by
+            the game; at most some 100 characters each.
+        participant_requests: texts of this tick with requests of the participant to the station in command, likewise.
     """
 
     base_in_map: Pose2
@@ -142,16 +143,16 @@ NOTHING_KNOWN = RobotReadings(
     commanded_by=PARTICIPANT,
     leg=None,
 )
-"""Before the first tick."""
+"""Readings before the first tick."""
 
 
 @dataclass(frozen=True, slots=True)
 class ParameterSetting:
-    """A numeric parameter as MAVLink has it.
+    """Numeric parameter in MAVLink's form.
 
     Attributes:
         name: at most 16 characters of A-Z, 0-9 and _.
-        value: as a 32-bit float tells it.
+        value: value that a 32-bit float can hold.
     """
 
     name: str
@@ -160,21 +161,21 @@ class ParameterSetting:
 
 @dataclass(frozen=True, slots=True)
 class ParameterDescription:
-    """What a numeric parameter means, for people who set it.
+    """Description of a numeric parameter, for people who set it.
 
     Attributes:
         name: its name.
         meaning: one sentence.
-        details: what else is to be known of it.
-        section: of the study that it stands in.
-        group: of those that belong together, by the name of what has them.
+        details: further explanation.
+        section: section of the study file that holds it.
+        group: name of the group of parameters it belongs to.
         unit: SI; empty for a pure number.
-        default: what it is at first; None where that is another one for each robot.
-        minimum: least value; None where there is none.
+        default: initial value; None when robots differ in it.
+        minimum: least value; None when there is none.
         maximum: greatest value.
-        whole: it has no fraction.
-        words: what 0, 1, 2... stand for; empty where numbers are numbers.
-        fixed: nobody can change it.
+        whole: True for whole numbers.
+        words: meanings of the values 0, 1, 2...; empty for plain numbers.
+        fixed: True when it cannot be changed.
     """
 
     name: str
@@ -192,32 +193,32 @@ class ParameterDescription:
 
 
 class ParameterSettings(Protocol):
-    """Numeric parameters."""
+    """Numeric parameters of a robot."""
 
     def descriptions(self) -> Sequence[ParameterDescription]:
-        """What each of them means, in the order of `settings`; always the same."""
+        """Return the description of each, in the order of `settings`; always the same."""
 
     def settings(self) -> Sequence[ParameterSetting]:
-        """All of them, always in the same order, as they are or are about to be."""
+        """Return all of them, always in the same order, with current or pending values."""
 
     def setting(self, name: str) -> ParameterSetting | None:
-        """One of them; None: there is none of this name."""
+        """Return the one of this name; None when there is none."""
 
     def change(self, name: str, value: float) -> ParameterSetting | Denied:
-        """Change one of this name, which exists; what it is now."""
+        """Change the one of this name, which exists, and return its new value."""
 
 
 class VehicleInterface(ParameterSettings, Protocol):
-    """A robot's controls. Each call answers at once; what is granted is done with the next tick."""
+    """Controls of a robot. Each call returns at once; a granted command takes effect in the next tick."""
 
     def take(self, station: Station) -> Denied | None:
-        """Put this station in command; the participant and others then are not. Taking it twice does no harm."""
+        """Put this station in command instead of all others. A repeated call has no effect."""
 
     def release(self) -> None:
-        """Give the command back to the participant; a leg under way goes on, unless it was halted before."""
+        """Give the command back to the participant; a leg under way continues, unless it was halted before."""
 
     def go_to(self, target: Target) -> int | Denied:
-        """Send the robot to a point of the map; another leg under way is given up for it.
+        """Send the robot to a point of the map; this replaces a leg under way.
 
         A point in a room is a move of the game, and ends at that room's own place.
 
@@ -226,22 +227,22 @@ class VehicleInterface(ParameterSettings, Protocol):
         """
 
     def halt(self) -> None:
-        """Stop, and give up the leg under way, or the game's move, whoever ordered it."""
+        """Stop, and abort the leg under way, or the game's move, whoever ordered it."""
 
     def drive(self, twist: Twist) -> Denied | None:
         """Drive by hand for the next half second."""
 
     def fastest(self) -> Twist:
-        """The fastest that a hand can drive it: m/s and rad/s, both positive."""
+        """Return the speed limits of driving by hand, m/s and rad/s, both positive."""
 
     def limit_speed(self, speed: float) -> Denied | None:
-        """From now on drive at most this fast, m/s; a negative one: as the study says."""
+        """Limit the speed from now on, m/s; a negative one restores the study's limit."""
 
     def start(self) -> Pose2:
-        """Where the robot started, map frame."""
+        """Return the start pose, map frame."""
 
     def misplaced(self, x: float, y: float) -> Denied | None:
-        """Why the robot could stand at no time at a point of the map; None: it could, whoever is there just now.
+        """Return a denial when the robot can never stand at a point of the map; obstacles that move are ignored.
 
         Args:
             x: metres east.
@@ -249,10 +250,10 @@ class VehicleInterface(ParameterSettings, Protocol):
         """
 
     def photograph(self) -> Denied | None:
-        """Take a picture of what is in the room where the robot stands."""
+        """Take a picture in the room where the robot stands."""
 
     def identify(self, number: int) -> Denied | None:
-        """Say what the treasure in the robot's room is: the number of its name, from 1, in alphabetical order."""
+        """Identify the treasure in the robot's room by the number of its name, from 1, in alphabetical order."""
 
     def leave(self) -> Denied | None:
-        """Give the treasure in the robot's room up."""
+        """Give up the treasure in the robot's room."""

@@ -1,1 +1,1 @@
-"""The ROS 1 graph without its sockets: XML-RPC, the master, a node, TCPROS."""
+"""ROS 1 graph without its sockets: XML-RPC, the master, a node, TCPROS."""

@@ -1,6 +1,6 @@
-"""What the master's methods take for valid arguments.
+"""Argument checks of the master's methods.
 
-Source: ROS's rosmaster/validators.py, whose order of checks and texts these are.
+Source: ROS's rosmaster/validators.py, with the same order of checks and the same texts.
 """
 
 from __future__ import annotations
@@ -10,11 +10,11 @@ from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue
 
 
 class InvalidArgumentError(Exception):
-    """An argument is not what the method wants; the text is for the caller."""
+    """Argument that the method does not accept; the text is for the caller."""
 
 
 def graph_name(value: XmlRpcValue, what: str, caller: str, root: bool = False) -> str:
-    """The global name of a node, topic or service that is meant; the root namespace is one where ``root`` says so."""
+    """Return the global name of a node, topic or service; the root namespace is allowed if ``root`` is True."""
     if not value or not isinstance(value, str):
         raise InvalidArgumentError(f"ERROR: parameter [{what}] must be a non-empty string")
     if ":" in value or " " in value:  # a URI, most likely
@@ -25,14 +25,14 @@ def graph_name(value: XmlRpcValue, what: str, caller: str, root: bool = False) -
 
 
 def subgraph(value: XmlRpcValue, caller: str) -> str:
-    """The global name of a namespace; empty for the whole graph."""
+    """Return the global name of a namespace; empty for the whole graph."""
     if not isinstance(value, str):
         raise InvalidArgumentError("ERROR: parameter [subgraph] must be a string")
     return value and resolve(value, caller)
 
 
 def api_uri(value: XmlRpcValue, what: str = "caller_api") -> str:
-    """The URI of a node's slave API or of a service."""
+    """Return the URI of a node's slave API or of a service."""
     if not value or not isinstance(value, str):
         raise InvalidArgumentError(f"ERROR: parameter [{what}] is not an XMLRPC URI")
     if not value.startswith(("http://", "rosrpc://")):
@@ -41,7 +41,7 @@ def api_uri(value: XmlRpcValue, what: str = "caller_api") -> str:
 
 
 def topic_type(value: XmlRpcValue) -> str:
-    """A type's name, package and all, or the one that stands for any."""
+    """Return a type's name with its package, or the one that stands for any type."""
     if not value or not isinstance(value, str):
         raise InvalidArgumentError("ERROR: parameter [topic_type] must be a non-empty string")
     if value != ANY_TYPE and value.count("/") != 1:
@@ -50,7 +50,7 @@ def topic_type(value: XmlRpcValue) -> str:
 
 
 def relative_key(value: XmlRpcValue) -> str:
-    """A parameter's name as the caller says it."""
+    """Return a parameter's name as the caller wrote it."""
     if not value:
         raise InvalidArgumentError("ERROR: parameter [key] must be specified and non-empty")
     if not isinstance(value, str):
@@ -59,5 +59,5 @@ def relative_key(value: XmlRpcValue) -> str:
 
 
 def global_key(value: XmlRpcValue, caller: str) -> str:
-    """The global name of a parameter that is meant."""
+    """Return the global name of a parameter."""
     return resolve(relative_key(value), caller)

@@ -1,4 +1,4 @@
-"""The end of a TCPROS connection that was connected to: a publisher's, or a server's."""
+"""Accepting end of a TCPROS connection: a publisher's, or a service server's."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ from thbridge.wire.rosgraph.tcpros import (
 
 
 class NodeOffers(Protocol):
-    """What a node has to offer."""
+    """Topics and services that a node offers."""
 
     def topic(self, name: str) -> TopicHeader | None:
-        """The topic of that name, if this node publishes it."""
+        """Return the topic of that name, if this node publishes it."""
 
     def service(self, name: str) -> ServiceHeader | None:
-        """The service of that name, if this node serves it."""
+        """Return the service of that name, if this node serves it."""
 
 
 class _Phase(Enum):
@@ -48,11 +48,11 @@ class _Phase(Enum):
 
 
 class InboundLink:
-    """What a node does with a connection that another one has opened: as a publisher, or as a server.
+    """Connection that another node has opened, as its publisher or service server.
 
     Args:
         caller: this node's name.
-        offers: asked when the other side has said what it wants.
+        offers: topics and services of this node.
     """
 
     def __init__(self, caller: str, offers: NodeOffers) -> None:
@@ -65,11 +65,11 @@ class InboundLink:
 
     @property
     def greeted(self) -> bool:
-        """Whether the other side has sent its header."""
+        """True when the other side has sent its header."""
         return self._phase is not _Phase.HANDSHAKE
 
     def receive(self, data: bytes) -> list[InboundEvent]:
-        """Hear bytes of the other side. A subscriber has nothing more to say after its header, and is not heard."""
+        """Handle received bytes; a subscriber's are ignored after its header, since it has nothing more to send."""
         if self._phase is _Phase.DEAF:
             return []
         self._buffer.feed(data)
@@ -84,7 +84,7 @@ class InboundLink:
                 return []
 
     def respond(self, answer: bytes | ServiceFailed) -> list[InboundEvent]:
-        """Answer the request that was handed out last."""
+        """Answer the last `ServiceRequested`."""
         if self._phase is not _Phase.ANSWERING:
             return []
         sent: list[InboundEvent] = [SendToPeer(_encode_answer(answer))]

@@ -1,10 +1,10 @@
-"""What both ends of a TCPROS connection agree on: topics, services, what happens on a link, and whether two fit.
+"""TCPROS links: descriptions of topics and services, events of a link, and the match of two headers.
 
-Bytes that came go into a link, events come out, to be carried out in their order. No bytes make a link raise, and none
-make it hold more than one frame. After `Refused` or `Ended` a link takes no more notice of anything.
+Received bytes go into a link, events come out, to be carried out in their order. No bytes make a link raise, and none
+make it hold more than one frame. After `LinkRefused` or `LinkEnded` a link ignores everything.
 
 ===================  ======================================  ==========================================
-link                 is                                      says first
+link                 is                                      sends first
 ===================  ======================================  ==========================================
 `InboundLink`        publisher or server, connected to       nothing: the caller's header decides
 `SubscriberLink`     subscriber, connects to a publisher     its header (`opening`)
@@ -28,19 +28,19 @@ from thbridge.wire.rosgraph.tcpros import (
 )
 
 _QUOTED = 200
-"""Letters of a stranger's text that are repeated."""
+"""Most characters that are quoted of a peer's text."""
 
 
 @dataclass(frozen=True, slots=True)
 class TopicHeader:
-    """What a publisher says about its topic.
+    """Topic as in a publisher's connection header.
 
     Attributes:
         name: global name, ``/robot1/scan``.
         type: ``sensor_msgs/LaserScan``.
         md5: the type's md5 sum, 32 hexadecimal digits.
         definition: the type's whole text, nested types included, as in bags.
-        latched: whether a new subscriber gets the last message at once.
+        latched: True when a new subscriber gets the last message at once.
     """
 
     name: str
@@ -52,7 +52,7 @@ class TopicHeader:
 
 @dataclass(frozen=True, slots=True)
 class ServiceHeader:
-    """What a server says about its service.
+    """Service as in a server's connection header.
 
     Attributes:
         name: global name, ``/static_map``.
@@ -71,7 +71,7 @@ class ServiceHeader:
 
 @dataclass(frozen=True, slots=True)
 class ServiceFailed:
-    """A service's answer that is no response.
+    """Failure of a service call.
 
     Attributes:
         reason: one sentence for people.
@@ -82,17 +82,17 @@ class ServiceFailed:
 
 @dataclass(frozen=True, slots=True)
 class SendToPeer:
-    """Bytes for the other side."""
+    """Bytes to be sent to the other side."""
 
     data: bytes
 
 
 @dataclass(frozen=True, slots=True)
 class SubscriberAccepted:
-    """The caller is a subscriber and awaits messages.
+    """The other node has subscribed and expects messages.
 
     Attributes:
-        topic: what it subscribes to; one of ours.
+        topic: one of our topics.
         caller: the other node's name.
     """
 
@@ -102,7 +102,7 @@ class SubscriberAccepted:
 
 @dataclass(frozen=True, slots=True)
 class ServiceRequested:
-    """A client's request, to be answered by `InboundLink.respond`; no other comes before that."""
+    """Request of a client, to be answered by `InboundLink.respond`; no other comes before that."""
 
     service: str
     request: bytes
@@ -110,11 +110,11 @@ class ServiceRequested:
 
 @dataclass(frozen=True, slots=True)
 class PublisherAccepted:
-    """The publisher has accepted us.
+    """The publisher has accepted our subscription.
 
     Attributes:
-        caller: the publishing node's name, empty when it does not say.
-        topic: what it says about the topic.
+        caller: the publishing node's name, empty when its header has none.
+        topic: topic as in its header.
     """
 
     caller: str
@@ -123,28 +123,28 @@ class PublisherAccepted:
 
 @dataclass(frozen=True, slots=True)
 class MessageReceived:
-    """A message of the topic."""
+    """Message of the topic."""
 
     data: bytes
 
 
 @dataclass(frozen=True, slots=True)
 class ServiceAnswered:
-    """The service's answer."""
+    """Answer of the service."""
 
     answer: bytes | ServiceFailed
 
 
 @dataclass(frozen=True, slots=True)
 class LinkRefused:
-    """The two sides do not fit; to be closed once everything is sent. Somebody should be told."""
+    """The two headers do not match; to be closed once everything is sent. Worth a warning."""
 
     reason: str
 
 
 @dataclass(frozen=True, slots=True)
 class LinkEnded:
-    """The link has done its work or is of no more use; to be closed once everything is sent."""
+    """The link has done its work or is broken; to be closed once everything is sent."""
 
     reason: str
 
@@ -155,7 +155,7 @@ ServiceClientEvent: TypeAlias = SendToPeer | ServiceAnswered | LinkRefused | Lin
 
 
 def take_header(buffer: FrameBuffer) -> HeaderFields | MalformedHeader | None:
-    """The header that a connection begins with, None while it is incomplete."""
+    """Return the header at the beginning of a connection, None while it is incomplete."""
     body = buffer.take(HEADER_LIMIT)
     if body is None:
         return None
@@ -163,12 +163,12 @@ def take_header(buffer: FrameBuffer) -> HeaderFields | MalformedHeader | None:
 
 
 def objection(name: str, kind: str, md5: str, theirs: HeaderFields) -> str:
-    """Why their header does not fit what we know of a topic or service, else nothing.
+    """Return the mismatch between their header and our topic or service; empty when they match.
 
-    As in ROS the md5 sums alone decide: the same message may go by two names.
+    As in ROS only the md5 sums decide: the same message may have two names.
 
     Args:
-        name: of the topic or service.
+        name: name of the topic or service.
         kind: our type.
         md5: our md5 sum, or `ANY`.
         theirs: the header.
@@ -183,5 +183,5 @@ def objection(name: str, kind: str, md5: str, theirs: HeaderFields) -> str:
 
 
 def quoted(text: str) -> str:
-    """What a stranger said, fit to be repeated in a log: one line, not too long."""
+    """Return a peer's text in a form safe for logs: one line, not too long."""
     return "".join(letter if letter.isprintable() else "?" for letter in text[:_QUOTED])

@@ -1,9 +1,9 @@
-"""The ROS master as a state machine: calls in, replies and notifications out.
+"""ROS master as a state machine: calls in, replies and notifications out.
 
-It knows who publishes, subscribes and serves what, and keeps the parameters. It carries no message.
+It keeps the registrations of publishers, subscribers and services, and the parameters. It transports no messages.
 
 Source: http://wiki.ros.org/ROS/Master_API and ROS/Parameter_Server_API; ROS's rosmaster/master_api.py, whose status
-codes, texts and order of checks these are.
+codes, texts and order of checks are used here.
 
 Differs: a tree of parameters that is nested too deeply to be sent is refused. A node that answers a parameter's update
 with an error loses the subscription, as rosmaster means to do. Caller ids are taken for global names.
@@ -30,25 +30,25 @@ from thbridge.wire.rosgraph.registrations import ProviderKind, Registrations
 from thbridge.wire.rosgraph.xmlrpc import MethodCall, XmlRpcValue
 
 ERROR, FAILURE, SUCCESS = -1, 0, 1
-"""Status codes: the caller's mistake, ours, none."""
+"""Status codes: the caller's error, the master's error, success."""
 
 
 @dataclass(frozen=True, slots=True)
 class ApiReply:
-    """What a method of the master or slave API returns: a status code, a sentence for people, a value."""
+    """Reply of a method of the master or slave API: a status code, a sentence for people, a value."""
 
     status: int
     message: str
     value: XmlRpcValue
 
     def as_value(self) -> XmlRpcValue:
-        """The list that XML-RPC carries."""
+        """Return the list that is sent by XML-RPC."""
         return [self.status, self.message, self.value]
 
 
 @dataclass(frozen=True, slots=True)
 class PublisherUpdate:
-    """A subscriber is to hear who publishes a topic now; ``api`` and ``publishers`` are URIs of slave APIs."""
+    """Notification of a subscriber: the present publishers of a topic; ``api`` and ``publishers`` are slave URIs."""
 
     api: str
     topic: str
@@ -57,7 +57,7 @@ class PublisherUpdate:
 
 @dataclass(frozen=True, slots=True)
 class ParamUpdate:
-    """A subscriber is to hear a parameter's value; ``key`` has a slash at its end, an empty dict means unset."""
+    """Notification of a parameter's value; ``key`` has a slash at its end, an empty dict means unset."""
 
     api: str
     key: str
@@ -66,7 +66,7 @@ class ParamUpdate:
 
 @dataclass(frozen=True, slots=True)
 class NodeShutdown:
-    """A node is to end, because another took its name."""
+    """Notification of a node to end, because another took its name."""
 
     api: str
     node: str
@@ -101,15 +101,15 @@ _VALUE_ON_ERROR: Mapping[str, XmlRpcValue] = {
 }
 
 METHODS = frozenset(_VALUE_ON_ERROR)
-"""The names of everything that can be called."""
+"""Names of all methods."""
 
 
 class Master:
-    """The state of a ROS graph.
+    """State of a ROS graph.
 
     Args:
-        uri: where the master is said to be.
-        pid: the number of the process that is said to run it.
+        uri: URI of the master, as it reports it.
+        pid: process id of the master, as it reports it.
     """
 
     def __init__(self, uri: str, pid: int) -> None:
@@ -123,7 +123,7 @@ class Master:
 
     @property
     def stopped(self) -> bool:
-        """Whether somebody called ``shutdown``."""
+        """True when ``shutdown`` was called."""
         return self._stopped
 
     def handle(self, call: MethodCall) -> tuple[ApiReply, list[Notification]]:
@@ -133,7 +133,7 @@ class Master:
             call: one of `METHODS`.
 
         Returns:
-            the reply to the caller, and what is to be told to others, in this order.
+            the reply to the caller, and the notifications of others, in order.
 
         Raises:
             KeyError: there is no such method.
@@ -156,7 +156,7 @@ class Master:
         return reply, self._notifications
 
     def refuse_update(self, api: str, key: str) -> None:
-        """Hear that a node does not want to be told of a parameter (with a slash at its end) any more."""
+        """Remove a node's subscription to a parameter (with a slash at its end), because it refused an update."""
         self._registrations.unsubscribe_all(key, api)
 
     def _carry_out(self, method: str, caller: str, given: list[XmlRpcValue]) -> ApiReply:
@@ -233,7 +233,7 @@ class Master:
         return ApiReply(SUCCESS, f"[{caller}] is not a known provider of [{key}]", 0)
 
     def _tell_subscribers(self, topic: str) -> list[str]:
-        """Have all subscribers of a topic told who publishes it; returns where they are."""
+        """Notify all subscribers of a topic of its publishers; return the subscribers' URIs."""
         publishers = tuple(self._registrations.apis(ProviderKind.PUBLISHER, topic))
         subscribers = self._registrations.apis(ProviderKind.SUBSCRIBER, topic)
         self._notifications += [PublisherUpdate(api, topic, publishers) for api in subscribers]

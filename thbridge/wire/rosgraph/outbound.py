@@ -1,4 +1,4 @@
-"""The end of a TCPROS connection that connects: a subscriber's, or a client's."""
+"""Connecting end of a TCPROS connection: a subscriber's, or a service client's."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ class _Phase(Enum):
 
 
 class SubscriberLink:
-    """What a subscriber does with its connection to one publisher.
+    """Connection of a subscriber to one publisher.
 
     Args:
         caller: this node's name.
         topic: global name.
         kind: the type that is expected, or `ANY`.
         md5: its md5 sum, or `ANY`.
-        tcp_nodelay: whether the publisher is asked to send small messages at once.
+        tcp_nodelay: True to ask the publisher to send small messages at once.
     """
 
     def __init__(self, caller: str, topic: str, kind: str, md5: str, tcp_nodelay: bool = True) -> None:
@@ -60,11 +60,11 @@ class SubscriberLink:
         self._phase = _Phase.HANDSHAKE
 
     def opening(self) -> bytes:
-        """What is sent once connected."""
+        """Return the header, to be sent once connected."""
         return encode_header(self._asked)
 
     def receive(self, data: bytes) -> list[SubscriberEvent]:
-        """Hear bytes of the publisher."""
+        """Handle bytes of the publisher."""
         if self._phase is _Phase.OVER:
             return []
         self._buffer.feed(data)
@@ -97,7 +97,7 @@ class SubscriberLink:
 
 
 class ServiceClientLink:
-    """What a client does with its connection to a server, for one request.
+    """Connection of a client to a server, for one request.
 
     Args:
         caller: this node's name.
@@ -114,11 +114,11 @@ class ServiceClientLink:
         self._ok: int | None = None
 
     def opening(self) -> bytes:
-        """What is sent once connected."""
+        """Return the header, to be sent once connected."""
         return encode_header(self._asked)
 
     def receive(self, data: bytes) -> list[ServiceClientEvent]:
-        """Hear bytes of the server."""
+        """Handle bytes of the server."""
         if self._phase is _Phase.OVER:
             return []
         self._buffer.feed(data)
@@ -155,7 +155,7 @@ class ServiceClientLink:
 def _judge_header(
     buffer: FrameBuffer, what: str, asked: Mapping[str, str]
 ) -> HeaderFields | LinkRefused | LinkEnded | None:
-    """The header that answers ours, if it means agreement."""
+    """Return the other side's header if it matches ours; None while it is incomplete."""
     fields = take_header(buffer)
     if fields is None:
         return None

@@ -1,7 +1,7 @@
-"""The tree of parameters that a ROS master keeps.
+"""Parameter tree of a ROS master.
 
-Values are never changed in place: setting one rebuilds the branch that leads to it. What was handed out, or is on its
-way to a subscriber, stays what it was.
+Values are never changed in place: setting one rebuilds the branch that leads to it. So a value that was returned, or is
+being sent to a subscriber, stays as it was.
 
 Source: ROS's rosmaster/paramserver.py.
 """
@@ -20,13 +20,13 @@ _REPLY_DEPTH = 8
 
 @dataclass(frozen=True, slots=True)
 class ParameterUpdate:
-    """That a subscribed parameter has another value.
+    """New value of a subscribed parameter.
 
     Args:
         subscription: the key that was subscribed, with a slash at its end.
-        key: the one that changed, at or below or above the subscribed one, with a slash at its end.
-        value: the new value; an empty dict when there is none any more.
-        own: whether the node that made the change need not be told, for it knows.
+        key: the key that changed, at, below or above the subscribed one, with a slash at its end.
+        value: the new value; an empty dict when it was deleted.
+        own: True when the node that made the change need not be notified, since it knows.
     """
 
     subscription: str
@@ -42,7 +42,7 @@ class ParameterTree:
         self._root: dict[str, XmlRpcValue] = {}
 
     def get(self, key: str) -> XmlRpcValue:
-        """A parameter, or the dict of a namespace.
+        """Return a parameter, or the dict of a namespace.
 
         Raises:
             KeyError: there is none.
@@ -62,7 +62,7 @@ class ParameterTree:
         return True
 
     def set(self, key: str, value: XmlRpcValue) -> None:
-        """Set a parameter, or all of a namespace at once; what is in the way is replaced.
+        """Set a parameter, or a whole namespace at once; present values there are replaced.
 
         Raises:
             ValueError: the root would be no dict, or the tree too deep to be sent.
@@ -78,7 +78,7 @@ class ParameterTree:
             raise ValueError("cannot set root of parameter tree to non-dictionary")
 
     def delete(self, key: str) -> None:
-        """Take away a parameter or a namespace.
+        """Delete a parameter or a namespace.
 
         Raises:
             KeyError: there is none, or it is the root.
@@ -119,12 +119,12 @@ class ParameterTree:
         return None
 
     def names(self) -> list[str]:
-        """The global names of all parameters; namespaces are none."""
+        """Return the global names of all parameters, without namespaces."""
         return [*_leaves(SEPARATOR, self._root)]
 
 
 def updates(subscriptions: Iterable[str], key: str, value: XmlRpcValue) -> list[ParameterUpdate]:
-    """Who hears of a change, of which key and value.
+    """Return the updates that a change causes for the subscribed keys.
 
     Args:
         subscriptions: the subscribed keys, each with a slash at its end.
@@ -145,7 +145,7 @@ def updates(subscriptions: Iterable[str], key: str, value: XmlRpcValue) -> list[
 
 
 def _branches(key: str, value: XmlRpcValue) -> Iterator[tuple[str, XmlRpcValue]]:
-    """Everything below a key, namespaces before what is in them."""
+    """Yield all keys below a key with their values, namespaces before their contents."""
     if isinstance(value, dict):
         for name, inner in value.items():
             below = join(key, name) + SEPARATOR

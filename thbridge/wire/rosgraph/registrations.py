@@ -1,4 +1,4 @@
-"""Who publishes, subscribes and serves what: the graph as the master knows it.
+"""Registrations of publishers, subscribers and services: the graph as the master knows it.
 
 Source: ROS's rosmaster/registrations.py.
 """
@@ -12,7 +12,7 @@ from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue
 
 
 class ProviderKind(Enum):
-    """What a node can be registered for."""
+    """Kind of a registration with the master."""
 
     PUBLISHER = "publisher"
     SUBSCRIBER = "subscriber"
@@ -22,11 +22,11 @@ class ProviderKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Provider:
-    """A node that is registered for a topic, a service or a parameter.
+    """Node that is registered for a topic, a service or a parameter.
 
     Args:
         node: its name, the caller id.
-        api: where its slave API is, or where the service is.
+        api: URI of its slave API, or of the service.
     """
 
     node: str
@@ -35,14 +35,14 @@ class Provider:
 
 @dataclass(slots=True)
 class _Node:
-    """A node while it is registered for anything."""
+    """Node with at least one registration."""
 
     api: str
     registered: set[tuple[ProviderKind, str]] = field(default_factory=set)
 
 
 class Registrations:
-    """The registrations of all nodes.
+    """Registrations of all nodes.
 
     A service has one provider, the last that registered; topics and parameters have as many as there are. Topics keep
     the order in which they were first registered.
@@ -53,39 +53,39 @@ class Registrations:
         self._providers: dict[ProviderKind, dict[str, list[Provider]]] = {kind: {} for kind in ProviderKind}
 
     def keys(self, kind: ProviderKind) -> list[str]:
-        """The topics, services or parameters that anybody is registered for."""
+        """Return the topics, services or parameters with a registration."""
         return [*self._providers[kind]]
 
     def providers(self, kind: ProviderKind, key: str) -> tuple[Provider, ...]:
-        """Who is registered, first come first."""
+        """Return the registered nodes, in the order of registration."""
         return tuple(self._providers[kind].get(key, ()))
 
     def apis(self, kind: ProviderKind, key: str) -> list[str]:
-        """Where those who are registered can be called, first come first."""
+        """Return the URIs of the registered nodes, in the order of registration."""
         return [provider.api for provider in self.providers(kind, key)]
 
     def api_of(self, node: str) -> str | None:
-        """Where a node can be called; None when it is not registered for anything."""
+        """Return the URI of a node's slave API; None when it has no registration."""
         known = self._nodes.get(node)
         return None if known is None else known.api
 
     def state(self, kind: ProviderKind) -> list[XmlRpcValue]:
-        """Pairs of a key and the names of the nodes registered for it."""
+        """Return pairs of a key and the names of the nodes registered for it."""
         return [[key, [provider.node for provider in providers]] for key, providers in self._providers[kind].items()]
 
     def register(self, kind: ProviderKind, key: str, node: str, node_api: str, api: str | None = None) -> str | None:
         """Register a node.
 
         Args:
-            kind: what for.
+            kind: kind of the registration.
             key: the topic, service or parameter.
             node: the node's name.
             node_api: its slave API.
-            api: of the service itself, where it is one.
+            api: URI of the service itself, for services.
 
         Returns:
-            the slave API of another node of the same name that this one takes the place of, or None. Nothing of the
-            other is left.
+            the slave API of another node of the same name that this one replaces, or None. All registrations of that
+            node are removed.
         """
         known = self._nodes.get(node)
         replaced = None if known is None or known.api == node_api else known.api
@@ -103,7 +103,7 @@ class Registrations:
         return replaced
 
     def unregister(self, kind: ProviderKind, key: str, node: str, api: str) -> bool:
-        """Take back a registration; False when there is none like this."""
+        """Remove a registration; return False when there is none like this."""
         known = self._nodes.get(node)
         if known is None:
             return False
@@ -120,7 +120,7 @@ class Registrations:
         return found
 
     def unsubscribe_all(self, key: str, api: str) -> None:
-        """Take back the subscriptions to a parameter of whatever nodes are at a slave API."""
+        """Remove the subscriptions to a parameter of all nodes at a slave API."""
         for provider in self.providers(ProviderKind.PARAMETER, key):
             if provider.api == api:
                 self.unregister(ProviderKind.PARAMETER, key, provider.node, api)

@@ -1,7 +1,7 @@
-"""The slave API: what a ROS node answers to the master, to other nodes and to the tools.
+"""Slave API: a ROS node's answers to the master, to other nodes and to tools.
 
-A call goes in with what the node is at the moment; out come the reply, ``[code, message, value]``, and what the node is
-to do in consequence. Codes are ROS's: 1 done, 0 failed, -1 the caller's error.
+Input is a call and the present description of the node; output is the reply, ``[code, message, value]``, and its
+consequence for the node. Codes are ROS's: 1 done, 0 failed, -1 the caller's error.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ TRANSPORT = "TCPROS"
 
 @dataclass(frozen=True, slots=True)
 class BusConnection:
-    """One open TCPROS connection of a topic.
+    """Open TCPROS connection of a topic, as in getBusInfo.
 
     Attributes:
-        id: unique within the node.
+        id: number, unique within the node.
         peer: name of the subscriber, or URI of the publisher.
-        outgoing: whether we publish.
+        outgoing: True when we publish.
         topic: global name.
         endpoints: local port, remote host, remote port, number of the socket.
-        bytes: of the messages that passed, their lengths included.
-        messages: that passed.
+        bytes: bytes of the messages that passed, their lengths included.
+        messages: number of messages that passed.
     """
 
     id: int
@@ -40,18 +40,18 @@ class BusConnection:
 
 @dataclass(frozen=True, slots=True)
 class NodeDescription:
-    """What a node is at the moment.
+    """Present description of a node.
 
     Attributes:
         name: global name.
-        uri: of its slave API.
-        master_uri: of its master.
-        pid: of its process.
+        uri: URI of its slave API.
+        master_uri: URI of its master.
+        pid: process id.
         tcpros: host and port where it takes TCPROS connections.
         publications: type by topic.
         subscriptions: type by topic.
-        parameters: keys it wants to hear of.
-        connections: those that are open.
+        parameters: keys it subscribes to.
+        connections: open connections.
     """
 
     name: str
@@ -67,7 +67,7 @@ class NodeDescription:
 
 @dataclass(frozen=True, slots=True)
 class PublishersChanged:
-    """These, by the URIs of their slave APIs, publish a topic now; those left out do so no more."""
+    """Present publishers of a topic, by the URIs of their slave APIs."""
 
     topic: str
     uris: tuple[str, ...]
@@ -75,12 +75,12 @@ class PublishersChanged:
 
 @dataclass(frozen=True, slots=True)
 class ParameterChanged:
-    """A parameter has a new value; an empty dictionary for one that was deleted.
+    """New value of a parameter.
 
     Attributes:
         key: global name, without a slash at its end.
-        value: the new one.
-        wanted: those of the node's keys that it lies at or below.
+        value: the new value; an empty dictionary after a deletion.
+        wanted: those of the node's subscribed keys that are equal to it or above it.
     """
 
     key: str
@@ -90,7 +90,7 @@ class ParameterChanged:
 
 @dataclass(frozen=True, slots=True)
 class ShutdownRequested:
-    """The node is told to go: by the master when another has taken its name, or by ``rosnode kill``."""
+    """Request to end: by the master when another node has taken the name, or by ``rosnode kill``."""
 
     reason: str
 
@@ -100,7 +100,7 @@ Consequence: TypeAlias = PublishersChanged | ParameterChanged | ShutdownRequeste
 
 @dataclass(frozen=True, slots=True)
 class SlaveReply:
-    """What a call comes to."""
+    """Reply to a call, and its consequence for the node."""
 
     reply: XmlRpcValue
     consequence: Consequence | None = None
@@ -226,4 +226,4 @@ _METHODS: Mapping[str, Callable[[NodeDescription, Sequence[XmlRpcValue]], SlaveR
 }
 
 METHODS = frozenset(_METHODS)
-"""Names of everything that `answer` knows."""
+"""Names of all methods that `answer_call` knows."""

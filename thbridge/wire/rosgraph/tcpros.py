@@ -1,4 +1,4 @@
-"""TCPROS on the wire: frames, and the header that opens every connection.
+"""TCPROS encoding: frames, and the header at the beginning of every connection.
 
 Everything is a frame, a length of 32 bits (little endian) and that many bytes. The first frame of either side is its
 header, ``name=value`` fields which are small frames themselves; those after it are messages, requests or responses.
@@ -12,23 +12,23 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 HEADER_LIMIT = 1 << 18
-"""Longest header that is read, bytes. A message's whole definition is one of its fields."""
+"""Bytes of the longest header that is read. A message's whole definition is one of its fields."""
 
 BODY_LIMIT = 1 << 26
-"""Longest message or response that is read, bytes: a map of 8000 x 8000 cells."""
+"""Bytes of the longest message or response that is read: a map of 8000 x 8000 cells."""
 
 REQUEST_LIMIT = 1 << 18
-"""Longest request to one of our services that is read, bytes."""
+"""Bytes of the longest request to one of our services that is read."""
 
 ANY = "*"
-"""The type or md5 sum of whoever takes everything."""
+"""Type or md5 sum that matches any."""
 
 HeaderFields: TypeAlias = dict[str, str]
 
 _LENGTH = struct.Struct("<I")
 
 LENGTH_BYTES = _LENGTH.size
-"""What a frame has beside its body."""
+"""Bytes of a frame's length, which precedes its body."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class MalformedHeader:
     """Bytes that are no header.
 
     Attributes:
-        reason: what is wrong with them, as a clause.
+        reason: the fault, as a clause.
     """
 
     reason: str
@@ -44,11 +44,11 @@ class MalformedHeader:
 
 @dataclass(frozen=True, slots=True)
 class OverlongFrame:
-    """A frame longer than the reader takes.
+    """Frame longer than the limit.
 
     Attributes:
-        length: what it says of itself, bytes.
-        limit: what is taken, bytes.
+        length: its length, bytes.
+        limit: the limit, bytes.
     """
 
     length: int
@@ -59,20 +59,20 @@ class OverlongFrame:
 
 
 def frame(body: bytes) -> bytes:
-    """A body with its length before it."""
+    """Return a body with its length before it."""
     return _LENGTH.pack(len(body)) + body
 
 
 def encode_header(fields: Mapping[str, str]) -> bytes:
-    """A header, its own length included; the fields in the order of their names, as ROS's tools write them."""
+    """Encode a header with its own length; the fields are sorted by name, as ROS's tools write them."""
     return frame(b"".join(frame(f"{name}={value}".encode()) for name, value in sorted(fields.items())))
 
 
 def decode_header(body: bytes) -> HeaderFields | MalformedHeader:
-    """The fields of a header, given without its own length.
+    """Decode the fields of a header, given without its own length.
 
-    Of a field that is there twice the last counts, as for ROS. Text that is not UTF-8 (some message definitions have
-    Latin-1 in a comment) loses those characters to U+FFFD.
+    When a field occurs twice, the last one counts, as in ROS. Characters that are not UTF-8 (some message definitions
+    have Latin-1 in a comment) become U+FFFD.
     """
     fields: HeaderFields = {}
     at = 0
@@ -92,10 +92,10 @@ def decode_header(body: bytes) -> HeaderFields | MalformedHeader:
 
 
 class FrameBuffer:
-    """Takes a byte stream apart into frames, however it is cut into segments.
+    """Splits a byte stream into frames, however it is cut into segments.
 
     It holds no more than one frame within the limit of the next `take`, and the segment that went beyond it, provided
-    that whoever feeds it takes what is complete.
+    that the caller takes all complete frames after each `feed`.
     """
 
     def __init__(self) -> None:
@@ -105,11 +105,11 @@ class FrameBuffer:
         return len(self._held)
 
     def feed(self, data: bytes) -> None:
-        """Add bytes as they came."""
+        """Append received bytes."""
         self._held += data
 
     def take(self, limit: int) -> bytes | OverlongFrame | None:
-        """The next frame's body, None while it is incomplete. After `Overlong` the stream is of no more use."""
+        """Take the next frame's body, None while it is incomplete. After `OverlongFrame` the stream is unusable."""
         if len(self._held) < LENGTH_BYTES:
             return None
         (length,) = _LENGTH.unpack_from(self._held)
@@ -124,5 +124,5 @@ class FrameBuffer:
         return body
 
     def take_byte(self) -> int | None:
-        """The next single byte, None when there is none."""
+        """Take the next single byte, None when there is none."""
         return self._held.pop(0) if self._held else None

@@ -1,10 +1,10 @@
-"""XML-RPC as ROS 1 speaks it: bytes to values and back, without sockets.
+"""XML-RPC as in ROS 1: bytes to values and back, without sockets.
 
-What comes in may be anything. A document type is refused where it begins, before any entity of it is declared (so no
-billion laughs and no external entities), and size, nesting and number of elements have limits. What cannot be read is
-a value, `Malformed`; decoding raises nothing.
+Input may be hostile. A document type is refused where it begins, before any entity of it is declared (so no billion
+laughs attack and no external entities), and size, nesting and number of elements have limits. Invalid input gives a
+`MalformedDocument`; decoding raises nothing.
 
-Source: http://xmlrpc.com/spec.md; Python's xmlrpc.client and ROS's xmlrpcpp for what ROS nodes really send: untyped
+Source: http://xmlrpc.com/spec.md; Python's xmlrpc.client and ROS's xmlrpcpp for the forms that ROS nodes send: untyped
 ``<value>text</value>``, white space between elements, ``<i8>`` and ``<nil/>``.
 """
 
@@ -17,7 +17,7 @@ from typing import TypeAlias
 from xml.parsers import expat
 
 MAX_BYTES = 16 * 2**20
-"""Longest document that is read or written. A robot_description with its meshes' names is some 100 kB."""
+"""Bytes of the longest document that is read or written. A robot_description is some 100 kB."""
 
 MAX_ELEMENTS = 250_000
 """Most XML elements of a document; a parameter takes about four."""
@@ -26,7 +26,7 @@ MAX_DEPTH = 128
 """Deepest nesting of values, read or written."""
 
 _LONGEST_FAULT = 10_000
-"""Characters."""
+"""Most characters of a fault's text."""
 
 _ELEMENTS_PER_LEVEL = 4  # value, struct, member, value; or value, array, data, value
 _I4 = range(-(2**31), 2**31)
@@ -35,7 +35,7 @@ _I8 = range(-(2**63), 2**63)
 
 @dataclass(frozen=True, slots=True)
 class DateTime:
-    """A ``dateTime.iso8601``, as it is written: ROS has no use for it and XML-RPC gives it no time zone."""
+    """Value of type ``dateTime.iso8601``, not parsed: ROS does not use it, and XML-RPC gives it no time zone."""
 
     text: str
 
@@ -43,12 +43,12 @@ class DateTime:
 XmlRpcValue: TypeAlias = (
     bool | int | float | str | bytes | DateTime | list["XmlRpcValue"] | dict[str, "XmlRpcValue"] | None
 )
-"""Whatever XML-RPC can carry, with the extensions ``nil`` and ``i8``."""
+"""Any value of XML-RPC, with the extensions ``nil`` and ``i8``."""
 
 
 @dataclass(frozen=True, slots=True)
 class MethodCall:
-    """A method called with parameters by position."""
+    """Call of a method with parameters by position."""
 
     method: str
     params: list[XmlRpcValue]
@@ -56,14 +56,14 @@ class MethodCall:
 
 @dataclass(frozen=True, slots=True)
 class MethodResponse:
-    """What a method returned."""
+    """Return value of a method."""
 
     value: XmlRpcValue
 
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """That a method could not be carried out: XML-RPC's own error, below ROS's status codes."""
+    """Failure of a call: XML-RPC's own error, below ROS's status codes."""
 
     code: int
     text: str
@@ -71,13 +71,13 @@ class Fault:
 
 @dataclass(frozen=True, slots=True)
 class MalformedDocument:
-    """Why bytes are not the document they should be."""
+    """Document that could not be decoded, with the reason."""
 
     reason: str
 
 
 def encode_call(method: str, params: list[XmlRpcValue]) -> bytes:
-    """Write a call.
+    """Encode a call.
 
     Raises:
         ValueError: a parameter cannot be written, see `encode_response`.
@@ -89,7 +89,7 @@ def encode_call(method: str, params: list[XmlRpcValue]) -> bytes:
 
 
 def encode_response(value: XmlRpcValue) -> bytes:
-    """Write a successful answer.
+    """Encode a successful response.
 
     Integers beyond 32 bits become ``i8``, None becomes ``nil``: Python's nodes read them, C++ nodes do not. Characters
     that XML cannot hold, such as NUL, become U+FFFD.
@@ -101,13 +101,13 @@ def encode_response(value: XmlRpcValue) -> bytes:
 
 
 def encode_fault(code: int, text: str) -> bytes:
-    """Write a fault; of a text that quotes a stranger at length, the beginning."""
+    """Encode a fault; a long text is cut."""
     value = _written({"faultCode": code, "faultString": text[:_LONGEST_FAULT]})
     return _document(f"<methodResponse>\n<fault>\n{value}\n</fault>\n</methodResponse>")
 
 
 def decode_call(data: bytes) -> MethodCall | MalformedDocument:
-    """Read a call."""
+    """Decode a call."""
     try:
         root = _parsed(data, "methodCall")
         name = root.only_child("methodName", others=("params",)).leaf()
@@ -117,7 +117,7 @@ def decode_call(data: bytes) -> MethodCall | MalformedDocument:
 
 
 def decode_response(data: bytes) -> MethodResponse | Fault | MalformedDocument:
-    """Read the answer to a call."""
+    """Decode the response to a call."""
     try:
         root = _parsed(data, "methodResponse")
         if any(child.name == "fault" for child in root.children):
@@ -154,7 +154,7 @@ def _escaped(text: str) -> str:
 
 
 class _Pieces:
-    """The pieces of a document, up to a length: one short call can ask for all parameters a hundred thousand times."""
+    """Pieces of a document, up to a total length: a short call can request all parameters a hundred thousand times."""
 
     def __init__(self) -> None:
         self._pieces: list[str] = []
@@ -215,7 +215,7 @@ def _write(value: XmlRpcValue, pieces: _Pieces, depth: int) -> None:
 
 
 class _MalformedError(Exception):
-    """Leaves the parser's callbacks and the interpretation; never leaves this module."""
+    """Fault found by the parser's callbacks or the interpretation; never leaves this module."""
 
 
 @dataclass(slots=True)
@@ -225,13 +225,13 @@ class _Element:
     text: list[str] = field(default_factory=list)
 
     def leaf(self) -> str:
-        """The text of an element that may hold nothing else."""
+        """Return the text of an element that must hold nothing else."""
         if self.children:
             raise _MalformedError(f"<{self.children[0].name}> inside <{self.name}>")
         return "".join(self.text)
 
     def branches(self, *names: str) -> list[_Element]:
-        """The children of an element that may hold nothing but elements of these names."""
+        """Return the children of an element that must hold only elements of these names."""
         if any(not piece.isspace() for piece in self.text):
             raise _MalformedError(f"text inside <{self.name}>")
         for child in self.children:
@@ -247,7 +247,7 @@ class _Element:
 
 
 def _parsed(data: bytes, root: str) -> _Element:
-    """The document's tree of elements; its size is bounded by the limits of this module."""
+    """Parse a document to a tree of elements, within the limits of this module."""
     if len(data) > MAX_BYTES:
         raise _MalformedError(f"longer than {MAX_BYTES} bytes")
     top = _Element("")
@@ -289,7 +289,7 @@ def _parsed(data: bytes, root: str) -> _Element:
 
 
 def _params(root: _Element) -> list[XmlRpcValue]:
-    """The parameters of a call or an answer; a call without any may leave out ``<params>``."""
+    """Return the parameters of a call or response; a call without any may leave out ``<params>``."""
     found = [child for child in root.children if child.name == "params"]
     if len(found) > 1:
         raise _MalformedError("more than one <params>")

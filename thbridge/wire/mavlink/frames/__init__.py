@@ -1,1 +1,1 @@
-"""What travels: bytes to frames and back, their checksums and signatures. No frame is read any further here."""
+"""Frames on the wire: bytes to frames and back, checksums and signatures. Payloads are not decoded here."""

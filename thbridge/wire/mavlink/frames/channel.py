@@ -1,4 +1,4 @@
-"""One link's bytes: a stream or datagrams become frames that are whole and, where there is a key, verified; and back.
+"""Bytes of one link: a stream or datagrams become complete frames, verified where there is a key; and back.
 
 Without sockets and clocks.
 """
@@ -12,12 +12,12 @@ from thbridge.wire.mavlink.frames.signing import RejectedFrame, Signing
 
 @dataclass(slots=True)
 class ChannelCounts:
-    """What has come in on a link.
+    """Counts of what was received on a link.
 
     Attributes:
-        frames: that were good.
-        noise: bytes that were no good frame.
-        refused: frames that were whole, but not signed as they must be.
+        frames: number of good frames.
+        discarded_bytes: bytes that belonged to no good frame.
+        refused: number of complete frames without a valid signature.
     """
 
     frames: int = 0
@@ -26,16 +26,16 @@ class ChannelCounts:
 
 
 class Channel:
-    """One link.
+    """Frame codec of one link.
 
     Args:
-        signing: what signs and verifies; None: nothing is signed, and signatures are not looked at.
-        datagrams: frames come whole, some to a datagram; or else in a stream.
+        signing: signs and verifies; None: frames are not signed, and signatures are ignored.
+        datagrams: True when each datagram holds complete frames; False for a stream.
 
     Attributes:
-        tally: what has come in.
-        spoiled: bytes that came since the last good frame.
-        complaint: why something was not taken last; empty as long as nothing was not.
+        counts: what was received so far.
+        bytes_since_good: bytes received since the last good frame.
+        last_fault: reason for the latest rejection; empty as long as nothing was rejected.
     """
 
     def __init__(self, signing: Signing | None, *, datagrams: bool) -> None:
@@ -46,7 +46,7 @@ class Channel:
         self._signing = signing
 
     def receive_data(self, data: bytes, now: float) -> list[Frame]:
-        """What was in bytes that came in, without signatures.
+        """Return the good frames in received bytes, without signatures.
 
         Args:
             data: a datagram, or any piece of a stream.
@@ -69,7 +69,7 @@ class Channel:
         return good
 
     def bytes_of(self, frame: Frame, now: float) -> bytes:
-        """A frame as it goes out, signed where that is wanted."""
+        """Return a frame's bytes, signed when there is a key."""
         return frame.to_bytes() if self._signing is None else self._signing.wrap(frame, now)
 
     def _spoil(self, size: int, complaint: str) -> None:

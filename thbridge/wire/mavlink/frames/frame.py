@@ -1,4 +1,4 @@
-"""A frame: one message on its way, with its header and checksum.
+"""MAVLink frame: one message on the wire, with header and checksum.
 
 Source: the MAVLink developer guide, "Packet Serialization" and "Message Signing".
 """
@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import fastcrc
 
 V1, V2 = 0xFE, 0xFD
-"""First byte of a frame of either version."""
+"""First byte (magic) of a frame of version 1 and 2."""
 
 SIGNED = 0x01
 """Bit of `incompat_flags`: a signature follows the checksum."""
@@ -24,24 +24,24 @@ HEADER_V2 = struct.Struct("<7BHB")
 """Magic, length of the payload, incompat and compat flags, sequence, system, component, message (16 bits, then 8)."""
 
 LARGEST = HEADER_V2.size + 255 + CHECKSUM_SIZE + SIGNATURE_SIZE
-"""Bytes of the longest frame."""
+"""Size of the longest frame, bytes."""
 
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """One frame. Its checksum is not a field: a frame with a wrong one is none.
+    """One frame. Its checksum is not a field: bytes with a wrong one are no frame.
 
     Attributes:
-        system: of the sender, 1 to 255.
-        component: of the sender.
+        system: system id of the sender, 1 to 255.
+        component: component id of the sender.
         sequence: the sender's count on this link, 0 to 255.
-        message_id: what kind of message.
-        payload: its fields as they travel.
-        seed: what the message's layout adds to the checksum (`dialect.crc_extra`).
+        message_id: type of the message.
+        payload: encoded fields.
+        seed: CRC_EXTRA byte that the message's layout adds to the checksum (`dialect.crc_extra`).
         version: `V1` or `V2`.
-        incompat_flags: of version 2; a receiver that does not know one of them drops the frame.
-        compat_flags: of version 2.
-        signature: link, timestamp and signature, 13 bytes; empty where there is none.
+        incompat_flags: flags of version 2; a receiver that does not know one of them drops the frame.
+        compat_flags: flags of version 2.
+        signature: link, timestamp and signature, 13 bytes; empty when unsigned.
     """
 
     system: int
@@ -57,13 +57,13 @@ class Frame:
 
     @property
     def size(self) -> int:
-        """Bytes of it on its way."""
+        """Size on the wire, bytes."""
         header = HEADER_V1.size if self.version == V1 else HEADER_V2.size
         return header + len(self.payload) + CHECKSUM_SIZE + len(self.signature)
 
     @property
     def head(self) -> bytes:
-        """Header and payload: what the checksum is of, but for its first byte."""
+        """Header and payload; the checksum covers them without the first byte."""
         length = len(self.payload)
         if self.version == V1:
             head = (V1, length, self.sequence, self.system, self.component, self.message_id)
@@ -75,11 +75,11 @@ class Frame:
 
     @property
     def checksum(self) -> int:
-        """CRC-16/MCRF4XX of everything but the first byte, and of the seed."""
+        """CRC-16/MCRF4XX of header and payload without the first byte, and of the seed."""
         return checksum_of(self.head, self.seed)
 
     def to_bytes(self) -> bytes:
-        """The frame as it travels.
+        """Encode the frame.
 
         Raises:
             struct.error: a number is out of its range.
@@ -88,20 +88,20 @@ class Frame:
         return head + checksum_of(head, self.seed).to_bytes(2, "little") + self.signature
 
     def unsigned(self) -> "Frame":
-        """The same frame without its signature."""
+        """Return the same frame without its signature."""
         return replace(self, incompat_flags=self.incompat_flags & ~SIGNED, signature=b"")
 
 
 def checksum_of(head: bytes, seed: int) -> int:
-    """The checksum of a frame's header and payload; the first byte is left out."""
+    """Return the checksum of a frame's header and payload; the first byte is left out."""
     checksum: int = fastcrc.crc16.mcrf4xx(head[1:] + bytes((seed,)))
     return checksum
 
 
 def missing_between(last: int, sequence: int) -> int:
-    """How many frames are missing between two counts of one sender, 0 to 255.
+    """Count the frames missing between two sequence numbers of one sender, 0 to 255.
 
-    A count that lies up to half of the circle behind is one that was overtaken or came twice: nothing is missing.
+    A number up to 128 behind the last is a frame that came late or twice: nothing is missing.
     """
     gap = (sequence - last - 1) % 256
     return gap if gap < 128 else 0

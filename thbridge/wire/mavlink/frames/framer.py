@@ -1,7 +1,7 @@
-"""Finds the frames in bytes: of a stream in any pieces, or of datagrams.
+"""Frame parser: finds the frames in a stream, however it is cut, or in datagrams.
 
-Nothing that comes in is an error. What is no frame is told as noise, and behind its first byte the search goes on: a
-good frame is never lost because a length before it was corrupt.
+No input raises an error. Bytes that form no frame are reported as discarded, and the search goes on behind their first
+byte: a good frame is never lost because a length before it was corrupt.
 
 Source: the MAVLink developer guide, "Packet Serialization" and "Incompatibility Flags".
 """
@@ -24,14 +24,14 @@ from thbridge.wire.mavlink.frames.frame import (
 )
 
 _MAGIC = re.compile(b"[\xfd\xfe]")
-"""Where a frame may begin."""
+"""First byte of any frame."""
 
 _LIKELY = re.compile(rb"\xfe|\xfd(?:.[\x00\x01]|.?\Z)", re.DOTALL)
-"""The same, but for frames with flags that nobody here knows: quicker through a flood of such."""
+"""First byte of a frame without unknown flags: skips a flood of frames with such flags more quickly."""
 
 
 class FrameFault(StrEnum):
-    """What is wrong with bytes that are thrown away, as the end of the sentence "thrown away: ..."."""
+    """Reason why bytes are discarded, as the end of the sentence "thrown away: ..."."""
 
     GARBAGE = "no frame begins here"
     FLAGS = "a frame that asks for features nobody here has"
@@ -44,11 +44,11 @@ class FrameFault(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class DiscardedBytes:
-    """Bytes that were thrown away; what they were is not kept.
+    """Bytes that were discarded; only their number is kept.
 
     Attributes:
-        size: how many.
-        reason: what was wrong with the first of them.
+        size: number of bytes.
+        reason: fault of the first of them.
     """
 
     size: int
@@ -57,11 +57,11 @@ class DiscardedBytes:
 
 @dataclass(frozen=True, slots=True)
 class _Bad:
-    """No frame, though its first byte is right.
+    """Invalid frame, though its first byte is right.
 
     Attributes:
         size: bytes that it claims.
-        reason: what is wrong with it.
+        reason: its fault.
     """
 
     size: int
@@ -69,33 +69,33 @@ class _Bad:
 
 
 class FrameParser:
-    """Takes bytes as they come and gives the frames in them; keeps less than one frame back."""
+    """Parser of a byte stream; it holds back less than one frame."""
 
     def __init__(self) -> None:
         self._held = b""
 
     def receive_data(self, data: bytes) -> list[Frame | DiscardedBytes]:
-        """Frames, and what was thrown away, in order; each as soon as it is certain.
+        """Return frames and discarded bytes, in order, each as soon as it is certain.
 
-        The sizes of frames and noise are those of the bytes that came in; only how noise is divided depends on the
-        pieces that they came in.
+        The sizes add up to the bytes received. Only the division of discarded bytes into items depends on how the
+        stream was cut.
         """
         found, self._held = _search(self._held + data, ended=False)
         return found
 
     def end(self) -> list[Frame | DiscardedBytes]:
-        """Nothing follows: what is in the bytes kept back. Afterwards the framer is as new."""
+        """Return what is in the bytes held back, at the end of the stream; afterwards the parser is as new."""
         found, self._held = _search(self._held, ended=True)
         return found
 
 
 def frames_of(datagram: bytes) -> list[Frame | DiscardedBytes]:
-    """What is in a datagram whose sender puts whole frames in each."""
+    """Return frames and discarded bytes of a datagram, which holds complete frames only."""
     return _search(datagram, ended=True)[0]
 
 
 def frame_of(data: bytes) -> Frame | None:
-    """The one frame that these bytes are; None: they are anything else."""
+    """Return the frame that these bytes form exactly; None for anything else."""
     match frames_of(data):
         case [Frame() as frame]:
             return frame
@@ -103,9 +103,10 @@ def frame_of(data: bytes) -> Frame | None:
 
 
 def _search(held: bytes, ended: bool) -> tuple[list[Frame | DiscardedBytes], bytes]:
-    """What is in bytes, and those of them that more has to follow to know."""
+    """Return frames and discarded bytes, and the rest, which cannot be judged before more bytes follow."""
     found: list[Frame | DiscardedBytes] = []
-    lost, reason, claimed = 0, FrameFault.GARBAGE, 0  # Where noise begins, what it is, and where it says that it ends.
+    # Start and fault of the pending discarded bytes, and the end that they claim.
+    lost, reason, claimed = 0, FrameFault.GARBAGE, 0
     place = 0
     while (magic := (_LIKELY if place < claimed else _MAGIC).search(held, place)) is not None:
         start = magic.start()
@@ -122,7 +123,7 @@ def _search(held: bytes, ended: bool) -> tuple[list[Frame | DiscardedBytes], byt
             found.append(DiscardedBytes(what.size, FrameFault.SECRET) if secret else what)
             lost, reason, claimed, place = end, FrameFault.GARBAGE, end, end
             continue
-        # Inside what is no frame there may be one; that another is none either is no news.
+        # A good frame may lie inside an invalid one; further invalid ones inside it are not reported.
         if start >= claimed:
             if start > lost:
                 found.append(DiscardedBytes(start - lost, reason))
@@ -135,7 +136,7 @@ def _search(held: bytes, ended: bool) -> tuple[list[Frame | DiscardedBytes], byt
 
 
 def _frame_at(held: bytes, start: int) -> Frame | _Bad | None:
-    """What begins at a magic byte; None: more has to come to know it."""
+    """Return the frame that begins at a magic byte, or its fault; None while it is incomplete."""
     return _frame_v1_at(held, start) if held[start] == V1 else _frame_v2_at(held, start)
 
 
@@ -182,5 +183,5 @@ def _frame_v2_at(held: bytes, start: int) -> Frame | _Bad | None:
 
 
 def _is_intact(held: bytes, start: int, end: int, seed: int) -> bool:
-    """Whether the checksum behind a payload's end is that of the frame."""
+    """Return True when the two bytes behind the payload are the frame's checksum."""
     return checksum_of(held[start:end], seed) == int.from_bytes(held[end : end + CHECKSUM_SIZE], "little")

@@ -1,11 +1,11 @@
-"""Signatures of MAVLink 2: who has the key may speak, and nothing that was said once counts twice.
+"""Signatures of MAVLink 2: only frames signed with the key are accepted, and each of them only once.
 
 Source: the MAVLink developer guide, "Message Signing".
 
-Differs: nothing unsigned is let in. Others accept RADIO_STATUS, which radios say without a key; here no radio is on the
-way, and what was forwarded under our signature would look as if somebody with the key had said it. A key is never
-taken from the wire (SETUP_SIGNING). A timestamp from the last few months that 48 bits can tell is refused, because
-nobody could say anything after it.
+Differs: no unsigned frame is accepted. Others accept RADIO_STATUS, which radios send without a key; here no radio is in
+between, and a frame forwarded under our signature would look as if the holder of the key had sent it. A key is never
+taken from the wire (SETUP_SIGNING). A timestamp from the last few months that 48 bits can hold is refused, because no
+later frame could have a newer one.
 """
 
 import hashlib
@@ -26,13 +26,13 @@ EPOCH = 1_420_070_400
 """Unix time from which timestamps count: 1 January 2015."""
 
 BEHIND = 60 * UNITS_PER_SECOND
-"""How far behind ours the first timestamp of a stream may be."""
+"""Most units by which the first timestamp of a stream may be behind ours."""
 
 LATEST = (1 << 48) - (1 << 40)
-"""Timestamps up to here are believed; what is left lasts four months at 100,000 frames a second."""
+"""Latest timestamp that is accepted; the rest of the range lasts four months at 100,000 frames a second."""
 
 MOST_STREAMS = 1024
-"""Senders whose timestamps are kept."""
+"""Most senders whose timestamps are kept."""
 
 _HEX_KEY = re.compile(r"[0-9a-fA-F]{64}")
 _STAMP_SIZE = 6
@@ -41,7 +41,7 @@ _DIGEST_SIZE = 6
 
 @dataclass(frozen=True, slots=True)
 class SigningKey:
-    """A secret that both sides of a link have; its text does not show it.
+    """Secret that both sides of a link share; `repr` does not show it.
 
     Raises:
         ValueError: it is not of 32 bytes.
@@ -56,17 +56,17 @@ class SigningKey:
 
 @dataclass(frozen=True, slots=True)
 class InvalidKey:
-    """Why what a key's file holds is none.
+    """Content of a key file that is no key.
 
     Attributes:
-        problem: as a clause without its full stop.
+        problem: the reason, as a clause without its full stop.
     """
 
     problem: str
 
 
 class SignatureFault(StrEnum):
-    """Why a frame is not believed, as the end of the sentence "refused: ..."."""
+    """Reason why a frame is rejected, as the end of the sentence "refused: ..."."""
 
     UNSIGNED = "it is not signed"
     WRONG = "its signature is wrong"
@@ -78,16 +78,16 @@ class SignatureFault(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class RejectedFrame:
-    """A frame that is not believed."""
+    """Frame that is rejected because of its signature."""
 
     reason: SignatureFault
 
 
 def key_in(content: bytes) -> SigningKey | InvalidKey:
-    """The key in a file: 32 bytes as they are, 64 hexadecimal digits, or a passphrase.
+    """Return the key in a file: 32 raw bytes, 64 hexadecimal digits, or a passphrase.
 
-    A line of text is a passphrase, and its SHA-256 the key, as MAVProxy and Mission Planner make it; QGroundControl
-    makes keys from passphrases by a way of its own since 2025, but shows them in 64 digits.
+    A line of text is a passphrase, and its SHA-256 the key, as in MAVProxy and Mission Planner; QGroundControl has
+    derived keys from passphrases in its own manner since 2025, but shows them as 64 digits.
 
     Args:
         content: all of the file. Anything printable is text, with or without an end of line.
@@ -108,9 +108,9 @@ def key_in(content: bytes) -> SigningKey | InvalidKey:
 
 
 class SignatureTimestamps:
-    """What all links with one key know of time: which timestamps were used, by us and by others.
+    """Timestamps used so far, by us and by others, on all links with one key.
 
-    They share it so that what was said on one link is not believed again on another.
+    The links share them so that a frame from one link is not accepted again on another.
     """
 
     def __init__(self) -> None:
@@ -118,12 +118,12 @@ class SignatureTimestamps:
         self._streams: dict[tuple[int, int, int], int] = {}
 
     def next(self, now: float) -> int:
-        """A timestamp to sign with; each is newer than all before, ours and those that were believed."""
+        """Return a timestamp to sign with; each is newer than all before, ours and the accepted ones."""
         self._latest = max(self._latest + 1, _timestamp_at(now))
         return self._latest
 
     def why_not(self, stream: tuple[int, int, int], timestamp: int, now: float) -> SignatureFault | None:
-        """Why a frame of a stream (link, system, component) with this timestamp is not to be believed."""
+        """Return the reason to reject a timestamp of a stream (link, system, component); None to accept it."""
         if timestamp > LATEST:
             return SignatureFault.FAR_AHEAD
         last = self._streams.get(stream)
@@ -134,18 +134,18 @@ class SignatureTimestamps:
         return SignatureFault.CROWDED if len(self._streams) >= MOST_STREAMS else None
 
     def believe(self, stream: tuple[int, int, int], timestamp: int) -> None:
-        """A frame with this timestamp was rightly signed."""
+        """Record the timestamp of a frame whose signature was right."""
         self._streams[stream] = timestamp
         self._latest = max(self._latest, timestamp)
 
 
 class Signing:
-    """Signs what goes out on a link and verifies what comes in.
+    """Signs outgoing frames of a link and verifies incoming ones.
 
     Args:
-        key: of both sides.
-        link_id: 0 to 255; says to the other side which of our links this is.
-        timestamps: of all links with this key.
+        key: key of both sides.
+        link_id: our number of this link, 0 to 255, which is part of the signature.
+        timestamps: timestamps of all links with this key.
     """
 
     def __init__(self, key: SigningKey, link_id: int, timestamps: SignatureTimestamps) -> None:
@@ -154,10 +154,10 @@ class Signing:
         self._timestamps: Final = timestamps
 
     def unwrap(self, frame: Frame, now: float) -> Frame | RejectedFrame:
-        """The frame without its signature, if that is right and new.
+        """Return the frame without its signature, if that is right and new.
 
         Args:
-            frame: as it came in.
+            frame: frame as received.
             now: seconds of Unix time.
         """
         if not frame.signature:
@@ -174,10 +174,10 @@ class Signing:
         return frame.unsigned()
 
     def wrap(self, frame: Frame, now: float) -> bytes:
-        """The frame as it travels, signed; one of version 1 becomes one of version 2, which alone can be signed.
+        """Sign and encode a frame; one of version 1 becomes version 2, since only that can be signed.
 
         Args:
-            frame: unsigned.
+            frame: unsigned frame.
             now: seconds of Unix time.
         """
         signed = replace(frame, version=V2, incompat_flags=frame.incompat_flags | SIGNED, signature=b"")
@@ -190,7 +190,7 @@ class Signing:
 
 
 def _sealed(frame: Frame) -> bytes:
-    """Header, payload and checksum of a frame, as they came in."""
+    """Return header, payload and checksum of a frame, as received."""
     return replace(frame, signature=b"").to_bytes()
 
 

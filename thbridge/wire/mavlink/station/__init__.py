@@ -1,1 +1,1 @@
-"""The other end: a small ground station, and a trip that it sends a robot on."""
+"""Ground station, the other end of a link, as small as the command line needs it."""

@@ -1,6 +1,6 @@
-"""The other side of a link: a ground station without its socket, as small as the command line needs one.
+"""Ground station without its socket, as small as the command line needs it.
 
-It keeps its heartbeat, sends commands until they are answered, and remembers what every robot says of itself.
+It sends heartbeats, repeats commands until they are acknowledged, and keeps the latest telemetry of every robot.
 
 Source: the MAVLink developer guide, "Heartbeat" and "Command Protocol".
 """
@@ -21,19 +21,19 @@ HEARTBEAT_SECONDS = 1.0
 ANSWER_SECONDS = 0.5
 TRIES = 5
 PROGRESS_SECONDS = 3.0
-"""How long news of a command may take whose answer was that it is in progress."""
+"""Seconds to wait for the next acknowledgement of a command that is in progress."""
 
 _MOST_SYSTEMS = 255
 
 
 @dataclass(frozen=True, slots=True)
 class StationCommand:
-    """A command to a robot.
+    """Command to a robot.
 
     Attributes:
-        number: of MAV_CMD.
-        parameters: up to seven; those that are left out are 0.
-        frame: of MAV_FRAME, for a command that travels as COMMAND_INT; None: COMMAND_LONG.
+        number: a code of MAV_CMD.
+        parameters: up to seven; missing ones are 0.
+        frame: a code of MAV_FRAME for COMMAND_INT; None for COMMAND_LONG.
     """
 
     number: int
@@ -43,7 +43,7 @@ class StationCommand:
 
 @dataclass(frozen=True, slots=True)
 class CommandAcked:
-    """A robot has answered a command, for good; `result` is of MAV_RESULT."""
+    """Final acknowledgement of a command; `result` is a code of MAV_RESULT."""
 
     system: int
     command: int
@@ -52,7 +52,7 @@ class CommandAcked:
 
 @dataclass(frozen=True, slots=True)
 class CommandUnanswered:
-    """A robot has not answered a command, however often it was sent."""
+    """Command that was not acknowledged, however often it was sent."""
 
     system: int
     command: int
@@ -60,7 +60,7 @@ class CommandUnanswered:
 
 @dataclass(frozen=True, slots=True)
 class StatusTextReceived:
-    """A robot said something to people; `severity` is of MAV_SEVERITY."""
+    """Text of a robot for people; `severity` is a code of MAV_SEVERITY."""
 
     system: int
     severity: int
@@ -72,26 +72,26 @@ StationEvent: TypeAlias = CommandAcked | CommandUnanswered | StatusTextReceived
 
 @dataclass(slots=True)
 class KnownRobot:
-    """What is known of a robot.
+    """Latest telemetry of a robot; times are seconds of the station's clock.
 
     Attributes:
         system: its system id.
-        autopilot: of MAV_AUTOPILOT.
-        custom_mode: as its autopilot counts modes.
+        autopilot: a code of MAV_AUTOPILOT.
+        custom_mode: mode number of its autopilot.
         base_mode: bits of MAV_MODE_FLAG.
-        first: when it was first heard.
-        heard: when its last heartbeat came.
-        last: when its last frame came.
-        x: metres east of the map's origin; NaN as long as it has not said so.
+        first_heartbeat: time of its first heartbeat.
+        last_heartbeat: time of its last heartbeat.
+        last_frame: time of its last frame.
+        x: metres east of the map's origin; NaN while unknown.
         y: metres north of it.
-        latitude: degrees; NaN as long as it has not said so.
+        latitude: degrees; NaN while unknown.
         longitude: degrees.
         speed: m/s.
-        energy: what is left, from 0 to 1; NaN as long as it has not said so.
-        frames: that came from it.
-        lost: frames that it sent and that did not come.
-        commander: who commands it, see `conventions.COMMANDER`; None as long as it has not said so.
-        text: what it said last to people.
+        energy: remaining part, from 0 to 1; NaN while unknown.
+        frames: number of frames received from it.
+        lost: number of frames lost on the way.
+        commander: its commander, see `conventions.COMMANDER`; None while unknown.
+        text: its last text for people.
     """
 
     system: int
@@ -114,13 +114,13 @@ class KnownRobot:
 
     @property
     def armed(self) -> bool:
-        """Whether its motors obey."""
+        """True when its motors are enabled."""
         return bool(self.base_mode & mav.MAV_MODE_FLAG_SAFETY_ARMED)
 
 
 @dataclass(frozen=True, slots=True)
 class _Pending:
-    """A command that waits for its answer until `due`."""
+    """Command that waits for its acknowledgement until `due`."""
 
     order: StationCommand
     tries: int
@@ -129,7 +129,7 @@ class _Pending:
 
 
 class GroundStation:
-    """One ground station on one link.
+    """Ground station on one link.
 
     Args:
         system: its own system id.
@@ -138,7 +138,7 @@ class GroundStation:
 
     def __init__(self, system: int = SYSTEM, component: int = COMPONENT) -> None:
         self.robots: dict[int, KnownRobot] = {}
-        """Those that have been heard, by their system ids."""
+        """Robots by their system ids."""
         self._system = system
         self._component = component
         self._sequence = 0
@@ -149,20 +149,20 @@ class GroundStation:
         self._texts: dict[tuple[int, int], str] = {}
 
     def take_frames(self) -> list[Frame]:
-        """What is to be sent."""
+        """Take the frames to be sent."""
         frames, self._outgoing = self._outgoing, []
         return frames
 
     def order(self, system: int, order: StationCommand, now: float) -> None:
-        """Command a robot; `Acked` or `Unanswered` follows. The same command on its way is given up for it."""
+        """Send a command; `CommandAcked` or `CommandUnanswered` follows. It replaces the same command still pending."""
         self._send_order(system, _Pending(order, 1, now + ANSWER_SECONDS))
 
     def request(self, system: int, message_id: int, now: float) -> None:
-        """Ask a robot for one message."""
+        """Request one message of a robot."""
         self.order(system, StationCommand(mav.MAV_CMD_REQUEST_MESSAGE, (float(message_id),)), now)
 
     def advance(self, now: float) -> list[StationEvent]:
-        """Time has passed."""
+        """Send heartbeats and repeat commands that are due."""
         if self._beaten is None or now - self._beaten >= HEARTBEAT_SECONDS:
             self._beaten = now
             kind, pilot, state = mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, mav.MAV_STATE_ACTIVE
@@ -180,7 +180,7 @@ class GroundStation:
         return events
 
     def receive_frame(self, frame: Frame, now: float) -> list[StationEvent]:
-        """A frame has come in; what does not come from a robot is ignored."""
+        """Handle a received frame; those that do not come from a robot are ignored."""
         message = decoded(frame.message_id, frame.payload)
         if message is None or frame.component != ROBOT:
             return []
@@ -195,7 +195,7 @@ class GroundStation:
         return self._understood(robot, message, now)
 
     def _seen(self, system: int, message: Message, now: float) -> KnownRobot | None:
-        """The robot of this id; None: it has not said by a heartbeat that it is one."""
+        """Return the robot of this id; None before its first heartbeat."""
         robot = self.robots.get(system)
         if robot is None and isinstance(message, mav.MAVLink_heartbeat_message) and len(self.robots) < _MOST_SYSTEMS:
             robot = KnownRobot(system, message.autopilot, message.custom_mode, message.base_mode, now, now, now)
@@ -239,7 +239,7 @@ class GroundStation:
         return [CommandAcked(system, ack.command, ack.result)]
 
     def _texted(self, robot: KnownRobot, message: mav.MAVLink_statustext_message) -> list[StationEvent]:
-        """Long texts come in pieces, of which the last is shorter than the others."""
+        """Assemble the chunks of a long text, of which the last is shorter than the others."""
         piece = _text(message.text)
         if message.id:
             key = (robot.system, message.id)
@@ -277,6 +277,6 @@ class GroundStation:
 
 
 def _text(raw: str | bytes) -> str:
-    """A field of characters, which are padded with zeros."""
+    """Return the text of a character field, which is padded with zeros."""
     data = raw if isinstance(raw, bytes) else raw.encode()
     return data.rstrip(b"\0").decode("utf-8", "replace")

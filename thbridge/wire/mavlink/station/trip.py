@@ -1,6 +1,6 @@
-"""Sends one robot somewhere, as a ground station: take command of it, let it go, wait until it is there, give it back.
+"""Trip of one robot, commanded by a ground station: arm it, send it, wait for its arrival, disarm it.
 
-Without sockets and clocks; a `GroundStation` speaks for it.
+Without sockets and clocks; it uses a `GroundStation`.
 """
 
 import math
@@ -23,12 +23,12 @@ from thbridge.wire.mavlink.station.ground_station import (
 )
 
 NEAR = 0.3
-"""Metres: a robot that stands no further from where it was sent is there, whether it says so or not."""
+"""Metres: a robot that stands within this distance of its goal has arrived, whether it reports so or not."""
 
 DISCOVERY_SECONDS = 5.0
 SILENCE_SECONDS = 5.0
 _WORDS_SECONDS = 0.5
-"""What a robot may take to say in words why it refuses."""
+"""Seconds to wait for the text with a robot's reason for its refusal."""
 _STANDING_SECONDS = 3.0
 _STANDING = 0.02
 """Metres per second."""
@@ -39,7 +39,7 @@ _DISARM = StationCommand(mav.MAV_CMD_COMPONENT_ARM_DISARM, (0.0,))
 
 @dataclass(frozen=True, slots=True)
 class Destination:
-    """Where a robot is sent.
+    """Goal of a trip.
 
     Attributes:
         x: metres east of the map's origin.
@@ -53,7 +53,7 @@ class Destination:
 
     @property
     def order(self) -> StationCommand:
-        """The command that sends it there, in its own frame, x north and y east."""
+        """Command that sends a robot there, in MAVLink's local frame, x north and y east."""
         # NaN is the heading that does not matter.
         yaw = math.nan if self.heading is None else yaw_of(self.heading)
         place = (round(self.y * PER_METRE), round(self.x * PER_METRE))
@@ -62,17 +62,17 @@ class Destination:
         return StationCommand(mav.MAV_CMD_DO_REPOSITION, parameters, mav.MAV_FRAME_LOCAL_NED)
 
     def distance(self, robot: KnownRobot) -> float:
-        """Metres from where a robot believes it is; NaN as long as it has not said so."""
+        """Return the metres from a robot's own position estimate; NaN while that is unknown."""
         return math.hypot(self.x - robot.x, self.y - robot.y)
 
 
 @dataclass(frozen=True, slots=True)
 class TripOutcome:
-    """How a trip ended.
+    """Outcome of a trip.
 
     Attributes:
-        problem: why the robot did not arrive, for people; empty where it did.
-        unanswered: it never said a word to what it was told.
+        problem: reason why the robot did not arrive, for people; empty when it did.
+        unanswered: True when it did not answer a command.
     """
 
     problem: str
@@ -80,7 +80,7 @@ class TripOutcome:
 
 
 class StationTripStage(Enum):
-    """How far a trip is."""
+    """Stage of a trip."""
 
     SEARCHING = auto()
     TAKING = auto()
@@ -95,14 +95,14 @@ class StationTrip:
     """One trip.
 
     Args:
-        station: speaks.
-        system: the robot.
-        destination: where it goes.
+        station: ground station that commands the robot.
+        system: system id of the robot.
+        destination: its goal.
         keep: stay in command of it afterwards.
-        now: seconds, of the clock that the station has.
+        now: seconds of the station's clock.
 
     Attributes:
-        stage: how far it is.
+        stage: current stage.
         outcome: None until it is over.
     """
 
@@ -121,12 +121,12 @@ class StationTrip:
 
     @property
     def remaining(self) -> float:
-        """Metres to go, as the crow flies; NaN as long as nobody knows."""
+        """Straight distance to the goal, metres; NaN while unknown."""
         robot = self._station.robots.get(self._system)
         return math.nan if robot is None else self._destination.distance(robot)
 
     def advance(self, events: Iterable[StationEvent], now: float) -> None:
-        """What has happened to the station, and that time has passed."""
+        """Handle the station's events and the passing of time."""
         for event in events:
             if event.system == self._system:
                 self._take(event, now)
@@ -144,7 +144,7 @@ class StationTrip:
                 self._hand_back(now)
 
     def give_up(self, now: float) -> None:
-        """Whoever wanted it does not any more: the robot is stopped and given back."""
+        """Abort the trip: the robot is stopped and given back."""
         self._problem = "given up"
         self._keep = False
         self._hand_back(now)
@@ -171,7 +171,7 @@ class StationTrip:
                 self._hear(severity, text, now)
 
     def _hear(self, severity: int, text: str, now: float) -> None:
-        """What the robot says in words tells more than a code."""
+        """Handle a text of the robot, which tells more than a result code."""
         if self.stage is StationTripStage.UNDER_WAY and text == ARRIVED:
             self._hand_back(now)
         elif severity <= mav.MAV_SEVERITY_WARNING:
@@ -181,7 +181,7 @@ class StationTrip:
                 self._problem = text
 
     def _watch(self, robot: KnownRobot, now: float) -> None:
-        """Robots are believed by where they are, too: words may get lost."""
+        """Check heartbeat, position and arming of the robot: texts may get lost."""
         if not robot.speed < _STANDING:
             self._stood = now
         if now - robot.heard > SILENCE_SECONDS:
@@ -210,6 +210,6 @@ class StationTrip:
 
 
 def _word(result: int) -> str:
-    """A code of MAV_RESULT as a word."""
+    """Return a code of MAV_RESULT as a word."""
     known = mav.enums["MAV_RESULT"].get(result)
     return f"result {result}" if known is None else known.name.removeprefix("MAV_RESULT_").replace("_", " ").lower()

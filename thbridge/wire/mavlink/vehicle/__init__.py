@@ -1,6 +1,5 @@
-"""A robot as a rover: `vehicle` puts it together of parts, each of which hears messages and speaks for itself.
+"""A robot as a MAVLink rover: `vehicle` composes it of microservices, each of which handles and sends messages.
 
-`commands` with `repertoire` and `message_requests`, `controls`, `older_ways`, `missions`, `home`, `parameter_protocol`,
-`file_transfer`, `courtesies` and `texts` are such parts; `conduct` is what all of them lead to: mode, who commands
-(`command_of`), and what the robot does about it.
+Microservices are in `command`, `mission`, `mode`, `parameter`, `component_files`, `telemetry` and `ping_timesync`.
+Their commands lead to `mode.state_machine`, which moves the robot in its mode, for the station in command.
 """

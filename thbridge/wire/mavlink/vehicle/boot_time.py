@@ -1,4 +1,4 @@
-"""How messages count simulated time since the session began, which a vehicle has for its time since boot."""
+"""Time since boot in messages: simulated time since the session began."""
 
 from sim.common.observations import TICKS_PER_SECOND
 
@@ -6,10 +6,10 @@ MICROSECONDS_PER_TICK = 1_000_000 // TICKS_PER_SECOND
 
 
 def milliseconds(tick: int) -> int:
-    """As 32 bits count them: from 0 again after 50 days."""
+    """Convert a tick to milliseconds in 32 bits, which begin at 0 again after 50 days."""
     return microseconds(tick) // 1000 & 0xFFFFFFFF
 
 
 def microseconds(tick: int) -> int:
-    """As 64 bits count them."""
+    """Convert a tick to microseconds."""
     return tick * MICROSECONDS_PER_TICK

@@ -1,4 +1,4 @@
-"""Where the map lies on earth: a plane that touches the WGS84 ellipsoid in the map's origin, its y axis north.
+"""Map projection: a plane that touches the WGS84 ellipsoid in the map's origin, its y axis north.
 
 Source: WGS 84 (NGA.STND.0036), semi-axes; the radii of curvature of an ellipsoid.
 Differs: the plane is not bent, so two points 1 km from the origin are off by some centimetres; maps are smaller.
@@ -17,7 +17,7 @@ _ECCENTRICITY_SQUARED = _FLATTENING * (2.0 - _FLATTENING)
 Number = TypeVar("Number", int, float)
 
 PER_DEGREE = 10_000_000
-"""MAVLink counts degrees in ten-millionths, 1.1 cm of latitude each."""
+"""MAVLink's units per degree, 1.1 cm of latitude each."""
 
 _WHOLE_TURN = 360 * PER_DEGREE
 _POLE = 90 * PER_DEGREE
@@ -25,27 +25,27 @@ _POLE = 90 * PER_DEGREE
 
 @dataclass(frozen=True, slots=True)
 class GeoPoint:
-    """A place on earth, in ten-millionths of a degree: north of the equator, and east of Greenwich."""
+    """Point on earth, in ten-millionths of a degree: north of the equator, and east of Greenwich."""
 
     latitude: int
     longitude: int
 
     @property
     def is_on_earth(self) -> bool:
-        """Whether there is such a place."""
+        """True when latitude and longitude are in range."""
         return abs(self.latitude) <= _POLE and abs(self.longitude) <= _WHOLE_TURN // 2
 
     @property
     def is_none(self) -> bool:
-        """Whether it is (0, 0), which ground stations leave where they name no place and mean "here"."""
+        """True for (0, 0), which ground stations send when they name no place and mean "here"."""
         return self.latitude == 0 and self.longitude == 0
 
 
 class MapProjection:
-    """Metres of the map as degrees, and back.
+    """Conversion between metres of the map and degrees.
 
     Args:
-        origin: of the map; not at a pole.
+        origin: position of the map's origin; not at a pole.
     """
 
     def __init__(self, origin: GeoOrigin) -> None:
@@ -60,17 +60,17 @@ class MapProjection:
         self._east = math.degrees(1.0 / parallel) * PER_DEGREE
 
     def place(self, x: float, y: float) -> GeoPoint:
-        """Where a point of the map, metres east and north, lies on earth; beyond a pole, at the pole."""
+        """Convert a point of the map, metres east and north, to one on earth; beyond a pole, the pole."""
         latitude = round(self._latitude + y * self._north)
         longitude = round(self._longitude + x * self._east)
         return GeoPoint(min(max(latitude, -_POLE), _POLE), _half_turn(longitude))
 
     def point(self, place: GeoPoint) -> tuple[float, float]:
-        """The point of the map, metres east and north, that lies there."""
+        """Convert a point on earth to one of the map, metres east and north."""
         east = _half_turn(place.longitude - self._longitude)
         return east / self._east, (place.latitude - self._latitude) / self._north
 
 
 def _half_turn(longitude: Number) -> Number:
-    """The same longitude from -180 degrees to 180."""
+    """Return the same longitude between -180 and 180 degrees."""
     return (longitude + _WHOLE_TURN // 2) % _WHOLE_TURN - _WHOLE_TURN // 2

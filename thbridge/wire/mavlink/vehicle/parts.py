@@ -1,4 +1,4 @@
-"""How a vehicle is put together: its parts hear and say by themselves, and know each other by what stands here."""
+"""Protocols of the parts of a vehicle, through which they know each other."""
 
 from collections.abc import Iterable
 from enum import IntEnum
@@ -10,48 +10,48 @@ from thbridge.wire.mavlink.vehicle_interface import Denied, RobotReadings, Stati
 
 
 class Microservice(Protocol):
-    """A part of a vehicle that speaks for itself: missions, parameters, commands.
+    """Microservice of a vehicle, such as its missions, parameters or commands.
 
-    Each part is given every message that is meant for its vehicle, and passes over those that it does not know.
+    It is given every message that is addressed to its vehicle, and ignores those that are not its own.
     """
 
     def hear(self, link: LinkId, sender: Station, message: Message) -> Iterable[OutgoingMessage]:
-        """A message has come in; what is answered at once."""
+        """Handle a message and return the answers."""
 
     def step(self, tick: int, readings: RobotReadings) -> Iterable[OutgoingMessage]:
-        """A tick has passed; what is said unasked."""
+        """Advance by one tick and return the messages that are due."""
 
     def forget(self, link: LinkId) -> None:
-        """A link is gone, and whoever was spoken to on it."""
+        """Forget a closed link and its stations."""
 
 
 class MissionControl(Protocol):
-    """A vehicle's mission, as its modes use it: it runs in mode auto and only then."""
+    """Mission of a vehicle as its modes use it: it runs in mode AUTO only."""
 
     @property
     def running(self) -> bool:
-        """Whether it drives the robot just now; it stops by itself at its end, and where an item fails."""
+        """True while it drives the robot; it stops by itself at its end, and where an item fails."""
 
     def start(self, first: int | None = None, last: int | None = None) -> Denied | None:
         """Run it.
 
         Args:
-            first: the item to begin with; None: where it stands, and from the beginning after its end.
+            first: the item to begin with; None: the current one, and item 0 after the mission's end.
             last: the item to end with; None: the last.
         """
 
     def pause(self) -> None:
-        """Stop running it and keep the place. The robot itself is halted by whoever calls this."""
+        """Stop running it and keep the current item. The caller must halt the robot itself."""
 
     def select(self, item: int) -> Denied | None:
-        """Go on with this item, now if it runs and else when it starts."""
+        """Continue with this item, now if the mission runs and else when it starts."""
 
     def current(self) -> Message:
-        """MISSION_CURRENT as it is now."""
+        """Return MISSION_CURRENT."""
 
 
 class TextSeverity(IntEnum):
-    """How much a sentence matters."""
+    """Severity of a text, a code of MAV_SEVERITY."""
 
     CRITICAL = mav.MAV_SEVERITY_CRITICAL
     WARNING = mav.MAV_SEVERITY_WARNING
@@ -60,13 +60,13 @@ class TextSeverity(IntEnum):
 
 
 class Announce(Protocol):
-    """How a part tells people something."""
+    """Function by which a part sends a text to people."""
 
     def __call__(self, severity: TextSeverity, sentence: str) -> None:
-        """Say a sentence as STATUSTEXT to all links, soon."""
+        """Queue a sentence as STATUSTEXT for all links."""
 
 
 def tell_why_not(announce: Announce, denied: Denied | None) -> None:
-    """Warn people of what the robot does not do; of what it does, they see enough."""
+    """Send the sentence of a denial, if there is one, as a warning."""
     if denied is not None:
         announce(TextSeverity.WARNING, denied.sentence)

@@ -1,4 +1,4 @@
-"""Small questions that every vehicle answers: is it there, what time is it, which streams."""
+"""Small microservices: PING, TIMESYNC, the GPS origin and REQUEST_DATA_STREAM."""
 
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
@@ -34,15 +34,15 @@ _GROUPS: Mapping[int, tuple[int, ...]] = MappingProxyType(
         ),
     }
 )
-"""The messages of each group that REQUEST_DATA_STREAM names, as ArduPilot has them."""
+"""Messages of each group of REQUEST_DATA_STREAM, as in ArduPilot."""
 
 
 class PingTimesync:
-    """Answers for one vehicle; a `Part`.
+    """Small answers of one vehicle; a `Microservice`.
 
     Args:
-        streams: the rates of its messages.
-        earth: where its map lies.
+        streams: rates of its messages.
+        earth: map projection.
     """
 
     def __init__(self, streams: Streams, earth: MapProjection) -> None:
@@ -51,10 +51,10 @@ class PingTimesync:
         self._tick = 0
 
     def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
-        """One of the questions."""
+        """Answer one of these requests."""
         match message:
             case mav.MAVLink_ping_message():
-                # With a target it is somebody's answer.
+                # A PING with a target is an answer, not a request.
                 if message.target_system == EVERYBODY:
                     answer = mav.MAVLink_ping_message(message.time_usec, message.seq, sender.system, sender.component)
                     yield OutgoingMessage(answer, link)
@@ -64,7 +64,7 @@ class PingTimesync:
                     now = max(1, microseconds(self._tick) * 1000)
                     yield OutgoingMessage(mav.MAVLink_timesync_message(now, message.ts1), link)
             case mav.MAVLink_set_gps_global_origin_message():
-                # The map lies where the study says; whoever wants it elsewhere is told.
+                # The study fixes the map's origin: a station that tries to set it gets the present one.
                 place = self._earth.place(0.0, 0.0)
                 altitude = round(self._earth.altitude * 1000.0)
                 yield OutgoingMessage(
@@ -74,12 +74,12 @@ class PingTimesync:
                 self._set_group(link, message)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """Nothing is said unasked."""
+        """Note the time; no message is due."""
         self._tick = tick
         return iter(())
 
     def forget(self, link: LinkId) -> None:
-        """Nothing is known of links but their rates, which are not ours."""
+        """Do nothing: the rates of links are kept by `Streams`."""
 
     def _set_group(self, link: LinkId, message: mav.MAVLink_request_data_stream_message) -> None:
         """Set the rate of a group of messages, or of all of them."""

@@ -1,4 +1,4 @@
-"""One robot as a MAVLink 2 ground rover, without sockets and clocks: messages in, messages out.
+"""A robot as a MAVLink 2 ground rover, without sockets and clocks: messages in, messages out.
 
 Source: the MAVLink developer guide, "Microservices".
 """
@@ -35,15 +35,15 @@ from thbridge.wire.mavlink.vehicle_interface import NOTHING_KNOWN, RobotReadings
 
 
 class Vehicle:
-    """One robot's voice in MAVLink.
+    """MAVLink vehicle of one robot.
 
-    A robot whose software does not answer has no voice: it hears nothing and says nothing until it answers again, so
-    that ground stations lose it as they would lose a real one.
+    While the robot's software does not respond, the vehicle neither handles nor sends messages, so that ground stations
+    lose it as they would lose a real one.
 
     Args:
         system: its system id, 1 to 250.
-        helm: the robot.
-        options: what the study says.
+        robot: interface to the robot.
+        options: options of the study.
     """
 
     def __init__(self, system: int, helm: VehicleInterface, options: VehicleOptions) -> None:
@@ -87,7 +87,7 @@ class Vehicle:
 
     @property
     def status(self) -> VehicleStatus:
-        """How it stands."""
+        """Status as in mavros_msgs/State."""
         now = self._standing
         bits = base_mode(now)
         return VehicleStatus(
@@ -100,7 +100,7 @@ class Vehicle:
         )
 
     def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
-        """Somebody said something to this vehicle, or to everybody; what it answers at once."""
+        """Handle a message to this vehicle, or to all, and return the answers."""
         if isinstance(message, mav.MAVLink_heartbeat_message):
             self._command.heartbeat(sender)
         elif self._readings.answers:
@@ -108,7 +108,7 @@ class Vehicle:
                 yield from part.hear(link, sender, message)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """A tick has passed; what it says by itself."""
+        """Advance by one tick and return the messages that are due."""
         self._tick, self._readings = tick, readings
         self._conduct.step(tick, readings)
         for sentence in readings.news:
@@ -123,12 +123,12 @@ class Vehicle:
         yield from self._texts.step(tick)
 
     def keep_alive(self) -> Iterator[OutgoingMessage]:
-        """No tick has passed for a while, but nothing is wrong: a heartbeat, as things stand."""
+        """Return a heartbeat with the present state, for a time without ticks."""
         if self._readings.answers:
             yield from self._heartbeat()
 
     def forget(self, link: LinkId) -> None:
-        """A link is gone, with the rates that were asked for on it."""
+        """Forget a closed link, with the rates that were requested on it."""
         self._streams.forget(link)
         for part in self._parts:
             part.forget(link)
@@ -139,7 +139,7 @@ class Vehicle:
         return TelemetryState(self._tick, self._readings, conduct.mode, conduct.armed, self._command.number)
 
     def _stream(self, tick: int) -> Iterator[OutgoingMessage]:
-        """The messages whose time has come, and a heartbeat at once when it shows something new."""
+        """Yield the messages that are due, and a heartbeat at once when mode or arming has changed."""
         standing = self._standing
         shown = (standing.mode, standing.armed)
         made: dict[int, Message | None] = {}

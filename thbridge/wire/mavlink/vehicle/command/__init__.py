@@ -1,1 +1,1 @@
-"""Commands of MAVLink: how they come in, who may give which, what each does, how it is acknowledged."""
+"""Command protocol of MAVLink: decoding, authorisation, execution and acknowledgement of commands."""

@@ -1,4 +1,4 @@
-"""What ground stations asked for by messages of their own, before there were commands for it.
+"""Deprecated messages, which ground stations sent before there were commands for the same.
 
 Source: MAVLink's `common.xml`, SET_MODE, SET_HOME_POSITION and CHANGE_OPERATOR_CONTROL; ArduPilot, for mission items
 that belong to no mission, and for the acknowledgement of SET_MODE.
@@ -20,7 +20,7 @@ from thbridge.wire.mavlink.vehicle.parts import Announce, TextSeverity, tell_why
 from thbridge.wire.mavlink.vehicle_interface import Denied, RobotReadings, Station, Target
 
 _GUIDED_ITEM = 2
-"""`current` of a mission item that is none, but where to go now."""
+"""`current` of a mission item that is a goal to drive to now, and no item of a mission."""
 
 _CONTROL_GRANTED, _CONTROL_ELSEWHERE = 0, 3
 _REQUEST_CONTROL = 0
@@ -29,15 +29,15 @@ _Item: TypeAlias = mav.MAVLink_mission_item_int_message | mav.MAVLink_mission_it
 
 
 class DeprecatedMessages:
-    """The older ways to command one vehicle; a `Part`.
+    """Deprecated messages to one vehicle; a `Microservice`.
 
     Args:
-        repertoire: knows the numbers of modes.
-        conduct: the robot's modes.
-        command: who is in command of it.
-        home: where it returns to.
-        earth: where its map lies.
-        announce: tells people.
+        commands: command table, which knows the numbers of modes.
+        modes: the robot's mode state machine.
+        control: the station in command of the robot.
+        home: home position.
+        earth: map projection.
+        announce: sends texts to people.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class DeprecatedMessages:
         self._announce = announce
 
     def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
-        """An old way to ask for a mode, a place, another home or the command."""
+        """Handle a deprecated request for a mode, a goal, another home position or the control of the robot."""
         match message:
             case mav.MAVLink_set_mode_message():
                 yield OutgoingMessage(self._set_mode(sender, message), link)
@@ -70,14 +70,14 @@ class DeprecatedMessages:
                 yield OutgoingMessage(self._operator_control(sender, message), link)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """Nothing is said unasked."""
+        """Return nothing: no message is due."""
         return iter(())
 
     def forget(self, link: LinkId) -> None:
-        """Nothing is known of links."""
+        """Do nothing: no state depends on links."""
 
     def _set_mode(self, sender: Station, message: mav.MAVLink_set_mode_message) -> Message:
-        """What is answered is an acknowledgement under the number of the message, as ArduPilot does."""
+        """Set a mode; the answer is a COMMAND_ACK with the message's id in place of a command, as in ArduPilot."""
         reply = self._repertoire.mode_reply(sender, message.base_mode, message.custom_mode, 0)
         if reply.sentence:
             self._announce(TextSeverity.WARNING, reply.sentence)
@@ -85,10 +85,10 @@ class DeprecatedMessages:
         return mav.MAVLink_command_ack_message(number, reply.result, 0, 0, sender.system, sender.component)
 
     def _guided_item(self, sender: Station, item: _Item) -> Message:
-        """Go to the place of a mission item."""
+        """Drive to the place of a mission item."""
         denied = self._command.objection(sender)
         if denied is None:
-            # In MISSION_ITEM, coordinates are degrees or metres; in the other, degrees times ten million.
+            # MISSION_ITEM has degrees or metres; MISSION_ITEM_INT has degrees times ten million.
             scale = 1 if isinstance(item, mav.MAVLink_mission_item_int_message) else PER_DEGREE
             if item.frame not in GLOBAL or not (math.isfinite(item.x) and math.isfinite(item.y)):
                 denied = Denied("Only a latitude and a longitude can be gone to this way.")
@@ -100,14 +100,14 @@ class DeprecatedMessages:
         return mav.MAVLink_mission_ack_message(sender.system, sender.component, result)
 
     def _set_home(self, sender: Station, place: GeoPoint) -> Denied | None:
-        """Nothing is answered: where home is now, everybody is told."""
+        """Set the home position; there is no answer but HOME_POSITION, which goes to all links."""
         reserved = self._command.reserved(sender)
         if reserved is not None:
             return reserved
         return self._home.set_here() if place.is_none else self._home.set_to(Target(*self._earth.point(place)))
 
     def _operator_control(self, sender: Station, message: mav.MAVLink_change_operator_control_message) -> Message:
-        """Take the command, or give it back: what arming and disarming do, but never by force."""
+        """Take or release control of the robot, as arming and disarming do, but never by force."""
         granted = _CONTROL_GRANTED
         if message.control_request == _REQUEST_CONTROL:
             denied = self._conduct.arm(sender, by_force=False)

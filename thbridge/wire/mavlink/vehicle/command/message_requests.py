@@ -1,4 +1,4 @@
-"""The commands by which stations ask a vehicle for messages: once, or again and again.
+"""Commands by which stations request messages of a vehicle: once, or at an interval.
 
 Source: MAVLink's `common.xml`, MAV_CMD.
 """
@@ -23,17 +23,17 @@ from thbridge.wire.mavlink.vehicle.telemetry.streams import OFF, Streams, ticks_
 from thbridge.wire.mavlink.vehicle.telemetry.telemetry import Telemetry, TelemetryState
 
 _LARGEST_ID = 0xFFFF
-"""Of a message whose interval MESSAGE_INTERVAL can tell."""
+"""Largest message id that fits into MESSAGE_INTERVAL."""
 
 
 class MessageRequests:
-    """What one vehicle can be asked to say.
+    """Message requests to one vehicle.
 
     Args:
-        streams: the rates of its messages.
-        telemetry: its messages.
-        particulars: what never changes of it.
-        standing: how it stands.
+        streams: rates of its messages.
+        telemetry: maker of its messages.
+        capabilities: maker of its constant messages.
+        state: returns its present state.
     """
 
     def __init__(
@@ -45,7 +45,7 @@ class MessageRequests:
         self._standing = standing
 
     def commands(self) -> Mapping[int, CommandSpec]:
-        """By their numbers; anybody may give them."""
+        """Return the commands by their numbers; any station may give them."""
         return {
             mav.MAV_CMD_SET_MESSAGE_INTERVAL: CommandSpec(self._set_message_interval),
             mav.MAV_CMD_GET_MESSAGE_INTERVAL: CommandSpec(self._get_message_interval),
@@ -56,7 +56,7 @@ class MessageRequests:
         }
 
     def _one(self, number: int) -> Callable[[ReceivedCommand], CommandReply]:
-        """Asks for one message, always the same."""
+        """Return a command that requests one message, always the same."""
         return lambda _: self._requested(number)
 
     def _requested(self, number: int) -> CommandReply:
@@ -89,7 +89,7 @@ class MessageRequests:
             return CommandReply(CommandResult.UNSUPPORTED)
         ticks = None if microseconds == 0.0 else OFF if microseconds < 0.0 else ticks_of(microseconds)
         if number == mav.MAVLINK_MSG_ID_HEARTBEAT:
-            # Whether a vehicle is there is judged by its heartbeats: once a second for everybody.
+            # Stations detect a vehicle by its heartbeats, so their rate stays once a second on every link.
             return ACCEPTED if ticks in (None, TICKS_PER_SECOND) else MALFORMED
         self._streams.change(order.link, number, ticks)
         return ACCEPTED

@@ -1,12 +1,11 @@
-"""The rules by which commands are acknowledged, whatever they are.
+"""Command protocol: checks, executes and acknowledges commands.
 
-Each command that comes in is answered by one COMMAND_ACK to whoever sent it, or by several that say IN_PROGRESS and one
-that ends them.
+Each command is answered by one COMMAND_ACK to its sender, or by several with IN_PROGRESS and a final one.
 
 Source: the MAVLink developer guide, "Command Protocol".
-Differs: a station that repeats a command which is done does not always count up `confirmation` (MAVSDK never does); so
-of commands that do something each time, an equal one within a second is taken for a repetition too. What anybody may
-ask is done again however often it is repeated: no stop is taken for an earlier one.
+Differs: a station that repeats a command which is done does not always count up `confirmation` (MAVSDK never does). So
+for commands with an effect at each execution, an equal one within a second counts as a repetition too. Commands that
+any station may give are executed at each repetition: a stop must never be taken for an earlier one.
 """
 
 import math
@@ -35,23 +34,23 @@ from thbridge.wire.mavlink.vehicle.parts import Announce, TextSeverity
 from thbridge.wire.mavlink.vehicle_interface import Denied, LegState, RobotReadings, Station
 
 _REMEMBERED = 5 * TICKS_PER_SECOND
-"""Ticks for which a repetition is known as one."""
+"""Ticks for which an answered command is kept to recognise its repetition."""
 
 _MOST_REMEMBERED = 64
 
 _Key: TypeAlias = tuple[LinkId, Station, int]
-"""Who asked where for which command."""
+"""Link, station and number of a command."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Done:
-    """A command that was answered.
+    """Command that was answered.
 
     Attributes:
-        order: as it came.
-        tick: when.
-        result: what was said of it.
-        once: each time it does something anew.
+        request: command as received.
+        tick: tick of the answer.
+        result: result in the answer.
+        once: True when each execution has another effect.
     """
 
     order: ReceivedCommand
@@ -62,14 +61,14 @@ class _Done:
 
 @dataclass(slots=True)
 class _Running:
-    """A command that takes its time: a way to a place.
+    """Command in progress: a drive to a place.
 
     Attributes:
-        order: as it came.
-        way: the number of the way.
-        length: metres, from where it began; None as long as that is unknown.
-        progress: per cent of it, last told.
-        told: the tick in which it was told.
+        request: command as received.
+        leg: number of the drive.
+        length: metres from its start; None while unknown.
+        progress: per cent of it that are done.
+        reported: tick of the last acknowledgement.
     """
 
     order: ReceivedCommand
@@ -80,13 +79,13 @@ class _Running:
 
 
 class CommandProtocol:
-    """The commands that come to one vehicle; a `Part`.
+    """Command protocol of one vehicle; a `Microservice`.
 
     Args:
-        repertoire: those that it knows.
-        command: who is in command of its robot.
-        conduct: the robot's modes.
-        announce: tells people.
+        commands: command table.
+        control: the station in command of the robot.
+        modes: the robot's mode state machine.
+        announce: sends texts to people.
     """
 
     def __init__(
@@ -101,7 +100,7 @@ class CommandProtocol:
         self._running: dict[_Key, _Running] = {}
 
     def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
-        """A command, or that one is to be cancelled."""
+        """Handle a command or the cancellation of one."""
         if isinstance(message, CommandCancel):
             yield from self._cancel(link, sender, message.command)
             return
@@ -114,7 +113,7 @@ class CommandProtocol:
             yield repeated
             return
         if key in self._running:
-            # It goes on; what is said of it later is said of the one that runs.
+            # The running one continues, and later acknowledgements are about that one.
             yield _ack(order, CommandResult.TEMPORARILY_REJECTED)
             return
         reply = self._judged(order)
@@ -129,7 +128,7 @@ class CommandProtocol:
             yield OutgoingMessage(answer, link)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """Tell how far what takes its time has come."""
+        """Acknowledge progress and end of commands in progress."""
         self._tick = tick
         for key, running in list(self._running.items()):
             result = self._result_of(running)
@@ -141,7 +140,7 @@ class CommandProtocol:
                 yield _ack(running.order, result, running.progress)
 
     def forget(self, link: LinkId) -> None:
-        """A link is gone; what was asked there goes on, and nobody is told."""
+        """Forget a closed link; its commands continue without acknowledgements."""
         self._done = {key: done for key, done in self._done.items() if key[0] != link}
         self._running = {key: running for key, running in self._running.items() if key[0] != link}
 
@@ -172,7 +171,7 @@ class CommandProtocol:
                 return None
 
     def _repeated(self, key: _Key, order: ReceivedCommand) -> OutgoingMessage | None:
-        """What was said of this command before, if it is not a new one."""
+        """Return the earlier acknowledgement again when a command is a repetition, else None."""
         done = self._done.get(key)
         if done is None or not _same(order, done.order):
             return None
@@ -184,7 +183,7 @@ class CommandProtocol:
     def _remember(self, key: _Key, order: ReceivedCommand, result: CommandResult) -> None:
         command = self._repertoire.find(order.number)
         if command is None or command.who is CommandAccess.ANYBODY:
-            # What anybody may ask, such as a message or a stop, is done again: it may be needed again by now.
+            # Commands for any station, such as a stop, are executed again: they may be needed again by now.
             return
         self._done.pop(key, None)
         while len(self._done) >= _MOST_REMEMBERED:
@@ -198,7 +197,7 @@ class CommandProtocol:
             yield _ack(running.order, CommandResult.CANCELLED)
 
     def _result_of(self, running: _Running) -> CommandResult:
-        """How a command that takes its time stands; its progress is brought up to date."""
+        """Return the present result of a command in progress, and update its progress."""
         if self._conduct.sent != running.way:
             return CommandResult.CANCELLED
         leg = self._conduct.leg
@@ -216,7 +215,7 @@ class CommandProtocol:
 
 
 def _same(one: ReceivedCommand, other: ReceivedCommand) -> bool:
-    """The same command, but for how often it was sent; a NaN is like every other."""
+    """Return True for equal commands, `confirmation` aside; NaN equals NaN."""
     return one.frame == other.frame and all(
         a == b or (math.isnan(a) and math.isnan(b)) for a, b in zip(one.params, other.params, strict=True)
     )

@@ -1,4 +1,4 @@
-"""Commands as they come in, whichever message carries them, who may give which, and what is answered."""
+"""Commands in a common form for COMMAND_LONG and COMMAND_INT, their specifications, and their replies."""
 
 import math
 from collections.abc import Callable
@@ -15,11 +15,11 @@ from thbridge.wire.mavlink.vehicle.geodesy import PER_DEGREE, GeoPoint, MapProje
 from thbridge.wire.mavlink.vehicle_interface import DenialKind, Denied, Station
 
 UNSET = 0x7FFFFFFF
-"""A coordinate of COMMAND_INT that is not given."""
+"""Value of a coordinate of COMMAND_INT that is not given."""
 
 
 class CommandResult(IntEnum):
-    """How a command ends: MAV_RESULT, with those numbers that pymavlink's dialect lacks."""
+    """Result of a command: MAV_RESULT, with the numbers that pymavlink's dialect lacks."""
 
     ACCEPTED = mav.MAV_RESULT_ACCEPTED
     TEMPORARILY_REJECTED = mav.MAV_RESULT_TEMPORARILY_REJECTED
@@ -35,15 +35,15 @@ class CommandResult(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class ReceivedCommand:
-    """A command from somebody.
+    """Command as received.
 
     Attributes:
-        link: where it came in.
-        station: who sent it.
-        number: of MAV_CMD.
-        params: the seven of them; NaN where one is not given.
-        frame: of its place; None where COMMAND_LONG carried it, which has no frame.
-        confirmation: how often it was sent before; always 0 of COMMAND_INT, which does not count.
+        link: link it came from.
+        station: its sender.
+        number: a code of MAV_CMD.
+        params: its seven parameters; NaN for one that is not given.
+        frame: frame of its place, a code of MAV_FRAME; None for COMMAND_LONG, which has no frame.
+        confirmation: number of earlier transmissions; always 0 for COMMAND_INT, which does not count them.
     """
 
     link: LinkId
@@ -54,13 +54,12 @@ class ReceivedCommand:
     confirmation: int
 
     def given(self, place: int) -> float | None:
-        """A parameter by its number from 1; None where it is not given."""
+        """Return a parameter by its number from 1; None when it is not given."""
         value = self.params[place - 1]
         return None if math.isnan(value) else value
 
     def whole(self, place: int, otherwise: int | None = None) -> int | None:
-        """A parameter that is to be a whole number, not below zero; `otherwise` where none is given, None where it is
-        none such."""
+        """Return a parameter that must be a whole number from 0; `otherwise` when not given, None when invalid."""
         value = self.given(place)
         if value is None:
             return otherwise
@@ -69,13 +68,13 @@ class ReceivedCommand:
 
 @dataclass(frozen=True, slots=True)
 class CommandReply:
-    """What is answered to a command.
+    """Reply to a command.
 
     Attributes:
-        result: in the acknowledgement.
-        messages: what follows it, to whoever asked.
-        sentence: for people, why not.
-        way: the number of the way at whose end it is over; None when it is over at once.
+        result: result in the acknowledgement.
+        messages: messages that follow it, to the sender of the command.
+        sentence: reason of a refusal, for people.
+        leg: number of the drive at whose end the command ends; None when it ends at once.
     """
 
     result: CommandResult
@@ -85,7 +84,7 @@ class CommandReply:
 
 
 class CommandCarrier(Enum):
-    """Which messages may carry a command."""
+    """Messages that may carry a command."""
 
     LONG = "COMMAND_LONG"
     INT = "COMMAND_INT"
@@ -93,7 +92,7 @@ class CommandCarrier(Enum):
 
 
 class CommandAccess(Enum):
-    """Who may give a command."""
+    """Stations that may give a command."""
 
     ANYBODY = "anybody"
     NO_RIVAL = "anybody, unless another station is in command"
@@ -102,14 +101,14 @@ class CommandAccess(Enum):
 
 @dataclass(frozen=True, slots=True)
 class CommandSpec:
-    """A command that the vehicle knows.
+    """Specification of a command that the vehicle knows.
 
     Attributes:
-        do: does it.
-        carrier: which messages may carry it.
-        frames: in which its place may be; empty where it has no place.
-        who: may give it.
-        once: each time it does something anew.
+        do: executes it.
+        carrier: messages that may carry it.
+        frames: frames in which its place may be given; empty when it has no place.
+        access: stations that may give it.
+        once: True when each execution has another effect.
     """
 
     do: Callable[[ReceivedCommand], CommandReply]
@@ -121,7 +120,7 @@ class CommandSpec:
 
 ACCEPTED = CommandReply(CommandResult.ACCEPTED)
 MALFORMED = CommandReply(CommandResult.DENIED)
-"""A parameter is none that this command can have."""
+"""Reply to a command with an invalid parameter."""
 
 _RESULTS = {
     DenialKind.DENIED: CommandResult.DENIED,
@@ -131,12 +130,12 @@ _RESULTS = {
 
 
 def reply_to(denied: Denied | None) -> CommandReply:
-    """What is answered when a robot does what it is told, or why it does not."""
+    """Return the reply for a granted or denied command."""
     return ACCEPTED if denied is None else CommandReply(_RESULTS[denied.refusal], sentence=denied.sentence)
 
 
 def order_of(link: LinkId, station: Station, message: Message) -> ReceivedCommand | None:
-    """The command in a message; None where it carries none."""
+    """Return the command in a message; None when it carries none."""
     if isinstance(message, mav.MAVLink_command_long_message):
         params = (
             message.param1,
@@ -156,19 +155,19 @@ def order_of(link: LinkId, station: Station, message: Message) -> ReceivedComman
 
 
 def decimal_of(value: float) -> float:
-    """What somebody meant whose decimal number came as a float of 32 bits: 0.4, and not 0.4000000059604645."""
+    """Return the shortest decimal number with this 32-bit float value: 0.4, and not 0.4000000059604645."""
     return float(str(np.float32(value)))
 
 
 def destination(
     order: ReceivedCommand, base_in_map: Pose2, earth: MapProjection
 ) -> tuple[float, float] | Denied | None:
-    """The point of the map that a command means, metres east and north.
+    """Return the point of the map that a command names, metres east and north.
 
-    A COMMAND_INT is in one of our frames; COMMAND_LONG has degrees, as 32-bit floats good to some decimetres.
+    A COMMAND_INT is in one of our frames; COMMAND_LONG has degrees, as 32-bit floats accurate to some decimetres.
 
     Returns:
-        `Denied` where there is no such latitude or longitude; None where the command names no place, by leaving it out
+        `Denied` when there is no such latitude or longitude; None when the command names no place, by leaving it out
         or by (0, 0) in degrees.
     """
     first, second = order.params[4], order.params[5]

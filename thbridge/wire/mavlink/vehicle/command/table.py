@@ -1,8 +1,8 @@
-"""The commands of MAVLink that a vehicle knows: which messages may carry each, who may give it, and what it does.
+"""Command table: the MAVLink commands that a vehicle knows, with carriers, access and execution.
 
 Source: MAVLink's `common.xml`, MAV_CMD.
-Differs: MISSION_START with zeros goes on where the mission stands, as with ArduPilot, and not with item 0: ground
-stations send it to continue too. To begin anew, item 0 is made the current one.
+Differs: MISSION_START with zeros continues with the current item, as in ArduPilot, and not with item 0: ground stations
+send it to continue too. To restart a mission, set item 0 as the current one.
 """
 
 import math
@@ -33,25 +33,25 @@ from thbridge.wire.mavlink.vehicle.mode.state_machine import ModeStateMachine
 from thbridge.wire.mavlink.vehicle_interface import Denied, Station, Target, VehicleInterface
 
 _FORCED = frozenset({21196, 2989})
-"""What stands for "by force" in arming: the standard's number, and MAVProxy's."""
+"""Values of the parameter "force" of arming: the standard's number, and MAVProxy's."""
 
 _REPOSITION_CHANGES_MODE = 1
 _LARGEST_ID = 0xFFFF
-"""Of an item."""
+"""Largest number of a mission item."""
 
 
 class CommandTable:
-    """What one vehicle can be commanded.
+    """Commands of one vehicle.
 
     Args:
-        helm: the robot.
-        conduct: its modes.
-        command: who is in command of it.
-        home: where it returns to.
-        base_in_map: where it is.
-        earth: where its map lies.
-        identity: whose autopilot it says it has.
-        requests: commands that ask it for messages, by their numbers.
+        robot: interface to the robot.
+        modes: the robot's mode state machine.
+        control: the station in command of the robot.
+        home: home position.
+        base_in_map: returns the robot's pose.
+        earth: map projection.
+        identity: autopilot that the vehicle presents itself as.
+        requests: commands that request messages, by their numbers.
     """
 
     def __init__(
@@ -96,7 +96,7 @@ class CommandTable:
         }
 
     def find(self, number: int) -> CommandSpec | None:
-        """The command of this number, if it is known."""
+        """Return the command of this number, if it is known."""
         return self._known.get(number)
 
     # -- command and modes --------------------------------------------------------------------------------------------
@@ -117,7 +117,7 @@ class CommandTable:
         return self.mode_reply(order.station, base, main, sub)
 
     def mode_reply(self, station: Station, base: int, main: int, sub: int) -> CommandReply:
-        """Change the mode to the one of these numbers, as DO_SET_MODE and SET_MODE have them."""
+        """Change the mode to the one of these numbers of DO_SET_MODE or SET_MODE."""
         mode: Mode | None
         if base & mav.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED:
             mode = mode_asked(self._identity, main, sub)
@@ -146,7 +146,7 @@ class CommandTable:
         self._conduct.stop()
         return ACCEPTED
 
-    # -- ways ---------------------------------------------------------------------------------------------------------
+    # -- goals --------------------------------------------------------------------------------------------------------
 
     def _reposition(self, order: ReceivedCommand) -> CommandReply:
         options = order.whole(2, otherwise=_REPOSITION_CHANGES_MODE)
@@ -175,7 +175,7 @@ class CommandTable:
             here = self._base_in_map()
             point = here.x, here.y
         if yaw == 0.0 and self._identity is AutopilotIdentity.ARDUPILOT:
-            # To ArduPilot, stations say 0 for what they leave open; its own rovers never heed this parameter.
+            # Stations send 0 to ArduPilot for an open heading; its own rovers ignore this parameter.
             yaw = None
         return reply_to(self._conduct.go(Target(*point, None if yaw is None else theta_of(yaw)), speed))
 
@@ -199,7 +199,7 @@ class CommandTable:
         first, last = order.whole(1, otherwise=0), order.whole(2, otherwise=0)
         if first is None or last is None:
             return MALFORMED
-        # Stations that want to go on, or all of it, send zeros.
+        # Stations that want to continue, or the whole mission, send zeros.
         return reply_to(self._conduct.run(first or None, last or None))
 
     def _select_item(self, order: ReceivedCommand) -> CommandReply:

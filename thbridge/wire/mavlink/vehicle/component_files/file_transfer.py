@@ -1,12 +1,12 @@
-"""A vehicle's files: anybody may read them, nobody may write any. The server's side of MAVLink's file transfer.
+"""MAVLink FTP server of a vehicle; its files are read-only.
 
 Source: the MAVLink developer guide, "File Transfer Protocol (FTP)".
-Differs: sessions belong to who opened them, so that nobody closes or reads another's, and have the number that their
-requester proposes: MAVProxy tells its transfers apart by that, and MAVSDK heeds no other number. Who proposes one that
-is open gets it where that file was read to its end, is the same or was left, since the word that closes a session may
-be lost; else there is no room. What is asked of all vehicles at once is passed over: a file is one vehicle's, and a
-burst of each of them a flood. The last piece of a file ends its burst; there is no EOF after it, which MAVSDK would
-take for a failure when it misses that piece.
+Differs: a session belongs to the station that opened it, so that stations cannot close or read each other's, and has
+the number that the station proposes: MAVProxy tells its transfers apart by it, and MAVSDK accepts no other. A station
+that proposes the number of an open session gets it if that file was read to its end, is the same or is idle, since the
+request that closes a session may be lost; else there is no room. Requests to all vehicles at once are ignored: a file
+is one vehicle's, and bursts of all of them would be a flood. The last piece of a file ends its burst; there is no EOF
+after it, which MAVSDK would take for a failure when it misses that piece.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -21,22 +21,22 @@ from thbridge.wire.mavlink.vehicle.component_files.metadata_files import checksu
 from thbridge.wire.mavlink.vehicle_interface import RobotReadings, Station
 
 PIECES_PER_TICK = 3
-"""Of all bursts of one vehicle together: 36 kB a second."""
+"""Pieces of all bursts of one vehicle together: 36 kB a second."""
 
 _HEAD = Struct("<HBBBBBxI")
-"""Sequence, session, opcode, size of the data, opcode that is answered, whether a burst ends, offset."""
+"""Sequence, session, opcode, size of the data, opcode of the request, end of a burst, offset."""
 
 _MOST_DATA = 239
 _PAYLOAD = _HEAD.size + _MOST_DATA
 
 _MOST_SESSIONS = 8
-"""Of one requester."""
+"""Most open sessions of one requester."""
 
 _IDLE = 10 * TICKS_PER_SECOND
-"""Ticks after which a session that is not used makes room for another; a station may have gone without a word."""
+"""Ticks after which an unused session makes room for another; a station may have disappeared."""
 
 _MOST_REQUESTERS = 32
-"""Who was not heard for the longest time is forgotten first."""
+"""Most requesters; the one whose last request is oldest is forgotten first."""
 
 _ROOTS = ("", ".")
 
@@ -52,7 +52,7 @@ _WRITING = frozenset(
         mav.MAV_FTP_OPCODE_RENAME,
     }
 )
-"""What would change a file."""
+"""Opcodes that would change a file."""
 
 _Requester: TypeAlias = tuple[LinkId, Station]
 _Transfer: TypeAlias = tuple[_Requester, int]
@@ -61,15 +61,15 @@ _Transfer: TypeAlias = tuple[_Requester, int]
 
 @dataclass(frozen=True, slots=True)
 class _Request:
-    """A request as it travels.
+    """Decoded request.
 
     Attributes:
-        sequence: of the requester's; each answer counts up from it.
-        session: it is about.
-        opcode: of MAV_FTP_OPCODE.
-        size: of the data, or how much is wanted, bytes.
-        offset: into the file, or into the list of a directory.
-        data: that came with it.
+        sequence: number of the request; answers count up from it.
+        session: number of its session.
+        opcode: a code of MAV_FTP_OPCODE.
+        size: size of the data, or bytes wanted.
+        offset: offset into the file, or into the list of a directory.
+        data: payload data.
     """
 
     sequence: int
@@ -81,30 +81,30 @@ class _Request:
 
     @property
     def path(self) -> str:
-        """The file or directory that is meant, from the root."""
+        """Path of the file or directory, from the root."""
         return self.data[: self.size].partition(b"\0")[0].decode("utf-8", errors="replace").strip("/")
 
     @property
     def wanted(self) -> int:
-        """Bytes of a piece; a size of zero leaves it to us: so mavros reads, and so ArduPilot takes bursts."""
+        """Bytes of a piece; a size of zero means the largest: so mavros reads, and so ArduPilot serves bursts."""
         return self.size or _MOST_DATA
 
 
 @dataclass(frozen=True, slots=True)
 class _Refused:
-    """Why a request is not granted, a code of MAV_FTP_ERR."""
+    """Refusal of a request, a code of MAV_FTP_ERR."""
 
     error: int
 
 
 @dataclass(slots=True)
 class _Session:
-    """An open file.
+    """Open file.
 
     Attributes:
-        content: of the file.
-        used: the tick in which it was last used.
-        is_read: its last byte has been sent.
+        content: content of the file.
+        used: tick of its last use.
+        is_read: True when its last byte has been sent.
     """
 
     content: bytes
@@ -114,23 +114,23 @@ class _Session:
 
 @dataclass(slots=True)
 class _Client:
-    """What is known of a requester.
+    """State of a requester.
 
     Attributes:
         sessions: its open files, by number.
-        answered: the last request about each session that was answered at once, and how.
+        answered: last request of each session that was answered at once, and the answer.
     """
 
     sessions: dict[int, _Session] = field(default_factory=dict)
     answered: dict[int, tuple[bytes, bytes]] = field(default_factory=dict)
 
     def before(self, session: int, asked: bytes) -> bytes | None:
-        """What was answered if this is what was asked last."""
+        """Return the earlier answer when a request is a repetition of the last one."""
         last, answer = self.answered.get(session, (b"", b""))
         return answer if asked == last else None
 
     def remember(self, session: int, asked: bytes, answer: bytes | None) -> None:
-        """An answer to a request; None: a burst, which is begun again when it is asked for again."""
+        """Keep the answer to a request; None for a burst, which a repeated request begins again."""
         self.answered.pop(session, None)
         if answer is not None:
             while len(self.answered) >= _MOST_SESSIONS:
@@ -140,13 +140,13 @@ class _Client:
 
 @dataclass(slots=True)
 class _Burst:
-    """A file on its way, piece by piece.
+    """File that is being sent, piece by piece.
 
     Attributes:
-        session: it is read in.
-        offset: of the next piece.
-        size: of a piece.
-        sequence: of the last one.
+        session: session of the transfer.
+        offset: offset of the next piece.
+        size: size of a piece, bytes.
+        sequence: sequence number of the last piece.
     """
 
     session: _Session
@@ -156,27 +156,27 @@ class _Burst:
 
 
 class FileTransfer:
-    """The files of one vehicle; a `Part`.
+    """File server of one vehicle; a `Microservice`.
 
     Args:
-        files: each by its name; all lie in the root.
+        files: returns the contents by file name; all files lie in the root.
     """
 
     def __init__(self, files: Callable[[], Mapping[str, bytes]]) -> None:
         self._files = files
         self._tick = 0
         self._clients: dict[_Requester, _Client] = {}
-        # The one whose turn it is comes first.
+        # In the order of their turns: each sends a piece and goes to the end.
         self._bursts: dict[_Transfer, _Burst] = {}
 
     def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
-        """A request; one that comes again is answered as before."""
+        """Answer a request; a repeated one gets the same answer as before."""
         if not isinstance(message, mav.MAVLink_file_transfer_protocol_message) or message.target_system == EVERYBODY:
             return
         asked = bytes(message.payload)
         request = _request_of(asked)
         if request.opcode >= mav.MAV_FTP_OPCODE_ACK:
-            # Somebody's answer. Two that answer answers would never end.
+            # An answer. Two servers that answered answers would never stop.
             return
         requester = link, sender
         client = self._client(requester)
@@ -188,7 +188,7 @@ class FileTransfer:
             yield _said(requester, answer)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """A tick has passed: bursts go on, in turns."""
+        """Send the next pieces of the bursts, in turns."""
         self._tick = tick
         for _ in range(PIECES_PER_TICK):
             if not self._bursts:
@@ -201,7 +201,7 @@ class FileTransfer:
                 self._bursts[transfer] = burst
 
     def forget(self, link: LinkId) -> None:
-        """A link is gone, and whoever read files on it."""
+        """Forget a closed link and its requesters."""
         for requester in [known for known in self._clients if known[0] == link]:
             self._dismiss(requester)
 
@@ -217,7 +217,7 @@ class FileTransfer:
             self._bursts.pop((requester, number), None)
 
     def _outcome(self, requester: _Requester, client: _Client, request: _Request) -> bytes | None:
-        """The answer to a request; None: it comes in a burst."""
+        """Return the answer to a request; None for a burst."""
         if request.size > _MOST_DATA:
             return _answer(request, _WRONG_SIZE)
         match request.opcode:
@@ -269,7 +269,7 @@ class FileTransfer:
         return _NO_SESSION if client.sessions.pop(number, None) is None else b""
 
     def _listed(self, request: _Request) -> bytes | _Refused:
-        """As many files as there is room for, from one on."""
+        """List as many files as fit, from the requested offset."""
         if request.path not in _ROOTS:
             return _NOT_FOUND
         entries = [f"F{name}\t{len(content)}\0".encode() for name, content in self._files().items()]
@@ -289,7 +289,7 @@ class FileTransfer:
         return piece or _END
 
     def _begin(self, requester: _Requester, client: _Client, request: _Request) -> bytes | None:
-        """Begin a burst, in place of one that there was in this session; its pieces come with the next ticks."""
+        """Begin a burst, in place of another one of this session; its pieces come with the next ticks."""
         session = self._used(client, request)
         if session is None:
             return _answer(request, _NO_SESSION)
@@ -306,7 +306,7 @@ class FileTransfer:
         return session
 
     def _piece(self, burst: _Burst, number: int) -> bytes:
-        """The next piece of a burst, which then has come further."""
+        """Encode the next piece of a burst, and advance the burst."""
         content, offset = burst.session.content, burst.offset
         data = content[offset : offset + burst.size]
         burst.session.used = self._tick
@@ -340,7 +340,7 @@ def _request_of(payload: bytes) -> _Request:
 
 
 def _answer(request: _Request, outcome: bytes | _Refused) -> bytes:
-    """The payload of an answer."""
+    """Encode the payload of an answer."""
     if isinstance(outcome, _Refused):
         opcode, data = mav.MAV_FTP_OPCODE_NAK, bytes((outcome.error,))
     else:

@@ -1,9 +1,9 @@
-"""The files that tell ground stations about a vehicle: which there are, and what its parameters mean.
+"""Metadata files for ground stations: the list of files about a vehicle, and descriptions of its parameters.
 
 Source: the MAVLink developer guide, "Component Metadata Protocol"; the schemas in `component_metadata` of MAVLink's
 repository.
-Differs: files are not compressed, because libraries compress differently, and a replay says the same bytes on any
-machine. Parameters are of version 1, the only one that QGroundControl reads; the schema has been counted up since.
+Differs: files are not compressed, because libraries compress differently, and a replay must give the same bytes on any
+machine. The parameter file is of version 1, the only one that QGroundControl reads, though the schema has a newer one.
 """
 
 import json
@@ -20,14 +20,14 @@ PARAMETERS = "parameters.json"
 
 _VERSION = 1
 _TYPE_PARAMETER = 1
-"""Of COMP_METADATA_TYPE."""
+"""Code of COMP_METADATA_TYPE."""
 
 _KEPT = 16
-"""Different sets of parameters whose files are kept; robots of one study mostly share one."""
+"""Sets of parameters whose files are cached; robots of one study mostly share one."""
 
 
 class MetadataFiles:
-    """The files of one vehicle. They never change, as the protocol wants it.
+    """Metadata files of one vehicle. They never change, as the protocol demands.
 
     Args:
         settings: its parameters.
@@ -38,17 +38,17 @@ class MetadataFiles:
 
     @cached_property
     def contents(self) -> Mapping[str, bytes]:
-        """Each file by its name."""
+        """Contents by file name."""
         return _contents(tuple(self._settings.descriptions()))
 
 
 def uri(name: str) -> str:
-    """Where ground stations find a file of this component."""
+    """Return the URI of a file of this component."""
     return f"mftp://{name}"
 
 
 def checksum(content: bytes) -> int:
-    """A file's checksum as MAVLink's file transfer has it: CRC-32 that begins with 0, and is not inverted."""
+    """Return a file's checksum as in MAVLink FTP: CRC-32 that begins with 0 and is not inverted."""
     return zlib.crc32(content, 0xFFFFFFFF) ^ 0xFFFFFFFF
 
 
@@ -61,7 +61,7 @@ def _contents(descriptions: tuple[ParameterDescription, ...]) -> Mapping[str, by
 
 
 def _parameter(described: ParameterDescription) -> dict[str, object]:
-    """One parameter as its schema has it; what the schema takes for granted is left out."""
+    """Return a parameter's entry by the schema; values that equal the schema's defaults are left out."""
     told: dict[str, object] = {
         "name": described.name,
         "type": "Float",

@@ -1,1 +1,1 @@
-"""Missions: how they are uploaded and downloaded, what their items mean, and how one is carried out."""
+"""Missions: upload and download, meaning of the items, and execution."""

@@ -1,4 +1,4 @@
-"""How a mission is read back from a robot, by any number of stations at a time.
+"""Mission download from a robot, by any number of stations at a time.
 
 Source: the MAVLink developer guide, "Mission Protocol".
 """
@@ -15,24 +15,24 @@ from thbridge.wire.mavlink.vehicle.mission.peer import EMPTY_TYPES, MISSION, Mis
 from thbridge.wire.mavlink.vehicle.mission.run import MissionRun
 
 DOWNLOAD_PATIENCE = 6 * 3 * TICKS_PER_SECOND // 2
-"""Ticks after which whoever reads a plan has gone: all six tries of 1500 ms."""
+"""Ticks without a request after which a download has ended: all six tries of 1500 ms."""
 
 _Request: TypeAlias = mav.MAVLink_mission_request_message | mav.MAVLink_mission_request_int_message
 
 
 @dataclass(slots=True)
 class _Download:
-    """Somebody who reads the plan, which stays for them as it was when they began."""
+    """Download of a plan; the plan stays as it was when the download began."""
 
     plan: tuple[MissionItem, ...]
     asked: int
 
 
 class MissionDownloads:
-    """Those who read one robot's plan.
+    """Downloads of one robot's plan.
 
     Args:
-        run: who has it.
+        run: holder of the plan.
     """
 
     def __init__(self, run: MissionRun) -> None:
@@ -41,7 +41,7 @@ class MissionDownloads:
         self._tick = 0
 
     def begin(self, peer: MissionPeer, mission_type: int) -> OutgoingMessage:
-        """Somebody asks how many items there are."""
+        """Begin a download: answer with the number of items."""
         if mission_type in EMPTY_TYPES:
             return _count(peer, 0, mission_type)
         if mission_type != MISSION:
@@ -50,7 +50,7 @@ class MissionDownloads:
         return _count(peer, len(self._run.plan), mission_type, self._run.plan_id)
 
     def item(self, peer: MissionPeer, message: _Request) -> OutgoingMessage:
-        """Somebody asks for an item, in the form of its request."""
+        """Return a requested item, in the form of the request."""
         if message.mission_type not in (MISSION, *EMPTY_TYPES):
             return peer.ack(mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
         download = self._downloads.get(peer)
@@ -64,18 +64,18 @@ class MissionDownloads:
         return OutgoingMessage(told(plan[seq], seq, seq == self._run.at, peer.station), peer.link)
 
     def end(self, peer: MissionPeer) -> None:
-        """Somebody has all that they want, or has changed the plan."""
+        """End a download: the station has all items, or has changed the plan."""
         self._downloads.pop(peer, None)
 
     def step(self, tick: int) -> None:
-        """A tick has passed; who has not asked for long is forgotten."""
+        """Forget downloads without a recent request."""
         self._tick = tick
         self._downloads = {
             peer: there for peer, there in self._downloads.items() if tick - there.asked <= DOWNLOAD_PATIENCE
         }
 
     def forget(self, link: LinkId) -> None:
-        """A link is gone, and who read on it."""
+        """Forget a closed link and its downloads."""
         self._downloads = {peer: there for peer, there in self._downloads.items() if peer.link != link}
 
 

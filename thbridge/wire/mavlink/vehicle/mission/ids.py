@@ -1,7 +1,7 @@
-"""The number of a plan, by which a station knows whether the plan it has is the robot's; and the messages with it.
+"""Plan ids, by which a station detects whether its plan is the robot's, and the messages that carry them.
 
 Source: the MAVLink developer guide, "Mission Protocol", "Detecting Mission/Plan Changes". The fields are younger than
-pymavlink's dialect, so that its messages are lengthened here; whoever does not know them reads over them.
+pymavlink's dialect, so its messages are extended here; receivers that do not know the fields ignore them.
 """
 
 import struct
@@ -16,7 +16,7 @@ _ITEM = struct.Struct("<HB4f2if?")
 
 
 def plan_id(items: Iterable[MissionItem]) -> int:
-    """A number that is equal for equal plans and hardly for others; 0 for an empty one."""
+    """Return a checksum of a plan; 0 for an empty one."""
     crc = 0
     for item in items:
         crc = zlib.crc32(
@@ -27,7 +27,7 @@ def plan_id(items: Iterable[MissionItem]) -> int:
 
 @extended("uint32_t opaque_id")
 class MissionAck(mav.MAVLink_mission_ack_message):
-    """MISSION_ACK that tells which plan the robot has now."""
+    """MISSION_ACK with the id of the robot's new plan."""
 
     def __init__(self, target_system: int, target_component: int, result: int, mission_type: int, plan: int) -> None:
         super().__init__(target_system, target_component, result, mission_type)
@@ -36,17 +36,17 @@ class MissionAck(mav.MAVLink_mission_ack_message):
 
 @extended("uint32_t opaque_id")
 class MissionCount(mav.MAVLink_mission_count_message):
-    """MISSION_COUNT that tells which plan it is of."""
+    """MISSION_COUNT with the plan's id."""
 
     def __init__(self, target_system: int, target_component: int, count: int, mission_type: int, plan: int) -> None:
         super().__init__(target_system, target_component, count, mission_type)
         self.opaque_id = plan
 
 
-# Plans of fences and rally points, of which it has none, would follow.
+# The ids of fences and rally points, which would follow, are left out: there are none.
 @extended("uint32_t mission_id")
 class MissionCurrent(mav.MAVLink_mission_current_message):
-    """MISSION_CURRENT that tells which plan the robot has."""
+    """MISSION_CURRENT with the id of the robot's plan."""
 
     def __init__(self, seq: int, total: int, mission_state: int, mission_mode: int, plan: int) -> None:
         super().__init__(seq, total, mission_state, mission_mode)

@@ -1,4 +1,4 @@
-"""What a mission is made of: its items, which of them a robot can do, and how they travel.
+"""Mission items: encoding, and the checks whether a robot can execute them.
 
 Source: the MAVLink developer guide, "Mission Protocol" and the enumerations MAV_CMD and MAV_FRAME.
 """
@@ -16,21 +16,21 @@ from thbridge.wire.mavlink.vehicle_interface import Station
 
 _LARGEST = 2**31 - 1
 _FRAMES = GLOBAL | {mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_MISSION}
-"""The last is that of items which have no place."""
+"""Frames of items; MAV_FRAME_MISSION is that of items without a place."""
 
 
 @dataclass(frozen=True, slots=True)
 class MissionItem:
-    """One item of a mission, as it came and goes: what it asks is `command`'s meaning of the rest.
+    """Item of a mission; `command` decides the meaning of the other fields.
 
     Attributes:
         command: a code of MAV_CMD.
         frame: a code of MAV_FRAME.
-        params: the first four parameters; NaN where one is not used.
-        x: the fifth, as MISSION_ITEM_INT has it: 1e-7 degrees of latitude, 1e-4 metres, or a plain number.
+        params: the first four parameters; NaN for an unused one.
+        x: the fifth, as in MISSION_ITEM_INT: 1e-7 degrees of latitude, 1e-4 metres, or a plain number.
         y: the sixth, likewise.
         z: the seventh.
-        autocontinue: whether the mission goes on by itself after it.
+        autocontinue: True when the mission continues by itself after it.
     """
 
     command: int
@@ -43,22 +43,22 @@ class MissionItem:
 
     @property
     def has_place(self) -> bool:
-        """Whether it names a place; (0, 0) in degrees is none."""
+        """True when it names a place; (0, 0) in degrees is none."""
         return _takes_place(self.command) and not (self.frame in GLOBAL and GeoPoint(self.x, self.y).is_none)
 
     @property
     def is_here(self) -> bool:
-        """Whether it is to make home where the robot is then."""
+        """True when it sets the home position to where the robot is then."""
         return self.command == mav.MAV_CMD_DO_SET_HOME and (self.params[0] == 1.0 or not self.has_place)
 
 
 @dataclass(frozen=True, slots=True)
 class InvalidItem:
-    """Why an item cannot be part of a mission.
+    """Reason why an item cannot be part of a mission.
 
     Attributes:
         result: a code of MAV_MISSION_RESULT.
-        sentence: for people.
+        sentence: reason for people.
     """
 
     result: int
@@ -68,7 +68,7 @@ class InvalidItem:
 def item_of(
     message: mav.MAVLink_mission_item_message | mav.MAVLink_mission_item_int_message,
 ) -> MissionItem | InvalidItem:
-    """The item in a message of either form; `Unfit` where its place is no number or beyond what can be kept."""
+    """Return the item in a message of either form; `InvalidItem` when its place does not fit into 32 bits."""
     if isinstance(message, mav.MAVLink_mission_item_int_message):
         x, y = message.x, message.y
     else:
@@ -85,14 +85,14 @@ def item_of(
 
 
 def message_of(item: MissionItem, seq: int, current: bool, station: Station) -> mav.MAVLink_mission_item_int_message:
-    """The item as it is told to whoever asks for it."""
+    """Return the item as MISSION_ITEM_INT."""
     places = (item.x, item.y, item.z)
     head = (station.system, station.component, seq, item.frame, item.command, int(current), int(item.autocontinue))
     return mav.MAVLink_mission_item_int_message(*head, *item.params, *places)
 
 
 def old_message_of(item: MissionItem, seq: int, current: bool, station: Station) -> mav.MAVLink_mission_item_message:
-    """The item in the form of old, whose coordinates are 32-bit floats: degrees are then good to some decimetres."""
+    """Return the item as MISSION_ITEM, whose coordinates are 32-bit floats: degrees to some decimetres."""
     scale = _scale(item.command, item.frame)
     places = (item.x / scale, item.y / scale, item.z)
     head = (station.system, station.component, seq, item.frame, item.command, int(current), int(item.autocontinue))
@@ -100,7 +100,7 @@ def old_message_of(item: MissionItem, seq: int, current: bool, station: Station)
 
 
 def unfit(item: MissionItem, count: int) -> InvalidItem | None:
-    """Why the item cannot be part of a mission of so many items; None where it can."""
+    """Return the reason why the item cannot be part of a mission of `count` items; None when it can."""
     rules = _COMMANDS.get(item.command)
     if rules is None:
         return InvalidItem(mav.MAV_MISSION_UNSUPPORTED, f"command {item.command} is not for these robots")
@@ -129,7 +129,7 @@ def _misplaced(item: MissionItem) -> InvalidItem | None:
 
 
 _Rule = tuple[Callable[[float, int], bool], str]
-"""Whether a parameter fits into a mission of so many items, and what is wrong if not."""
+"""Predicate of a valid parameter in a mission of so many items, and the complaint about an invalid one."""
 
 _SECONDS: _Rule = (lambda value, _: value >= 0.0 and math.isfinite(value), "has to be seconds, 0 or more")
 _SECONDS_IF_ANY: _Rule = (lambda value, _: math.isnan(value) or 0.0 <= value < math.inf, _SECONDS[1])
@@ -159,7 +159,7 @@ _COMMANDS: Mapping[int, Mapping[int, _Rule]] = MappingProxyType(
         mav.MAV_CMD_USER_2: {},
     }
 )
-"""What a mission may ask of a robot: for each command, which of its first four parameters have to be how."""
+"""Commands in missions: for each, the rules for its first four parameters."""
 
 _PLACES = frozenset(
     (
@@ -185,12 +185,12 @@ def _takes_place(command: int) -> bool:
 
 
 def _scale(command: int, frame: int) -> float:
-    """What a place is multiplied with to travel as an integer."""
+    """Return the factor that makes a coordinate an integer."""
     if not _takes_place(command):
         return 1.0
     return PER_METRE if frame == mav.MAV_FRAME_LOCAL_NED else PER_DEGREE
 
 
 def _number(value: float) -> float:
-    """The same, but all NaN are one, so that items which look alike are equal."""
+    """Replace any NaN by one object, so that items with the same values are equal."""
     return math.nan if math.isnan(value) else value

@@ -1,4 +1,4 @@
-"""Whoever transfers a mission to or from a vehicle, and what both ways say to them."""
+"""Station that uploads or downloads a mission, and the acknowledgement to it."""
 
 from typing import NamedTuple
 
@@ -10,20 +10,20 @@ from thbridge.wire.mavlink.vehicle_interface import Station
 MISSION = mav.MAV_MISSION_TYPE_MISSION
 
 EMPTY_TYPES = frozenset((mav.MAV_MISSION_TYPE_FENCE, mav.MAV_MISSION_TYPE_RALLY))
-"""Of these a robot has none, and takes none."""
+"""Types of plans that a robot never has and does not take."""
 
 
 class MissionPeer(NamedTuple):
-    """Whoever takes part in a transfer; stations on different links may well have the same ids."""
+    """Station of a transfer, with its link: stations on different links may have the same ids."""
 
     link: LinkId
     station: Station
 
     @property
     def target(self) -> tuple[int, int]:
-        """The system and component that messages to it name."""
+        """Target system and component of messages to it."""
         return self.station.system, self.station.component
 
     def ack(self, result: int, mission_type: int = MISSION, plan: int = 0) -> OutgoingMessage:
-        """How a transfer ended, or why there is none: a code of MAV_MISSION_RESULT, and the number of the plan."""
+        """Return a MISSION_ACK with a code of MAV_MISSION_RESULT and the plan's id."""
         return OutgoingMessage(MissionAck(*self.target, result, mission_type, plan), self.link)

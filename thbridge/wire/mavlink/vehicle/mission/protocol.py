@@ -1,7 +1,7 @@
-"""How a mission comes to a robot: the mission protocol, without sockets and clocks; `mission_downloads` reads it back.
+"""Mission protocol without sockets and clocks: upload to a robot; `downloads` handles the other direction.
 
 Source: the MAVLink developer guide, "Mission Protocol".
-Differs: a partial list may be written, as ArduPilot's may, but becomes the plan only when it is complete.
+Differs: a partial list may be written, as in ArduPilot, but becomes the plan only when it is complete.
 """
 
 from collections.abc import Iterator
@@ -19,36 +19,36 @@ from thbridge.wire.mavlink.vehicle.parts import Announce, TextSeverity
 from thbridge.wire.mavlink.vehicle_interface import DenialKind, Denied, RobotReadings, Station
 
 LONGEST = 700
-"""Items of the longest mission."""
+"""Most items of a mission."""
 
 ITEM_PATIENCE = -(-TICKS_PER_SECOND // 4)
-"""Ticks until an item is asked for again: 250 ms."""
+"""Ticks until an item is requested again: 250 ms."""
 
 RETRIES = 5
-"""How often it is asked for again until the transfer is given up."""
+"""Repeated requests for an item before the transfer is aborted."""
 
 TRIES_OF_NEW_FORM = 4
-"""How often the first item is asked for as MISSION_ITEM_INT, before it is asked for in the form of old."""
+"""Requests for the first item as MISSION_ITEM_INT before it is requested as MISSION_ITEM."""
 
 _ItemMessage = mav.MAVLink_mission_item_message | mav.MAVLink_mission_item_int_message
 
 _GUIDED = (2, 3)
-"""As an item's `current`: it belongs to no mission, but is a place to go to at once, or an altitude."""
+"""Values of an item's `current` for an item outside of missions: a place to go to at once, or an altitude."""
 
 
 @dataclass(slots=True)
 class _Upload:
-    """A transfer to the robot under way.
+    """Upload in progress.
 
     Attributes:
-        peer: who sends.
-        kept_before: items of the plan as it is that come before the first one sent.
-        kept_after: those that come after the last one sent.
-        count: how many are sent.
-        asked: the tick in which the next item was last asked for.
-        retries: how often it was asked for again.
-        old_form: whether it is asked for in the form of old.
-        items: what has come, in order.
+        peer: the sender.
+        kept_before: items of the present plan before the first one that is sent.
+        kept_after: items of the present plan after the last one that is sent.
+        count: number of items that are sent.
+        asked: tick of the last request for the next item.
+        retries: number of repeated requests for it.
+        old_form: True when it is requested as MISSION_ITEM.
+        items: items received, in order.
     """
 
     peer: MissionPeer
@@ -62,28 +62,28 @@ class _Upload:
 
     @property
     def next(self) -> int:
-        """The number of the item that is waited for."""
+        """Number of the item that comes next."""
         return len(self.kept_before) + len(self.items)
 
     @property
     def size(self) -> int:
-        """Items of the plan that this will be."""
+        """Number of items of the new plan."""
         return len(self.kept_before) + self.count + len(self.kept_after)
 
 
 class _Completed(NamedTuple):
-    """The upload that was completed last; its last item comes again if the acknowledgement got lost."""
+    """Last completed upload; its last item comes again if the acknowledgement got lost."""
 
     peer: MissionPeer
     last: int
 
 
 class MissionProtocol:
-    """The transfer of one robot's plan: one to it at a time, any number from it.
+    """Transfer of one robot's plan: one upload at a time, any number of downloads; a `Microservice`.
 
     Args:
-        run: who has the plan and carries it out.
-        announce: tells people why something is refused.
+        run: holds the plan and executes it.
+        announce: sends texts to people.
     """
 
     def __init__(self, run: MissionRun, announce: Announce) -> None:
@@ -95,7 +95,7 @@ class MissionProtocol:
         self._tick = 0
 
     def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
-        """What is answered; nothing to a message that is not of this protocol."""
+        """Answer a message of this protocol."""
         peer = MissionPeer(link, sender)
         match message:
             case mav.MAVLink_mission_count_message():
@@ -121,14 +121,14 @@ class MissionProtocol:
                 yield from self._hear_ack(peer, message.type)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """A tick has passed; an item that has not come is asked for again, and the mission goes on."""
+        """Request a missing item again, and step the mission."""
         self._tick = tick
         self._downloads.step(tick)
         yield from self._uploaded(tick)
         yield from self._run.step(tick, readings)
 
     def forget(self, link: LinkId) -> None:
-        """A link is gone, and with it the transfers on it."""
+        """Forget a closed link and its transfers."""
         if self._upload is not None and self._upload.peer.link == link:
             self._upload = None
         if self._completed is not None and self._completed.peer.link == link:
@@ -145,7 +145,7 @@ class MissionProtocol:
             return
         upload.retries += 1
         if not upload.items:
-            # Until something has come, nobody knows which form the station understands.
+            # Until the first item it is unknown which form the station understands.
             upload.old_form = upload.retries >= TRIES_OF_NEW_FORM
         yield self._asked(upload)
 
@@ -191,11 +191,11 @@ class MissionProtocol:
         elif message.seq == upload.next:
             yield from self._next_item(upload, message)
         else:
-            # One that is there already: the station has not heard what it is asked for, but it lives.
+            # A repeated item: the station has missed the last request, but it is alive.
             upload.retries = 0
 
     def _late_item(self, peer: MissionPeer, seq: int) -> Iterator[OutgoingMessage]:
-        """An item while none is waited for."""
+        """Answer an item that comes outside of an upload."""
         if self._completed is None or self._completed.peer != peer:
             yield peer.ack(mav.MAV_MISSION_ERROR)
         elif self._completed.last == seq:
@@ -242,38 +242,38 @@ class MissionProtocol:
             self._announce(TextSeverity.WARNING, f"Mission item not set. {denied.sentence}")
 
     def _hear_ack(self, peer: MissionPeer, result: int) -> Iterator[OutgoingMessage]:
-        """The station says that it has all it asked for, or that it gives up."""
+        """Handle the station's end of a transfer, successful or not."""
         self._downloads.end(peer)
         upload = self._upload
         if upload is None or upload.peer != peer or result == mav.MAV_MISSION_ACCEPTED:
             return
         if upload.old_form and not upload.items and result == mav.MAV_MISSION_UNSUPPORTED:
-            # It does not know the form of old, which was tried because it had said nothing.
+            # It does not know MISSION_ITEM, which was tried because it had not answered.
             upload.old_form, upload.retries = False, 0
             yield self._asked(upload)
         else:
             self._upload = None
 
     def _denied(self, peer: MissionPeer) -> Denied | None:
-        """Why this station may not change the plan now."""
+        """Return the reason why this station may not change the plan now; None when it may."""
         if self._upload is not None and self._upload.peer != peer:
             return Denied(f"A mission of {self._upload.peer.station} is coming in.", DenialKind.NOT_NOW)
         return self._run.denied(peer.station)
 
     def _refused(self, peer: MissionPeer, denied: Denied, mission_type: int = MISSION) -> Iterator[OutgoingMessage]:
-        """The plan is not changed; an upload of the same station that was under way is given up."""
+        """Refuse to change the plan; an upload of the same station is aborted."""
         if self._upload is not None and self._upload.peer == peer:
             self._upload = None
         self._announce(TextSeverity.WARNING, f"Mission refused. {denied.sentence}")
         yield peer.ack(mav.MAV_MISSION_DENIED, mission_type)
 
     def _begun(self, upload: _Upload) -> OutgoingMessage:
-        """The upload is under way; one of the same station that was is given up."""
+        """Begin an upload; an earlier one of the same station is aborted."""
         self._upload, self._completed = upload, None
         return self._asked(upload)
 
     def _asked(self, upload: _Upload) -> OutgoingMessage:
-        """The next item is asked for."""
+        """Return the request for the next item."""
         upload.asked = self._tick
         request = mav.MAVLink_mission_request_message if upload.old_form else mav.MAVLink_mission_request_int_message
         return OutgoingMessage(request(*upload.peer.target, upload.next, MISSION), upload.peer.link)
@@ -281,7 +281,7 @@ class MissionProtocol:
     def _complete(
         self, peer: MissionPeer, plan: tuple[MissionItem, ...], mission_type: int = MISSION
     ) -> Iterator[OutgoingMessage]:
-        """The robot has a new plan."""
+        """Replace the robot's plan and acknowledge the upload."""
         self._upload, self._completed = None, None
         self._downloads.end(peer)
         self._run.replace(plan)

@@ -1,4 +1,4 @@
-"""A mission being carried out: one item after the other, each by way of the robot's helm.
+"""Mission execution: one item after the other, through the vehicle interface.
 
 Source: the MAVLink developer guide, "Mission Protocol", and the descriptions in MAV_CMD.
 Differs: a waypoint is reached when the robot has arrived there, never by passing within the acceptance radius, because
@@ -30,52 +30,52 @@ from thbridge.wire.mavlink.vehicle_interface import (
 )
 
 _HOME = MissionItem(mav.MAV_CMD_NAV_WAYPOINT, mav.MAV_FRAME_GLOBAL)
-"""What stands in a plan for where home is, which may change."""
+"""Placeholder in a plan for the home position, which may change."""
 
 _NO_TOTAL = 2**16 - 1
-"""As a mission's length: there is none."""
+"""Total number of items when there is no mission."""
 
 _IN_MISSION_MODE, _SUSPENDED = 1, 2
 
 _UNLIMITED = -1
-"""As a jump's repeats."""
+"""Repeats of a jump without end."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Driving:
-    """The current item waits for the end of this leg."""
+    """Stage of an item that waits for the end of this leg."""
 
     leg: int
 
 
 @dataclass(frozen=True, slots=True)
 class _Waiting:
-    """The current item waits for this tick; infinity: for ever."""
+    """Stage of an item that waits for this tick; infinity: for ever."""
 
     until: float
 
 
 @dataclass(frozen=True, slots=True)
 class _Jump:
-    """The mission goes on with this item."""
+    """Jump to this item."""
 
     to: int
 
 
 _Stage = _Driving | _Waiting
-"""How far an item is."""
+"""Stage of an item in execution."""
 
 
 class MissionRun:
-    """One robot's mission, and how far it is.
+    """Mission of one robot, and its state.
 
     Args:
-        helm: the robot.
-        home: where it returns to.
-        earth: where its map lies.
-        announce: tells people what becomes of the mission.
-        ardupilot: read plans as ArduPilot does: the first item is home, whatever a station sends for it, a rover
-            looks wherever it likes at its waypoints, and a mission goes on by itself, whatever `autocontinue` says.
+        robot: interface to the robot.
+        home: home position.
+        earth: map projection.
+        announce: sends texts about the mission to people.
+        ardupilot: read plans as ArduPilot does: the first item is home, whatever a station sends for it, headings at
+            waypoints are free, and a mission continues by itself, whatever `autocontinue` is.
     """
 
     def __init__(
@@ -99,50 +99,49 @@ class MissionRun:
 
     @property
     def plan(self) -> tuple[MissionItem, ...]:
-        """All items; where ArduPilot's home is, the first does not say."""
+        """All items; the first of an ArduPilot plan is a placeholder for home."""
         return self._plan
 
     @property
     def readable(self) -> tuple[MissionItem, ...]:
-        """The items that can be read: those of the plan, and ArduPilot's home also where there is none."""
+        """Items for download: those of the plan, with ArduPilot's home even when the plan is empty."""
         return (self._home_item(), *self._plan[1:]) if self._ardupilot else self._plan
 
     @property
     def plan_id(self) -> int:
-        """Tells this plan from others."""
+        """Id of the plan."""
         return self._plan_id
 
     @property
     def at(self) -> int:
-        """The number of the item that is or will be carried out."""
+        """Number of the item that is or will be executed."""
         return self._at
 
     @property
     def running(self) -> bool:
-        """Whether items are carried out; it stops by itself at its end, and where an item fails."""
+        """True while items are executed; it stops by itself at its end, and where an item fails."""
         return self._state == mav.MISSION_STATE_ACTIVE
 
     def is_home(self, item: int) -> bool:
-        """Whether this item only tells where home is."""
+        """Return True when this item is ArduPilot's home."""
         return self._ardupilot and item == 0
 
     def current(self) -> MissionCurrent:
-        """How the mission stands."""
+        """Return MISSION_CURRENT."""
         state, total = (self._state, self._size) if self._size > 0 else (mav.MISSION_STATE_NO_MISSION, _NO_TOTAL)
         mode = _IN_MISSION_MODE if self.running else _SUSPENDED
         return MissionCurrent(self._at, total, state, mode, self._plan_id)
 
     def denied(self, station: Station) -> Denied | None:
-        """Why this station may not change the mission: it is under way by another one's command."""
+        """Return a denial when the mission runs by the command of another station."""
         if self.running and self._commander not in (None, str(station)):
             return Denied(f"A mission of {self._commander} is under way.", DenialKind.NOT_NOW)
         return None
 
     def replace(self, plan: tuple[MissionItem, ...]) -> None:
-        """From now on this is the plan.
+        """Replace the plan.
 
-        A mission under way or paused stays where it is if it is the same up to its current item, and begins anew
-        otherwise.
+        A running or paused mission keeps its current item if both plans are equal up to that, and restarts otherwise.
         """
         if self._ardupilot and plan:
             plan = (_HOME, *plan[1:])
@@ -158,10 +157,10 @@ class MissionRun:
                 self._state = mav.MISSION_STATE_NOT_STARTED
 
     def start(self, first: int | None = None, last: int | None = None) -> Denied | None:
-        """Carry the mission out.
+        """Execute the mission.
 
         Args:
-            first: the item to begin with; None: where it stands, and from the beginning after its end.
+            first: the item to begin with; None: the current one, and item 0 after the mission's end.
             last: the item to end with; None: the last.
         """
         if self._size <= 0:
@@ -180,13 +179,13 @@ class MissionRun:
         return None
 
     def pause(self) -> None:
-        """Carry nothing out any more; the current item begins anew when the mission goes on."""
+        """Stop the execution; the current item begins again when the mission continues."""
         if self.running:
             self._state = mav.MISSION_STATE_PAUSED
             self._stage = self._leg = None
 
     def select(self, item: int) -> Denied | None:
-        """Go on with this item, now if the mission is under way and else when it starts."""
+        """Continue with this item, now if the mission runs and else when it starts."""
         if item not in range(len(self._plan)):
             return Denied(f"The mission has no item {item}.")
         self._go(item)
@@ -196,7 +195,7 @@ class MissionRun:
         return None
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """A tick has passed."""
+        """Advance the mission by one tick."""
         self._commander = readings.commander
         if not self.running:
             return
@@ -214,7 +213,7 @@ class MissionRun:
             case None:
                 yield from self._done(item)
             case _Waiting() if self._stage is None:
-                # Another item may have been left for this one while the robot drove.
+                # The robot may still drive for an item that `select` replaced by this one.
                 self._stand()
                 self._stage = stage
             case _:
@@ -222,7 +221,7 @@ class MissionRun:
 
     @property
     def _size(self) -> int:
-        """Items to carry out."""
+        """Number of items to execute."""
         return len(self._plan) - self._ardupilot
 
     def _home_item(self) -> MissionItem:
@@ -230,11 +229,11 @@ class MissionRun:
         return replace(_HOME, x=place.latitude, y=place.longitude, z=self._earth.altitude)
 
     def _go(self, item: int) -> None:
-        """The mission goes on with this item, from its beginning."""
+        """Make this item the current one, to be begun."""
         self._at, self._stage = item, None
 
     def _begun(self, item: MissionItem, tick: int) -> _Stage | _Jump | Denied | None:
-        """How far an item is that has just begun; None: it is done already."""
+        """Begin an item and return its stage; None when it is done at once."""
         if self.is_home(self._at):
             return None
         first, second, _, _ = item.params
@@ -252,7 +251,7 @@ class MissionRun:
             case mav.MAV_CMD_DO_JUMP:
                 return self._jump(int(first), int(second))
             case mav.MAV_CMD_DO_CHANGE_SPEED:
-                # NaN and -1: as it is; -2, as all below zero to the helm: as the study says.
+                # NaN and -1 keep the limit; -2, as all numbers below zero, restores the study's.
                 return None if math.isnan(second) or second == -1 else self._helm.limit_speed(second)
             case mav.MAV_CMD_IMAGE_START_CAPTURE:
                 return self._helm.photograph()
@@ -262,7 +261,7 @@ class MissionRun:
                 return self._helm.leave()
 
     def _gone_on(self, stage: _Stage, item: MissionItem, tick: int, readings: RobotReadings) -> _Stage | Denied | None:
-        """How far an item is one tick later; None: it is done."""
+        """Return an item's stage one tick later; None when it is done."""
         if isinstance(stage, _Waiting):
             return stage if tick < stage.until else None
         leg = readings.leg
@@ -274,7 +273,7 @@ class MissionRun:
         return _stay(item, tick)
 
     def _done(self, item: MissionItem) -> Iterator[OutgoingMessage]:
-        """The current item is done."""
+        """End the current item."""
         if not self.is_home(self._at):
             yield OutgoingMessage(mav.MAVLink_mission_item_reached_message(self._at))
         if self._at in (self._last, len(self._plan) - 1):
@@ -297,7 +296,7 @@ class MissionRun:
         return _Driving(number)
 
     def _stand(self) -> None:
-        """The robot is not to drive for the mission any more."""
+        """Halt the robot if it drives for the mission."""
         if self._leg is not None:
             self._helm.halt()
             self._leg = None
@@ -309,20 +308,20 @@ class MissionRun:
         return _Jump(to)
 
     def _target(self, item: MissionItem) -> Target:
-        """Where an item leads, and which way the robot is to look there."""
+        """Return the goal of an item, with the heading there."""
         yaw = item.params[3]
         looks_anywhere = self._ardupilot or item.command == mav.MAV_CMD_NAV_LOITER_TIME or math.isnan(yaw)
         return Target(*self._point(item), None if looks_anywhere else theta_of(math.radians(yaw)))
 
     def _point(self, item: MissionItem) -> tuple[float, float]:
-        """Where an item lies, metres east and north in the map."""
+        """Return the place of an item, metres east and north in the map."""
         if item.frame == mav.MAV_FRAME_LOCAL_NED:
             return item.y / PER_METRE, item.x / PER_METRE
         return self._earth.point(GeoPoint(item.x, item.y))
 
 
 def _stay(item: MissionItem, tick: int) -> _Waiting | None:
-    """How long the robot stays where an item has brought it."""
+    """Return the stage in which the robot stays at an item's place; None when it does not stay."""
     match item.command:
         case mav.MAV_CMD_NAV_WAYPOINT | mav.MAV_CMD_NAV_LOITER_TIME if item.params[0] > 0.0:
             return _Waiting(tick + item.params[0] * TICKS_PER_SECOND)

@@ -1,1 +1,1 @@
-"""Modes: which one a robot is in and what it does in it, who commands it, driving by hand, home."""
+"""Modes: the mode state machine, the station in command, driving by hand, the home position."""

@@ -1,7 +1,7 @@
-"""Where a robot returns to: where it started, until a ground station says otherwise.
+"""Home position of a robot: its start, until a ground station sets another.
 
 Source: MAVLink's `common.xml`, MAV_CMD_DO_SET_HOME, SET_HOME_POSITION and HOME_POSITION.
-Differs: a home where the robot could not stand is refused at once, and not when the robot returns to it.
+Differs: a home position where the robot cannot stand is refused at once, and not when the robot returns to it.
 """
 
 import math
@@ -26,11 +26,11 @@ _NO_HEADING = (math.nan,) * 4
 
 
 class HomePosition:
-    """The home of one vehicle; a `Part`.
+    """Home position of one vehicle; a `Microservice`.
 
     Args:
-        helm: the robot.
-        earth: where its map lies.
+        robot: interface to the robot.
+        earth: map projection.
     """
 
     def __init__(self, helm: VehicleInterface, earth: MapProjection) -> None:
@@ -43,30 +43,30 @@ class HomePosition:
 
     @property
     def target(self) -> Target:
-        """Where it is."""
+        """Home position in the map."""
         return self._target
 
     @property
     def place(self) -> GeoPoint:
-        """Where on earth it is."""
+        """Home position on earth."""
         return self._earth.place(self._target.x, self._target.y)
 
     def set_here(self) -> Denied | None:
-        """Make it where the robot stands, looking as the robot does."""
+        """Set it to the robot's present pose."""
         if self._readings.lost:
             return Denied("The robot does not know where it is.", DenialKind.NOT_NOW)
         here = self._readings.base_in_map
         return self.set_to(Target(here.x, here.y, here.theta))
 
     def set_to(self, target: Target) -> Denied | None:
-        """Make it another place. A robot that is on its way home goes on to where home was when it set out."""
+        """Set it to another place. A robot that is returning continues to the earlier home position."""
         denied = self._helm.misplaced(target.x, target.y)
         if denied is None:
             self._target, self._is_news = target, True
         return denied
 
     def position(self, tick: int) -> Message:
-        """HOME_POSITION in a tick."""
+        """Return HOME_POSITION for a tick."""
         home, place = self._target, self.place
         where = (place.latitude, place.longitude, round(self._earth.altitude * 1000.0), home.y, home.x, 0.0)
         heading = _NO_HEADING if home.heading is None else quaternion(home.heading)
@@ -74,15 +74,15 @@ class HomePosition:
         return mav.MAVLink_home_position_message(*where, list(heading), *approach, now)
 
     def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
-        """Nothing is heard: others say where it is to be."""
+        """Return nothing: other parts handle the messages that set it."""
         return iter(())
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """A tick has passed; everybody is told where home has been set to."""
+        """Return HOME_POSITION for all links after a change."""
         self._readings = readings
         if self._is_news:
             self._is_news = False
             yield OutgoingMessage(self.position(tick))
 
     def forget(self, link: LinkId) -> None:
-        """Nothing is known of links."""
+        """Do nothing: no state depends on links."""

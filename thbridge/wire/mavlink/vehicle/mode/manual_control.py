@@ -1,7 +1,7 @@
-"""Driving by hand: by sticks or velocities that are said again and again, and hold only for a moment.
+"""Manual control: sticks or velocities that are sent repeatedly, and hold only for a short time.
 
-Source: ArduPilot, Rover, `mode_guided.cpp` and the parameter RC_OVERRIDE_TIME, of its three seconds: scripts for it say
-a velocity once a second.
+Source: ArduPilot, Rover, `mode_guided.cpp` and the parameter RC_OVERRIDE_TIME, for its three seconds: scripts for it
+send a velocity once a second.
 """
 
 from dataclasses import dataclass
@@ -13,12 +13,12 @@ from thbridge.wire.mavlink.options import AutopilotIdentity
 from thbridge.wire.mavlink.vehicle_interface import Denied, VehicleInterface
 
 _DEADMAN = {AutopilotIdentity.GENERIC: TICKS_PER_SECOND // 2, AutopilotIdentity.ARDUPILOT: 3 * TICKS_PER_SECOND}
-"""Ticks for which what a hand says holds."""
+"""Ticks for which a command by hand holds."""
 
 
 @dataclass(frozen=True, slots=True)
 class VelocitySetpoint:
-    """How fast the robot was told to move: see `coordinates.twist_towards`."""
+    """Velocity setpoint; see `coordinates.twist_towards` for the fields."""
 
     frame: int
     first: float
@@ -27,11 +27,11 @@ class VelocitySetpoint:
 
 
 class ManualControl:
-    """The hand that drives one robot, if any.
+    """Manual control of one robot.
 
     Args:
-        helm: the robot.
-        identity: whose autopilot it says it has.
+        robot: interface to the robot.
+        identity: autopilot that the vehicle presents itself as.
     """
 
     def __init__(self, helm: VehicleInterface, identity: AutopilotIdentity) -> None:
@@ -42,22 +42,22 @@ class ManualControl:
 
     @property
     def drives(self) -> bool:
-        """What it said last still holds."""
+        """True while the last command holds."""
         return self._until is not None
 
     def follow(self, wanted: Twist | VelocitySetpoint, tick: int, base_in_map: Pose2) -> Denied | None:
-        """Drive like this, at most as fast as a hand may; a velocity is steered to anew in each tick."""
+        """Drive like this, within the speed limits; a velocity is tracked anew in each tick."""
         denied = self._steer(wanted, base_in_map)
         if denied is None:
             self._wanted, self._until = wanted, tick + self._deadman
         return denied
 
     def let_go(self) -> None:
-        """It drives no more; the robot itself is not halted."""
+        """Forget the last command; the robot itself is not halted."""
         self._wanted = self._until = None
 
     def step(self, tick: int, base_in_map: Pose2) -> None:
-        """A tick has passed: keep to what was said until it is too old; then stand still."""
+        """Follow the last command until it is too old; then stop."""
         if self._until is None or self._wanted is None:
             return
         if tick >= self._until:

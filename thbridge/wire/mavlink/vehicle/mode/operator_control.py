@@ -1,4 +1,4 @@
-"""Which ground station is in command of a robot, and whether it is still heard."""
+"""Operator control: the ground station in command of a robot, and the loss of its heartbeats."""
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.conventions import BY_OTHERS, BY_PARTICIPANT
@@ -13,19 +13,19 @@ from thbridge.wire.mavlink.vehicle_interface import (
 )
 
 _AWAY = TICKS_PER_SECOND
-"""Ticks of somebody else's command after which it counts as taken away. Before that it may be on its way: what a
-vehicle asks of the game, the game's readings show some ticks later."""
+"""Ticks of another's command after which control counts as taken away: the readings show the game's reaction to a
+vehicle's request some ticks late."""
 
 
 class OperatorControl:
-    """Who commands one robot, as its vehicle knows it.
+    """Command of one robot, as its vehicle knows it.
 
     Args:
-        helm: the robot.
+        robot: interface to the robot.
         lost_after: seconds without a heartbeat after which a station counts as lost.
 
     Attributes:
-        lost_after: as above; may be set anew.
+        lost_after: as above; may be changed.
     """
 
     def __init__(self, helm: VehicleInterface, lost_after: float) -> None:
@@ -39,24 +39,24 @@ class OperatorControl:
 
     @property
     def station(self) -> Station | None:
-        """The station in command; None when none is. A researcher may have taken over for a while."""
+        """The station in command; None when none is. It stays so while a researcher takes over for a time."""
         return self._station
 
     @property
     def number(self) -> int:
-        """Who commands, as one number: a station's system id, `BY_PARTICIPANT`, or `BY_OTHERS`."""
+        """Commander as one number: a station's system id, `BY_PARTICIPANT`, or `BY_OTHERS`."""
         if self._station is not None and not self.is_overruled:
             return self._station.system
         return BY_PARTICIPANT if self._readings.commanded_by == PARTICIPANT else BY_OTHERS
 
     @property
     def is_lost(self) -> bool:
-        """The station in command has not been heard for too long."""
+        """True when heartbeats of the station in command are overdue."""
         return self._station is not None and self._tick - self._heard > self._patience
 
     @property
     def is_overruled(self) -> bool:
-        """Somebody beside the game drives the robot for a while; it comes back to the station in command."""
+        """True while a person outside of the game, such as a researcher, drives the robot in place of the station."""
         ours, readings = str(self._station), self._readings
         if self._station is None or readings.commander not in (None, ours):
             return False
@@ -67,7 +67,7 @@ class OperatorControl:
         return round(self.lost_after * TICKS_PER_SECOND)
 
     def objection(self, station: Station) -> Denied | None:
-        """Why this station may not move the robot; None when it may."""
+        """Return the reason why this station may not move the robot; None when it may."""
         if self._station is None:
             return Denied(f"Commanded by {self._readings.commanded_by}: arm the robot to take command.")
         reserved = self.reserved(station)
@@ -76,13 +76,13 @@ class OperatorControl:
         return reserved
 
     def reserved(self, station: Station) -> Denied | None:
-        """Why this station may not settle what the robot does later; None when no other station is in command."""
+        """Return a denial when another station is in command, for settings that take effect later; else None."""
         if self._station in (None, station):
             return None
         return Denied(f"Commanded by {self._station}.")
 
     def take(self, station: Station, by_force: bool = False) -> Denied | None:
-        """Put a station in command; from another one that is still heard only by force."""
+        """Put a station in command; in place of another one that is not lost only by force."""
         if station == self._station:
             return None
         if self._station is not None and not by_force and not self.is_lost:
@@ -93,18 +93,18 @@ class OperatorControl:
         return denied
 
     def release(self) -> None:
-        """Give the command back to the participant, if a station has it."""
+        """Give the command back to the participant if a station has it."""
         if self._station is not None:
             self._station = None
             self._helm.release()
 
     def heartbeat(self, station: Station) -> None:
-        """A station, of which any component may have spoken, is there."""
+        """Record a heartbeat, of any component of a station."""
         if self._station is not None and station.system == self._station.system:
             self._heard = self._tick
 
     def follow(self, tick: int, readings: RobotReadings) -> bool:
-        """A tick has passed; whether the command was taken from the station since."""
+        """Advance by one tick; return True when the command was taken from the station."""
         self._tick, self._readings = tick, readings
         if self._station is None or readings.commander == str(self._station) or self.is_overruled:
             self._away = 0

@@ -1,4 +1,4 @@
-"""What drives a robot without acknowledgement, many times a second: sticks and setpoints."""
+"""Sticks and setpoints, which drive a robot without acknowledgement, many times a second."""
 
 import math
 from collections.abc import Iterator
@@ -24,12 +24,12 @@ from thbridge.wire.mavlink.vehicle_interface import (
 )
 
 _NO_AXIS = 0x7FFF
-"""Of a stick that is not there."""
+"""Value of a missing axis."""
 _FULL_STICK = 1000.0
 
 _RC_MIDDLE, _RC_FULL = 1500, 500.0
 _RC_RANGE = range(800, 2201)
-"""Microseconds that a receiver of radio control can give; numbers beyond mean that a channel is left alone."""
+"""Pulse widths of radio control, microseconds; other numbers mean that a channel is not overridden."""
 _RC_RELEASED = 0
 
 _IGNORE_POSITION = 0b11
@@ -43,19 +43,19 @@ _Setpoint: TypeAlias = mav.MAVLink_set_position_target_local_ned_message | (
 
 
 class ControlInputs:
-    """Sticks and setpoints of one vehicle; a `Part`.
+    """Sticks and setpoints of one vehicle; a `Microservice`.
 
-    Setpoints and sticks come many times a second, have no acknowledgement, and are sent by stations that do not mean
-    to drive just now. So they are passed over in silence unless the mode is the one for them; then a station that is
-    not in command is told so.
+    They come many times a second, have no acknowledgement, and are sent even by stations that do not mean to drive just
+    now. So they are ignored without a warning unless the mode is the one for them; then a station that is not in
+    command gets a warning.
 
     Args:
         system: its system id; MANUAL_CONTROL names no component.
-        helm: the robot.
-        conduct: its modes.
-        command: who is in command of it.
-        earth: where its map lies.
-        announce: tells people.
+        robot: interface to the robot.
+        modes: the robot's mode state machine.
+        control: the station in command of the robot.
+        earth: map projection.
+        announce: sends texts to people.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class ControlInputs:
         self._readings = NOTHING_KNOWN
 
     def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
-        """A stick or a setpoint; nothing is answered."""
+        """Handle a stick or a setpoint; there is no answer."""
         match message:
             case mav.MAVLink_manual_control_message():
                 if message.target == self._system:
@@ -91,25 +91,25 @@ class ControlInputs:
         return iter(())
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """Nothing is said unasked."""
+        """Note the readings; no message is due."""
         self._readings = readings
         return iter(())
 
     def forget(self, link: LinkId) -> None:
-        """Nothing is known of links."""
+        """Do nothing: no state depends on links."""
 
     # -- sticks -------------------------------------------------------------------------------------------------------
 
     def _stick(self, sender: Station, message: mav.MAVLink_manual_control_message) -> None:
-        """Forward is x; to turn is r, or y where there is no r. To the right is positive, whatever the standard's text
-        says of r: so all ground stations send it."""
+        """Drive by MANUAL_CONTROL: x is forward; r, or y when there is no r, is the turn. Positive is to the right,
+        against the standard's text on r: so all ground stations send it."""
         forward = message.x
         turn = message.y if message.r == _NO_AXIS else message.r
         if _NO_AXIS not in (forward, turn):
             self._drive(sender, forward / _FULL_STICK, turn / _FULL_STICK)
 
     def _radio(self, sender: Station, message: mav.MAVLink_rc_channels_override_message) -> None:
-        """Channel 1 steers and channel 3 is the throttle, as on ArduPilot's rovers."""
+        """Drive by radio control: channel 1 steers and channel 3 is the throttle, as on ArduPilot's rovers."""
         steering, throttle = message.chan1_raw, message.chan3_raw
         if steering in _RC_RANGE or throttle in _RC_RANGE:
             turn, forward = (
@@ -117,11 +117,11 @@ class ControlInputs:
             )
             self._drive(sender, forward, turn)
         elif _RC_RELEASED in (steering, throttle) and self._conduct.is_by_hand:
-            # Given back to a radio that is not there.
+            # Override released; there is no radio that would take over.
             self._drive(sender, 0.0, 0.0)
 
     def _drive(self, sender: Station, forward: float, turn: float) -> None:
-        """Drive by hand: parts of the fastest, ahead and to the right."""
+        """Drive by hand; `forward` and `turn` (to the right) are fractions of the speed limits."""
         if self._conduct.mode is not Mode.MANUAL:
             return
         fastest = self._helm.fastest()
@@ -150,7 +150,7 @@ class ControlInputs:
         return self._conduct.follow_velocity(velocity)
 
     def _point(self, message: _Setpoint) -> tuple[float, float] | None:
-        """The point of the map that is meant."""
+        """Return the point of the map of a setpoint."""
         if isinstance(message, mav.MAVLink_set_position_target_global_int_message):
             if message.coordinate_frame not in GLOBAL:
                 return None
@@ -160,13 +160,13 @@ class ControlInputs:
         return point_in_map(message.coordinate_frame, message.x, message.y, self._readings.base_in_map)
 
     def _velocity(self, message: _Setpoint, yaw_rate: float) -> VelocitySetpoint | None:
-        """The velocity that is meant; turning on the spot where only a rate of turn is given."""
+        """Return the velocity of a setpoint; a turn on the spot when it has a yaw rate only."""
         if message.type_mask & _IGNORE_VELOCITY == _IGNORE_VELOCITY:
             if message.type_mask & _IGNORE_YAW_RATE:
                 return None
             velocity = VelocitySetpoint(mav.MAV_FRAME_BODY_FRD, 0.0, 0.0, yaw_rate)
         else:
-            # A velocity at a place on earth is along the map's axes.
+            # Velocities in global frames are along the map's axes.
             frame = mav.MAV_FRAME_LOCAL_NED if message.coordinate_frame in GLOBAL else message.coordinate_frame
             velocity = VelocitySetpoint(frame, message.vx, message.vy, yaw_rate)
         is_one = velocity.frame in LOCAL and _all_finite(velocity.first, velocity.second, yaw_rate)

@@ -1,6 +1,6 @@
-"""How a robot behaves under MAVLink: its mode, and what it does in it.
+"""Mode state machine: the mode of a robot and its behaviour in it.
 
-Whoever calls says nothing of who asks: whether a station may move the robot, `CommandOf` knows.
+Callers check first, by `OperatorControl`, whether a station may move the robot.
 """
 
 from dataclasses import dataclass
@@ -31,11 +31,11 @@ _STOPPING = TICKS_PER_SECOND
 
 @dataclass(frozen=True, slots=True)
 class PausedMode:
-    """What goes on when the robot is told to continue.
+    """Activity that a pause broke off, to be resumed.
 
     Attributes:
-        mode: in which it was.
-        target: to which it was under way.
+        mode: mode at that time.
+        target: goal of the drive at that time; None when it did not drive to one.
     """
 
     mode: Mode
@@ -43,19 +43,19 @@ class PausedMode:
 
 
 class ModeStateMachine:
-    """The modes of one robot.
+    """Mode state machine of one robot.
 
     Args:
-        helm: the robot.
-        hand: drives it.
-        command: who commands it.
+        robot: interface to the robot.
+        hand: manual control.
+        control: the station in command of the robot.
         plan: its mission.
-        home: where it returns to.
-        failsafe: what it does when the station that commands it is lost.
-        announce: tells people.
+        home: home position.
+        failsafe: action when the station in command is lost.
+        announce: sends texts to people.
 
     Attributes:
-        failsafe: as above; may be set anew.
+        failsafe: as above; may be changed.
     """
 
     def __init__(
@@ -86,7 +86,7 @@ class ModeStateMachine:
 
     @property
     def mode(self) -> Mode:
-        """The mode as ground stations are shown it: a robot that somebody else sends about is guided."""
+        """Mode for ground stations: GUIDED while the robot drives for somebody else, such as the participant."""
         commanded = self._command.station is not None
         if self._is_moved() and (self._mode is Mode.HOLD or (not commanded and not self._is_under_way())):
             return Mode.GUIDED
@@ -94,23 +94,23 @@ class ModeStateMachine:
 
     @property
     def armed(self) -> bool:
-        """A station may move it, or it moves."""
+        """True when a station is in command, or the robot moves."""
         return self._command.station is not None or self._is_moved()
 
     @property
     def leg(self) -> HelmLeg | None:
-        """The way that it was last sent by itself, as long as no other took its place."""
+        """Progress of the last drive that was started here; None when another one has replaced it."""
         leg = self._readings.leg
         return leg if leg is not None and leg.number == self._leg else None
 
     @property
     def sent(self) -> int | None:
-        """The number of the way that it was last sent; None when it was called off."""
+        """Number of the last drive that was started here; None when it was aborted."""
         return self._leg
 
     def arm(self, station: Station, by_force: bool) -> Denied | None:
-        """Put a station in command. The robot goes on with what it is about; or it begins with what the mode is about
-        that was chosen while no station commanded it."""
+        """Put a station in command. The robot continues its activity, or begins that of a mode which was requested
+        while no station was in command."""
         before = self._command.station
         denied = self._command.take(station, by_force)
         if denied is not None or before == station:
@@ -123,12 +123,13 @@ class ModeStateMachine:
         return None
 
     def disarm(self) -> None:
-        """Stop, and give the command back."""
+        """Stop, and give the command back to the participant."""
         self.stop()
         self._give_back()
 
     def choose(self, station: Station, mode: Mode) -> Denied | None:
-        """Change the mode for a station. Anybody may stop; what nobody commands only remembers what it is to do."""
+        """Change the mode for a station. Any station may choose HOLD; without a station in command, other modes are
+        only remembered until one arms the robot."""
         if mode is Mode.HOLD:
             self.stop()
             return None
@@ -139,7 +140,7 @@ class ModeStateMachine:
         return self._command.objection(station) or self.enter(mode)
 
     def enter(self, mode: Mode) -> Denied | None:
-        """Change the mode; denied, it stays as it was, or holds."""
+        """Change the mode; when denied, it stays as it was, or becomes HOLD."""
         match mode:
             case Mode.AUTO:
                 return self.run(None, None)
@@ -153,14 +154,14 @@ class ModeStateMachine:
         return None
 
     def stop(self) -> None:
-        """Stop, whoever sent the robot, and hold."""
+        """Stop, whoever sent the robot, and enter HOLD."""
         self._leave()
         self._helm.halt()
         self._mode = Mode.HOLD
         self._stopped_at = self._tick
 
     def run(self, first: int | None, last: int | None) -> Denied | None:
-        """Run the mission: see `Plan.start`."""
+        """Run the mission: see `MissionControl.start`."""
         if self._mode is Mode.AUTO and self._plan.running and first is None and last is None:
             return None
         if self._readings.under_way and not self._plan.running:
@@ -173,11 +174,11 @@ class ModeStateMachine:
         return denied
 
     def go_home(self) -> Denied | None:
-        """Return to where home is now."""
+        """Return to the present home position."""
         return self._go(self._home.target, Mode.RETURN)
 
     def go(self, target: Target, speed: float | None = None) -> Denied | None:
-        """Drive to a point; at most this fast from now on, if that is said."""
+        """Drive to a point, with this speed limit from now on if one is given."""
         if speed is not None:
             denied = self._helm.limit_speed(speed)
             if denied is not None:
@@ -185,13 +186,13 @@ class ModeStateMachine:
         return self._go(target, Mode.GUIDED)
 
     def follow_target(self, target: Target) -> Denied | None:
-        """Drive to a point that is said again and again; only in mode guided, or else it is passed over."""
+        """Drive to a point that is sent repeatedly; ignored unless in mode GUIDED."""
         if self._mode is not Mode.GUIDED or self._is_same(target):
             return None
         return self._go(target, Mode.GUIDED)
 
     def follow_velocity(self, velocity: VelocitySetpoint) -> Denied | None:
-        """Drive at a velocity that is said again and again; only in mode guided, or else it is passed over."""
+        """Drive at a velocity that is sent repeatedly; ignored unless in mode GUIDED."""
         if self._mode is not Mode.GUIDED:
             return None
         denied = self._hand.follow(velocity, self._tick, self._readings.base_in_map)
@@ -200,18 +201,18 @@ class ModeStateMachine:
         return denied
 
     def drive(self, twist: Twist) -> Denied | None:
-        """Drive by hand; only in mode manual, or else it is passed over."""
+        """Drive by hand; ignored unless in mode MANUAL."""
         if self._mode is not Mode.MANUAL:
             return None
         return self._hand.follow(twist, self._tick, self._readings.base_in_map)
 
     @property
     def is_by_hand(self) -> bool:
-        """It is driven by hand just now."""
+        """True while it is driven by hand."""
         return self._mode is Mode.MANUAL and self._hand.drives
 
     def pause(self) -> None:
-        """Stop, and remember what it was about."""
+        """Stop, and remember the activity."""
         paused = self._paused
         if paused is None and self._mode is not Mode.HOLD:
             paused = PausedMode(self._mode, self._target if self._is_under_way() else None)
@@ -219,7 +220,7 @@ class ModeStateMachine:
         self._paused = paused
 
     def proceed(self) -> Denied | None:
-        """Go on with what a pause broke off; what goes on already does so."""
+        """Continue the activity that a pause broke off; no effect when there was no pause."""
         if self._mode is not Mode.HOLD:
             return None
         paused = self._paused
@@ -231,11 +232,11 @@ class ModeStateMachine:
         return denied
 
     def select(self, item: int) -> Denied | None:
-        """Go on in the mission with this item."""
+        """Continue the mission with this item."""
         return self._plan.select(item)
 
     def step(self, tick: int, readings: RobotReadings) -> None:
-        """A tick has passed."""
+        """Advance by one tick."""
         before = self.leg
         self._tick, self._readings = tick, readings
         taken_away = self._command.follow(tick, readings)
@@ -254,7 +255,7 @@ class ModeStateMachine:
 
     def _step_failsafe(self) -> None:
         if self._command.is_overruled:
-            # Whoever drives it just now is no concern of a station that is gone, and nothing is left to go on with.
+            # A lost station must not stop a researcher's drive; it only gives up its own command.
             self._leave()
             self._mode = Mode.HOLD
             self._give_back()
@@ -289,7 +290,7 @@ class ModeStateMachine:
         return None
 
     def _is_over(self) -> bool:
-        """The mode was about something that has come to its end; on its way home, whoever is in command then."""
+        """Return True when the activity of the mode has ended."""
         if self._command.station is not None:
             return self._mode is Mode.AUTO and not self._plan.running
         return self._mode is Mode.RETURN and self._leg is not None and not self._is_under_way()
@@ -300,7 +301,7 @@ class ModeStateMachine:
         return self._leg is not None and target == self._target and not failed
 
     def _is_under_way(self) -> bool:
-        """On its way, or about to be: the readings show a new way some ticks after it was asked for."""
+        """Return True while the drive lasts, or is about to begin: the readings show a new leg some ticks late."""
         leg = self.leg
         return self._leg is not None and (leg is None or leg.state is LegState.UNDER_WAY)
 
@@ -308,7 +309,7 @@ class ModeStateMachine:
         return self._readings.under_way and self._tick - self._stopped_at >= _STOPPING
 
     def _leave(self) -> None:
-        """Break off what the mode was about; the robot itself is not halted."""
+        """Abort the activity of the mode; the robot itself is not halted."""
         if self._plan.running:
             self._plan.pause()
         self._forget_way()
@@ -318,7 +319,7 @@ class ModeStateMachine:
         self._hand.let_go()
 
     def _tell_end(self, before: HelmLeg | None, now: HelmLeg | None) -> None:
-        """Tell how a way ended that was under way before."""
+        """Announce the end of a drive."""
         if now is None or now.state is LegState.UNDER_WAY or now == before:
             return
         if now.state is LegState.ARRIVED:

@@ -1,7 +1,7 @@
-"""The few parameters that a vehicle has of its own, under ArduPilot's names for rovers, before those of its robot.
+"""Parameters of the vehicle itself, system id and failsafe, under ArduPilot's names, before those of its robot.
 
 Source: ArduPilot's parameter list of Rover: SYSID_THISMAV, FS_GCS_TIMEOUT, FS_ACTION.
-Differs: FS_ACTION has no other values than these three, and there is no FS_GCS_ENABLE beside it: 0 is to carry on.
+Differs: FS_ACTION has only these three values, and there is no FS_GCS_ENABLE beside it: 0 means to continue.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,19 +24,19 @@ TIMEOUT = "FS_GCS_TIMEOUT"
 ACTION = "FS_ACTION"
 
 ACTIONS: Mapping[Failsafe, int] = {Failsafe.CONTINUE: 0, Failsafe.HOME: 1, Failsafe.STOP: 2}
-"""What `FS_ACTION` is told as: ArduPilot's nothing, RTL and hold."""
+"""Values of `FS_ACTION`: ArduPilot's nothing, RTL and hold."""
 
 _SECTION, _GROUP = "mavlink", "vehicle"
 
 
 class FailsafeParameters:
-    """`Settings` of one vehicle.
+    """Parameters of one vehicle, followed by those of its robot; `ParameterSettings`.
 
     Args:
         system: its system id, which is its robot's number and does not change.
-        robot: the parameters of its robot.
-        command: who commands it, and how long a lost station is waited for.
-        conduct: what it does then.
+        robot: parameters of its robot.
+        control: holder of the heartbeat timeout.
+        modes: holder of the failsafe action.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class FailsafeParameters:
         self._at_first = {own.name: own.value for own in self._own()}
 
     def descriptions(self) -> Sequence[ParameterDescription]:
-        """See `Settings`."""
+        """See `ParameterSettings`."""
         return (
             ParameterDescription(SYSTEM_ID, "the robot's number", "system id of MAVLink", _SECTION, _GROUP, fixed=True),
             ParameterDescription(
@@ -77,15 +77,15 @@ class FailsafeParameters:
         )
 
     def settings(self) -> Sequence[ParameterSetting]:
-        """See `Settings`."""
+        """See `ParameterSettings`."""
         return (*self._own(), *self._robot.settings())
 
     def setting(self, name: str) -> ParameterSetting | None:
-        """See `Settings`."""
+        """See `ParameterSettings`."""
         return next((own for own in self._own() if own.name == name), None) or self._robot.setting(name)
 
     def change(self, name: str, value: float) -> ParameterSetting | Denied:
-        """See `Settings`."""
+        """See `ParameterSettings`."""
         before = self.setting(name)
         if before is None or name not in (SYSTEM_ID, TIMEOUT, ACTION):
             return self._robot.change(name, value)

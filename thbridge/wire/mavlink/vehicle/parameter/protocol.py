@@ -1,7 +1,7 @@
-"""How a robot's numeric parameters are read and changed: the parameter protocol, without sockets and clocks.
+"""Parameter protocol without sockets and clocks: stations read and set a robot's numeric parameters.
 
 Source: the MAVLink developer guide, "Parameter Protocol" and "Extended Parameter Protocol".
-Differs: a parameter that is not there is answered with PARAM_ERROR, which is younger than most of the guide.
+Differs: requests for unknown parameters are answered by PARAM_ERROR, which is newer than most of the guide.
 """
 
 import math
@@ -21,13 +21,13 @@ from thbridge.wire.mavlink.vehicle_interface import (
 )
 
 VALUES_PER_TICK = 3
-"""Of a whole list, on each link: 150 a second."""
+"""Values of a list on each link: 150 a second."""
 
 _BY_NAME = -1
-"""As an index that is asked for: see the name."""
+"""Index of a request by name."""
 
 _TYPE_UNSUPPORTED = 6
-"""Of MAV_PARAM_ERROR; the dialect at hand ends before it."""
+"""Code of MAV_PARAM_ERROR that pymavlink's dialect lacks."""
 
 _ERRORS = {
     DenialKind.DENIED: mav.MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE,
@@ -37,25 +37,25 @@ _ERRORS = {
 
 
 class ParameterProtocol:
-    """One robot's parameters as MAVLink has them, all of them 32-bit floats.
+    """Parameter protocol of one robot, whose parameters are all 32-bit floats; a `Microservice`.
 
     Args:
-        settings: what they are.
-        announce: tells people why something is refused.
-        ardupilot: a value is the number itself, whichever type the station says it has; otherwise other types than
-            floats travel as their bytes, and are refused.
+        settings: the parameters.
+        announce: sends texts to people.
+        ardupilot: True: a value is the number itself, whatever type the station states; otherwise other types than
+            floats are encoded as their bytes, and are refused.
     """
 
     def __init__(self, settings: ParameterSettings, announce: Announce, ardupilot: bool) -> None:
         self._settings = settings
         self._announce = announce
         self._ardupilot = ardupilot
-        # The value of each that stations may know.
+        # The value of each that stations got last.
         self._told: dict[str, float] = {}
         self._lists: dict[LinkId, int] = {}
 
     def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
-        """What is answered; nothing to a message that is not of this protocol."""
+        """Answer a message of this protocol."""
         match message:
             case mav.MAVLink_param_request_list_message():
                 self._lists[link] = 0
@@ -75,7 +75,7 @@ class ParameterProtocol:
                 yield _unextended(link, message.param_id, message.param_value, message.param_type)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """A tick has passed: lists go on, and once a second whatever others have changed is told to all."""
+        """Continue lists, and once a second send the values that others have changed to all links."""
         is_whole_second = tick % TICKS_PER_SECOND == 0
         if not self._lists and not is_whole_second:
             return
@@ -93,7 +93,7 @@ class ParameterProtocol:
                     yield self._news(settings, number)
 
     def forget(self, link: LinkId) -> None:
-        """A link is gone, and the list on it."""
+        """Forget a closed link and its list."""
         self._lists.pop(link, None)
 
     def _read(self, link: LinkId, sender: Station, index: int, name: str) -> Iterator[OutgoingMessage]:
@@ -119,7 +119,7 @@ class ParameterProtocol:
             yield OutgoingMessage(_value(settings, number), link)
 
     def _changed(self, name: str, value: float, kind: int) -> int | None:
-        """Change a parameter; a code of MAV_PARAM_ERROR where it keeps its value."""
+        """Change a parameter; return a code of MAV_PARAM_ERROR when it keeps its value."""
         if kind != mav.MAV_PARAM_TYPE_REAL32 and not self._ardupilot:
             return _TYPE_UNSUPPORTED
         if not math.isfinite(value):
@@ -131,7 +131,7 @@ class ParameterProtocol:
         return None
 
     def _news(self, settings: Sequence[ParameterSetting], number: int) -> OutgoingMessage:
-        """The new value of a parameter, for all."""
+        """Return the new value of a parameter, for all links."""
         self._told[settings[number].name] = settings[number].value
         return OutgoingMessage(_value(settings, number))
 
@@ -151,11 +151,11 @@ def _error(link: LinkId, station: Station, name: str, index: int, error: int) ->
 
 
 def _unextended(link: LinkId, name: str, value: str, kind: int) -> OutgoingMessage:
-    """No extended parameter of this name is here to be read or set."""
+    """Return the answer to a request for an extended parameter: there are none."""
     ack = mav.MAVLink_param_ext_ack_message(_on_wire(name), _on_wire(value), kind, mav.PARAM_ACK_FAILED)
     return OutgoingMessage(ack, link)
 
 
 def _on_wire(text: str) -> bytes:
-    """A name as it is told back; what was no ASCII when it came is a question mark."""
+    """Encode a name; characters beyond ASCII become question marks."""
     return text.encode("ascii", errors="replace")

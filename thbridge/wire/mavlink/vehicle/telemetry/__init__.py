@@ -1,1 +1,1 @@
-"""Telemetry: what a vehicle says of itself, in which streams, how often, to whom."""
+"""Telemetry: the messages that a vehicle sends by itself, and their streams and rates."""

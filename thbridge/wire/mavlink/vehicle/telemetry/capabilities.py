@@ -1,4 +1,4 @@
-"""What is said of a vehicle that never changes: what it can do, which modes there are."""
+"""Constant messages of a vehicle: its capabilities and modes."""
 
 from collections.abc import Callable, Mapping
 
@@ -23,13 +23,13 @@ _CAPABILITIES = (
 
 
 class Capabilities:
-    """What never changes of one vehicle.
+    """Constant messages of one vehicle.
 
     Args:
         system: its system id.
-        identity: whose autopilot it says it has.
-        earth: where its map lies.
-        files: about it.
+        identity: autopilot that it presents itself as.
+        earth: map projection.
+        files: its metadata files.
     """
 
     def __init__(self, system: int, identity: AutopilotIdentity, earth: MapProjection, files: MetadataFiles) -> None:
@@ -40,7 +40,7 @@ class Capabilities:
         self._files = files
 
     def makers(self) -> Mapping[int, Callable[[int], Message]]:
-        """What makes each message, by its id, in a tick."""
+        """Return the functions that make each message, by its id, from a tick."""
         return {
             mav.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: self._gps_global_origin,
             mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION: self._autopilot_version,
@@ -52,7 +52,7 @@ class Capabilities:
         }
 
     def available_mode(self, place: int) -> Message:
-        """One of the modes there are, by its place from 1."""
+        """Return AVAILABLE_MODES for one mode, by its index from 1."""
         mode = list(Mode)[place - 1]
         custom, standard = custom_mode(self._identity, mode), standard_mode(mode)
         return mav.MAVLink_available_modes_message(len(Mode), place, standard, custom, 0, mode.value.encode())
@@ -65,7 +65,7 @@ class Capabilities:
         return mav.MAVLink_extended_sys_state_message(mav.MAV_VTOL_STATE_UNDEFINED, mav.MAV_LANDED_STATE_ON_GROUND)
 
     def _autopilot_version(self, tick: int) -> Message:
-        # No version: ground stations would judge it by that of the autopilot whose numbers this vehicle borrows.
+        # No version: ground stations would compare it with versions of the autopilot whose numbers are used here.
         nothing = [0] * 8
         return mav.MAVLink_autopilot_version_message(
             _CAPABILITIES, 0, 0, 0, 0, nothing, nothing, nothing, 0, 0, self._system
@@ -81,7 +81,7 @@ class Capabilities:
         return ComponentInformation(milliseconds(tick), *self._general(), 0, b"")
 
     def _general(self) -> tuple[int, bytes]:
-        """Checksum and place of the file that tells of all others."""
+        """Return checksum and URI of the general metadata file."""
         return checksum(self._files.contents[GENERAL]), uri(GENERAL).encode()
 
     def _available_modes_monitor(self, tick: int) -> Message:

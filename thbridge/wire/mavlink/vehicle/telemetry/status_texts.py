@@ -1,6 +1,6 @@
-"""Sentences for people, as STATUSTEXT: few at a time, and none twice in a row.
+"""STATUSTEXT sentences for people: a few a second, and none repeated within three seconds.
 
-Source: the MAVLink developer guide, STATUSTEXT: longer sentences go in chunks of 50 bytes; one that is shorter is the
+Source: the MAVLink developer guide, STATUSTEXT: longer sentences are sent in chunks of 50 bytes; a shorter chunk is the
 last.
 """
 
@@ -16,14 +16,14 @@ _MOST_WAITING = 8
 _BETWEEN = TICKS_PER_SECOND // 4
 """Ticks between two sentences: four a second at most."""
 _AGAIN = 3 * TICKS_PER_SECOND
-"""Ticks after which the same sentence is said again."""
+"""Ticks after which the same sentence may be sent again."""
 
 
 class StatusTexts:
-    """What one vehicle has to tell people.
+    """Queue of texts of one vehicle.
 
-    Sentences wait for their turn; of too many that wait the oldest are dropped, and of equal ones within three seconds
-    all but the first; one that warns is not equal to one that only tells.
+    A full queue drops the oldest sentences. Equal ones within three seconds are sent once; a sentence with another
+    severity is not equal.
     """
 
     def __init__(self) -> None:
@@ -34,7 +34,7 @@ class StatusTexts:
         self._count = 0
 
     def say(self, severity: TextSeverity, sentence: str) -> None:
-        """Tell a sentence when its turn comes."""
+        """Queue a sentence."""
         sentence = sentence[:1].upper() + sentence[1:]
         text = (severity, sentence)
         before = self._last.get(text)
@@ -45,13 +45,13 @@ class StatusTexts:
         self._waiting.append(text)
 
     def step(self, tick: int) -> Iterator[OutgoingMessage]:
-        """A tick has passed; the sentence whose turn it is."""
+        """Advance by one tick and return the sentence that is due."""
         self._tick = tick
         if self._waiting and tick >= self._next:
             self._next = tick + _BETWEEN
             severity, sentence = self._waiting.popleft()
             for message in self._chunks(severity, sentence.encode("utf-8")):
-                # What is critical is told to stations that are not heard any more, too: they may hear.
+                # Critical texts go to inactive links, too: their stations may still receive.
                 yield OutgoingMessage(message, to_sleepers=severity is TextSeverity.CRITICAL)
 
     def _chunks(self, severity: TextSeverity, text: bytes) -> Iterator[Message]:

@@ -1,6 +1,6 @@
-"""What a vehicle says again and again, to whom, and how often.
+"""Streams: the messages that a vehicle sends repeatedly, and their intervals on each link.
 
-Every link gets the same messages at the same rates until somebody on it asks for others.
+Every link gets the same messages at the same rates until a station on it requests others.
 """
 
 from collections.abc import Iterator, Mapping
@@ -10,24 +10,24 @@ from thbridge.wire.mavlink.outgoing import LinkId
 from thbridge.wire.mavlink.vehicle.boot_time import MICROSECONDS_PER_TICK
 
 _LONGEST = 0x7FFFFFFF // MICROSECONDS_PER_TICK
-"""Ticks of the longest interval that MESSAGE_INTERVAL can tell: 35 minutes."""
+"""Ticks of the longest interval that fits into MESSAGE_INTERVAL: 35 minutes."""
 
 OFF = 0
-"""As an interval in ticks: never."""
+"""Interval, in ticks, of a message that is not sent."""
 
 _SPREAD = 7
 """Ticks between one message and the next at the same rate, and one vehicle and the next; it divides no usual interval,
-so what is said once a second is spread over the second."""
+so messages with a rate of 1 Hz are spread over the second."""
 
 
 @dataclass(frozen=True, slots=True)
 class DueMessage:
-    """A message whose time has come.
+    """Message that is due.
 
     Attributes:
         message: its id.
-        link: for this link only; None: for all but `besides`.
-        besides: links with a rate of their own.
+        link: the only link it is for; None: all but `except_links`.
+        except_links: links with a rate of their own.
     """
 
     message: int
@@ -36,11 +36,11 @@ class DueMessage:
 
 
 class Streams:
-    """The rates of one vehicle's messages.
+    """Rates of one vehicle's messages.
 
     Args:
-        defaults: ticks between two of each message that can be asked for; `OFF` where somebody must ask for it.
-        system: of the vehicle; vehicles say the same things at different times.
+        defaults: interval of each message that can be requested, ticks; `OFF` for one that is sent on request only.
+        system: system id of the vehicle; vehicles send the same messages at different times.
     """
 
     def __init__(self, defaults: Mapping[int, int], system: int) -> None:
@@ -54,11 +54,11 @@ class Streams:
         return message in self._defaults
 
     def every(self, link: LinkId, message: int) -> int:
-        """Ticks between two of a message, which can be asked for, on a link."""
+        """Return the interval of a known message on a link, ticks."""
         return self._own.get(link, {}).get(message, self._defaults[message])
 
     def change(self, link: LinkId, message: int, ticks: int | None) -> None:
-        """Say a message, which can be asked for, at another rate on a link; None: at the default one again."""
+        """Set the interval of a known message on a link, ticks; None restores the default."""
         own = self._own.setdefault(link, {})
         if ticks is None:
             own.pop(message, None)
@@ -67,12 +67,12 @@ class Streams:
         self._renew(message)
 
     def forget(self, link: LinkId) -> None:
-        """A link is gone."""
+        """Forget a closed link and its rates."""
         for message in self._own.pop(link, {}):
             self._renew(message)
 
     def due(self, tick: int) -> Iterator[DueMessage]:
-        """What is to be said now."""
+        """Yield the messages that are due in this tick."""
         for message, every, offset in self._unasked:
             if (tick + offset) % every == 0:
                 yield DueMessage(message, None, self._besides[message])
@@ -86,5 +86,5 @@ class Streams:
 
 
 def ticks_of(microseconds: float) -> int:
-    """The interval in ticks that comes nearest, of those that there can be: from one tick to some half an hour."""
+    """Convert an interval to the nearest number of ticks, from one tick to 35 minutes."""
     return round(max(1.0, min(microseconds / MICROSECONDS_PER_TICK, float(_LONGEST))))

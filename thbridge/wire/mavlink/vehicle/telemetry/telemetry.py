@@ -1,4 +1,4 @@
-"""What a vehicle says of its robot: messages made of what the robot itself believes."""
+"""Telemetry messages of a vehicle, made from its robot's own estimates."""
 
 import math
 from collections.abc import Callable
@@ -19,7 +19,7 @@ from thbridge.wire.mavlink.vehicle_interface import RobotReadings
 
 _UNKNOWN_16 = 0xFFFF
 _POSITION_ONLY = 0x0DF8
-"""Of a target's fields: velocity, acceleration, yaw and its rate are to be ignored."""
+"""Type mask of a target: velocity, acceleration, yaw and yaw rate are to be ignored."""
 
 _KNOWS_WHERE = mav.MAV_SYS_STATUS_SENSOR_GPS | mav.MAV_SYS_STATUS_AHRS | mav.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL
 _SENSORS = (
@@ -44,23 +44,23 @@ _KNOWS_ITS_PLACE = (
     | mav.EKF_PRED_POS_HORIZ_REL
     | mav.EKF_PRED_POS_HORIZ_ABS
 )
-"""What ArduPilot says of its estimate; the last bit is what DroneKit waits for to call a vehicle armable."""
+"""Flags of a good estimate in ArduPilot; DroneKit waits for the last one to call a vehicle armable."""
 
 _SATELLITES = 12
 _ACCURACY = 50
-"""Of a position, in millimetres and millimetres per second: what an estimate among walls is good for."""
+"""Accuracy of position and velocity, millimetres and millimetres per second: typical for the estimate indoors."""
 
 
 @dataclass(frozen=True, slots=True)
 class TelemetryState:
-    """How a vehicle stands after a tick.
+    """State of a vehicle after a tick, from which its messages are made.
 
     Attributes:
-        tick: which.
-        readings: of its robot.
-        mode: as it is shown.
-        armed: a station may move it, or it moves.
-        commander: who commands it, see `CommandOf.number`.
+        tick: number of the tick.
+        readings: readings of its robot.
+        mode: mode for ground stations.
+        armed: True when a station is in command, or the robot moves.
+        commander: see `OperatorControl.commander_id`.
     """
 
     tick: int
@@ -71,7 +71,7 @@ class TelemetryState:
 
     @property
     def milliseconds(self) -> int:
-        """Simulated time since the session began."""
+        """Simulated time since the session began, milliseconds."""
         return milliseconds(self.tick)
 
     @property
@@ -83,11 +83,11 @@ class TelemetryState:
 
 
 def default_streams(position_rate: float, identity: AutopilotIdentity) -> dict[int, int]:
-    """Ticks between two of each message that can be asked for.
+    """Return the interval of each message that can be requested, ticks.
 
     Args:
-        position_rate: of position, attitude and speed, Hz.
-        identity: whose autopilot the vehicle says it has.
+        position_rate: rate of position, attitude and speed, Hz.
+        identity: autopilot that the vehicle presents itself as.
     """
     often = max(1, round(TICKS_PER_SECOND / position_rate)) if position_rate > 0.0 else OFF
     return {
@@ -121,13 +121,13 @@ def default_streams(position_rate: float, identity: AutopilotIdentity) -> dict[i
 
 
 class Telemetry:
-    """The messages of one vehicle.
+    """Messages of one vehicle.
 
     Args:
-        particulars: what never changes of it.
-        identity: whose autopilot it says it has.
-        earth: where its map lies.
-        home_position: makes HOME_POSITION in a tick.
+        capabilities: its constant messages.
+        identity: autopilot that it presents itself as.
+        earth: map projection.
+        home_position: makes HOME_POSITION for a tick.
         mission_current: makes MISSION_CURRENT.
     """
 
@@ -165,7 +165,7 @@ class Telemetry:
         }
 
     def message(self, number: int, standing: TelemetryState) -> Message | None:
-        """A message of `default_streams`; None where there is nothing to say, as of a goal when there is none."""
+        """Return a message of `default_streams`; None when it has no content, as for a goal when there is none."""
         constant = self._particulars.get(number)
         return self._makers[number](standing) if constant is None else constant(standing.tick)
 
@@ -181,7 +181,7 @@ class Telemetry:
         )
 
     def _sys_status(self, now: TelemetryState) -> Message:
-        # There is no fence, and MAVProxy takes one that is not well for breached, whether it is there or not.
+        # There is no fence, but MAVProxy reports one that is not healthy as breached, present or not.
         healthy = (_SENSORS & ~_KNOWS_WHERE if now.readings.lost else _SENSORS) | mav.MAV_SYS_STATUS_GEOFENCE
         remaining = _remaining(now.readings)
         return mav.MAVLink_sys_status_message(
@@ -299,7 +299,7 @@ class Telemetry:
 
 
 def base_mode(now: TelemetryState) -> int:
-    """The bits of MAV_MODE_FLAG."""
+    """Return the bits of MAV_MODE_FLAG."""
     bits: int = mav.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
     if now.armed:
         bits |= mav.MAV_MODE_FLAG_SAFETY_ARMED
@@ -314,14 +314,14 @@ def base_mode(now: TelemetryState) -> int:
 
 
 def _remaining(readings: RobotReadings) -> int:
-    """Per cent of its energy that a robot has left; -1 where there is no such thing."""
+    """Return the remaining energy in per cent; -1 when it is unlimited or unknown."""
     if not 0.0 < readings.capacity < math.inf:
         return -1
     return _within(100.0 * readings.energy / readings.capacity, 0, 100)
 
 
 def _within(value: float, low: int, high: int) -> int:
-    """The nearest whole number from `low` to `high`."""
+    """Return the nearest whole number from `low` to `high`."""
     return round(max(low, min(value, high)))
 
 
@@ -330,5 +330,5 @@ def _centimetres(speed: float) -> int:
 
 
 def _hundredths(degrees: float) -> int:
-    """A compass heading in hundredths of degrees, from 0 to 35999."""
+    """Convert a compass heading to hundredths of degrees, from 0 to 35999."""
     return round(degrees * 100.0) % 36_000
