@@ -1,7 +1,7 @@
-"""What comes to a team from outside: what people ask of its robots, and what happens to them.
+"""Inputs of a team from outside: requests to its robots, and things that happen to them.
 
-Plain values all, so that a recording can hold them and a run can be repeated. A dead robot hears nothing that is said
-to its software.
+All are plain values, so that a recording can hold them and a run can be repeated: recordings hold the names of these
+classes and of their fields. A dead robot's software takes no requests.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from sim.world.things import Thing
 
 @dataclass(frozen=True, slots=True)
 class Go:
-    """Send a robot somewhere; a goal under way is given up for it."""
+    """Send a robot to a goal; the goal that it is driving to, if any, is given up for it."""
 
     robot: int
     goal: Goal
@@ -94,8 +94,8 @@ class Disturb:
     """Let a robot's sensors err otherwise from now on; its software, if it lives, is told nothing.
 
     Attributes:
-        parameters: what is true of the robot; may differ from what was where `sim.parameters.reconfigured` could have
-            made it differ.
+        parameters: the robot's true ones; they may differ from those before where `sim.parameters.reconfigured` could
+            have made them differ.
     """
 
     robot: int
@@ -104,7 +104,7 @@ class Disturb:
 
 @dataclass(frozen=True, slots=True)
 class SetCharge:
-    """The energy that a robot has left."""
+    """Set the energy that a robot has left."""
 
     robot: int
     charge: float
@@ -142,14 +142,14 @@ class Carry:
 
 @dataclass(frozen=True, slots=True)
 class Die:
-    """A robot's motors brake for good, its software stops and its goal is gone."""
+    """Kill a robot: its motors brake for good, its software stops and its goal is gone."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
 class Revive:
-    """A dead robot goes on where it stands, believing what it believed."""
+    """Revive a dead robot: it goes on where it stands, believing what it believed."""
 
     robot: int
 
@@ -176,7 +176,7 @@ TeamInput = (
 
 @dataclass(frozen=True, slots=True)
 class ScheduledInput:
-    """An input that comes at a tick of its own accord."""
+    """An input that is due at a tick and known before the run."""
 
     tick: int
     input: TeamInput

@@ -1,7 +1,7 @@
 """N robots in one world, and the one order of doing things.
 
 A tick: the world moves by the commands latched in the tick before; every sensor reads that one world; each robot
-estimates, plans and chooses a command. What robots tell each other is heard a tick later, so the order in which
+estimates, plans and chooses a command. Robots receive each other's broadcasts one tick later, so the order in which
 they are stepped changes nothing.
 """
 
@@ -78,12 +78,12 @@ class TeamSnapshot:
     """Everything that is true, perceived, believed and done in one tick.
 
     Attributes:
-        tick: which one.
+        tick: the present one.
         world: the truth; not for robots, and for people only where the study says so. None of real robots: nobody
             knows it.
         robots: one entry a robot, in the team's order.
-        commands: (n, 2) m/s and rad/s that the motors were told in this tick, by navigators or by hand.
-        dead: indices of the robots that perceive, say and do nothing; their entries are the last they said.
+        commands: (n, 2) m/s and rad/s given to the motors in this tick, by navigators or by hand.
+        dead: indices of the robots that perceive, broadcast and do nothing; their entries are the last ones alive.
     """
 
     tick: int
@@ -105,7 +105,7 @@ class TeamSnapshot:
 
 
 START_COVARIANCE: FloatArray = np.diag([0.05**2, 0.05**2, 0.05**2])
-"""How well a robot knows where it is put at the start: people place it on a mark, 5 cm and 3 degrees."""
+"""Covariance of the pose that a robot is given at the start: people place it on a mark, to 5 cm and 3 degrees."""
 
 _ROBOT = attrgetter("robot")
 
@@ -115,10 +115,10 @@ class Team:
 
     Args:
         grid: the map, true and known to every robot.
-        world: what is true of bodies, motors and sensors.
+        world: the truth about bodies, motors and sensors.
         robots: each robot's own software parameters.
         starts: a start pose a robot, map frame.
-        seed: of every chance in here.
+        seed: seed of all noise in here.
         charge: the energy each starts with.
         schedule: inputs known beforehand; they act before those that come in at the same tick.
 
@@ -154,7 +154,7 @@ class Team:
         self._outputs: list[RobotOutput | None] = [None] * len(robots)
         self._neighbours: tuple[Neighbour, ...] = ()
         footprint = np.array(world.footprint, dtype=np.float64)
-        # Robots plan one after the other: one room is enough, and stays in the processor's cache.
+        # Robots plan one after the other: one workspace is enough, and stays in the processor's cache.
         space = Workspace(*grid.cells.shape)
         self._robots: list[Robot] = []
         for number, parameters in enumerate(robots):
@@ -175,26 +175,26 @@ class Team:
 
     @property
     def size(self) -> int:
-        """How many robots."""
+        """Number of robots."""
         return len(self._robots)
 
     @property
     def parameters(self) -> tuple[RobotParameters, ...]:
-        """Of each robot's software, as they are now."""
+        """Present parameters of each robot's software."""
         return tuple(self._parameters)
 
     @property
     def worlds(self) -> tuple[WorldParameters, ...]:
-        """What is true of each robot's body, motors and sensors now."""
+        """Present truth about each robot's body, motors and sensors."""
         return tuple(self._worlds)
 
     def make_plan(self, robot: int, start: Pose2 | None, goal: Pose2, tolerance: float) -> FloatArray | PlanRefusal:
-        """A plan of a robot's for somebody who asks (ROS: move_base/make_plan); nothing that follows changes by it.
+        """Make a plan of a robot's on request (ROS: move_base/make_plan); nothing that follows changes by it.
 
         Args:
             robot: its index.
-            start: where the plan shall begin; None: where the robot believes it is.
-            goal: where it shall end.
+            start: pose at the beginning; None: where the robot believes it is.
+            goal: pose at the end.
             tolerance: metres by which it may miss the goal, along x and along y, where that cannot be reached.
 
         Returns:
@@ -206,7 +206,7 @@ class Team:
         return self._robots[robot].navigator.make_plan(base_in_map, start or base_in_map, goal, tolerance)
 
     def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
-        """One tick, with what came in since the last one; inputs act in their order.
+        """Step by one tick, with the inputs since the last one; they act in their order.
 
         Raises:
             ValueError: parameters differ that cannot change while a robot runs.
@@ -225,7 +225,7 @@ class Team:
         return TeamSnapshot(tick, self._state, outputs, self._commands, frozenset(self._dead))
 
     def _broadcasts(self, output: RobotOutput) -> bool:
-        """Whether the others hear of a robot: not when it is dead, and not what one says that is lost."""
+        """Return True when the others receive a robot's state: not when it is dead, nor when it is lost."""
         return output.neighbour.robot not in self._dead and not output.estimate.lost
 
     def _step_robot(self, robot: Robot) -> RobotOutput:
@@ -237,7 +237,7 @@ class Team:
         return output
 
     def _others(self, robot: int) -> tuple[Neighbour, ...]:
-        """What the other robots said; cut out of what all said, for every robot asks in every tick."""
+        """Broadcasts of the other robots: a slice of all, because every robot asks in every tick."""
         broadcast = self._neighbours
         own = bisect_left(broadcast, robot, key=_ROBOT)
         return (
@@ -288,7 +288,7 @@ class Team:
                 | ClearCostmaps(robot)
                 | Configure(robot)
             ) if robot in self._dead:
-                pass  # It does not hear.
+                pass  # A dead robot's software takes no requests.
             case Go(robot, goal):
                 self._driven_by_hand.pop(robot, None)
                 self._robots[robot].navigator.go(goal)
@@ -328,11 +328,11 @@ class Team:
                 self._driven_by_hand.pop(robot, None)
                 self._robots[robot].navigator.cancel()
                 self._dead.add(robot)
-                if (said := self._outputs[robot]) is not None:
-                    # What has ended does not end again and again, nor is what was shown once.
-                    last = replace(said.navigation, result=None, global_costmap=None, local_costmap=None)
-                    self._outputs[robot] = replace(said, navigation=last)
-                # A snapshot holds the array that was.
+                if (output := self._outputs[robot]) is not None:
+                    # The last output stands for the dead robot from now on: it ends no goal and shows no costmap twice.
+                    last = replace(output.navigation, result=None, global_costmap=None, local_costmap=None)
+                    self._outputs[robot] = replace(output, navigation=last)
+                # The last snapshot holds the old array.
                 self._commands = self._commands.copy()
                 self._commands[robot] = 0.0
             case Revive(robot):

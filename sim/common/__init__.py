@@ -1,1 +1,1 @@
-"""What the world and a robot's software share: geometry, grids, rays, sensor messages, and keyed noise."""
+"""Shared ground of the world and a robot's software: geometry, grids, rays, sensor messages, and keyed noise."""

@@ -49,7 +49,7 @@ class Pose2:
         return Pose2(-c * self.x - s * self.y, s * self.x - c * self.y, wrap_angle(-self.theta))
 
     def between(self, other: "Pose2") -> "Pose2":
-        """Where `other` is, seen from here; both in one frame."""
+        """Return the pose of `other` as seen from this one; both are given in one frame."""
         return self.inverse().compose(other)
 
     def distance(self, other: "Pose2") -> float:

@@ -1,4 +1,4 @@
-"""Occupancy grids: what a map's cells mean, where they lie in the world, how far each is from a wall.
+"""Occupancy grids: the meaning of a map's cells, their place in the world, their distance from walls.
 
 Grids are (rows, cols) with row 0 and column 0 at the map's origin, as nav_msgs/OccupancyGrid has them.
 """
@@ -25,11 +25,11 @@ OCCUPIED = 100
 UNKNOWN = -1
 
 MAX_CLEARANCE = 2.0
-"""Metres from the walls beyond which it makes no difference to a robot how far they are."""
+"""Greatest clearance that is told apart, metres: to a robot farther from the walls it makes no difference."""
 
 
 class GridFrame(NamedTuple):
-    """Where a grid lies in the world, in the form that compiled kernels take.
+    """Pose and resolution of a grid in the world, in the form that compiled kernels take.
 
     Attributes:
         x: origin of the grid (outer corner of cell (0, 0)) in the map frame, metres.
@@ -119,7 +119,7 @@ class OccupancyGrid:
 
     @property
     def frame(self) -> GridFrame:
-        """Where the grid lies, for compiled kernels."""
+        """Pose and resolution of the grid, for compiled kernels."""
         yaw = self.origin.theta
         return GridFrame(self.origin.x, self.origin.y, math.cos(yaw), math.sin(yaw), self.resolution)
 
@@ -134,7 +134,7 @@ class OccupancyGrid:
         return x, y
 
     def contains(self, row: int, col: int) -> bool:
-        """Whether there is such a cell."""
+        """Return True when the grid has such a cell."""
         return 0 <= row < self.rows and 0 <= col < self.cols
 
     def value_at(self, x: float, y: float) -> int:
@@ -221,8 +221,9 @@ def clearance_field(grid: OccupancyGrid) -> NDArray[np.float32]:
     """Metres from each cell's centre to the nearest side of an occupied cell, about; at most ROOMY.
 
     Returns:
-        (rows, cols) float32, half a cell less than `distance_field`, and at least 0. All robots on a map share one;
-        nobody writes to it, and only for the sake of compiled kernels, which take others beside it, is it not sealed.
+        (rows, cols) float32, half a cell less than `distance_field`, and at least 0. All robots on a map share one, so
+        it must not be written to. Its flag for writing stays set all the same: the kernels that take it also take
+        writable copies, and numba compiles a kernel once for each of the two.
     """
     field: NDArray[np.float32] = np.maximum(
         distance_field(grid, MAX_CLEARANCE) - np.float32(0.5 * grid.resolution), np.float32(0)

@@ -10,7 +10,7 @@ __all__ = ["is_compiled", "njit"]
 
 
 def _folder_of_compiled_code() -> Path:
-    """A folder that belongs to these very sources.
+    """Return the folder of compiled kernels that belongs to these very sources.
 
     numba looks only at the file that a kernel stands in: after a change in another file from which the kernel calls
     something, it would go on running the old code.
@@ -32,6 +32,6 @@ config.CACHE_DIR = str(_FOLDER)  # type: ignore[attr-defined]  # numba makes it 
 
 
 def is_compiled() -> bool:
-    """Whether kernels of these sources were compiled on this machine before; else the first run takes longer."""
+    """Return True when kernels of these sources were compiled on this machine before; else the first run takes longer."""
     # numba makes the folder as soon as a kernel is imported.
     return any(_FOLDER.rglob("*.nbc"))

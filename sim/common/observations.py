@@ -1,4 +1,4 @@
-"""What sensors say and motors are told: all that the world and a robot's own software share.
+"""Sensor messages and motor commands: all that passes between the world and a robot's own software.
 
 Everything is stamped with a tick: the count of physics steps since the session began, `TICK` seconds each.
 """
@@ -29,7 +29,7 @@ STANDSTILL = Twist(0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class Odometry:
-    """What the wheels say: the pose since the start in the drifting frame `odom`, and the measured velocity."""
+    """Wheel odometry: the pose since the start in the drifting frame `odom`, and the measured velocity."""
 
     tick: int
     base_in_odom: Pose2
@@ -38,7 +38,7 @@ class Odometry:
 
 @dataclass(frozen=True, slots=True)
 class Imu:
-    """What the gyroscope says: the rate of turn, radians per second."""
+    """Gyroscope reading: the rate of turn, radians per second."""
 
     tick: int
     angular_velocity: float
@@ -87,10 +87,10 @@ class Battery:
 
 
 class Claim(NamedTuple):
-    """Whose wish it is that others clear the way; the lesser one counts more.
+    """Priority of a robot that asks others to clear its path; the lesser one goes first.
 
     Attributes:
-        since: tick at which that robot took up its goal: who has waited longer is served first, so nobody starves.
+        since: tick at which that robot took up its goal: the one that has waited longest goes first, so none starves.
         robot: its index.
     """
 
@@ -100,17 +100,17 @@ class Claim(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Neighbour:
-    """What a robot tells the others about itself: heard one tick later.
+    """State that a robot broadcasts to its team; the others receive it one tick later.
 
     Attributes:
         robot: its index in the team.
-        base_in_map: where it believes it is.
-        twist: how it moves.
+        base_in_map: believed pose of the robot.
+        twist: its velocity.
         footprint: (n, 2) corners in its base frame, metres.
         path: (m, 2) map points it is heading along, its own place first; empty when it stands.
         times: (m,) when it means to be there: the order in which robots pass a place (`sim.robot.planning.itinerary`).
-            Empty beside a path that is only wished for: others stand in the way and are asked to clear it.
-        claim: beside a path that is only wished for, in whose name.
+            Empty with a path that is only wanted: other robots obstruct it and are asked to clear it.
+        claim: with a path that is only wanted: the priority of the robot that wants it.
     """
 
     robot: int

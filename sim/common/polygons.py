@@ -1,4 +1,4 @@
-"""Bodies among walls: polygons, whether they overlap one another or occupied cells, and how near they come."""
+"""Bodies as polygons: overlap with one another and with occupied cells, and distances between them."""
 
 import math
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ _HALF_DIAGONAL = math.sqrt(0.5)
 
 
 class Polygons(NamedTuple):
-    """Polygons side by side, in the form that kernels take.
+    """Several polygons in flat arrays, the form that compiled kernels take.
 
     Attributes:
         corners: (v, 2) of all of them, metres.
@@ -30,7 +30,7 @@ class Polygons(NamedTuple):
 
 
 def pack_polygons(polygons: Sequence[FloatArray]) -> Polygons:
-    """Make polygons, (v, 2) each, ready for kernels; the arrays are read-only."""
+    """Pack polygons, (v, 2) corners each, into flat arrays, which are read-only."""
     corners = np.concatenate([np.empty((0, 2)), *polygons])
     ends = np.cumsum([0, *(len(polygon) for polygon in polygons)], dtype=np.int64)
     circles = np.empty((len(polygons), 3))
@@ -43,7 +43,7 @@ def pack_polygons(polygons: Sequence[FloatArray]) -> Polygons:
 
 
 def unpack_polygons(polygons: Polygons) -> list[FloatArray]:
-    """The corners of each, (v, 2)."""
+    """Return the corners of each polygon, (v, 2)."""
     return np.split(polygons.corners, polygons.ends[1:-1]) if len(polygons.circles) else []
 
 
@@ -76,7 +76,7 @@ def clearance_at(clearance: Clearance, row: int, col: int) -> int:
 
 @njit(cache=True)
 def _inside(x: float, y: float, polygon: FloatArray) -> bool:
-    """Whether a point lies in a polygon (even-odd rule)."""
+    """Return True when a point lies in a polygon (even-odd rule)."""
     inside = False
     last = polygon.shape[0] - 1
     for k in range(polygon.shape[0]):
@@ -104,7 +104,7 @@ def _point_to_edge(x: float, y: float, ax: float, ay: float, bx: float, by: floa
 
 @njit(cache=True)
 def _near_point(x: float, y: float, polygon: FloatArray, margin: float) -> bool:
-    """Whether a point lies in a polygon or within `margin` of it."""
+    """Return True when a point lies in a polygon or within `margin` of it."""
     last = polygon.shape[0] - 1
     for k in range(polygon.shape[0]):
         edge = _point_to_edge(x, y, polygon[last, 0], polygon[last, 1], polygon[k, 0], polygon[k, 1])
@@ -122,7 +122,7 @@ def _side(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> flo
 
 @njit(cache=True)
 def within_margin(a: FloatArray, b: FloatArray, margin: float) -> bool:
-    """Whether two polygons, (v, 2) and (w, 2), overlap or come within `margin` of each other."""
+    """Return True when two polygons, (v, 2) and (w, 2), overlap or come within `margin` of each other."""
     limit = margin * margin
     i = a.shape[0] - 1
     for k in range(a.shape[0]):
@@ -156,7 +156,7 @@ def placed_at(footprint: FloatArray, x: float, y: float, theta: float) -> FloatA
 
 @njit(cache=True)
 def near_wall(corners: FloatArray, clearance: Clearance, frame: GridFrame, margin: float) -> bool:
-    """Whether a body overlaps an occupied cell, edges and inside alike, or comes within `margin` metres of one."""
+    """Return True when a body overlaps an occupied cell, at edges or inside, or comes within `margin` metres of one."""
     body = np.empty_like(corners)  # in cells: columns, rows
     for k in range(corners.shape[0]):
         dx = corners[k, 0] - frame.x
@@ -184,7 +184,7 @@ def near_wall(corners: FloatArray, clearance: Clearance, frame: GridFrame, margi
 
 @njit(cache=True)
 def is_clear_of_walls(x: float, y: float, distance: float, clearance: Clearance, frame: GridFrame) -> bool:
-    """Whether surely no occupied cell lies within `distance` of a point; cheap, and False when in doubt."""
+    """Return True when surely no occupied cell lies within `distance` of a point; cheap, and False when in doubt."""
     dx = x - frame.x
     dy = y - frame.y
     col = math.floor((frame.cos * dx + frame.sin * dy) / frame.resolution)

@@ -1,5 +1,11 @@
 """Beams through an occupancy grid and against other robots' bodies: exact ranges, no sampling.
 
+A beam is followed from one grid line to the next (Amanatides and Woo, A fast voxel traversal algorithm for ray
+tracing, 1987), but in long strides. For each cell, and for each of the four diagonal directions, a table holds the side
+of the largest square without an occupied cell that begins there. A beam inside such a square can meet nothing before it
+leaves it, so it goes to the square's border in one step: in open space dozens of cells at once. Every crossing is
+computed from the beam's start and never summed up, so a range is the same to the last bit, whatever the strides were.
+
 Only occupied cells (100) stop a beam. Unknown cells and everything outside the grid let it pass: nobody knows of
 anything there, and inventing walls would make a simulated laser mark obstacles that no map shows. A beam that starts
 in an occupied cell has range 0.
@@ -27,6 +33,7 @@ _LARGEST_SQUARE = 255
 
 @njit(cache=True)
 def _free_squares(cells: Cells) -> FreeSquares:
+    """Compute the table of free squares by dynamic programming, from the far end of each quadrant on."""
     rows, cols = cells.shape
     squares = np.empty((4, rows, cols), dtype=np.uint8)
     for quadrant in range(4):
@@ -41,7 +48,8 @@ def _free_squares(cells: Cells) -> FreeSquares:
                 if cells[row, col] == OCCUPIED:
                     squares[quadrant, row, col] = 0
                     continue
-                # A square is one cell larger than the smallest of the three that it is made of.
+                # A square of side n is made of three of side n - 1 (beside, above, across) and this cell. Beyond the
+                # map's edge all is free, so what lies outside does not limit it.
                 smallest = _LARGEST_SQUARE - 1
                 if i > 0:
                     smallest = min(smallest, squares[quadrant, next_row, col])
@@ -55,7 +63,7 @@ def _free_squares(cells: Cells) -> FreeSquares:
 
 @lru_cache(maxsize=8)
 def free_squares_of(grid: OccupancyGrid) -> FreeSquares:
-    """How far a beam may go in one stride from every cell, for each quadrant that it may head for.
+    """Strides that a beam may take from every cell, for each quadrant that it may head for.
 
     Read-only: a map never changes, and all who cast beams through it share one table.
     """
@@ -70,8 +78,9 @@ def _line_after(
 ) -> int:
     """The row (or column) that a beam is in after `distance`, having been in `start` before.
 
-    Where the beam is within a hair of a line, the line counts as crossed by comparing the very expression that `_cast`
-    strides by. So rounding can never send a beam that strides through other cells than one that goes step by step.
+    Where the beam is within a hair of a grid line, rounding could decide either way. There the line counts as crossed
+    when the very expression that `_cast` computes crossings with says so. So a beam that strides never passes other
+    cells than one that goes cell by cell.
     """
     reached = origin + speed * distance
     line = math.floor(reached)
@@ -100,15 +109,14 @@ def _cast(
     """Metres along one beam to the first occupied cell; inf if there is none nearer than `limit`.
 
     Args:
-        squares: of the grid; all ones on free cells would give the same range, slower.
-        col_start: where the beam starts, along the columns, in cells.
+        squares: table of the grid; all ones on free cells would give the same range, slower.
+        col_start: start of the beam, along the columns, in cells.
         row_start: the same along the rows.
         col_speed: cells per metre of beam along the columns.
         row_speed: the same along the rows.
         limit: metres, finite.
 
-    Source: Amanatides and Woo, A fast voxel traversal algorithm for ray tracing (1987).
-    Differs: crosses a whole free square at a time; each crossing is computed from the start, not accumulated.
+    See the module's docstring. On a corner the row is crossed first, here and in `_line_after` (`inclusive`).
     """
     rows = squares.shape[1]
     cols = squares.shape[2]
@@ -126,7 +134,7 @@ def _cast(
     row_behind = 0 if row_speed > 0.0 else 1
     # Rounding moves a beam by some 1e-16 of the numbers it is computed from.
     hair = 1e-13 * (abs(col_start) + abs(row_start) + rows + cols)
-    # The grid is convex: who leaves it does not come back. So no stride below ends outside of it.
+    # The grid is convex: a beam that leaves it does not come back. So no stride below ends outside of it.
     leaves_cols = ((cols if col_step > 0 else 0) - col_start) * col_pace
     leaves_rows = ((rows if row_step > 0 else 0) - row_start) * row_pace
     limit = min(limit, leaves_cols, leaves_rows)
@@ -147,8 +155,10 @@ def _cast(
             row = 0 if row_step > 0 else rows - 1
     quadrant = squares[(1 - col_behind) + 2 * (1 - row_behind)]
     free = int(quadrant[np.uintp(row), np.uintp(col)])
+    # Invariant: the beam enters cell (row, col) at `distance`, all cells before it are free, and `free` is the side of
+    # the free square that begins there: 0 in an occupied cell, which ends the beam.
     while free > 0:
-        # Where the beam leaves the free square by a column and by a row.
+        # The square's far column and row, and the distances at which the beam reaches them: it leaves by the nearer.
         next_col = col + col_step * free
         next_row = row + row_step * free
         col_exit = (next_col + col_behind - col_start) * col_pace
@@ -176,14 +186,14 @@ def cast_beams(
     """Fill `out`, (n, m), with the ranges of m beams from each of n sensors.
 
     Args:
-        squares: of the grid.
+        squares: table of the grid.
         frame: the grid's.
         poses: (n, 3) of the sensors in the map frame.
         directions: (m, 2) cosine and sine of the beams' angles in the sensor's frame.
         max_range: metres, finite; what is farther away has range inf.
         out: (n, m) metres.
     """
-    # What is just as far as max_range is still seen.
+    # A cell at exactly max_range is still seen.
     limit = np.nextafter(max_range, np.inf)
     for i in range(poses.shape[0]):
         dx = poses[i, 0] - frame.x
@@ -215,7 +225,7 @@ def shorten_by_polygon(polygon: FloatArray, directions: FloatArray, max_range: f
     Args:
         polygon: (v, 2) corners in the sensor's frame, either way round, convex or not.
         directions: (m, 2) cosine and sine of the beams' angles in the sensor's frame.
-        max_range: what is farther away is not seen.
+        max_range: metres; a farther edge is not seen.
         ranges: (m,) metres, changed in place. A sensor inside the polygon sees its outline from within.
     """
     corners = polygon.shape[0]
@@ -246,10 +256,10 @@ def shorten_by_polygon(polygon: FloatArray, directions: FloatArray, max_range: f
 
 
 class BeamFan(NamedTuple):
-    """Beams that are spread evenly, in the form that compiled kernels take.
+    """Evenly spread beams, in the form that compiled kernels take.
 
     Attributes:
-        angle_min: of the first, radians in the sensor's frame.
+        angle_min: angle of the first, radians in the sensor's frame.
         angle_increment: from one to the next, more than 0.
         directions: (m, 2) cosine and sine of their angles.
     """
@@ -261,7 +271,7 @@ class BeamFan(NamedTuple):
 
 @njit(cache=True)
 def shorten_fan_by_polygon(polygon: FloatArray, fan: BeamFan, max_range: float, ranges: FloatArray) -> None:
-    """The same as `shorten_by_polygon`, for which only those beams are looked at that may meet the polygon."""
+    """Do the same as `shorten_by_polygon`, but look only at the beams that may meet the polygon."""
     beams = fan.directions.shape[0]
     centre_x = polygon[:, 0].mean()
     centre_y = polygon[:, 1].mean()
@@ -292,11 +302,11 @@ def directions_of(angles: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Raycaster:
-    """A grid made ready for beams.
+    """Table of strides of a grid, with the grid's frame: casts beams through the grid.
 
     Attributes:
         squares: (4, rows, cols) for the kernels of this module.
-        frame: where the grid lies, for the same.
+        frame: place of the grid in the map, for the same.
     """
 
     squares: FreeSquares
@@ -304,7 +314,7 @@ class Raycaster:
 
     @classmethod
     def of(cls, grid: OccupancyGrid) -> "Raycaster":
-        """Make a grid ready, once."""
+        """Prepare a grid; grids that are equal share one table."""
         return cls(free_squares_of(grid), grid.frame)
 
     def ranges(self, poses: FloatArray, angles: FloatArray, max_range: float) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Where the body of a robot fits on a map, and how far it gets from there; rooms as polygons."""
+"""Traversability: places on a map where a robot's body fits, and how far it gets from there; rooms as polygons."""
 
 import math
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TraversabilityMap:
-    """The floor of a map, for robots of one size.
+    """Clearance everywhere on a map, for robots of one size.
 
     Attributes:
         grid: the map. Its border counts as a wall: nothing is known of what lies beyond.
@@ -39,7 +39,7 @@ class TraversabilityMap:
 
     @classmethod
     def of(cls, grid: OccupancyGrid, inscribed: float, circumscribed: float) -> "TraversabilityMap":
-        """The floor of a grid."""
+        """Compute the clearance of a grid."""
         free = np.pad(grid.cells == FREE, 1, constant_values=False)
         cells_away = np.asarray(distance_transform_edt(free), dtype=np.float64)[1:-1, 1:-1]
         centres = grid.centres_of(np.indices(grid.cells.shape).reshape(2, -1).T)
@@ -72,7 +72,7 @@ class TraversabilityMap:
 
 
 def inside(polygon: Polygon, x: FloatArray, y: FloatArray) -> Mask:
-    """Which of the points (x, y), arrays of one shape, lie in a polygon (even-odd rule)."""
+    """Return a mask of the points (x, y), arrays of one shape, that lie in a polygon (even-odd rule)."""
     odd = np.zeros(x.shape, dtype=np.bool_)
     for (x0, y0), (x1, y1) in sides(polygon):
         if y0 != y1:
@@ -81,7 +81,7 @@ def inside(polygon: Polygon, x: FloatArray, y: FloatArray) -> Mask:
 
 
 def sides(polygon: Polygon) -> list[tuple[Point, Point]]:
-    """Each corner with the next."""
+    """Return the polygon's sides: each corner with the next."""
     return list(zip(polygon, polygon[1:] + polygon[:1], strict=True))
 
 
@@ -91,7 +91,7 @@ def area(polygon: Polygon) -> float:
 
 
 def crosses_itself(polygon: Polygon) -> bool:
-    """Whether two sides cross between their ends."""
+    """Return True when two sides cross between their ends."""
     edges = sides(polygon)
     return any(_cross(edges[first], edges[second]) for second in range(len(edges)) for first in range(second))
 
@@ -102,5 +102,5 @@ def _cross(one: tuple[Point, Point], other: tuple[Point, Point]) -> bool:
 
 
 def _turn(a: Point, b: Point, c: Point) -> float:
-    """Positive when the way from a by b to c turns left."""
+    """Positive when the path from a by b to c turns left."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

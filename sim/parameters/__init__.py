@@ -1,4 +1,4 @@
-"""The admin's knobs: every parameter of a robot and of its world, under its ROS name where ROS has one.
+"""Parameters: all that an admin may set of a robot and of its world, under ROS's names where ROS has them.
 
 Each field carries its meaning, unit and bounds, from which the study file's reader, its error messages and its
 commented template are made. Defaults are those of the 2016 study (its robots, its planner) and else ROS's own.

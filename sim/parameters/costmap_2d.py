@@ -137,7 +137,7 @@ _COSTMAP_ROS_ONLY: Mapping[str, str] = {
 
 @dataclass(frozen=True, slots=True)
 class CostmapParameters:
-    """What both costmaps of a robot have in common."""
+    """Parameters that both costmaps of a robot have in common."""
 
     # Names that costmap_2d hands down to its layers.
     passed_on: ClassVar[Mapping[str, str]] = {

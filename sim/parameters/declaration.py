@@ -1,13 +1,13 @@
-"""How a parameter is declared: default, meaning, unit and bounds in one place.
+"""Declaration of parameters: default, meaning, unit and bounds in one place.
 
 A class of ROS parameters may hold `ros_only: ClassVar[Mapping[str, str]]`: names that only mean something inside ROS,
-each with what it does there. Files may have them, and are told that they change nothing.
+each with what it does there. Files may have them; they change nothing, and whoever reads the file reports that.
 
-Three habits of ROS's files have a name too. `renamed: ClassVar[Mapping[str, str]]`: an old name that ROS still reads,
-and the present one. `passed_on: ClassVar[Mapping[str, str]]`: a name that ROS hands down to a part, whatever the part
-itself says, and where: `obstacle_range` to `obstacle_layer.obstacle_range`. `sections_named_in: ClassVar[str]`: a field
-that holds a tuple of sections, each with a `name`; in a file it is a text of the names with blanks between, and each
-section stands under its name beside it.
+Three customs of ROS's parameter files are declared by name too. `renamed: ClassVar[Mapping[str, str]]`: an old name
+that ROS still reads, and the present one. `passed_on: ClassVar[Mapping[str, str]]`: a name that ROS hands down to a
+part, over the part's own value, and the path there: `obstacle_range` to `obstacle_layer.obstacle_range`.
+`sections_named_in: ClassVar[str]`: a field that holds a tuple of sections, each with a `name`; in a file it is a text
+of the names with blanks between, and each section stands under its name beside it.
 """
 
 from dataclasses import field
@@ -24,10 +24,10 @@ def param(
     maximum: float | None = None,
     choices: tuple[str, ...] = (),
 ) -> T:
-    """A dataclass field that an admin may set, with what a reader of the file needs to know about it.
+    """Declare a dataclass field that an admin may set, with what a reader of the file needs to know about it.
 
     Args:
-        default: the value when the file is silent; immutable.
+        default: the value when the file does not give one; immutable.
         help: one sentence for the admin.
         unit: SI, e.g. "m", "m/s", "rad"; empty for a pure number.
         minimum: least allowed value, inclusive.
@@ -47,9 +47,9 @@ def live(
     maximum: float | None = None,
     choices: tuple[str, ...] = (),
 ) -> T:
-    """A knob that may be turned while a robot runs. Where ROS has it, it stands in a .cfg file for dynamic_reconfigure.
+    """Declare a parameter that may change while a robot runs; ROS has it in a .cfg file for dynamic_reconfigure.
 
-    Arguments as for `knob`; see `sim.parameters.reconfiguration`.
+    Arguments as for `param`; see `sim.parameters.reconfiguration`, also for those that ROS does not have.
     """
     metadata = {"help": help, "unit": unit, "minimum": minimum, "maximum": maximum, "choices": choices, "live": True}
     return field(default=default, metadata=metadata)

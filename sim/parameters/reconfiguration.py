@@ -1,8 +1,8 @@
-"""Changing parameters while a robot runs: what ROS's dynamic_reconfigure does.
+"""Change of parameters while a robot runs, as ROS's dynamic_reconfigure does it.
 
-Which may change is said where they are declared, by `live` instead of `knob`: those of ROS's .cfg files, some that ROS
-does not have or does not change, and how true sensors err. A place is named by the keys that lead to it, with dots
-between, from a robot's software or from what is true of it: `local_costmap.inflation_layer.inflation_radius`,
+Parameters that may change are declared by `live` instead of `param`: those of ROS's .cfg files, some that ROS does not
+have or does not change, and the errors of the true sensors. A parameter's path is the keys that lead to it, with dots
+between, from a robot's software or from the truth about it: `local_costmap.inflation_layer.inflation_radius`,
 `world.laser.range_noise`.
 """
 
@@ -22,17 +22,17 @@ if TYPE_CHECKING:
 P = TypeVar("P", RobotParameters, WorldParameters)
 
 WORLD_PREFIX = "world."
-"""What the paths of `WorldParameters` begin with."""
+"""Prefix of the paths of `WorldParameters`."""
 
 RejectionReason = Literal["unknown", "fixed", "kind", "range"]
 
 
 @dataclass(frozen=True, slots=True)
 class ParameterRejection:
-    """Why a parameter keeps its value.
+    """Refusal of a new value: the parameter keeps its own.
 
     Attributes:
-        path: which one.
+        path: its path.
         reason: the cause as a code: there is no such parameter; it cannot change while the robot runs; the value is of
             the wrong kind, or out of its range.
         sentence: the cause for people, with a remedy where there is one.
@@ -48,9 +48,9 @@ class LiveParameter:
     """A parameter that may change while a robot runs, as it is declared.
 
     Attributes:
-        path: its place.
-        types: of its values; `NoneType` is among them where it may have none.
-        default: of its class.
+        path: see the module.
+        types: those of its values; `NoneType` is among them where it may have none.
+        default: that of its class.
         help: one sentence.
         unit: SI; empty for a pure number.
         minimum: least value; None where there is none.
@@ -73,7 +73,7 @@ def live_parameters(into: "type[DataclassInstance]" = RobotParameters, path: str
 
     Args:
         into: the class that declares them.
-        path: of its place, where it is a section of something else.
+        path: its own, where the class is a section of another one.
     """
     hints = get_type_hints(into)
     for field in dataclasses.fields(into):
@@ -100,11 +100,11 @@ def _types(hint: object) -> tuple[object, ...]:
 
 def reconfigurable() -> Iterator[str]:
     """The paths of all parameters of a robot's software that may change while it runs, in the order of declaration."""
-    return (knob.path for knob in live_parameters())
+    return (parameter.path for parameter in live_parameters())
 
 
 def is_live(field: "dataclasses.Field[object]") -> bool:
-    """Whether a parameter may change while a robot runs."""
+    """Return True when a parameter may change while a robot runs."""
     return bool(field.metadata.get("live"))
 
 
@@ -112,8 +112,8 @@ def reconfigured(parameters: P, path: str, value: object) -> P | ParameterReject
     """The parameters with one of them changed, or why it may not.
 
     Args:
-        parameters: as they are.
-        path: of the one to change.
+        parameters: the present ones.
+        path: its path.
         value: its new value; a footprint may also come as ROS writes it, `[[x, y], ...]` in one text.
     """
     below = path.removeprefix(WORLD_PREFIX) if isinstance(parameters, WorldParameters) else path
@@ -129,7 +129,7 @@ def reconfigured(parameters: P, path: str, value: object) -> P | ParameterReject
 
 
 def fixed_differences(before: P, after: P) -> tuple[str, ...]:
-    """The places at which two robots' parameters differ although they cannot change while a robot runs."""
+    """The paths at which two robots' parameters differ although they cannot change while a robot runs."""
     return tuple(_differences(before, after, ""))
 
 

@@ -58,7 +58,7 @@ class RobotParameters:
             track_unknown_space=True,
             publish_frequency=0.2,
             obstacle_layer=_LASER,
-            # Where robots under way are now says little of where they will be: plans reckon with their paths instead.
+            # Places of driving robots say little about where they will be: plans keep clear of their paths instead.
             robots_layer=RobotsParameters(under_way=False),
             inflation_layer=_INFLATION,
         ),

@@ -1,4 +1,4 @@
-"""What is true of bodies, motors and sensors."""
+"""Truth about bodies, motors and sensors."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from sim.parameters.declaration import live, param
 
 @dataclass(frozen=True, slots=True)
 class OdometryNoise:
-    """How the wheels err: at random, anew every tick (Probabilistic Robotics, table 5.6), and by wrong scales."""
+    """Errors of the wheels: random ones, anew every tick (Probabilistic Robotics, table 5.6), and wrong scales."""
 
     alpha1: float = live(0.02, "error in turning per turning", minimum=0, maximum=10)
     alpha2: float = live(0.02, "error in turning per metre driven", minimum=0, maximum=10)
@@ -34,7 +34,7 @@ class LaserParameters:
 
 @dataclass(frozen=True, slots=True)
 class WorldParameters:
-    """What is true of the robots and their sensors, whatever their software believes."""
+    """Truth about the robots and their sensors, whatever their software believes."""
 
     footprint: tuple[tuple[float, float], ...] = param(
         ((0.25, 0.25), (-0.25, 0.25), (-0.25, -0.25), (0.25, -0.25), (0.35, 0.0)), "corners of the body", "m"

@@ -12,13 +12,13 @@ from sim.robot.navigator import Navigation, Navigator
 
 @dataclass(frozen=True, slots=True)
 class RobotOutput:
-    """What one robot makes of one tick.
+    """Output of one robot's software in one tick.
 
     Attributes:
-        observations: what it perceived.
-        estimate: where it believes it is.
-        navigation: what it does about its goal; its command acts in the next tick.
-        neighbour: what it tells the other robots, which they hear in the next tick.
+        observations: its sensors' messages.
+        estimate: believed pose of the robot.
+        navigation: command, goal and plan; its command acts in the next tick.
+        neighbour: the state that it broadcasts; the other robots receive it in the next tick.
     """
 
     observations: Observations
@@ -51,7 +51,7 @@ class Robot:
 
         Args:
             observations: this tick's.
-            neighbours: what the other robots said in the last tick.
+            neighbours: broadcasts of the other robots in the last tick.
         """
         odometry = observations.odometry
         estimate = self.localizer.update(odometry, observations.imu, observations.scan)

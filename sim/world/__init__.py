@@ -1,1 +1,1 @@
-"""The truth: physics, what sensors perceive of it and how they err, and the things that stand or walk in the way."""
+"""The truth: physics, sensors with their errors, and things that stand or walk where robots drive."""

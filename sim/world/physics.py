@@ -44,14 +44,14 @@ class WorldState:
         tick: physics steps since the session began.
         poses: (n, 3) x, y, theta of every base in the map frame, theta in [-pi, pi).
         twists: (n, 2) true velocities of the last tick, base frame: m/s forward, rad/s anti-clockwise.
-        odom_poses: (n, 3) where the wheels say the bases are, in each robot's own frame odom (its start).
+        odom_poses: (n, 3) poses of the bases by their wheels, in each robot's own frame odom (its start).
         odom_twists: (n, 2) the velocities that the wheels measured in the last tick.
         charge: (n,) energy left, in the game's units.
         contact: (n,) bool, stopped by a wall, another robot or a thing, and not yet away from it.
         collisions: (n,) int64, how often contact began.
-        noise: how the sensors err.
-        things: in the way, and those that wait to appear.
-        bodies: of the things that are there, map frame.
+        noise: errors of the sensors.
+        things: those that are there, and those that wait to appear.
+        bodies: those of the things that are there, map frame.
     """
 
     tick: int
@@ -79,7 +79,7 @@ class WorldState:
 
 @dataclass(frozen=True, slots=True)
 class Misplaced:
-    """Why a robot cannot be put where it was wanted.
+    """Refusal of a pose at which a robot was to be put.
 
     Attributes:
         robot: its index in the team.
@@ -93,12 +93,12 @@ class Misplaced:
 
 
 class _Body(NamedTuple):
-    """What the kernel knows of a robot besides its corners.
+    """Size and limits of a robot, for the kernel.
 
     Attributes:
-        radius: of the circle around the base that holds all corners, metres.
+        radius: that of the circle around the base that holds all corners, metres.
         reach: the farthest any corner gets in one tick, metres.
-        max_vel_x: as in WorldParameters, and so on.
+        max_vel_x: see WorldParameters, and so on.
     """
 
     radius: float
@@ -121,16 +121,16 @@ def _touches(
     margin: float,
     touched: BoolArray,
 ) -> tuple[bool, bool, bool]:
-    """What a robot's body overlaps or comes within `margin` metres of: walls? other robots? things?
+    """Return whether a robot's body overlaps, or comes within `margin` metres of, walls, other robots, and things.
 
     Args:
         robot: its index.
         poses: (n, 3) of all robots, its own included, map frame.
         footprint: (v, 2) corners, the same for all.
-        radius: of the circle around the base that holds them.
-        clearance: of the grid.
+        radius: that of the circle around the base that holds them.
+        clearance: that of the grid.
         frame: the grid's.
-        bodies: of things, map frame.
+        bodies: those of things, map frame.
         margin: metres; 0 asks for overlap.
         touched: (n,) set to True for every robot that is touched.
     """
@@ -264,7 +264,7 @@ def with_charge(state: WorldState, robot: int, charge: float) -> WorldState:
 
 
 def with_noise(state: WorldState, robots: Sequence[WorldParameters]) -> WorldState:
-    """The same world, but for how sensors err: as the parameters of each robot say."""
+    """The same world, with sensors that err as the parameters of each robot say."""
     return replace(state, noise=SensorNoise.of(robots))
 
 
@@ -398,7 +398,7 @@ class World:
         return things, state.bodies if still else polygons_of(things)
 
     def _obstacle(self, robot: int, poses: FloatArray, bodies: Polygons) -> Misplaced | None:
-        """Why this robot's body cannot be where (n, 3) `poses` has it, among the bodies of things; None if it can."""
+        """Refuse this robot's pose in (n, 3) `poses`, among the bodies of things; None when its body can be there."""
         x, y = float(poses[robot, 0]), float(poses[robot, 1])
         where = f"robot {robot + 1} cannot be at ({x:.2f}, {y:.2f})"
         if not self._grid.contains(*self._grid.cell_of(x, y)):

@@ -1,4 +1,4 @@
-"""How the sensors of every robot err: the true magnitudes, which may change while robots run.
+"""Errors of every robot's sensors: their true magnitudes, which may change while robots run.
 
 They are factors of keyed noise (`sim.common.noise`), so that a change of one robot's changes no number that another
 draws.
@@ -17,7 +17,7 @@ from sim.parameters import OdometryNoise, WorldParameters
 
 
 class WheelNoise(NamedTuple):
-    """How the wheels err, as in OdometryNoise."""
+    """Errors of the wheels, as in OdometryNoise, in the form that compiled kernels take."""
 
     alpha1: float
     alpha2: float
@@ -28,16 +28,16 @@ class WheelNoise(NamedTuple):
 
 
 def wheel_noise_of(noise: OdometryNoise) -> WheelNoise:
-    """The same noise in the form that compiled kernels take."""
+    """Convert the parameters to the form that compiled kernels take."""
     return WheelNoise(noise.alpha1, noise.alpha2, noise.alpha3, noise.alpha4, noise.linear_scale, noise.angular_scale)
 
 
 @njit(cache=True)
 def measured_increment(wheels: WheelNoise, chord: float, half: float, draws: FloatArray) -> tuple[float, float, float]:
-    """What wheels make of one tick's arc: the turn before its chord, the chord's length, the turn after it.
+    """Return one tick's arc as wheels measure it: the turn before its chord, the chord's length, the turn after it.
 
     Args:
-        wheels: how they err.
+        wheels: their errors.
         chord: signed length of the chord that was really driven, metres.
         half: the chord's angle to the heading before it, half of what was turned, radians.
         draws: (3,) standard normals.
@@ -54,10 +54,10 @@ def measured_increment(wheels: WheelNoise, chord: float, half: float, draws: Flo
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SensorNoise:
-    """How the sensors of n robots err; its arrays are read-only.
+    """Errors of the sensors of n robots; its arrays are read-only.
 
     Attributes:
-        wheels: (n, 6) each row the numbers of a `Wheels`.
+        wheels: (n, 6) each row the numbers of a `WheelNoise`.
         laser: (n, 3) standard deviation and bias of ranges, metres; share of beams that are lost.
         gyro: (n,) standard deviation of the measured rate of turn, rad/s.
     """
@@ -74,7 +74,7 @@ class SensorNoise:
 
     @classmethod
     def of(cls, robots: Sequence[WorldParameters]) -> "SensorNoise":
-        """That of a team, of whose robots each has parameters of its own."""
+        """Gather the errors of a team; each robot has parameters of its own."""
         wheels = [wheel_noise_of(robot.odometry) for robot in robots]
         lasers = [(robot.laser.range_noise, robot.laser.range_bias, robot.laser.dropout) for robot in robots]
         return cls(

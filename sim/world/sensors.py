@@ -1,4 +1,4 @@
-"""What a robot perceives of the world: wheels, gyroscope, laser and battery, each with its own keyed noise."""
+"""Sensors: a robot's wheels, gyroscope, laser and battery read the world, each with its own keyed noise."""
 
 import math
 from functools import lru_cache

@@ -1,7 +1,7 @@
-"""Things in the way: bodies that no map shows, which appear, stand or walk, and vanish.
+"""Things: bodies that no map shows, which appear, stand or walk where robots drive, and vanish.
 
-A thing never comes upon a robot. It appears when its place is free, and who walks stops before a robot: how near,
-depends on the robot's speed. So whatever touches is the robot's doing.
+A thing never runs into a robot. It appears when its place is free, and one that walks stops before a robot, at a
+distance that grows with the robot's speed. So every collision is the robot's doing.
 """
 
 import math
@@ -19,22 +19,22 @@ from sim.common.polygons import NO_POLYGONS, Polygons, pack_polygons, placed_at,
 ROBOT_MARGIN = 0.3
 """Metres that things leave between themselves and a robot."""
 BRAKING_TIME = 1.0
-"""Seconds of a robot's way that they leave besides, so that it can see and brake."""
+"""Seconds of a robot's driving that they leave besides, so that it can see and brake."""
 TURN_BACK_TICKS = 5 * TICKS_PER_SECOND
-"""Ticks that somebody who walks waits behind a robot before turning back."""
+"""Ticks that a walking thing waits for a robot before it turns back."""
 
 
 @dataclass(frozen=True)
 class Thing:
-    """A body, and where it means to go.
+    """A body, and the path that it walks.
 
     Attributes:
-        name: what people call it; a world holds one of a name.
+        name: its name for people; a world holds one of a name.
         footprint: corners in its own frame, metres, in turn around it.
-        base_in_map: where it appears.
+        base_in_map: pose at which it appears.
         path: points of the map that it walks to from there, one after the other, facing along; empty when it stays.
         speed: at which it walks, m/s.
-        back_and_forth: whether it turns back at the end of the path, rather than stay there.
+        back_and_forth: True when it turns back at the end of the path, rather than stay there.
     """
 
     name: str
@@ -45,10 +45,10 @@ class Thing:
     back_and_forth: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse what has no body or cannot walk.
+        """Refuse a thing without a body, or one that cannot walk.
 
         Raises:
-            ValueError: fewer than three corners, or two points of its way that are one.
+            ValueError: fewer than three corners, or a point of its path twice in a row.
         """
         if len(self.footprint) < 3:
             raise ValueError(f"the footprint of {self.name} needs at least three corners, not {len(self.footprint)}")
@@ -62,7 +62,7 @@ class Thing:
 
     @cached_property
     def _points(self) -> FloatArray:
-        """(m, 2) of its way, the start first."""
+        """(m, 2) of its path, the start first."""
         return np.array([(self.base_in_map.x, self.base_in_map.y), *self.path])
 
     @cached_property
@@ -72,11 +72,11 @@ class Thing:
 
     @property
     def length(self) -> float:
-        """Metres of its way."""
+        """Metres of its path."""
         return float(self._distances[-1])
 
     def pose_after(self, walked: float) -> Pose2:
-        """Where it is after so many metres of its way."""
+        """Pose after so many metres of its path."""
         if self.length == 0.0:
             return self.base_in_map
         leg = min(int(np.searchsorted(self._distances, walked, side="right")), len(self._distances) - 1)
@@ -90,11 +90,11 @@ class ThingState:
     """A thing as it is in one tick.
 
     Attributes:
-        thing: which.
-        appeared: whether it is there; else it waits until its place is free.
-        walked: metres of its way that it is along.
-        onward: whether it walks along its way, or back.
-        held_up: ticks for which a robot has been in its way.
+        thing: the thing itself.
+        appeared: True when it is there; else it waits until its place is free.
+        walked: metres along its path that it is now.
+        forward: True when it walks along its path, False when back.
+        held_up: ticks for which a robot has held it up.
     """
 
     thing: Thing
@@ -104,7 +104,7 @@ class ThingState:
     held_up: int = 0
 
     def pose(self) -> Pose2:
-        """Where it is."""
+        """Return its pose in the map."""
         return self.thing.pose_after(self.walked)
 
 
@@ -118,7 +118,7 @@ def _comes_upon(
     footprint: FloatArray,
     radius: float,
 ) -> bool:
-    """Whether a body that moves to `here` from the point `before` comes too near to a robot that it nears."""
+    """Return True when a body that moves from the point `before` to `here` comes too near to a robot that it nears."""
     body = placed_at(corners, here[0], here[1], here[2])
     reach = 0.0
     for k in range(corners.shape[0]):
@@ -137,13 +137,13 @@ def _comes_upon(
 
 @dataclass(frozen=True, slots=True)
 class RobotBodies:
-    """The robots as things mind them.
+    """Bodies and velocities of the robots, for things that must not run into them.
 
     Attributes:
         poses: (n, 3) map frame.
         twists: (n, 2) m/s and rad/s.
         footprint: (v, 2) corners of each.
-        radius: of the circle around the base that holds them.
+        radius: that of the circle around the base that holds them.
     """
 
     poses: FloatArray
@@ -152,7 +152,7 @@ class RobotBodies:
     radius: float
 
     def would_meet(self, thing: Thing, here: Pose2, before: tuple[float, float]) -> bool:
-        """Whether a thing that comes from `before` would come upon one of them here."""
+        """Return True when a thing that comes from `before` would run into one of them here."""
         met: bool = _comes_upon(
             thing.corners, (here.x, here.y, here.theta), before, self.poses, self.twists, self.footprint, self.radius
         )
@@ -160,11 +160,11 @@ class RobotBodies:
 
 
 FROM_NOWHERE = (math.inf, math.inf)
-"""Where a thing comes from that appears: nearer than this is everywhere."""
+"""Point that an appearing thing comes from: from infinitely far, it nears every robot."""
 
 
 def step_things(presences: Sequence[ThingState], robots: RobotBodies) -> tuple[ThingState, ...]:
-    """The things one tick later; those that neither came nor walked are the very same values."""
+    """Step all things by one tick; those that neither appeared nor walked stay the very same values."""
     return tuple(_step_thing(presence, robots) for presence in presences)
 
 

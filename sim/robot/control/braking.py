@@ -1,11 +1,16 @@
-"""What a robot may do and still stop in time.
+"""Safe commands: those after which a robot can still stop in time.
 
 A command is safe when the robot, having obeyed it until the next command and then braked as hard as it can, has come
-nowhere too near to a wall or to where its neighbours can be when they brake. Walls must stay WALL_MARGIN away. Of the
-gap to a neighbour, less NEIGHBOUR_MARGIN, a robot may use up one half: the other may just now be deciding to use the
-other half. Where less than the margin is left (an estimate jumped, somebody was put there), it may not become less.
-So standing still is safe whenever the last command was. Turning in place moves a robot's corners so little from one
-command to the next that it may use all of a gap but TURNING_MARGIN.
+nowhere too near to a wall or to a place where a neighbour can be while it brakes. Walls must stay WALL_MARGIN away. Of
+the gap to a neighbour, less NEIGHBOUR_MARGIN, a robot may use up one half: the other robot may just now be deciding to
+use the other half. Where less than the margin is left (an estimate jumped, somebody was put there), it may not become
+less. So braking is safe whenever the last command was, and robots that obey safe commands alone do not collide, as long
+as the margins cover the errors of their estimates. Turning in place moves a robot's corners so little from one command
+to the next that it may use all of a gap but TURNING_MARGIN.
+
+Source: Fox, Burgard, Thrun, The Dynamic Window Approach to Collision Avoidance (1997), for admissible velocities: those
+from which a robot can stop in time; van den Berg, Lin, Manocha, Reciprocal Velocity Obstacles (ICRA 2008), for two
+robots that take half of the avoidance each.
 """
 
 import math
@@ -35,11 +40,11 @@ NEIGHBOUR_RANGE = 2.0
 
 
 class Surroundings(NamedTuple):
-    """What may be bumped into, in the form that compiled kernels take.
+    """Walls and neighbours that a robot may hit, in the form that compiled kernels take.
 
     Attributes:
         clearance: (rows, cols) metres from each cell of the map to the nearest wall.
-        frame: where these cells lie.
+        frame: place of these cells in the map.
         bodies: (k, n, 2) outlines in the map: each neighbour where it is, and where it can be until it stands.
         gaps: (k,) metres left to each before the robot moves.
     """
@@ -63,7 +68,7 @@ def _to_segment(px: float, py: float, ax: float, ay: float, bx: float, by: float
 
 @njit(cache=True)
 def _inside(x: float, y: float, polygon: FloatArray) -> bool:
-    """Whether a point lies in a polygon (even-odd rule)."""
+    """Return True when a point lies in a polygon (even-odd rule)."""
     inside = False
     j = polygon.shape[0] - 1
     for i in range(polygon.shape[0]):
@@ -127,6 +132,7 @@ def stopping_poses(
     acc_lim_x: float, acc_lim_theta: float,
 ) -> FloatArray:  # fmt: skip
     """(k, 3) poses of a robot that obeys a command for `hold` seconds and then brakes, until it stands."""
+    # Two ticks a step, and 8 s at most: brakes too weak for that make the search no longer.
     dt = 0.04
     poses = np.empty((200, 3))
     n = 0
@@ -156,7 +162,7 @@ def wall_clearance(
         clearance: see Surroundings.
         frame: see Surroundings.
         outline: (m, 2) points along the outline, base frame.
-        x: of the base in the map; so y and theta.
+        x: place of the base in the map; so y and theta.
     """
     c, s = math.cos(theta), math.sin(theta)
     rows, cols = clearance.shape
@@ -164,7 +170,7 @@ def wall_clearance(
     for i in range(outline.shape[0]):
         px = x + c * outline[i, 0] - s * outline[i, 1]
         py = y + s * outline[i, 0] + c * outline[i, 1]
-        # Between four cell centres, so that a step along a wall does not seem one toward it.
+        # Interpolated between four cell centres, or a step along a wall would seem a step toward it now and then.
         across, along = (py - frame.y) / frame.resolution - 0.5, (px - frame.x) / frame.resolution - 0.5
         row, col = math.floor(across), math.floor(along)
         if row < 0 or col < 0 or row >= rows - 1 or col >= cols - 1:
@@ -185,8 +191,8 @@ def beside_obstacles(
     Args:
         clearance: (rows, cols) metres to the nearest wall.
         marks: (rows, cols) LETHAL where an obstacle was seen.
-        frame: where these cells lie.
-        x: of the robot in the map; so y.
+        frame: place of these cells in the map.
+        x: place of the robot in the map; so y.
 
     Returns:
         A window of the clearance, exact up to WALL_MARGIN, and where it lies.
@@ -215,12 +221,13 @@ def _bodies(states: FloatArray, footprints: FloatArray, acc_lim_x: float, hold: 
     Args:
         states: (k, 5) x, y, theta and the linear and angular velocity of each.
         footprints: (k, n, 2).
-        acc_lim_x: how hard everybody can brake, m/s^2.
+        acc_lim_x: limit of braking, for all robots, m/s^2.
         hold: seconds from one command to the next, latency included.
     """
     out = np.empty((3 * states.shape[0], footprints.shape[1], 2))
     for k in range(states.shape[0]):
         x, y, theta, v, w = states[k]
+        # Driving on at speed v for so long covers as much as holding v and then braking does: v hold + v^2 / (2 a).
         coast = hold + abs(v) / (2.0 * acc_lim_x)
         for part in range(3):
             time = 0.5 * part * coast
@@ -251,15 +258,15 @@ def surroundings(
     acc_lim_x: float,
     hold: float,
 ) -> Surroundings:
-    """What a robot at a pose must look out for.
+    """Gather the walls and neighbours that a robot at a pose must look out for.
 
     Args:
         clearance: (rows, cols) metres to the nearest wall.
-        frame: where these cells lie.
+        frame: place of these cells in the map.
         footprint: (n, 2) of the robot, padded.
-        pose: of its base in the map.
+        pose: pose of its base in the map.
         neighbours: the other robots; those far off are left out.
-        acc_lim_x: how hard everybody can brake, m/s^2.
+        acc_lim_x: limit of braking, for all robots, m/s^2.
         hold: seconds from one command to the next, latency included.
     """
     x, y, theta = pose.x, pose.y, pose.theta
@@ -302,20 +309,21 @@ def safe(
     around: Surroundings, footprint: FloatArray, outline: FloatArray, x: float, y: float, theta: float, v: float,
     w: float, wanted_v: float, wanted_w: float, hold: float, acc_lim_x: float, acc_lim_theta: float,
 ) -> bool:  # fmt: skip
-    """Whether a command leaves room to stop.
+    """Return True when a command leaves room to stop; see the module's docstring.
 
     Args:
         around: the surroundings at this pose.
         footprint: (n, 2) of the robot, padded.
         outline: (m, 2) points along it.
-        x: of the base in the map; so y and theta.
-        v: how fast it drives; so w, its rate of turn.
+        x: place of the base in the map; so y and theta.
+        v: its speed, m/s; so w, its rate of turn, rad/s.
         wanted_v: the command; so wanted_w.
         hold: seconds from one command to the next, latency included.
-        acc_lim_x: how hard it can brake, m/s^2; acc_lim_theta in turning, rad/s^2.
+        acc_lim_x: limit of braking, m/s^2; acc_lim_theta in turning, rad/s^2.
     """
     room = wall_clearance(around.clearance, around.frame, outline, x, y, theta)
-    # A hair less is allowed, or a robot close by a wall could not even drive along it.
+    # A robot nearer than the margin may stay as near as it is, and 3 mm nearer, or it could not even drive along the
+    # wall. These millimetres add up from command to command, but only until 3 cm are left.
     room = max(min(WALL_MARGIN, room) - 0.003, min(0.03, room))
     poses = stopping_poses(x, y, theta, v, w, wanted_v, wanted_w, hold, acc_lim_x, acc_lim_theta)
     radius = 0.0
@@ -328,6 +336,7 @@ def safe(
     turning = wanted_v == 0.0 and abs(v) < 0.05
     for j in range(around.bodies.shape[0]):
         present = around.gaps[j]
+        # Half of what is left above the margin; below it the gap may not shrink, but for a rounding error.
         if turning:
             needed = min(TURNING_MARGIN, present - 1e-3)
         elif present > NEIGHBOUR_MARGIN:
@@ -337,7 +346,7 @@ def safe(
         body = around.bodies[j]
         for k in range(poses.shape[0]):
             px, py, turned = poses[k]
-            # The outline is within its radius of the base: far corners settle most cases.
+            # The whole footprint lies within `radius` of the base: the distance of the base settles most cases.
             closest = np.inf
             for i in range(body.shape[0]):
                 closest = min(closest, _to_segment(px, py, body[i - 1, 0], body[i - 1, 1], body[i, 0], body[i, 1]))

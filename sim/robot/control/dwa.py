@@ -1,10 +1,17 @@
 """The dynamic window approach: of the commands that the next period can reach, the one that leads best.
 
+The dynamic window is the set of velocities (v, w) that the motors can reach within one control period. A grid of
+samples of it is rolled out into arcs, and critics score each arc by its last pose: how far it is from the path, how far
+from the path's end, both for the body and for a nose ahead of it, and what the costs along the arc are. Arcs are rolled
+out first, because the distances are then counted only on the cells that arcs end on (`map_grid`); what is dear, the
+outline's collisions and room to brake, is looked at from the best score on until a command passes
+(`rollout.best_safe_command`).
+
 Source: ros-planning/navigation, dwa_local_planner/src/dwa_planner.cpp; base_local_planner/src/
 simple_trajectory_generator.cpp, simple_scored_sampling_planner.cpp and the cost functions; Fox, Burgard, Thrun, The
 Dynamic Window Approach to Collision Avoidance (1997).
 Differs: as `sim.robot.control.trajectory_rollout` does; and without the standing robot's first choice of turning in
-place, which ROS makes wherever obstacle costs outweigh the way (see `PATIENCE` in `sim.robot.control.local_planner`).
+place, which ROS makes wherever obstacle costs outweigh progress (see `STALL_TIMEOUT` in `local_planner`).
 """
 
 import math
@@ -36,14 +43,14 @@ ESCAPE_DIST = 0.12
 
 
 class _Samples(NamedTuple):
-    """Which commands are tried, and how far.
+    """Commands that are tried, and how they are rolled out.
 
     Attributes:
         v: (k,) m/s; w (m,) rad/s.
         least_v: a command slower than both least_v and least_w is not tried.
         only_v: the sign that v must have, or 0; only_w that of w.
-        at_once: whether a command's speed is reached in the first instant.
-        sim_time: as in DwaPlannerParameters, and so on.
+        at_once: True when a command's speed is reached in the first instant.
+        sim_time: see DwaPlannerParameters, and so on.
     """
 
     v: FloatArray
@@ -59,13 +66,13 @@ class _Samples(NamedTuple):
 
 
 class _Critics(NamedTuple):
-    """How a trajectory is scored.
+    """Weights and settings by which a trajectory is scored.
 
     Attributes:
-        path: per cell off the path, of the body; alignment of the nose.
-        goal: per cell left, of both.
-        obstacles: per cost.
-        sum_scores: whether the costs along the trajectory add up.
+        path: per cell that the body ends off the path; alignment the same for the nose.
+        goal: per cell from there to the path's end, for both.
+        obstacles: per unit of cost.
+        sum_scores: True when the costs along the trajectory add up.
         twirling: per rad/s.
         nose: metres that the nose is forward of the centre.
         scaling_speed: m/s above which the footprint grows, up to 1 + max_scaling_factor times at max_vel_trans.
@@ -85,7 +92,7 @@ class _Critics(NamedTuple):
 
 @njit(cache=True)
 def _growth(v: float, critics: _Critics) -> float:
-    """How many times its size the footprint is looked at."""
+    """Factor by which the footprint is scaled: it grows with speed, so that fast robots keep more room."""
     above = abs(v) - critics.scaling_speed
     span = critics.max_vel_trans - critics.scaling_speed
     return 1.0 + critics.max_scaling_factor * above / span if above > 0.0 and span > 0.0 else 1.0
@@ -93,7 +100,7 @@ def _growth(v: float, critics: _Critics) -> float:
 
 @njit(cache=True)
 def _steps(v: float, w: float, samples: _Samples) -> int:
-    """How many poses of a rollout are looked at."""
+    """Number of poses in a rollout: none of its steps is longer, or turns farther, than the granularities."""
     distance, turn = abs(v) * samples.sim_time, abs(w) * samples.sim_time
     return max(1, math.ceil(max(distance / samples.granularity, turn / samples.angular_granularity)))
 
@@ -151,7 +158,7 @@ def _best(
         spread(
             grid, cols, beyond if beyond.shape[0] > 0 else along[along.shape[0] - 1 :], cells[1 : 2 * n : 2], grid.nose
         )
-    # As in ROS a nose that has no way is as far off as there are cells.
+    # As in ROS, a nose that nothing reaches is as far off as there are cells.
     lost = rows * cols
     for i in range(n):
         end, nose = cells[2 * i], cells[2 * i + 1]
@@ -175,7 +182,7 @@ def _spaced(low: float, high: float, samples: int) -> FloatArray:
 
 
 class _OscillationCritic:
-    """Which way a robot may not go again, having just come that way (oscillation_cost_function.cpp).
+    """Keeps a robot from reversing: it may not go back at once the way it came (oscillation_cost_function.cpp).
 
     Args:
         reset_dist: metres after which it may.
@@ -200,7 +207,7 @@ class _OscillationCritic:
         return self._only[1]
 
     def took(self, now: MotionState, v: float, w: float, least_v: float) -> None:
-        """The robot was given this command."""
+        """Take note of the command that the robot was given."""
         for axis, speed in enumerate((v, w if abs(v) <= least_v else 0.0)):
             sign = math.copysign(1.0, speed) if speed else 0.0
             if sign and sign == -self._last[axis]:
@@ -219,7 +226,7 @@ class DwaPlanner(SampledPlanner):
     Args:
         parameters: dwa_local_planner's.
         footprint: (n, 2) padded corners, base frame.
-        inflation: of the costmap.
+        inflation: the costmap's.
         shape: rows and columns of the local costmap.
         period: seconds from one command to the next.
     """

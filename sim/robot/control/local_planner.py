@@ -1,4 +1,4 @@
-"""What local planners have in common: the interface that the navigator drives by, and all but the search itself.
+"""Local planner: the interface that the navigator drives by, and all that planners share but the search itself.
 
 A robot that faces away from its path turns in place before it sets out; one that nothing leads on backs up; every
 command leaves room to stop (`sim.robot.control.braking`).
@@ -19,16 +19,16 @@ from sim.robot.costmap.costs import CostFrame, Costs
 from sim.robot.costmap.footprint import outline, pad, radii
 
 TURN_IN_PLACE = 1.0
-"""Radians off the path beyond which a robot turns in place, and TURNED within which it sets out."""
+"""Radians off the path beyond which a robot turns in place; within TURNED it sets out."""
 TURNED = 0.3
 OUTLINE_SPACING = 0.1
 STALL_TIMEOUT = 3.0
-"""Seconds of driving without getting GETTING_ON metres on, after which only collisions count of the obstacles."""
+"""Seconds of driving without moving STALL_DISTANCE metres, after which of obstacles only collisions count."""
 STALL_DISTANCE = 0.3
 FREE_AGAIN_DISTANCE = 1.0
-"""Metres after which their costs count again."""
+"""Metres of driving after which the costs of obstacles count again."""
 MIN_ARC_RADIUS = 0.05
-"""Metres: thinner robots, points even, back up in arcs as one of this radius does."""
+"""Metres: thinner robots, even a point, back up in arcs as a robot of this radius does."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class PlannedCommand:
     Attributes:
         command: the velocity asked for.
         local_plan: (k, 3) map poses it leads through.
-        stuck: whether every command that leads on was unsafe or blocked.
+        stuck: True when every command that leads on was unsafe or blocked.
     """
 
     command: Twist
@@ -48,7 +48,7 @@ class PlannedCommand:
 
 @dataclass(frozen=True, slots=True)
 class PlannerLimits:
-    """What the navigator, and the manoeuvres that all planners share, need to know of a planner's parameters.
+    """Parameters of a local planner that the navigator, and the manoeuvres that all planners share, depend on.
 
     Attributes:
         acc_lim_x: m/s^2; acc_lim_theta in turning, rad/s^2.
@@ -59,7 +59,7 @@ class PlannerLimits:
         sim_time: seconds a trajectory is rolled out.
         sim_granularity: metres between its points.
         xy_goal_tolerance: metres; yaw_goal_tolerance radians.
-        latch_xy_goal_tolerance: whether a robot that was at the goal only turns.
+        latch_xy_goal_tolerance: True when a robot that was at the goal only turns.
         trans_stopped_vel: m/s that count as standing; theta_stopped_vel rad/s.
     """
 
@@ -99,7 +99,7 @@ class LocalPlanner(Protocol):
 
     @property
     def limits(self) -> PlannerLimits:
-        """Its parameters, as far as others need them."""
+        """The parameters that others need."""
         ...
 
     def reset(self) -> None:
@@ -111,7 +111,7 @@ class LocalPlanner(Protocol):
         ...
 
     def safe(self, pose: Pose2, twist: Twist, command: Twist, around: Surroundings) -> bool:
-        """Whether a command leaves room to stop."""
+        """Return True when a command leaves room to stop."""
         ...
 
     def turn(self, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> PlannedCommand:
@@ -132,27 +132,27 @@ class LocalPlanner(Protocol):
         slow_down: float,
         around: Surroundings,
     ) -> PlannedCommand:
-        """The command that leads along a path.
+        """Choose the command that leads along a path.
 
         Args:
-            pose: of the base in the map.
-            twist: how it moves.
+            pose: pose of the base in the map.
+            twist: its velocity.
             costs: (cells, cells) the local costmap.
-            frame: where it lies.
+            frame: its place in the map.
             path: (m, 2) map points from the robot on, within the costmap; it leads to the last one.
             slow_down: seconds left to reach the last point at the present speed, at least.
-            around: what may be bumped into.
+            around: walls and neighbours that the robot may hit.
         """
         ...
 
 
 class SampledPlanner(ABC):
-    """A local planner that tries commands in thought; which, and how they are scored, is the subclasses' matter.
+    """A local planner that rolls out sampled commands; subclasses say which, and how they are scored.
 
     Args:
         limits: from its parameters.
         footprint: (n, 2) padded corners, base frame.
-        inflation: of the costmap.
+        inflation: the costmap's.
         period: seconds from one command to the next.
     """
 
@@ -178,7 +178,7 @@ class SampledPlanner(ABC):
 
     @property
     def limits(self) -> PlannerLimits:
-        """Its parameters, as far as others need them."""
+        """The parameters that others need."""
         return self._limits
 
     def reset(self) -> None:
@@ -197,7 +197,7 @@ class SampledPlanner(ABC):
         self._escape_speed = self._limits.escape_vel
 
     def safe(self, pose: Pose2, twist: Twist, command: Twist, around: Surroundings) -> bool:
-        """Whether a command leaves room to stop."""
+        """Return True when a command leaves room to stop."""
         return bool(command_safe(around, self._body, _motion(pose, twist), command.linear, command.angular))
 
     def turn(self, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> PlannedCommand:
@@ -246,7 +246,7 @@ class SampledPlanner(ABC):
         slow_down: float,
         around: Surroundings,
     ) -> PlannedCommand:
-        """The command that leads along a path; see LocalPlanner."""
+        """Choose the command that leads along a path; see LocalPlanner."""
         heading, to_end = _toward(path, pose.x, pose.y, self._limits.heading_lookahead)
         off = abs(wrap_angle(heading - pose.theta))
         self._turning = off > (TURNED if self._turning else TURN_IN_PLACE)
@@ -271,20 +271,20 @@ class SampledPlanner(ABC):
         around: Surroundings,
         stalled: bool,
     ) -> tuple[float, float, bool]:
-        """The best safe command (v, w), and whether there is one.
+        """Return the best safe command (v, w), and whether there is one.
 
         Args:
-            now: where the robot is and how it moves.
-            costs: as for `follow`, and so on.
+            now: the robot's pose and velocities.
+            costs: see `follow`, and so on.
             frame: see there.
             path: see there.
             greatest_v: m/s that it may not exceed, whatever its parameters say.
             around: see there.
-            impatient: whether obstacles count only where they are hit, and standing is no choice.
+            stalled: True when obstacles count only where they are hit, and standing is no choice.
         """
 
     def _is_stalled(self, pose: Pose2) -> bool:
-        """Whether the robot has driven for long without getting on.
+        """Return True when the robot has driven for long without moving on.
 
         ROS's planners can find it best to turn to and fro for ever, or to stand, where all that leads on has a cost.
         """
@@ -296,7 +296,7 @@ class SampledPlanner(ABC):
 
     def _preview(self, pose: Pose2, twist: Twist, command: Twist) -> FloatArray:
         time, granularity = self._limits.sim_time, self._limits.sim_granularity
-        # A turn of the body is as long as the way of a corner.
+        # A turn of the body is as long as the path of its farthest corner.
         arc = abs(command.linear) + abs(command.angular) * self._body.circumscribed
         poses: FloatArray = rollout(
             _motion(pose, twist),

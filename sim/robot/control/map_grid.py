@@ -1,9 +1,9 @@
-"""How far each cell of the local costmap is from the path, or from a point of it, along free cells.
+"""Distance maps of the local costmap: steps from each cell to the path, or to a point of it, along free cells.
 
-Grids are flat with a rim of one cell that nothing enters, so that no step need look where the costmap ends.
+Grids are flat, with a rim of closed cells around the costmap's: a step to a neighbour needs no check of the borders.
 
 Source: ros-planning/navigation, base_local_planner/src/map_grid.cpp.
-Differs: spreads only until all cells that somebody will look at are reached; the counts there are the same.
+Differs: spreads only until all cells that will be looked at are reached; the counts there are the same.
 """
 
 import math
@@ -14,17 +14,17 @@ from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray
 from sim.common.kernels import njit
-from sim.robot.costmap.costs import CostFrame, Costs
+from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
 
 Steps = NDArray[np.int32]
-"""Steps to a side neighbour; negative where there is no way, or where nobody asked."""
+"""Number of steps from cell to cell, sideways or along; negative where none lead, or where nobody asked."""
 
 OPEN = -1
 CLOSED = -2
 
 
 class MapGrids(NamedTuple):
-    """Room to work in, for a costmap of (rows, cols).
+    """Arrays to work in, for a costmap of (rows, cols).
 
     Attributes:
         terrain: ((rows + 2) * (cols + 2),) OPEN or CLOSED.
@@ -32,7 +32,7 @@ class MapGrids(NamedTuple):
         goal: steps from where the path ends.
         nose: steps from where a robot's nose shall end.
         queue: the same size.
-        wanted: the same size, whether somebody will look at a cell; False between calls.
+        wanted: the same size, True where a cell's count is asked for; all False between calls.
     """
 
     terrain: Steps
@@ -44,7 +44,7 @@ class MapGrids(NamedTuple):
 
 
 def map_grids(rows: int, cols: int) -> MapGrids:
-    """Room for a costmap of this size."""
+    """Make the arrays for a costmap of this size."""
     size = (rows + 2) * (cols + 2)
     terrain, path, goal, nose, queue = (np.empty(size, dtype=np.int32) for _ in range(5))
     return MapGrids(terrain, path, goal, nose, queue, np.zeros(size, dtype=np.bool_))
@@ -64,12 +64,12 @@ def index_of(costs: Costs, frame: CostFrame, x: float, y: float) -> int:
 
 @njit(cache=True)
 def survey(costs: Costs, frame: CostFrame, x: float, y: float, own_radius: float, terrain: Steps) -> None:
-    """Close the cells of cost 253 and more, except those under the robot itself.
+    """Close the cells of cost INSCRIBED and more, except those under the robot itself.
 
     Args:
         costs: (rows, cols).
-        frame: where they lie.
-        x: of the robot; so y.
+        frame: their place in the map.
+        x: place of the robot; so y.
         own_radius: metres around the robot that are its own.
         terrain: overwritten with the result.
     """
@@ -78,7 +78,7 @@ def survey(costs: Costs, frame: CostFrame, x: float, y: float, own_radius: float
     for r in range(rows):
         base = (r + 1) * (cols + 2) + 1
         for c in range(cols):
-            if costs[r, c] < 253:
+            if costs[r, c] < INSCRIBED:
                 terrain[base + c] = OPEN
     own_row, own_col = (y - frame.y) / frame.resolution, (x - frame.x) / frame.resolution
     own = own_radius / frame.resolution
@@ -114,14 +114,14 @@ def cells_along(costs: Costs, frame: CostFrame, path: FloatArray) -> Steps:
 
 @njit(cache=True)
 def spread(grid: MapGrids, cols: int, seeds: Steps, queried: Steps, steps: Steps) -> None:
-    """Count the steps from the nearest seed.
+    """Count the steps from the nearest seed, breadth first.
 
     Args:
         grid: its terrain must have been surveyed.
-        cols: of the costmap.
+        cols: columns of the costmap.
         seeds: flat indices.
-        looked_at: flat indices of the cells whose count is wanted; negative ones are left out. Empty: all.
-        steps: of the grid, overwritten with the result.
+        queried: flat indices of the cells whose count is wanted; negative ones are left out. Empty: all.
+        steps: array of the grid, overwritten with the result.
     """
     steps[:] = grid.terrain
     wanted, queue = grid.wanted, grid.queue

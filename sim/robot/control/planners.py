@@ -1,4 +1,4 @@
-"""Which local planner a robot drives by."""
+"""Choice of the local planner that a robot drives by."""
 
 from sim.common.geometry import FloatArray
 from sim.parameters import RobotParameters
@@ -10,10 +10,10 @@ from sim.robot.control.trajectory_rollout import TrajectoryPlanner
 def local_planner(
     parameters: RobotParameters, footprint: FloatArray, shape: tuple[int, int], period: float
 ) -> LocalPlanner:
-    """The one that `move_base: base_local_planner` names.
+    """Make the local planner that `move_base: base_local_planner` names.
 
     Args:
-        parameters: of the robot's software.
+        parameters: the robot's software's.
         footprint: (n, 2) padded corners, base frame.
         shape: rows and columns of the local costmap.
         period: seconds from one command to the next.

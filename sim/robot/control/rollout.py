@@ -1,4 +1,4 @@
-"""Where a command leads: the poses it passes, what they cost, whether the outline is free there."""
+"""Rollout of a command: the poses it leads through, their costs, and collisions of the outline there."""
 
 import math
 from typing import NamedTuple
@@ -17,7 +17,7 @@ COMFORT = 0.1
 
 
 class MotionState(NamedTuple):
-    """Where a robot is in the map and how it moves: metres, radians, m/s, rad/s."""
+    """Pose of a robot in the map and its velocities: metres, radians, m/s, rad/s."""
 
     x: float
     y: float
@@ -27,15 +27,15 @@ class MotionState(NamedTuple):
 
 
 class RobotBody(NamedTuple):
-    """What a planner knows of the robot, in the form that compiled kernels take.
+    """Shape and limits of the robot, in the form that compiled kernels take.
 
     Attributes:
         footprint: (n, 2) padded corners, base frame.
         roomy: the same with COMFORT around it.
         outline: (m, 2) points along it.
         inscribed: its radius, metres; so circumscribed.
-        cost_scaling_factor: of the costmap's inflation; so inflation_radius.
-        acc_lim_x: how hard the robot can accelerate and brake, m/s^2; acc_lim_theta in turning, rad/s^2.
+        cost_scaling_factor: that of the costmap's inflation; so inflation_radius.
+        acc_lim_x: limit of accelerating and braking, m/s^2; acc_lim_theta in turning, rad/s^2.
         period: seconds from one command to the next.
         hold: the same, latency included.
     """
@@ -54,13 +54,13 @@ class RobotBody(NamedTuple):
 
 
 class TrajectoryCost(NamedTuple):
-    """What comes of a command.
+    """Costs along the trajectory of a command.
 
     Attributes:
-        legal: whether the centre stays on the costmap and off obstacles.
-        worst: the greatest cost under the centre, and their sum.
-        total: see worst.
-        doubtful: whether the outline may touch something, and must be looked at.
+        legal: True when the centre stays on the costmap and off obstacles.
+        worst: the greatest cost under the centre.
+        total: the sum of the costs under the centre.
+        doubtful: True when the outline may touch something, and must be looked at.
         x: the pose that is scored; so y and theta.
     """
 
@@ -75,7 +75,8 @@ class TrajectoryCost(NamedTuple):
 
 @njit(cache=True)
 def surely_free(body: RobotBody, scale: float) -> int:
-    """The cost under the centre below which a footprint grown by `scale` and COMFORT touches nothing as it turns."""
+    """Cost under the centre below which a footprint grown by `scale` and COMFORT touches nothing, however turned."""
+    # Inflation makes the cost at the centre a measure of the distance to the nearest obstacle.
     radius = body.circumscribed * scale + 1.5 * COMFORT
     if radius >= body.inflation_radius:
         return 0
@@ -86,7 +87,11 @@ def surely_free(body: RobotBody, scale: float) -> int:
 def rollout(
     now: MotionState, wanted_v: float, wanted_w: float, body: RobotBody, sim_time: float, steps: int
 ) -> FloatArray:
-    """(steps, 3) poses that a command leads through, the present one first."""
+    """(steps, 3) poses that a command leads through, the present one first.
+
+    Velocities approach the command at the limits of acceleration. Sine and cosine are turned along, which is
+    faster than computing them anew at each pose.
+    """
     out = np.empty((steps, 3))
     dt = sim_time / steps
     step_v, step_w = body.acc_lim_x * dt, body.acc_lim_theta * dt
@@ -116,12 +121,12 @@ def trajectory_cost(
 
     Args:
         costs: (rows, cols) the local costmap.
-        frame: where it lies.
-        now: where the robot is.
+        frame: its place in the map.
+        now: the robot's pose and velocities.
         wanted_v: the command; so wanted_w.
-        body: of the robot.
+        body: the robot's.
         sim_time: seconds.
-        steps: how many poses.
+        steps: number of poses.
         scored: index of the one to score.
         free: see `surely_free`.
     """
@@ -139,7 +144,7 @@ def trajectory_cost(
         if row < 0 or col < 0 or row >= rows or col >= cols:
             return TrajectoryCost(False, worst, total, doubtful, x, y, theta)
         cost = costs[row, col]
-        # Where the robot stands already, nothing can be done about it.
+        # The robot stands at the first pose already: what that costs is no fault of the command.
         if i > 0 and cost >= free:
             if cost >= INSCRIBED:
                 return TrajectoryCost(False, worst, total, doubtful, x, y, theta)
@@ -162,7 +167,7 @@ def trajectory_cost(
 
 @njit(cache=True)
 def outline_free(costs: Costs, frame: CostFrame, footprint: FloatArray, poses: FloatArray, free: int) -> bool:
-    """Whether a footprint touches nothing along (k, 3) poses on the costmap, the first left out; `free` as above."""
+    """Return True when a footprint touches nothing along (k, 3) poses, the first left out; see `surely_free`."""
     for i in range(1, poses.shape[0]):
         x, y, theta = poses[i]
         row, col = math.floor((y - frame.y) / frame.resolution), math.floor((x - frame.x) / frame.resolution)
@@ -173,7 +178,7 @@ def outline_free(costs: Costs, frame: CostFrame, footprint: FloatArray, poses: F
 
 @njit(cache=True)
 def comfortable(costs: Costs, frame: CostFrame, body: RobotBody, poses: FloatArray, free: int) -> bool:
-    """The same for the footprint with COMFORT around it; where that would leave the costmap, it is not looked at."""
+    """Do the same for the footprint with COMFORT around it; poses where that would leave the costmap are skipped."""
     rows, cols = costs.shape
     rim = (body.circumscribed + 1.5 * COMFORT) / frame.resolution + 1.0
     for i in range(1, poses.shape[0]):
@@ -189,7 +194,7 @@ def comfortable(costs: Costs, frame: CostFrame, body: RobotBody, poses: FloatArr
 
 @njit(cache=True)
 def command_safe(around: Surroundings, body: RobotBody, now: MotionState, wanted_v: float, wanted_w: float) -> bool:
-    """Whether a command leaves room to stop (`sim.robot.control.braking.safe`)."""
+    """Return True when a command leaves room to stop (`sim.robot.control.braking.safe`)."""
     result: bool = safe(
         around, body.footprint, body.outline, now.x, now.y, now.theta, now.v, now.w, wanted_v, wanted_w, body.hold,
         body.acc_lim_x, body.acc_lim_theta,
@@ -204,8 +209,8 @@ class CandidateCommands(NamedTuple):
         commands: (m, 2) m/s and rad/s.
         scores: (m,) the lower the better; infinite where a command leads nowhere.
         steps: (m,) poses of each one's rollout.
-        growth: (m,) how many times its size the footprint must be free along it.
-        doubtful: (m,) whether the outline may touch something.
+        growth: (m,) factor by which the footprint is scaled that must be free along it.
+        doubtful: (m,) True when the outline may touch something.
     """
 
     commands: FloatArray
@@ -217,7 +222,7 @@ class CandidateCommands(NamedTuple):
 
 @njit(cache=True)
 def candidate_commands(room: int) -> CandidateCommands:
-    """Room for so many commands."""
+    """Make the arrays for so many commands."""
     return CandidateCommands(
         np.empty((room, 2)),
         np.empty(room),
@@ -232,21 +237,21 @@ def best_safe_command(
     costs: Costs, frame: CostFrame, tried: CandidateCommands, n: int, around: Surroundings, body: RobotBody,
     now: MotionState, sim_time: float, at_once: bool,
 ) -> tuple[float, float, bool]:  # fmt: skip
-    """The best of n commands that is free and safe (v, w), and whether there is one.
+    """Return the best of n commands that is free and safe (v, w), and whether there is one.
 
-    What is dear to check is checked from the best on. A command that comes nearer to something than COMFORT is taken
-    only if nothing else is left, or if the robot is there already.
+    Checks that take long are made from the best score on. A command that comes nearer to something than COMFORT is
+    taken only if nothing else is left, or if the robot is that near already.
 
     Args:
         costs: (rows, cols) the local costmap.
-        frame: where it lies.
+        frame: its place in the map.
         tried: the commands; their scores are used up.
-        n: how many.
-        around: what may be bumped into.
-        body: of the robot.
-        now: where the robot is.
+        n: their number.
+        around: walls and neighbours that the robot may hit.
+        body: the robot's.
+        now: the robot's pose and velocities.
         sim_time: seconds rolled out.
-        at_once: whether a command's speed is reached in the first instant.
+        at_once: True when a command's speed is reached in the first instant.
     """
     second_best = -1
     crowded = footprint_cost(costs, frame, body.roomy, now.x, now.y, now.theta) < 0.0

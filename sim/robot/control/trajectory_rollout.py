@@ -1,9 +1,9 @@
-"""Trajectory rollout: try commands in thought, score where they lead, take the best that is safe.
+"""Trajectory rollout: roll out sampled commands, score the poses they lead to, take the best that is safe.
 
 Source: ros-planning/navigation, base_local_planner/src/trajectory_planner.cpp and trajectory_planner_ros.cpp; Gerkey,
 Konolige, Planning and Control in Unstructured Terrain (2008).
 Differs: a robot that faces away from its path first turns in place; obstacles are scored under the robot's centre, and
-under its outline only looked at for collisions; of a trajectory only the pose that is scored must have a way to the
+under its outline only looked at for collisions; of a trajectory only the pose that is scored must have a path to the
 goal; a command must also be safe (`sim.robot.control.braking`); the speed falls toward a point that may not be passed
 yet.
 """
@@ -36,7 +36,7 @@ STANDSTILL_SPEED = 1e-3
 
 
 class _Samples(NamedTuple):
-    """Which commands are tried, and how far; see TrajectoryPlannerParameters."""
+    """Commands that are tried, and how they are rolled out; see TrajectoryPlannerParameters."""
 
     lowest_v: float
     highest_v: float
@@ -52,12 +52,12 @@ class _Samples(NamedTuple):
 
 
 class _Weights(NamedTuple):
-    """How a trajectory is scored.
+    """Weights by which a trajectory is scored.
 
     Attributes:
         path: per cell off the path; goal per cell left; obstacles per cost.
         heading_time: seconds into a trajectory at which its heading is scored; negative: its end is scored.
-        straight: whether the goal counts by the squared metres to it.
+        straight: True when the goal counts by the squared metres to it.
     """
 
     path: float
@@ -69,7 +69,7 @@ class _Weights(NamedTuple):
 
 @njit(cache=True)
 def _steps(v: float, w: float, samples: _Samples, by_time: bool) -> int:
-    """How many poses of a rollout are looked at."""
+    """Number of poses in a rollout."""
     if by_time:
         return max(1, int(samples.sim_time / samples.granularity + 0.5))
     along = abs(v) * samples.sim_time / samples.granularity
@@ -78,7 +78,7 @@ def _steps(v: float, w: float, samples: _Samples, by_time: bool) -> int:
 
 @njit(cache=True)
 def _in_sight(costs: Costs, frame: CostFrame, x: float, y: float, to_x: float, to_y: float) -> bool:
-    """Whether no obstacle lies on the straight line between two map points."""
+    """Return True when no obstacle lies on the straight line between two map points."""
     pieces = max(1, math.ceil(math.hypot(to_x - x, to_y - y) / (0.5 * frame.resolution)))
     for piece in range(pieces + 1):
         share = piece / pieces
@@ -158,7 +158,7 @@ class TrajectoryPlanner(SampledPlanner):
     Args:
         parameters: base_local_planner's.
         footprint: (n, 2) padded corners, base frame.
-        inflation: of the costmap.
+        inflation: the costmap's.
         shape: rows and columns of the local costmap.
         period: seconds from one command to the next.
     """

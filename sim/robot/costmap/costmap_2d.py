@@ -23,10 +23,10 @@ from sim.robot.costmap.static import StaticLayer
 
 
 class CostmapObservation(NamedTuple):
-    """A scan, and what must be known to make use of it.
+    """A scan, with the poses that are needed to make use of it.
 
     Attributes:
-        base_in_map: where the robot was when it scanned.
+        base_in_map: pose of the robot when it scanned.
         scan: the readings.
         discs: (n, 3) x, y and radius of the other robots, metres.
     """
@@ -46,7 +46,7 @@ class Costmap2D:
 
     Attributes:
         footprint: (n, 2) padded corners, base frame, metres.
-        inscribed_radius: of the padded footprint, metres.
+        inscribed_radius: that of the padded footprint, metres.
         circumscribed_radius: the same.
     """
 
@@ -65,7 +65,7 @@ class Costmap2D:
         self.inscribed_radius, self.circumscribed_radius = radii(self.footprint)
         self._shape: tuple[int, int] | None = None
         if isinstance(parameters, LocalCostmapParameters):
-            # As much more than a whole number of cells as reals err is no cell.
+            # A rounding error above a whole number of cells is no further cell.
             self._shape = (
                 int(parameters.height / grid.resolution + 1e-9),
                 int(parameters.width / grid.resolution + 1e-9),
@@ -91,7 +91,7 @@ class Costmap2D:
         self._layered = self._empty(self._layers)
 
     def _empty(self, layers: Sequence[CostmapLayer]) -> LayeredCostmap:
-        """A costmap of this one's size, of which nothing is written yet."""
+        """Make a costmap of this one's size, of which nothing is written yet."""
         return LayeredCostmap(self._grid, layers, self._shape, self._parameters.track_unknown_space)
 
     def configure(self, parameters: CostmapParameters) -> None:
@@ -115,19 +115,19 @@ class Costmap2D:
 
     @property
     def frame(self) -> CostFrame:
-        """Where the costs lie."""
+        """Place of the costs in the map."""
         return self._layered.frame
 
     @property
     def marks(self) -> Costs:
-        """(rows, cols) what the laser has seen: LETHAL where something stands."""
+        """(rows, cols) obstacles that the laser has seen: LETHAL where something stands."""
         return self._obstacles.marks
 
     def observe(self, base_in_map: Pose2, scan: Scan, discs: FloatArray) -> None:
         """Take in a scan: it marks at once, and clears as often as the costmap is to be updated.
 
         Args:
-            base_in_map: where the robot was when it scanned.
+            base_in_map: pose of the robot when it scanned.
             scan: the readings.
             discs: (n, 3) x, y and radius of the other robots, metres.
         """
@@ -143,7 +143,7 @@ class Costmap2D:
         return self._obstacles.explained_range
 
     def update_neighbours(self, neighbours: Sequence[Neighbour]) -> None:
-        """Take in what the others said last."""
+        """Take in the last broadcasts of the other robots."""
         self._robots.update_neighbours(neighbours)
 
     def clear(self) -> None:
@@ -156,7 +156,7 @@ class Costmap2D:
 
     @property
     def any_marks(self) -> bool:
-        """Whether the laser has seen anything that stands."""
+        """True when the laser has seen anything that stands."""
         return self._obstacles.any_marks
 
     def update(self, x: float, y: float) -> tuple[Window, ...]:
@@ -169,11 +169,11 @@ class Costmap2D:
         return self._layered.update()
 
     def without_robots(self) -> Costs:
-        """(rows, cols) what the costs would be if the other robots were not there."""
+        """(rows, cols) costs as they would be if the other robots were not there."""
         return self._composed([layer for layer in self._layers if layer is not self._robots])
 
     def without_observations(self) -> Costs:
-        """(rows, cols) what the costs would be if moreover the laser had seen nothing."""
+        """(rows, cols) costs as they would be if, besides, the laser had seen nothing."""
         blank = self._obstacles.copied()
         blank.clear()
         layers = [blank if layer is self._obstacles else layer for layer in self._layers]
@@ -188,12 +188,12 @@ class Costmap2D:
     def as_updated(
         self, x: float, y: float, neighbours: Sequence[Neighbour], pending: CostmapObservation | None = None
     ) -> tuple[Costs, CostFrame]:
-        """What the costs would be, and where they would lie, after an update now; nothing of the costmap changes.
+        """Return the costs, and their place, as an update now would leave them; nothing of the costmap changes.
 
         Args:
-            x: where the robot is, map point; so y.
+            x: place of the robot, map point; so y.
             neighbours: the other robots.
-            unseen: a scan that the update would take in.
+            pending: a scan that the update would take in.
 
         Returns:
             (rows, cols) and its frame.

@@ -19,14 +19,16 @@ FREE = 0
 INSCRIBED = 253
 """A robot whose centre is here touches an obstacle, however it is turned."""
 LETHAL = 254
+"""An obstacle is here."""
 UNKNOWN = 255
+"""The cell is unknown."""
 
 MAX_CHANGES = 100
-"""Windows that are kept apart."""
+"""Windows that are kept apart, at most."""
 
 
 class CostFrame(NamedTuple):
-    """Where a costmap lies: the map coordinates of the outer corner of cell (0, 0), and the side of a cell, metres."""
+    """Place of a costmap: map coordinates of the outer corner of cell (0, 0), and the side of a cell, metres."""
 
     x: float
     y: float
@@ -43,7 +45,7 @@ class Window(NamedTuple):
 
     @property
     def empty(self) -> bool:
-        """Whether it holds no cell."""
+        """True when it holds no cell."""
         return self.row_end <= self.row or self.col_end <= self.col
 
     def of(self, costs: Costs, origin: tuple[int, int] = (0, 0)) -> Costs:
@@ -52,7 +54,7 @@ class Window(NamedTuple):
         return costs[self.row - row : self.row_end - row, self.col - col : self.col_end - col]
 
     def meets(self, other: "Window") -> bool:
-        """Whether the two have cells in common; neither is empty."""
+        """Return True when the two have cells in common; neither is empty."""
         return (
             self.row < other.row_end
             and other.row < self.row_end
@@ -74,7 +76,7 @@ class Window(NamedTuple):
         )
 
     def clipped(self, other: "Window") -> "Window":
-        """What lies in both."""
+        """Return the part that lies in both."""
         return Window(
             max(self.row, other.row),
             max(self.col, other.col),
@@ -90,29 +92,29 @@ class Changes:
         self._windows: list[Window] = []
 
     def add(self, window: Window) -> None:
-        """One more."""
+        """Add one more."""
         self._windows.append(window)
         if len(self._windows) > MAX_CHANGES:
-            # Nobody asks; one window around all of them is enough to know.
+            # Nobody has asked for long: one window around all of them is enough to know.
             self._windows = [functools.reduce(Window.union, self._windows)]
 
     def take(self) -> tuple[Window, ...]:
-        """All of them; from now on none."""
+        """Return all of them, and forget them."""
         taken, self._windows = tuple(self._windows), []
         return taken
 
 
 @njit(cache=True)
 def cost_at(distance: float, inscribed_radius: float, cost_scaling_factor: float) -> int:
-    """Cost of a cell this far from the nearest obstacle: 254 on it, 253 within the inscribed radius, then falling.
+    """Cost of a cell this far from the nearest obstacle: LETHAL on it, INSCRIBED within that radius, then falling.
 
     Args:
         distance: metres, at least 0.
-        inscribed_radius: of the robot's padded footprint, metres.
-        cost_scaling_factor: how fast the cost falls, 1/m.
+        inscribed_radius: that of the robot's padded footprint, metres.
+        cost_scaling_factor: rate at which the cost falls, 1/m.
     """
     if distance == 0.0:
-        return 254
+        return LETHAL
     if distance <= inscribed_radius:
-        return 253
-    return int(252.0 * math.exp(-cost_scaling_factor * (distance - inscribed_radius)))
+        return INSCRIBED
+    return int((INSCRIBED - 1) * math.exp(-cost_scaling_factor * (distance - inscribed_radius)))

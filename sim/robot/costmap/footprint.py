@@ -1,4 +1,4 @@
-"""The robot's outline: its padding, its radii, and what it costs to stand somewhere with it.
+"""The robot's footprint: its padding, its radii, and the costs under its outline.
 
 Source: ros-planning/navigation, costmap_2d/src/footprint.cpp and base_local_planner/src/costmap_model.cpp.
 """
@@ -12,6 +12,7 @@ from sim.common.kernels import njit
 from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
 
 COLLIDES = -1.0
+"""Cost of a footprint whose outline crosses an obstacle or unknown space, or leaves the costmap."""
 
 
 def of_radius(radius: float) -> FloatArray:
@@ -79,7 +80,7 @@ def outline(footprint: FloatArray, spacing: float) -> FloatArray:
 
 @njit(cache=True)
 def _line_cost(costs: Costs, row: int, col: int, row_end: int, col_end: int) -> float:
-    """Greatest cost along a line of cells (Bresenham); negative on an obstacle, unknown space, or off the costmap."""
+    """Greatest cost along a line of cells (Bresenham), or COLLIDES."""
     rows, cols = costs.shape
     dr, dc = abs(row_end - row), abs(col_end - col)
     step_r = 1 if row_end >= row else -1
@@ -88,10 +89,10 @@ def _line_cost(costs: Costs, row: int, col: int, row_end: int, col_end: int) -> 
     worst = 0.0
     while True:
         if row < 0 or col < 0 or row >= rows or col >= cols:
-            return -1.0
+            return COLLIDES
         cost = costs[row, col]
         if cost >= LETHAL:
-            return -1.0
+            return COLLIDES
         worst = max(worst, float(cost))
         if row == row_end and col == col_end:
             return worst
@@ -110,12 +111,12 @@ def footprint_cost(costs: Costs, frame: CostFrame, footprint: FloatArray, x: flo
 
     Args:
         costs: (rows, cols).
-        frame: where they lie.
+        frame: their place in the map.
         footprint: (n, 2) corners in the base frame.
-        x: of the base in the map, metres; so y, and theta in radians.
+        x: place of the base in the map, metres; so y, and theta in radians.
 
     Returns:
-        0..253; -1 when the outline crosses an obstacle or unknown space, or leaves the costmap.
+        FREE to INSCRIBED, or COLLIDES.
     """
     c, s = math.cos(theta), math.sin(theta)
     n = footprint.shape[0]
@@ -128,8 +129,8 @@ def footprint_cost(costs: Costs, frame: CostFrame, footprint: FloatArray, x: flo
         next_row = math.floor((y + s * fx + c * fy - frame.y) / frame.resolution)
         next_col = math.floor((x + c * fx - s * fy - frame.x) / frame.resolution)
         cost = _line_cost(costs, row, col, next_row, next_col)
-        if cost < 0.0:
-            return -1.0
+        if cost == COLLIDES:
+            return COLLIDES
         worst = max(worst, cost)
         row, col = next_row, next_col
     return worst

@@ -1,4 +1,8 @@
-"""The layer of prudence: costs that fall with the distance from the nearest obstacle.
+"""The layer of inflation: costs that fall with the distance from the nearest obstacle.
+
+The squared distance of a cell to the nearest lethal one separates: the least over all columns of the squared steps to
+that column, plus the squared steps within it to its nearest lethal cell. So columns are swept once up and once down,
+and then each row takes its least over the columns within reach.
 
 Source: ros-planning/navigation, costmap_2d/plugins/inflation_layer.cpp; Felzenszwalb, Huttenlocher, Distance Transforms
 of Sampled Functions (2012), for taking columns first and rows then.
@@ -13,7 +17,7 @@ from numpy.typing import NDArray
 
 from sim.common.kernels import njit
 from sim.parameters import InflationParameters
-from sim.robot.costmap.costs import Costs, Window, cost_at
+from sim.robot.costmap.costs import FREE, INSCRIBED, LETHAL, UNKNOWN, Costs, Window, cost_at
 
 FAR = np.float32(1e9)
 """Squared distance, in cells, to an obstacle that is not there."""
@@ -27,14 +31,14 @@ def _columns_away(costs: Costs, row: int, row_end: int, left: int, right: int, r
     for r in range(max(0, row - reach), row_end):
         line = costs[r, left:right]
         for c in range(right - left):
-            last[c] = np.float32(0) if line[c] == 254 else last[c] + np.float32(1)
+            last[c] = np.float32(0) if line[c] == LETHAL else last[c] + np.float32(1)
         if r >= row:
             away[r - row, :] = last
     last[:] = np.float32(1e4)
     for r in range(min(costs.shape[0], row_end + reach) - 1, row - 1, -1):
         line = costs[r, left:right]
         for c in range(right - left):
-            last[c] = np.float32(0) if line[c] == 254 else last[c] + np.float32(1)
+            last[c] = np.float32(0) if line[c] == LETHAL else last[c] + np.float32(1)
         if r < row_end:
             nearest = away[r - row]
             for c in range(right - left):
@@ -52,8 +56,8 @@ def _inflate(
     Args:
         costs: (rows, cols).
         table: (k * k + 1,) the cost at each squared distance in cells, k the reach.
-        inflate_unknown: whether unknown cells take any cost, not only that of the inscribed radius.
-        row: where the window begins; so col, row_end and col_end. Within `costs`.
+        inflate_unknown: True when unknown cells take any cost, not only that of the inscribed radius.
+        row: begin of the window; so col, row_end and col_end. Within `costs`.
     """
     reach = int(math.sqrt(table.shape[0] - 1))
     farthest = np.float32(table.shape[0])
@@ -79,8 +83,8 @@ def _inflate(
             if best[c] < farthest:
                 cost = table[int(best[c])]
                 old = target[c]
-                if old == 255:
-                    if cost >= 253 or (inflate_unknown and cost > 0):
+                if old == UNKNOWN:
+                    if cost >= INSCRIBED or (inflate_unknown and cost > FREE):
                         target[c] = cost
                 elif cost > old:
                     target[c] = cost
@@ -92,7 +96,7 @@ class InflationLayer:
     Args:
         parameters: costmap_2d's.
         resolution: side of a cell, metres.
-        inscribed_radius: of the padded footprint, metres.
+        inscribed_radius: that of the padded footprint, metres.
     """
 
     def __init__(self, parameters: InflationParameters, resolution: float, inscribed_radius: float) -> None:
@@ -106,7 +110,7 @@ class InflationLayer:
         )
 
     def bounds(self) -> tuple[Window, ...]:
-        """Nothing of its own."""
+        """None of its own: it only follows the changes of the layers before it."""
         return ()
 
     def reach(self) -> int:

@@ -1,7 +1,7 @@
 """A costmap made of layers, brought up to date in two passes over what changed.
 
-First every layer says where it has changed (the bounds), then every layer writes its costs there, in order. So a
-costmap in which nothing moves costs nothing, however large.
+First every layer tells the windows that it has changed (the bounds), then every layer writes its costs there, in order.
+So a costmap in which nothing moves takes no time, however large it is.
 
 Source: ros-planning/navigation, costmap_2d/src/layered_costmap.cpp.
 Differs: changes that lie apart stay apart, where ROS draws one rectangle around all of them; ten robots all over a map
@@ -23,10 +23,10 @@ class CostmapLayer(Protocol):
     """One kind of knowledge about costs. Windows are in cells of the static map, also outside of it."""
 
     def bounds(self) -> tuple[Window, ...]:
-        """Where its costs differ from the last time it was asked."""
+        """Return the windows in which its costs differ from the last time it was asked."""
 
     def reach(self) -> int:
-        """How many cells beyond a change its costs may change too."""
+        """Return the number of cells beyond another layer's change within which its own costs may change too."""
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
         """Write its costs into a window; twice the same leaves what once leaves.
@@ -40,7 +40,7 @@ class CostmapLayer(Protocol):
 
 @njit(cache=True)
 def _cells(window: NDArray[np.int64], reach: int) -> int:
-    """How many cells a window holds with a rim of so many."""
+    """Number of cells in a window with a rim of `reach` cells around it."""
     return int((window[2] - window[0] + 2 * reach) * (window[3] - window[1] + 2 * reach))
 
 
@@ -88,7 +88,7 @@ class LayeredCostmap:
         grid: the map whose cells are used; its origin must not be turned.
         layers: in the order in which they write.
         shape: rows and columns of a rolling window; None covers the map.
-        track_unknown_space: whether cells of which no layer says anything are unknown, else free.
+        track_unknown_space: True when cells that no layer writes are unknown; else they are free.
     """
 
     def __init__(
@@ -109,7 +109,7 @@ class LayeredCostmap:
 
     @property
     def frame(self) -> CostFrame:
-        """Where the costmap lies."""
+        """Place of the costmap in the map."""
         row, col = self.origin
         x, y = self._corner
         return CostFrame(x + col * self._resolution, y + row * self._resolution, self._resolution)
@@ -144,7 +144,7 @@ class LayeredCostmap:
         return windows
 
     def write(self, windows: Sequence[Window]) -> None:
-        """Write the costs of these windows anew, each within the costmap; what layers tell as changed stays so."""
+        """Write the costs of these windows anew, each within the costmap; the layers' bounds are not asked for."""
         for window in windows:
             window.of(self.costs, self.origin)[:] = self._default
         # Layer by layer: what a layer reads around one window must be written in the others already.

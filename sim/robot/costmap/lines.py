@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray
 from sim.common.kernels import njit
-from sim.robot.costmap.costs import Costs
+from sim.robot.costmap.costs import FREE, Costs
 
 
 @njit(cache=True)
@@ -19,8 +19,8 @@ def line(row: int, col: int, row_end: int, col_end: int, longest: int) -> NDArra
     """(n, 2) rows and columns from one cell toward another, both included (Bresenham).
 
     Args:
-        row: of the first cell; so col.
-        row_end: of the last; so col_end.
+        row: that of the first cell; so col.
+        row_end: that of the last; so col_end.
         longest: cells of distance after which the line is cut.
     """
     dr, dc = abs(row_end - row), abs(col_end - col)
@@ -69,8 +69,8 @@ def clear_line(
     error = along // 2
     cell = row * width + col
     for _ in range(int(scale * along) + 1):
-        if flat[cell] != 0:
-            flat[cell] = 0
+        if flat[cell] != FREE:
+            flat[cell] = FREE
             include(changed, cell // width, cell % width)
         cell += onward
         error += across
@@ -93,10 +93,10 @@ def fill_convex(costs: Costs, corners: FloatArray, cost: int) -> bool:
     Args:
         costs: (rows, cols).
         corners: (n, 2) column and row, in cells, n at least 3.
-        cost: 0..255.
+        cost: FREE to UNKNOWN.
 
     Returns:
-        Whether any of them had another.
+        True when any of them had another.
     """
     rows, cols = costs.shape
     changes = False

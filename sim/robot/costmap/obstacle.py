@@ -1,10 +1,16 @@
-"""The layer of what the laser sees: readings mark obstacles, and clear the space before them.
+"""The obstacle layer: readings of the laser mark obstacles, and clear the space before them.
+
+Every cell has a mark: LETHAL, FREE or UNKNOWN. A scan is taken in by three steps, in this order. It clears: the cells
+that a beam passed before it ended are free (ray tracing by Bresenham's lines). It marks: the cell in which a beam ended
+is lethal. And the robot's own place is free. Clearing comes first, so that a beam that grazes an obstacle does not
+clear what another beam of the same scan has just marked. A mark stays until a later scan looks through it: that is how
+the robot remembers what it does not see now.
 
 Source: ros-planning/navigation, costmap_2d/plugins/obstacle_layer.cpp.
 Differs: `explained_distance` keeps readings that the map or another robot explains from marking, else every error of
-localisation would thicken the walls and every passing robot would leave a trail; `clear_between_beams` clears what
-nothing else could, cells that lie between two beams far out; a beam that hit nothing never marks; a scan
-marks at once, where ROS keeps the last one for the next update.
+localisation would thicken the walls and every passing robot would leave a trail; `clear_between_beams` clears cells
+that lie between two beams far out, which no beam would ever clear; a beam that hit nothing never marks; a scan marks at
+once, where ROS keeps the last one for the next update.
 """
 
 import copy
@@ -28,11 +34,11 @@ MAXIMUM = 1
 
 
 class Sweep(NamedTuple):
-    """A scan as the kernels take it: the laser's pose in the map, and where each of its beams leads and ends.
+    """A scan as the kernels take it: the laser's pose in the map, and each beam's direction and reading.
 
     Attributes:
-        x: of the laser in the map, metres; so y, and theta in radians.
-        angle_min: of the first beam, in the laser's frame.
+        x: place of the laser in the map, metres; so y, and theta in radians.
+        angle_min: angle of the first beam, in the laser's frame.
         angle_increment: from one beam to the next.
         ranges: (beams,) metres; NaN where nothing is known, +inf where nothing was hit.
         rays: (beams, 2) cosine and sine of its direction in the map.
@@ -48,12 +54,12 @@ class Sweep(NamedTuple):
 
 
 class KnownObstacles(NamedTuple):
-    """What is known to stand around, near which readings do not mark.
+    """Walls and robots that are known, near which readings do not mark.
 
     Attributes:
         distance: metres within which they are explained.
         wall_distance: (rows, cols) of the static map, metres to its nearest wall.
-        row: of the marks' cell (0, 0) in the static map; so col.
+        row: that of the marks' cell (0, 0) in the static map; so col.
         discs: (n, 3) x, y and radius of the other robots, metres.
     """
 
@@ -73,7 +79,7 @@ def _sweep(
     readings, rays = np.empty(ranges.shape[0]), np.empty((ranges.shape[0], 2))
     for i in range(ranges.shape[0]):
         reading = float(ranges[i])
-        # The others are no readings: laser_geometry leaves them out as well.
+        # Other numbers are no readings: laser_geometry leaves them out as well.
         valid = range_min <= reading < range_max or reading == np.inf
         readings[i] = reading if valid else np.nan
         angle = theta + angle_min + i * angle_increment
@@ -89,7 +95,7 @@ def _clear_along_beams(
 
     Args:
         marks: (rows, cols).
-        frame: where they lie.
+        frame: their place in the map.
         sweep: the scan.
         farthest: metres for which beams stand that hit nothing; 0 leaves them out.
         raytrace_range: metres.
@@ -127,7 +133,11 @@ def _clear_along_beams(
 def _clear_between_beams(
     marks: Costs, frame: CostFrame, sweep: Sweep, farthest: float, raytrace_range: float, changed: NDArray[np.int64]
 ) -> None:
-    """Clear lethal cells that two neighbouring beams both see past. Arguments as for `_clear_along_beams`."""
+    """Clear lethal cells that two neighbouring beams both see past. Arguments as for `_clear_along_beams`.
+
+    Far out, neighbouring beams are more than a cell apart. A cell between them is passed by none, so ray tracing would
+    leave its mark for ever, for example where a person walked by.
+    """
     rows, cols = marks.shape
     size = frame.resolution
     beams = sweep.ranges.shape[0]
@@ -135,25 +145,27 @@ def _clear_between_beams(
     row, col = math.floor((sweep.y - frame.y) / size), math.floor((sweep.x - frame.x) / size)
     for r in range(max(0, row - reach), min(rows, row + reach + 1)):
         for c in range(max(0, col - reach), min(cols, col + reach + 1)):
-            if marks[r, c] != 254:
+            if marks[r, c] != LETHAL:
                 continue
             dx, dy = frame.x + (c + 0.5) * size - sweep.x, frame.y + (r + 0.5) * size - sweep.y
             distance = math.hypot(dx, dy)
             if distance > raytrace_range:
                 continue
+            # The cell's bearing, counted in beams: it lies between the beams with the whole numbers around it.
             ahead = (math.atan2(dy, dx) - sweep.theta - sweep.angle_min) / sweep.angle_increment
             whole_turn = math.tau / abs(sweep.angle_increment)
             ahead -= math.floor(ahead / whole_turn) * whole_turn
             before = int(ahead)
             behind = before + 1
             if behind == beams and beams >= whole_turn - 0.5:
+                # The laser sees all around: its first beam follows on its last.
                 behind = 0
             if behind >= beams:
                 continue
             one = sweep.ranges[before] if sweep.ranges[before] != np.inf else farthest
             other = sweep.ranges[behind] if sweep.ranges[behind] != np.inf else farthest
             if one > distance + size and other > distance + size:
-                marks[r, c] = 0
+                marks[r, c] = FREE
                 include(changed, r, c)
 
 
@@ -169,7 +181,7 @@ def _mark(
     """Make the cells lethal in which beams end nearer than obstacle_range, where nothing known explains it.
 
     Returns:
-        Whether there were any that were not.
+        True when there were any that were not lethal before.
     """
     rows, cols = marks.shape
     marked = False
@@ -179,9 +191,10 @@ def _mark(
             continue
         x, y = sweep.x + reading * sweep.rays[i, 0], sweep.y + reading * sweep.rays[i, 1]
         row, col = math.floor((y - frame.y) / frame.resolution), math.floor((x - frame.x) / frame.resolution)
-        if row < 0 or col < 0 or row >= rows or col >= cols or marks[row, col] == 254:
+        if row < 0 or col < 0 or row >= rows or col >= cols or marks[row, col] == LETHAL:
             continue
         if known.distance > 0.0:
+            # The map's walls, then the other robots: their bodies, and the errors of everybody's pose.
             r, c = row + known.row, col + known.col
             in_map = r >= 0 and c >= 0 and r < known.wall_distance.shape[0] and c < known.wall_distance.shape[1]
             explained = in_map and known.wall_distance[r, c] <= known.distance
@@ -193,7 +206,7 @@ def _mark(
                 k += 1
             if explained:
                 continue
-        marks[row, col] = 254
+        marks[row, col] = LETHAL
         marked = True
         include(changed, row, col)
     return marked
@@ -210,7 +223,7 @@ def _clear_footprint(
     # As in ROS: a footprint that is not wholly on the costmap clears nothing.
     if low < 0 or left < 0 or high >= marks.shape[0] or right >= marks.shape[1]:
         return
-    if fill_convex(marks, corners, 0):
+    if fill_convex(marks, corners, FREE):
         include(changed, low, left)
         include(changed, high, right)
 
@@ -223,21 +236,21 @@ def _combine(
     for r in range(rows):
         source, target = marks[first + r, left : left + cols], costs[row + r, col : col + cols]
         for c in range(cols):
-            raises = target[c] == 255 or target[c] < source[c]
-            if source[c] != 255 and (overwrite or raises):
+            raises = target[c] == UNKNOWN or target[c] < source[c]
+            if source[c] != UNKNOWN and (overwrite or raises):
                 target[c] = source[c]
 
 
 class ObstacleLayer:
-    """What the laser has seen.
+    """Marks of what the laser has seen.
 
     Args:
         parameters: costmap_2d's.
         grid: the map on whose cells it marks.
         footprint: (n, 2) padded corners of the robot, base frame: its own place is free.
-        track_unknown_space: of the costmap, which counts where the layer's own is not given.
+        track_unknown_space: that of the costmap, which counts where the layer's own is not given.
         shape: rows and columns of a rolling costmap; None covers the map.
-        explained_by_walls: whether the costmap shows the map's walls, so that readings near them are no news.
+        explained_by_walls: True when the costmap shows the map's walls, so that readings near them need no mark.
     """
 
     def __init__(
@@ -266,13 +279,13 @@ class ObstacleLayer:
 
     @property
     def marks(self) -> Costs:
-        """(rows, cols): LETHAL where something stands, FREE where nothing does, UNKNOWN where that is not known."""
+        """(rows, cols): LETHAL where something stands, FREE where nothing does, else UNKNOWN."""
         return self._marks
 
     @property
     def any_marks(self) -> bool:
-        """Whether anything stands."""
-        # Nothing but a mark makes it true; that the last one is cleared is found out here.
+        """True when anything stands."""
+        # Only marking sets `_may_stand`; that the last mark is cleared is found out here, when asked.
         self._may_stand = self._may_stand and bool((self._marks == LETHAL).any())
         return self._may_stand
 
@@ -303,10 +316,10 @@ class ObstacleLayer:
         """Take in a scan: every source clears, then every source marks, then the robot's own place is cleared.
 
         Args:
-            base_in_map: where the robot was when it scanned.
+            base_in_map: pose of the robot when it scanned.
             scan: the readings.
             discs: (n, 3) x, y, radius of the other robots.
-            clears: whether the space before the readings is cleared, which takes longest.
+            clears: True when the space before the readings is cleared, which takes longest.
         """
         row, col = self._origin
         size = self._grid.resolution
@@ -350,13 +363,13 @@ class ObstacleLayer:
         return self._parameters.raytrace_range if source.raytrace_range is None else source.raytrace_range
 
     def copied(self) -> "ObstacleLayer":
-        """A layer that has seen the same, and goes its own way from now on."""
+        """Return a copy with marks of its own."""
         other = copy.copy(self)
         other._marks, other._changes = self._marks.copy(), Changes()
         return other
 
     def take_over(self, other: "ObstacleLayer") -> None:
-        """Have seen what another layer has seen, as far as both lie on the same cells."""
+        """Take over the marks of another layer, as far as both lie on the same cells."""
         common = self.window.clipped(other.window)
         if not common.empty:
             common.of(self._marks, self._origin)[:] = common.of(other._marks, other._origin)
@@ -382,15 +395,15 @@ class ObstacleLayer:
             inside.of(self._marks, self._origin)[:] = kept
 
     def bounds(self) -> tuple[Window, ...]:
-        """What was marked or cleared since the last time."""
+        """Return the windows that were marked or cleared since the last time."""
         return self._changes.take()
 
     def reach(self) -> int:
-        """None."""
+        """Zero: changes of other layers do not matter to it."""
         return 0
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
-        """Combine what was seen with what the layers before say, by `combination_method`."""
+        """Combine the marks with the costs of the layers before, by `combination_method`."""
         inside = window.clipped(self.window)
         if inside.empty:
             return

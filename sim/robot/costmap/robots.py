@@ -1,4 +1,4 @@
-"""The layer of the other robots (the GridLayer of the 2016 study): where they say they stand, and their paths."""
+"""The layer of the other robots (the GridLayer of the 2016 study): their bodies where they broadcast, their paths."""
 
 import math
 from collections.abc import Sequence
@@ -11,12 +11,12 @@ from sim.common.grid import OccupancyGrid
 from sim.common.kernels import njit
 from sim.common.observations import Neighbour
 from sim.parameters import RobotsParameters
-from sim.robot.costmap.costs import UNKNOWN, Changes, CostFrame, Costs, Window
+from sim.robot.costmap.costs import LETHAL, UNKNOWN, Changes, CostFrame, Costs, Window
 from sim.robot.costmap.footprint import circumscribed_radius, in_cells
 from sim.robot.costmap.lines import line
 
 MIN_MOTION = 0.05
-"""Metres (and 0.1 rad for each) below which a change of pose is not worth an update."""
+"""Metres below which a change of pose is not worth an update; of radians, twice the number."""
 
 
 _NO_PATH: FloatArray = np.empty((0, 2))
@@ -42,7 +42,7 @@ def _fill(costs: Costs, corners: FloatArray, row: int, col: int, row_end: int, c
                         inside = not inside
                 k = i
             if inside:
-                costs[r, c] = 254
+                costs[r, c] = LETHAL
 
 
 @njit(cache=True)
@@ -65,7 +65,7 @@ def _outline(
 def neighbours_reaching(
     neighbours: Sequence[Neighbour], left: float, low: float, right: float, high: float
 ) -> list[tuple[Neighbour, float]]:
-    """The neighbours of which something may lie in a rectangle of the map, with their circumscribed radii, metres."""
+    """Neighbours whose bodies may reach into a rectangle of the map, with their circumscribed radii, metres."""
     met: list[tuple[Neighbour, float]] = []
     footprint: FloatArray | None = None
     radius = reach = 0.0
@@ -74,7 +74,7 @@ def neighbours_reaching(
             # Mostly one and the same for all.
             footprint = other.footprint
             radius = circumscribed_radius(footprint)
-            # A hair more than that: nobody is left out because of rounding.
+            # A hair more than that: none is left out because of rounding.
             reach = radius + 1e-6
         pose = other.base_in_map
         if left - reach < pose.x < right + reach and low - reach < pose.y < high + reach:
@@ -84,7 +84,7 @@ def neighbours_reaching(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _DrawnRobot:
-    """One robot as it was heard: its pose; corners and path, as columns and rows in the map; the window around both."""
+    """One robot as drawn: its pose; corners and path, as columns and rows in the map; the window around both."""
 
     x: float
     y: float
@@ -98,7 +98,7 @@ class RobotsLayer:
     """The footprints of the other robots, and the first part of their paths.
 
     Args:
-        parameters: which of them count, and how.
+        parameters: those of the layer.
         grid: the map.
     """
 
@@ -109,7 +109,7 @@ class RobotsLayer:
         self._changes = Changes()
 
     def update_neighbours(self, neighbours: Sequence[Neighbour]) -> None:
-        """Take in what the others said last; those not among them are gone."""
+        """Take in the last broadcasts; robots that are not among them are gone."""
         received = set()
         for neighbour in neighbours:
             if not self._parameters.under_way and len(neighbour.times):
@@ -125,9 +125,9 @@ class RobotsLayer:
             self._forget(robot)
 
     def reaching(self, window: Window, neighbours: Sequence[Neighbour]) -> Sequence[Neighbour]:
-        """Those that may write into a window of the map's cells."""
+        """Return those that may write into a window of the map's cells."""
         if self._parameters.path_length > 0.0:
-            # How far a path leads from the body is not for us to know.
+            # A path may lead anywhere from its body.
             return neighbours
         frame = self._frame
         left, right = frame.x + window.col * frame.resolution, frame.x + window.col_end * frame.resolution
@@ -167,15 +167,15 @@ class RobotsLayer:
             self._changes.add(self._seen.pop(robot).window)
 
     def bounds(self) -> tuple[Window, ...]:
-        """Where robots came or went."""
+        """Return the windows that robots came into or left."""
         return self._changes.take()
 
     def reach(self) -> int:
-        """None."""
+        """Zero: changes of other layers do not matter to it."""
         return 0
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
-        """Lethal under every footprint; along paths at least `path_cost`."""
+        """Write LETHAL under every footprint, and at least `path_cost` along paths."""
         row, col = origin
         shift = np.array([col, row])
         near = [seen for seen in self._seen.values() if seen.window.meets(window)]

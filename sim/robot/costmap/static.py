@@ -13,7 +13,7 @@ from sim.robot.costmap.costs import FREE, LETHAL, UNKNOWN, Changes, Costs, Windo
 
 
 def interpretation(parameters: StaticParameters) -> Costs:
-    """(256,) the cost of each value of an occupancy grid, taken as an unsigned byte as ROS takes it (-1 is 255)."""
+    """(256,) the cost of each value of an occupancy grid, taken as an unsigned byte as ROS takes it, -1 for 255."""
     values = np.arange(256)
     lethal = parameters.lethal_cost_threshold
     scaled = values / max(lethal, 1) * LETHAL
@@ -31,7 +31,7 @@ def _costs_of(parameters: StaticParameters, grid: OccupancyGrid) -> Costs:
 
 
 class StaticLayer:
-    """The walls of a map; of what lies outside of it this layer says nothing.
+    """The walls of a map; this layer writes nothing outside of it.
 
     Args:
         parameters: costmap_2d's.
@@ -45,15 +45,15 @@ class StaticLayer:
         self._changes.add(Window(0, 0, grid.rows, grid.cols))
 
     def bounds(self) -> tuple[Window, ...]:
-        """The whole map once, then nothing."""
+        """Return the whole map once, then nothing."""
         return self._changes.take()
 
     def reach(self) -> int:
-        """None."""
+        """Zero: changes of other layers do not matter to it."""
         return 0
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
-        """The map's costs where there is map; with use_maximum they only raise what other layers wrote."""
+        """Write the map's costs where there is map; with use_maximum they only raise what other layers wrote."""
         known = window.clipped(Window(0, 0, *self._costs.shape))
         if known.empty:
             return

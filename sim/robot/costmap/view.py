@@ -1,4 +1,4 @@
-"""A costmap as others may see it."""
+"""A costmap as it is shown to others."""
 
 from dataclasses import dataclass
 
@@ -13,10 +13,10 @@ class CostmapView:
     """The costs of a grid at one moment.
 
     Attributes:
-        tick: when.
+        tick: its time.
         origin: pose of the grid's first corner, map frame.
         resolution: metres of a cell's side.
-        costs: (rows, cols) uint8, read-only: 0 free, 253 inscribed, 254 lethal, 255 unknown; row 0 is lowest.
+        costs: (rows, cols) uint8, read-only, see `sim.robot.costmap.costs`; row 0 is lowest.
     """
 
     tick: int

@@ -1,1 +1,1 @@
-"""Where a robot believes it is: particle filter, Kalman filter, or the truth for comparison."""
+"""Localisation: estimates of a robot's pose by particle filter, by Kalman filter, or from the truth for comparison."""

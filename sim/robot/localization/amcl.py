@@ -1,5 +1,13 @@
 """Adaptive Monte Carlo localisation: ROS's amcl as a function of values.
 
+The belief is a cloud of weighted poses, the particles. When the robot has moved enough and a scan is there, every
+particle moves by the odometry with an error of its own (`motion`), and its weight is multiplied by how well the scan
+fits the map from there (`likelihood_field`, `beam`). The pose reported is the mean of the heaviest cluster
+(`clusters`). Every so often a new generation is drawn in proportion to the weights, as many particles as the cloud's
+spread asks for (`resampling`). Meanwhile `scan_agreement` watches how well the map explains the scans at the reported
+pose: where it does so badly, the robot is lost, and part of each generation comes from all over the map until the
+particles settle in one place that explains the scans.
+
 Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), table 8.3, sized by KLD sampling (Fox 2003); amcl_node.cpp
 and pf.c of ros-planning/navigation for when and in which order. Where this differs from amcl the docstrings say so.
 """
@@ -26,9 +34,9 @@ from sim.robot.localization.scan_agreement import ScanAgreement
 CANDIDATES_PER_PARTICLE = 20
 """Places looked at for each particle drawn anew."""
 MIN_CANDIDATES = 50_000
-"""However few particles: so that one lies near enough to the right place in a map of some hundred square metres."""
+"""At least so many, so that one lies near enough to the right place in a map of some hundred square metres."""
 MAX_CANDIDATES = 400_000
-"""However many particles: a quarter of a second's work with 60 beams."""
+"""At most so many: a quarter of a second's work with 60 beams."""
 
 FITTING_SHARE = 0.01
 """Share of the candidates that must remain effective when newcomers are drawn by how well a scan fits."""
@@ -42,8 +50,8 @@ EFFECTIVE_SHARE = 0.1
 """Share of equal particles that every scan must leave effective, see `tempered`."""
 
 JITTER = (0.01, 0.01, 0.01)
-"""Metres, metres, radians by which heirs of one particle differ: a robot that turns on the spot gives wheels no reason
-for spreading them, and they would all become one.
+"""Metres, metres, radians by which heirs of one particle differ. The odometry of a robot that turns on the spot
+does not spread their places: without this they would all become one.
 
 Source: Musso, Oudjane and Le Gland, Improving regularised particle filters (2001).
 """
@@ -52,20 +60,20 @@ SURE_SHARE = 0.8
 """Share of the weight that the heaviest cluster must hold for a lost robot to be found."""
 
 SETTLED_SCANS = 5
-"""Scans in a row that must say so."""
+"""Scans in a row for which that must hold, and which the map must explain."""
 
 SCATTER_SHARE = 0.5
 """Share of the particles that are drawn from all over the map when a robot turns out to be lost; the others stay, for
 it may be wrong in that."""
 SEARCH_SHARE = 0.2
-"""The same every time that particles are drawn until it is found."""
+"""The same share every time that particles are drawn until the robot is found."""
 
 RETRY_TICKS = 25
 """Ticks until a robot whose scans are not explained weighs the next one even if it stands: lost robots do."""
 
 
 INITIAL_AGREEMENT = ScanAgreement()
-"""What a filter begins with."""
+"""The agreement that a filter begins with."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,16 +83,16 @@ class ParticleBelief:
     Attributes:
         particles: (n, 3) poses in the map at the last update; read-only.
         weights: (n,) their weights, summing to 1; read-only.
-        tick: of the last update.
+        tick: that of the last update.
         base_in_odom: the odometry then.
         odom_in_map: the correction found then.
         covariance: (3, 3) of the pose found then; read-only.
         updates: scans weighed since the start.
-        recovery: how well the map explained them.
+        agreement: share of them that the map explains.
         lost: the verdict, see `Estimate`.
-        settled: scans in a row that found a lost robot.
-        anywhere: whether the particles lie all over the map, and no scan has been weighed.
-        requested: whether the next scan is weighed in any case.
+        settled: scans in a row after which a lost robot seemed found.
+        uniform: True while the particles lie all over the map, and no scan has been weighed.
+        requested: True when the next scan is weighed in any case.
     """
 
     particles: FloatArray
@@ -103,7 +111,7 @@ class ParticleBelief:
 
 @dataclass(frozen=True, slots=True)
 class UniformPrior:
-    """What a filter remembers that was told to forget where it was, and has seen no tick since."""
+    """State of a filter that was told to forget where it was, and has seen no tick since."""
 
 
 AmclState = PosePrior | UniformPrior | ParticleBelief
@@ -135,7 +143,7 @@ class Amcl:
         """A filter for one robot.
 
         Args:
-            parameters: its knobs.
+            parameters: amcl's.
             grid: the static map.
             mount: the laser whose scans `update` will bring.
             seed: the session's.
@@ -182,7 +190,7 @@ class Amcl:
 
     @property
     def state(self) -> AmclState:
-        """Everything the next estimate depends on, besides what `update` will be told."""
+        """Everything the next estimate depends on, besides the arguments of `update`."""
         return self._state
 
     def restore(self, state: AmclState) -> None:
@@ -205,7 +213,7 @@ class Amcl:
     def configure(self, parameters: RobotParameters) -> None:
         """Go on with these parameters; a smaller cloud is drawn with the next generation.
 
-        Differs: amcl draws its particles anew, around the pose that it last told.
+        Differs: amcl draws its particles anew, around the pose that it last reported.
         """
         if parameters.amcl != self._parameters:
             self._use(parameters.amcl)
@@ -231,7 +239,7 @@ class Amcl:
         )
 
     def _due(self, belief: ParticleBelief, odometry: Odometry) -> bool:
-        """Whether the robot moved enough along either axis of the odom frame, or turned enough (amcl_node.cpp)."""
+        """Return True when the robot moved enough along an axis of the odom frame, or turned enough (amcl_node.cpp)."""
         before, now, limit = belief.base_in_odom, odometry.base_in_odom, self._parameters.update_min_d
         return (
             belief.updates == 0
@@ -243,7 +251,7 @@ class Amcl:
         )
 
     def _scatter(self, start: PosePrior, odometry: Odometry) -> ParticleBelief:
-        """As many particles as allowed, drawn around the start."""
+        """Draw as many particles as allowed around a pose that is known."""
         n = self._parameters.max_particles
         values, vectors = np.linalg.eigh(start.covariance)
         # A covariance may be singular (a heading known exactly), which Cholesky's factors do not bear.
@@ -261,7 +269,7 @@ class Amcl:
         )
 
     def _scatter_everywhere(self, odometry: Odometry) -> ParticleBelief:
-        """As many particles as allowed, drawn over the whole map; its middle stands for a pose until a scan comes."""
+        """Draw as many particles as allowed over the whole map; their mean stands for a pose until a scan comes."""
         n = self._parameters.max_particles
         particles = self._free_space.draw(n, self._recovery_noise, odometry.tick)
         mean = Pose2(*particles.mean(axis=0).tolist())
@@ -287,7 +295,8 @@ class Amcl:
         parameters = self._parameters
         points, ranges = self._beams.end_points(scan), self._beams.ranges(scan)
         if belief.uniform and len(points):
-            # What an even sample of the map this size would miss is found by one many times larger.
+            # A uniform cloud of this size would hold no particle near the truth; so the scan is looked for in a sample
+            # that is many times larger.
             particles = self._newcomers(parameters.max_particles, points, odometry.tick)
             weights: FloatArray = np.full(len(particles), 1.0 / len(particles))
         else:
@@ -310,6 +319,8 @@ class Amcl:
         lost = settled < SETTLED_SCANS if belief.lost else recovery.lost
         newcomers = self._share_of_newcomers(lost, belief.lost)
         updates = belief.updates + 1
+        # With selective resampling, a cloud whose effective number (1 / sum of squares) is above half of its particles
+        # is kept: drawing anew would only lose hypotheses (Grisetti, Stachniss, Burgard 2007).
         due = updates % parameters.resample_interval == 0 and not (
             parameters.selective_resampling and newcomers == 0.0 and 2.0 / np.sum(weights**2) > len(weights)
         )
@@ -331,20 +342,20 @@ class Amcl:
         )
 
     def _sure(self, summary: CloudSummary) -> bool:
-        """Whether nearly all particles agree on one place."""
+        """Return True when nearly all particles agree on one place."""
         parameters = self._parameters
         levels = (parameters.std_warn_level_x, parameters.std_warn_level_y, parameters.std_warn_level_yaw)
         return summary.weight >= SURE_SHARE and bool((np.sqrt(summary.variances) <= levels).all())
 
     def _share_of_newcomers(self, lost: bool, was_lost: bool) -> float:
-        """Of the next generation, 0..1, how many are to come from all over the map."""
+        """Share of the next generation, 0..1, that is to come from all over the map."""
         never = self._parameters.recovery_alpha_slow == 0.0 and self._parameters.recovery_alpha_fast == 0.0
         if never or not lost:
             return 0.0
         return SEARCH_SHARE if was_lost else SCATTER_SHARE
 
     def _log_likelihood(self, particles: FloatArray, points: FloatArray, ranges: FloatArray) -> FloatArray:
-        """(n,) how well a scan fits from each particle, by the model that the parameters name."""
+        """(n,) log likelihood of a scan from each particle, by the model that the parameters name."""
         parameters = self._parameters
         if parameters.laser_model_type == "beam":
             return self._beam_model.log_likelihood(particles, ranges)
@@ -368,7 +379,7 @@ class Amcl:
         points: FloatArray,
         tick: int,
     ) -> FloatArray:
-        """The next generation: heirs of the present one and a share of newcomers from all over the map."""
+        """Draw the next generation: heirs of the present one and a share of newcomers from all over the map."""
         parameters = self._parameters
         heirs_offset, newcomers = self._resampling_noise.uniforms(tick, 2)
         # Newcomers lie in so many bins that KLD sampling would ask for the greatest number of particles anyway.

@@ -1,4 +1,4 @@
-"""How well a scan fits the map along its beams: the beam model, and how much of a scan a place explains."""
+"""The beam model: the fit of a scan to the map along its beams, and the share of a scan that a place explains."""
 
 import math
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ _TOLERANCE = 0.3
 """Metres by which a reading may miss the wall that the map shows and count as explained: errors of pose and map."""
 
 _CUT_SHORT = 0.1
-"""What a reading counts that something unmapped may have cut short, beside one that went through a wall."""
+"""Weight of a reading that something unmapped may have cut short, beside 1 for one that went through a wall."""
 
 _TURNS = np.array([-0.02, 0.0, 0.02])
 """Radians by which the heading may be wrong: how far a beam that grazes a wall goes then is no evidence."""
@@ -53,10 +53,10 @@ def _sums(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BeamModel:
-    """What each beam of a scan should have met.
+    """Likelihood of each beam's reading, by the range to what it should have met on the map.
 
     Attributes:
-        raycaster: of the map.
+        raycaster: on the map.
         beams: those that are weighed.
         parameters: the mixture: laser_z_*, laser_sigma_hit, laser_lambda_short.
     """
@@ -106,18 +106,18 @@ class BeamModel:
         return sums
 
     def agreement(self, base_in_map: Pose2, ranges: FloatArray) -> float | None:
-        """How well the map explains (m,) ranges from one place, 0..1; None where no beam says anything.
+        """Share of (m,) ranges that the map explains from one place, 0..1; None where no beam met anything.
 
-        The share of readings that end where the map has a wall. A reading cut short speaks a tenth as loud against the
-        place as one that went through a wall: other robots do the one, nothing does the other.
+        A reading is explained when it ends where the map has a wall. A reading cut short counts a tenth as much against
+        the place as one that went through a wall: other robots cut readings short, but nothing lengthens them.
         """
-        told = ranges < self.beams.range_max
-        if not told.any():
+        met = ranges < self.beams.range_max
+        if not met.any():
             return None
         poses = np.tile(base_in_map.array(), (len(_TURNS), 1))
         poses[:, 2] += _TURNS
-        expected = np.minimum(self.expected(poses)[:, told], self.beams.range_max)
-        short = np.count_nonzero(ranges[told] < expected.min(axis=0) - _TOLERANCE)
-        through = np.count_nonzero(ranges[told] > expected.max(axis=0) + _TOLERANCE)
-        hits = np.count_nonzero(told) - short - through
+        expected = np.minimum(self.expected(poses)[:, met], self.beams.range_max)
+        short = np.count_nonzero(ranges[met] < expected.min(axis=0) - _TOLERANCE)
+        through = np.count_nonzero(ranges[met] > expected.max(axis=0) + _TOLERANCE)
+        hits = np.count_nonzero(met) - short - through
         return float(hits / (hits + _CUT_SHORT * short + through))

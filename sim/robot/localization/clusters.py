@@ -1,4 +1,4 @@
-"""Particles in bins, bins in clusters, and what a cloud of particles says as one pose.
+"""Particles in bins, bins in clusters, and a cloud of particles as one pose.
 
 The bins are amcl's: 0.5 m by 0.5 m by 10 degrees. They measure how spread the cloud is (KLD sampling) and tell
 hypotheses apart: bins that touch, if only by a corner, are one cluster.
@@ -28,7 +28,7 @@ class ParticleBins(NamedTuple):
     """The occupied bins of a cloud.
 
     Attributes:
-        of_particle: (n,) the bin of each particle, numbered from 0 in order of first sight.
+        of_particle: (n,) the bin of each particle, numbered from 0 in the order of their first particles.
         corners: (k, 3) each bin's place on the lattice: along x, along y, around.
         slots: a hash table from packed lattice places to bins, -1 where empty.
     """
@@ -56,7 +56,10 @@ class CloudSummary(NamedTuple):
 
 @njit(cache=True)
 def _slot(slots: NDArray[np.int64], corners: NDArray[np.int64], col: int, row: int, sector: int) -> int:
-    """Where the bin with this lattice place is in the table, or the empty slot where it would go."""
+    """Slot of the bin with this lattice place in the table, or the empty slot where it would go.
+
+    Open addressing with linear probing; the table is at least half empty, so the search ends.
+    """
     mask = slots.size - 1
     packed = ((col + _HALF) * (2 * _HALF) + row + _HALF) * SECTORS + sector
     slot = (packed * 0x9E3779B97F4A7C1 >> 17) & mask
@@ -98,6 +101,7 @@ def bin_particles(particles: FloatArray) -> ParticleBins:
 @njit(cache=True)
 def _cluster(corners: NDArray[np.int64], slots: NDArray[np.int64]) -> NDArray[np.int64]:
     count = corners.shape[0]
+    # Flood fill from bin to bin through the 26 neighbours on the lattice; sectors go round the circle.
     labels = np.full(count, _EMPTY, dtype=np.int64)
     waiting = np.empty(count, dtype=np.int64)
     clusters = 0

@@ -30,22 +30,22 @@ _SHARED = 1.0
 """Part of a match's covariance that is common to all near by: they share walls, clutter, and so their errors."""
 
 _LEAST_SHARE = 0.4
-"""Of a scan's points, how many must lie on the map's walls; a scan from elsewhere hardly ever gets as far."""
+"""Share of a scan's points that must lie on the map's walls; a scan from elsewhere hardly ever reaches it."""
 
 _LEARNING = 0.1
-"""How fast innovations that are greater or smaller than they should be change what is believed of the motion."""
+"""Rate at which innovations that are greater or smaller than they should be change the motion's believed noise."""
 
 _WILDEST = 100.0
 """Greatest factor by which the motion's noise may turn out to be more than the parameters say; the least is 1."""
 
 _DOUBTING = 1.5
-"""What a match that is too far off to be believed, though it fits, makes of the covariance: either may be wrong."""
+"""Factor on the covariance after a match that fits, but is too far off to be believed: either may be wrong."""
 
 _LOST_AFTER = 20
 """Scans refused one after another until the filter holds itself for lost: two seconds of a common laser."""
 
 _LEVER = 3.0
-"""Metres: how far a wall is, typically, when a doubt of heading is to be told as one of place."""
+"""Metres: distance of a typical wall, by which an uncertain heading is converted to an uncertain place."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,7 +53,7 @@ class GaussianBelief:
     """A Gaussian over poses, as of the last prediction.
 
     Attributes:
-        tick: of that prediction.
+        tick: that of the prediction.
         base_in_map: the mean.
         covariance: (3, 3) about it, but for `shared`; read-only.
         shared: (3, 3) of the error that all matches near by have in common, which no number of them averages out;
@@ -61,7 +61,7 @@ class GaussianBelief:
         base_in_odom: the odometry then.
         odom_in_map: the correction that makes the two poses agree.
         matched: the odometry when a scan was last weighed in; None before the first.
-        wildness: the factor by which the motion's variances have turned out to be more than the parameters say.
+        motion_noise_scale: factor by which the motion's variances have turned out to be more than the parameters say.
         refused: scans that could not be believed since the last one that was.
         poor: scans in a row that fitted badly, believed or not.
     """
@@ -79,7 +79,7 @@ class GaussianBelief:
 
     @property
     def lost(self) -> bool:
-        """Whether scans have not fitted for so long that the pose cannot be relied on."""
+        """True when scans have not fitted for so long that the pose cannot be relied on."""
         return self.refused >= _LOST_AFTER
 
 
@@ -88,10 +88,10 @@ class EkfState:
     """All that the filter remembers between two ticks.
 
     Attributes:
-        belief: where it believes to be.
+        belief: believed pose of the robot.
         turned: radians that the gyroscope has counted since the last prediction.
-        asked: whether the next scan is to be matched wherever the robot is.
-        forgotten: whether it was told to forget where it is, and has neither found nor been told it since.
+        requested: True when the next scan is to be matched in any case.
+        forgotten: True when it was told to forget where it is, and has neither found nor been told it since.
     """
 
     belief: PosePrior | GaussianBelief
@@ -116,7 +116,7 @@ def _direct(_: FloatArray) -> FloatArray:
 
 
 def _covariance(match: ScanMatch) -> FloatArray:
-    """(3, 3) how far a match may be off; read-only."""
+    """(3, 3) covariance of a match; read-only."""
     covariance = np.linalg.inv(match.information + _LEAST_INFORMATION).astype(np.float64, copy=False)
     return read_only(covariance)
 
@@ -136,8 +136,8 @@ class Ekf:
 
     Where scans do not fit for some seconds it holds itself for lost, and looks for the one place where they do: near by
     first, then all over the map; it looks as well where they fit badly for long, since another place may fit better. It
-    says that it is found only when a scan from another spot agrees. On a map that looks the same from two places it
-    stays lost, since one Gaussian cannot wait and see as particles do.
+    reports itself found only when a scan from another spot agrees. On a map that looks the same from two places it
+    stays lost, since one Gaussian cannot hold two hypotheses as particles do.
 
     Before the first `start` it believes to be at the map's origin.
     """
@@ -166,7 +166,7 @@ class Ekf:
 
     @property
     def state(self) -> EkfState:
-        """Everything the next estimate depends on, besides what `update` will be told."""
+        """Everything the next estimate depends on, besides the arguments of `update`."""
         return EkfState(self._belief, self._turned, self._asked, self._forgotten)
 
     def restore(self, state: EkfState) -> None:
@@ -233,7 +233,7 @@ class Ekf:
         )
 
     def _due(self, belief: GaussianBelief) -> bool:
-        """Whether the robot moved enough since the last match, by amcl's rule."""
+        """Return True when the robot moved enough since the last match, by amcl's rule."""
         if belief.matched is None:
             return True
         here, there, limit = belief.base_in_odom, belief.matched, self._parameters.update_min_d
@@ -244,13 +244,13 @@ class Ekf:
         )
 
     def _predict(self, belief: GaussianBelief, odometry: Odometry) -> GaussianBelief:
-        """Carry mean and covariance on by what wheels and gyroscope say of the ticks since the last prediction."""
+        """Carry mean and covariance on by wheels and gyroscope, over the ticks since the last prediction."""
         parameters, algebra = self._parameters, self._algebra
         moved = belief.base_in_odom.between(odometry.base_in_odom)
         distance = math.hypot(moved.x, moved.y)
         wheels_variance = parameters.odom_alpha1 * moved.theta**2 + parameters.odom_alpha2 * distance**2
         gyro_variance = (odometry.tick - belief.tick) * (parameters.gyro_noise * TICK) ** 2
-        # Wheels that stand still are certain of it, and then the gyroscope's noise has no say.
+        # Wheels that stand still are certain of it; then the gyroscope, which is only noise, does not count.
         listening = parameters.imu_used and wheels_variance > 0.0
         trust = wheels_variance / (wheels_variance + gyro_variance) if listening else 0.0
         correction = trust * wrap_angle(self._turned - moved.theta)
@@ -280,11 +280,11 @@ class Ekf:
         )
 
     def _correct(self, belief: GaussianBelief, scan: Scan) -> tuple[GaussianBelief, bool]:
-        """Weigh in the pose that the scan speaks for, if it can be believed; and whether it could.
+        """Weigh in the pose at which the scan matches the map, if it can be believed; and return whether it could.
 
-        How far innovations are from what they should be teaches how wild the motion is: a factor of its variances,
-        in which the parameters keep their proportions. A match too far off is not believed, but where scan after scan
-        fits as well and says the same, it is the covariance that gives way.
+        Innovations that are greater than they should be raise `motion_noise_scale`, a factor on the motion's variances
+        that keeps the parameters' proportions; smaller ones lower it. A match too far off is not believed. But each
+        such match that fits widens the covariance, so that after several alike the next one is believed.
 
         Source: Mehra, On the identification of variances and adaptive Kalman filtering (1970), for learning the
             motion's noise from innovations; here as a running mean of its logarithm, which cannot become negative.
@@ -346,7 +346,7 @@ class Ekf:
         )
 
     def _result(self) -> tuple[Pose2, FloatArray]:
-        """Mean and covariance that the algebra has come to."""
+        """Mean and covariance as filterpy has computed them."""
         x, y, theta = (float(value) for value in self._algebra.x)
         covariance: FloatArray = (self._algebra.P + self._algebra.P.T) / 2.0
         return Pose2(x, y, wrap_angle(theta)), read_only(covariance)

@@ -1,4 +1,4 @@
-"""What every localiser gives, and how it is asked."""
+"""Localiser: the interface that all of them share, and the estimate that they give."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -10,16 +10,16 @@ from sim.parameters import RobotParameters
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A localiser's word on where the robot is.
+    """Pose of the robot as a localiser estimates it.
 
     Attributes:
-        tick: when it holds.
+        tick: the one it holds for.
         base_in_map: the robot's pose: the last correction, carried on by odometry.
         odom_in_map: the correction itself, what tf publishes as map -> odom.
         covariance: (3, 3) of x, y, theta in the map frame; m^2, m rad, rad^2.
         particles: (n, 3) poses in the map; (0, 3) where the localiser has none.
-        updated: whether a scan (or whatever it corrects by) was weighed in this tick.
-        lost: whether the localiser itself holds that the pose cannot be relied on.
+        updated: True when a scan (or whatever it corrects by) was weighed in this tick.
+        lost: True when the localiser itself holds that the pose cannot be relied on.
     """
 
     tick: int
@@ -33,7 +33,7 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PosePrior:
-    """What a localiser remembers that was told where it is, and has seen no tick since.
+    """State of a localiser that was told where it is, and has seen no tick since.
 
     Attributes:
         base_in_map: the pose.
@@ -45,7 +45,7 @@ class PosePrior:
 
 
 def read_only(array: FloatArray) -> FloatArray:
-    """The array itself, now safe to hand out: nobody can write to it."""
+    """Return the array itself, now safe to hand out: nobody can write to it."""
     array.setflags(write=False)
     return array
 

@@ -1,4 +1,4 @@
-"""A localiser that knows: ROS's fake_localization."""
+"""The localiser that is told the truth: ROS's fake_localization."""
 
 from collections.abc import Callable
 
@@ -28,19 +28,19 @@ class FakeLocalization:
         self._particles = np.empty((0, 3))
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
-        """Nothing to begin: the truth needs no telling.
+        """Do nothing: the true pose needs no start.
 
         Differs: fake_localization shifts its map frame so that the pose it is told becomes the truth.
         """
 
     def globalize(self) -> None:
-        """Nothing to forget."""
+        """Do nothing: there is no belief to forget."""
 
     def request_update(self) -> None:
-        """Nothing to weigh."""
+        """Do nothing: no scans are weighed."""
 
     def configure(self, parameters: RobotParameters) -> None:
-        """Nothing that can change while it runs, as in ROS."""
+        """Do nothing: none of its parameters can change while it runs, as in ROS."""
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """The true pose now; `odom_in_map` is whatever makes the odometry agree with it."""

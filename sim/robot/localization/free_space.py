@@ -1,4 +1,4 @@
-"""Places where a robot may be that has no idea where it is."""
+"""Free space of a map, from which poses are drawn for a robot that does not know where it is."""
 
 import math
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ def _free_cells(grid: OccupancyGrid) -> NDArray[np.int64]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FreeSpace:
-    """The free cells of a map, to be drawn from; of a map that knows of none, all that no wall stands in.
+    """The free cells of a map; where the map has none, all cells that are not occupied.
 
     Attributes:
         grid: the map.

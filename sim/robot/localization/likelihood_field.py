@@ -1,4 +1,4 @@
-"""How well a scan fits the map from a place: the likelihood field."""
+"""The likelihood field: the fit of a scan to the map from a place, by how near to walls its beams end."""
 
 import math
 from dataclasses import dataclass
@@ -73,8 +73,8 @@ def _sum_over_points(
 ) -> FloatArray:
     """(n,) sums of the table's values at (m, 2) points, as seen from each of (n, 3) poses.
 
-    This loop is where the filter's time goes: it is in one piece, reckons in cells, has no branch on the quadrant,
-    which no processor could foretell, and no index that might be negative. So it takes a quarter of the time.
+    This loop takes most of the filter's time. So it is in one piece, computes in cells, has no branch on the quadrant,
+    which no processor could predict, and no index that might be negative: that makes it four times faster.
     """
     _, rows, cols = table.shape
     values = table.reshape(-1)
@@ -131,8 +131,8 @@ class Beams:
         mount: the laser.
         indices: (m,) which beams, evenly spread over the scan, both outermost among them.
         directions: (m, 2) unit vectors in the base frame.
-        range_min: metres; readings at or below it say nothing.
-        range_max: metres; readings at or beyond it say nothing.
+        range_min: metres; readings at or below it are left out.
+        range_max: metres; readings at or beyond it are left out.
     """
 
     mount: LaserMount
@@ -184,15 +184,15 @@ def _log_probability(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LikelihoodField:
-    """How likely a beam is to end in each cell of the map.
+    """Log probability that a beam ends in each cell of the map.
 
     Attributes:
         table: (4, rows, cols) float32, by the beam's quadrant (see `facing_distance`): log of
             `z_hit * exp(-d^2 / (2 sigma_hit^2)) + z_rand / range_max`, d being the distance to the nearest surface
             that faces the beam, capped at `max_dist`.
-        frame: where the table lies.
-        outside: what the table would say beyond the map's edge.
-        laser: where the laser sits in the base frame, metres.
+        frame: place of the table in the map.
+        outside: value of the table beyond the map's edge.
+        laser: place of the laser in the base frame, metres.
         noise: z_hit, z_rand / range_max and sigma_hit.
     """
 
@@ -233,7 +233,7 @@ class LikelihoodField:
             points: (m, 2) end points of the beams in the base frame, see `Beams.end_points`.
 
         Returns:
-            (n,) sums over the beams; 0 where no beam says anything.
+            (n,) sums over the beams; 0 without any points.
 
         Source: Probabilistic Robotics, table 6.3. Differs: ROS 1 amcl adds cubes, `1 + sum(p^3)`.
         """

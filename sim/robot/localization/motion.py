@@ -1,4 +1,4 @@
-"""How particles move with the odometry: amcl's models of wheels that roll and of wheels that slide sideways."""
+"""Motion of particles by the odometry: amcl's models of differential and of omnidirectional drives."""
 
 import math
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ report 5 % too much then carry the cloud 1 cm a step ahead of the truth, faster 
 
 
 class DiffIncrement(NamedTuple):
-    """A movement as odometry tells it: turn, drive straight, turn again. Radians, metres, radians."""
+    """A movement measured by odometry: turn, drive straight, turn again. Radians, metres, radians."""
 
     rot1: float
     trans: float
@@ -78,12 +78,12 @@ def diff_increment(before: Pose2, after: Pose2) -> DiffIncrement:
 
 
 def _turning(angle: float) -> float:
-    """How much turning a rotation stands for: driving backwards is half a turn that the wheels never made."""
+    """Radians that the wheels turned the robot by: driving backwards seems half a turn, which they never made."""
     return min(abs(angle), abs(wrap_angle(angle - math.pi)))
 
 
 def diff_spread(moved: DiffIncrement, alphas: Alphas, corrected: bool) -> DiffSpread:
-    """How far the true movement may be from the measured one.
+    """Standard deviations of the true movement from the measured one.
 
     Args:
         moved: the measured movement.
@@ -123,8 +123,8 @@ def diff_move(particles: FloatArray, moved: DiffIncrement, spread: DiffSpread, n
 
     Args:
         particles: (n, 3) poses in the map.
-        moved: what odometry says.
-        spread: how far that may be off.
+        moved: the movement by odometry.
+        spread: its standard deviations.
         noise: (3 n,) standard normals.
 
     Returns:
@@ -144,12 +144,12 @@ def omni_increment(before: Pose2, after: Pose2) -> OmniIncrement:
 
 
 def omni_spread(moved: OmniIncrement, alphas: Alphas, corrected: bool) -> OmniSpread:
-    """How far the true slide may be from the measured one.
+    """Standard deviations of the true slide from the measured one.
 
     Args:
         moved: the measured movement.
         alphas: the believed noise.
-        corrected: the sums are variances, and the alphas mean what they do for wheels that roll. Otherwise they are
+        corrected: the sums are variances, and the alphas mean what they do for a differential drive. Otherwise they are
             standard deviations and alpha1 and alpha4 change places, as in amcl's model omni.
 
     Source: amcl_odom.cpp.
@@ -184,7 +184,7 @@ def _slide(particles: FloatArray, moved: OmniIncrement, spread: OmniSpread, nois
 
 @dataclass(frozen=True, slots=True)
 class MotionModel:
-    """How particles follow the odometry.
+    """Moves particles by the odometry.
 
     Attributes:
         name: amcl's `odom_model_type`: diff, diff-corrected, omni or omni-corrected.
@@ -200,7 +200,7 @@ class MotionModel:
         Differs: distances and turns are never believed to better than a tenth, see `_SYSTEMATIC`.
         """
         corrected = self.name.endswith("-corrected")
-        # Who believes in perfect wheels gets them.
+        # Alphas of zero ask for perfect wheels.
         straight = _SYSTEMATIC if self.alphas.alpha3 > 0.0 else 0.0
         turning = _SYSTEMATIC if self.alphas.alpha1 > 0.0 else 0.0
         if self.name.startswith("diff"):

@@ -1,4 +1,10 @@
-"""What particles are worth, which survive, and how many: tempering, and systematic resampling sized by KLD sampling."""
+"""Resampling: tempered weights, systematic draws in proportion to them, and the cloud's size by KLD sampling.
+
+Resampling replaces a weighted cloud by one of equal weights, in which a particle has as many heirs as its weight asks
+for. Three things make that robust. Weights are tempered first, so that one scan cannot leave a single particle alive.
+The draw is systematic: its number of heirs differs from the ideal one by less than 1. And the number drawn follows the
+spread of the cloud, so that a robot that knows where it is costs little.
+"""
 
 import math
 
@@ -14,7 +20,7 @@ _HALVINGS = 8
 
 @njit(cache=True)
 def _effective(logs: FloatArray, exponent: float) -> float:
-    """The effective number of particles whose weights have these logarithms, times an exponent; none above 0."""
+    """Effective number, (sum w)^2 / sum w^2, of particles of weights w = exp(exponent * logs); no log is above 0."""
     total, squares = 0.0, 0.0
     for log in logs:
         weight = math.exp(exponent * log)
@@ -33,7 +39,7 @@ def tempered(logs: FloatArray, share: float) -> FloatArray:
 
     Args:
         logs: (n,) log likelihoods, n > 0.
-        share: of n, the least effective number.
+        share: least effective number, as a share of n.
 
     Returns:
         (n,) likelihoods, the greatest 1, to the greatest power up to 1 that does.
@@ -44,6 +50,7 @@ def tempered(logs: FloatArray, share: float) -> FloatArray:
     logs = logs - logs.max()
     exponent = 1.0
     if _effective(logs, 1.0) < share * logs.size:
+        # The effective number falls as the exponent grows, from all of them at 0: bisect. `low` always keeps the share.
         low = 0.0
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + exponent)
@@ -57,7 +64,7 @@ def tempered(logs: FloatArray, share: float) -> FloatArray:
 
 @njit(cache=True)
 def sample_limit(bins: int, error: float, quantile: float, least: int, most: int) -> int:
-    """How many particles a cloud needs that fills so many bins.
+    """Number of particles that a cloud needs which fills so many bins.
 
     With this many the Kullback-Leibler distance between the cloud and the true distribution stays below `error`, with
     the probability whose normal quantile is `quantile`.
@@ -88,7 +95,7 @@ def systematic(weights: FloatArray, count: int, offset: float) -> NDArray[np.int
 
     Args:
         weights: (n,) not negative, not all 0; of any sum.
-        count: how many to draw.
+        count: number to draw.
         offset: uniform in [0, 1).
 
     Returns:
@@ -96,6 +103,8 @@ def systematic(weights: FloatArray, count: int, offset: float) -> NDArray[np.int
 
     Source: Probabilistic Robotics, table 4.4 (low variance sampler).
     """
+    # A comb of `count` teeth, `step` apart and shifted by the offset, is laid over the weights put end to end: each
+    # tooth draws the particle that it falls on.
     step = weights.sum() / count
     out = np.empty(count, dtype=np.int64)
     last = weights.size - 1
@@ -123,10 +132,10 @@ def adaptive(
     least: int,
     most: int,
 ) -> NDArray[np.int64]:
-    """Draw as many particles as the cloud that is drawn needs.
+    """Draw as many particles as the drawn cloud itself needs.
 
-    A systematic draw knows its size beforehand, KLD sampling only afterwards: the draw is repeated, larger, until it
-    holds as many particles as the bins it fills ask for.
+    A systematic draw must know its size beforehand, but KLD sampling knows it only afterwards. So the draw is repeated,
+    larger each time, until it holds as many particles as the bins that it fills ask for, or `most`.
 
     Args:
         weights: (n,) as for `systematic`.

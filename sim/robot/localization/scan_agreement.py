@@ -1,16 +1,17 @@
-"""Noticing that the filter is lost: running averages of how well the map explains the scans."""
+"""Agreement of scans with the map: running averages by which a filter notices that it is lost."""
 
 from dataclasses import dataclass, replace
 
 MIN_AGREEMENT = 0.7
-"""Of the last two or three scans the map explains this much, or the robot is not where it believes to be: where it is,
-the map explains more even among seven other robots, and elsewhere less in four places of five."""
+"""Least share of the last two or three scans that the map explains where the robot is, even among seven other robots;
+at four of five wrong places it explains less."""
 
 DOUBT_RATIO = 0.9
-"""In the long run it explains this share of what is usual. Twins of the right place differ in a door or two."""
+"""Least share of what is usual that the map explains in the long run. Places that look alike differ in a door or two,
+and so fall below it."""
 
 FOUND_RATIO = 0.93
-"""A place of which the map explains less than this share of what is usual is not one to be found in."""
+"""Least share of what is usual that the map must explain at a place for a lost robot to be found there."""
 
 _MEMORY = 0.5
 """Decay of the average over the last scans."""
@@ -18,12 +19,12 @@ _MEMORY = 0.5
 
 @dataclass(frozen=True, slots=True)
 class ScanAgreement:
-    """How well the map has explained the scans of late, and in the long run.
+    """Averages of the share of scans that the map explains: of late, and in the long run.
 
     Attributes:
         slow: long-term average of the agreement, 0..1: what is usual (amcl: w_slow).
         fast: short-term average (amcl: w_fast).
-        recent: of the last scans only, whatever the parameters say.
+        recent: average over the last scans only, whatever the parameters say.
         count: scans averaged so far.
     """
 
@@ -39,7 +40,7 @@ class ScanAgreement:
         start, must not stay in the slow one for a thousand more.
 
         Args:
-            agreement: how well the map explains the scan from where the filter believes to be, 0..1.
+            agreement: share of the scan that the map explains from where the filter believes to be, 0..1.
             alpha_slow: decay of the long-term average.
             alpha_fast: decay of the short-term average; with 0 for both only the last scans count.
 
@@ -59,21 +60,21 @@ class ScanAgreement:
         return ScanAgreement(slow, fast, recent, self.count + 1)
 
     def searching(self, agreement: float) -> "ScanAgreement":
-        """One more scan, of a robot known to be lost: what it sees says nothing of what is usual."""
+        """The averages with one more scan of a robot known to be lost, which leaves the long-term one as it is."""
         recent = self.recent + _MEMORY * (agreement - self.recent)
         return replace(self, recent=recent, fast=recent)
 
     @property
     def lost(self) -> bool:
-        """Whether the robot cannot be where the filter believes."""
+        """True when the robot cannot be where the filter believes."""
         return self.recent < MIN_AGREEMENT or self.fast < DOUBT_RATIO * self.slow
 
     @property
     def doubtful(self) -> bool:
-        """Whether the last scans are explained worse than usual."""
+        """True when the last scans are explained worse than usual."""
         return self.recent < max(MIN_AGREEMENT, DOUBT_RATIO * self.slow)
 
     @property
     def explained(self) -> bool:
-        """Whether the map has explained the last scans as well as where the robot really is."""
+        """True when the map has explained the last scans as well as it does at the robot's true place."""
         return self.recent >= FOUND_RATIO * max(self.slow, DOUBT_RATIO)

@@ -1,4 +1,4 @@
-"""Where a scan fits the map best, near a guess: what the Kalman filter takes for a measurement of the pose."""
+"""Scan matching: the pose near a guess at which a scan fits the map best, as a measurement for the Kalman filter."""
 
 import math
 from dataclasses import dataclass, replace
@@ -20,15 +20,15 @@ _SEARCHED = 0.3
 SPACING, _HEADINGS = 0.4, 16
 """Metres between the places, and how many headings at each, that a search begins with."""
 _REFINED = 40
-"""How many of them, the best, are looked at closely."""
+"""Number of them, the best, that are looked at closely."""
 _FEWEST = 20
 """Points that a search must have; it compares places by as many."""
 GOOD, _MARGIN = 0.8, 0.1
 """Share of the points on walls that a pose must reach to be found, and by how much it must be better than others."""
 NEAR = 1.5
-"""Metres: where a robot that has lost its way is looked for first."""
+"""Metres from its last pose within which a lost robot is looked for first."""
 INDEPENDENT_BEAMS = 6
-"""Points that together tell as much as all of them do: neighbours lie on the same wall and share the map's errors."""
+"""Points that hold as much information as all do: neighbours lie on the same wall and share the map's errors."""
 _STEPS = 4
 """Gauss-Newton steps at each width, from coarse to fine."""
 _DAMPING = 1e-3
@@ -36,12 +36,12 @@ _DAMPING = 1e-3
 
 
 class ScanMatch(NamedTuple):
-    """A pose that a scan speaks for.
+    """A pose at which a scan fits the map.
 
     Attributes:
         base_in_map: the pose.
         information: (3, 3) inverse covariance of it; singular along a direction the scan does not fix.
-        share: of the points, how many lie on the map's surfaces there; 0 to 1.
+        share: share of the points that lie on the map's surfaces there; 0 to 1.
     """
 
     base_in_map: Pose2
@@ -157,11 +157,11 @@ def _shares(field: FloatArray, frame: GridFrame, poses: FloatArray, points: Floa
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScanMatcher:
-    """A map made ready for matching.
+    """Matches scans to a map.
 
     Attributes:
         field: (rows, cols) metres to the nearest surface, negative inside walls; see `signed_distance`.
-        frame: where it lies.
+        frame: its place in the map.
         free: (n, 3) poses in free cells, so dense that a match from one of them finds any pose of a robot.
     """
 
@@ -171,7 +171,7 @@ class ScanMatcher:
 
     @classmethod
     def of(cls, grid: OccupancyGrid) -> "ScanMatcher":
-        """Make a map ready, once."""
+        """Prepare a map for matching."""
         step = max(1, round(SPACING / grid.resolution))
         cells = np.argwhere(grid.cells[::step, ::step] == FREE) * step
         headings = np.arange(_HEADINGS) * (2.0 * math.pi / _HEADINGS) - math.pi

@@ -1,4 +1,4 @@
-"""Both costmaps of one robot, and how often people see them."""
+"""The two costmaps of one robot, and their publication."""
 
 from collections.abc import Sequence
 
@@ -14,14 +14,14 @@ from sim.robot.navigator.stale_neighbours import StaleNeighbours
 
 
 class CostmapPublisher:
-    """Shows one costmap of one robot; that it is looked at changes nothing of it.
+    """Publishes one costmap of one robot; the costmap itself never changes by it.
 
     Args:
-        costmap: which.
+        costmap: the one to publish.
         publish_frequency: Hz; 0: never.
-        turned: of its map.
+        turned: its map, in the grid's frame.
         robot: its index in the team: robots take turns.
-        at_once: whether it is also shown when first asked, however seldom it is due.
+        at_once: True when it is also published when first asked, however seldom it is due.
     """
 
     def __init__(
@@ -34,23 +34,23 @@ class CostmapPublisher:
         self.configure(publish_frequency)
 
     def configure(self, publish_frequency: float) -> None:
-        """Show it as often as this from now on, Hz."""
+        """Publish it as often as this from now on, Hz."""
         self._period = max(1, round(TICKS_PER_SECOND / publish_frequency)) if publish_frequency > 0.0 else 0
 
     def due(self, tick: int) -> bool:
-        """Whether the costmap is to be shown in this tick."""
+        """Return True when the costmap is to be published in this tick."""
         return self._period > 0 and (self._first or (tick - self._robot) % self._period == 0)
 
     def show(
         self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour], pending: CostmapObservation | None
     ) -> CostmapView:
-        """The costmap as an update in this tick would leave it.
+        """Return the costmap as an update in this tick would leave it.
 
         Args:
-            tick: which one.
-            pose: where the robot believes it is.
-            neighbours: the others.
-            unseen: a scan that the costmap has yet to take in.
+            tick: the present one.
+            pose: believed pose of the robot.
+            neighbours: the other robots.
+            pending: a scan that the costmap has yet to take in.
         """
         self._first = False
         costs, frame = self._costmap.as_updated(pose.x, pose.y, neighbours, pending)
@@ -60,24 +60,24 @@ class CostmapPublisher:
 
 
 class Costmaps:
-    """The two costmaps of one robot, and what is done to both.
+    """The two costmaps of one robot, with the operations that concern both.
 
     Args:
-        parameters: of this robot's software.
+        parameters: this robot's software's.
         footprint: (n, 2) corners of its body, base frame, metres.
-        turned: the map, and how poses come into its frame.
+        turned: the map, and its change of frames.
         robot: its index in the team.
 
     Attributes:
-        whole: the global one, for plans.
-        around: the local one, for commands.
+        global_costmap: over the whole map, for plans.
+        local_costmap: around the robot, for commands.
     """
 
     def __init__(self, parameters: RobotParameters, footprint: FloatArray, turned: RotatedMap, robot: int) -> None:
         whole, around = parameters.global_costmap, parameters.local_costmap
         self.global_costmap = Costmap2D(whole, footprint, turned.grid)
         self.local_costmap = Costmap2D(around, footprint, turned.grid)
-        # Shown seldom, so that who looks need not wait for the first one.
+        # The global costmap is published seldom; a viewer need not wait for the first one.
         self._whole_display = CostmapPublisher(
             self.global_costmap, whole.publish_frequency, turned, robot, at_once=True
         )
@@ -108,13 +108,13 @@ class Costmaps:
     def shown(
         self, tick: int, pose: Pose2, stale: StaleNeighbours, pending: CostmapObservation | None
     ) -> tuple[CostmapView | None, CostmapView | None]:
-        """The global costmap and the local one, each where it is due.
+        """Return the global costmap and the local one, each where it is due.
 
         Args:
-            tick: which one.
-            pose: where the robot believes it is.
-            silence: knows of the others.
-            unseen: a scan that the local costmap has yet to take in.
+            tick: the present one.
+            pose: believed pose of the robot.
+            stale: knows the other robots, those that broadcast and those remembered.
+            pending: a scan that the local costmap has yet to take in.
         """
         whole, around = self._whole_display, self._around_display
         return (

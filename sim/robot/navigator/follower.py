@@ -32,7 +32,7 @@ RIM_MARGIN = 0.25
 HALT_DISTANCE = 0.12
 """Metres before a point that may not be passed at which a robot waits."""
 TURN_BACK_DISTANCE = 0.06
-"""Metres that a way comes nearer again before it counts as turning back."""
+"""Metres that a path comes nearer again before it counts as turning back."""
 YIELD_TIME = 0.5
 """Seconds from such a point, at least, from which a robot slows down."""
 STUCK_TIMEOUT = 2.0
@@ -41,7 +41,7 @@ QUEUE_TIMEOUT = 20.0
 """Seconds that it may be held up by right of way before it plans anew."""
 
 SEARCH_TURN = 0.5
-"""Radians ahead to which a robot turns that looks for its place: so many a second."""
+"""Radians by which the heading that a lost robot turns to is ahead of its own: its rate of turn in rad/s."""
 SEARCH_SPEED = 0.1
 """Metres a second at which it drives on where it cannot turn."""
 
@@ -53,25 +53,25 @@ class Follower:
     """Follows one itinerary after the other.
 
     Args:
-        parameters: of this robot's software.
+        parameters: this robot's software's.
         static: the map.
         clearance: (rows, cols) metres from each of its cells to the nearest wall.
         costmap: the local one.
-        seen: the costmap of the whole map, for what the laser has seen; others bring it up to date.
+        seen: the global costmap, for the obstacles that the laser has seen; the navigator keeps it up to date.
         separation: metres between robots' centres by right of way.
         robot: its index in the team.
 
     Attributes:
         control_ticks: from one command to the next.
-        valid: the last tick with a valid command, or with a good reason to wait.
-        way: the itinerary; None without one.
-        arrived: whether the robot stands at its end.
-        waiting: whether it waits for its right of way.
+        last_valid: the last tick with a valid command, or with a good reason to wait.
+        itinerary: the one that is followed; None without one.
+        arrived: True when the robot stands at its end.
+        waiting: True while it waits for its right of way.
         waits_for: the robot before whose itinerary or body it stands.
-        others_bar: whether others keep it from going farther.
+        blocked_by_others: True while others keep it from going farther.
         local_plan: (k, 3) map poses the last command would lead through.
-        unseen: the last scan, until the costmap has taken it in.
-        ahead: (m, 3) poses still to be passed, the (m,) times told with them, and how many metres they are.
+        pending: the last scan, until the costmap has taken it in.
+        ahead: (m, 3) poses still to be passed, their (m,) times, and their length in metres.
     """
 
     def __init__(
@@ -109,12 +109,12 @@ class Follower:
         return local_planner(parameters, costmap.footprint, costmap.costs.shape, self.control_ticks * TICK)
 
     def configure(self, parameters: RobotParameters, separation: float) -> None:
-        """Go on along the way with these parameters; the costmap has been told already.
+        """Go on along the itinerary with these parameters; the costmap has been configured already.
 
-        A planner that they change begins as with a new way: whether it was turning, say, is forgotten.
+        A planner that they change begins as with a new itinerary: it forgets, say, that it was turning.
 
         Args:
-            parameters: of this robot's software.
+            parameters: this robot's software's.
             separation: metres between robots' centres by right of way.
         """
         before = self._parameters
@@ -146,10 +146,10 @@ class Follower:
         """Follow an itinerary from now on.
 
         Args:
-            tick: which one.
-            way: the itinerary; its first point is where the robot is.
-            heading: to be told as that of its last point.
-            turns_at_end: whether the robot has to turn to it there.
+            tick: the present one.
+            itinerary: its first point is where the robot is.
+            heading: that of the pose at its last point.
+            turns_at_end: True when the robot has to turn to it there.
         """
         self.drop()
         self.itinerary = itinerary
@@ -162,37 +162,37 @@ class Follower:
         self._planner.reset()
 
     def _pass(self, itinerary: Itinerary, index: int) -> None:
-        """Have reached this point of the way."""
+        """Take note that this point of the itinerary is reached."""
         self._index = index
         self.ahead = (self._poses[index:], itinerary.times[index:], float(self._left[index]))
 
     @property
     def time(self) -> float:
-        """The time of the point of the way that has been reached."""
+        """Time of the point of the itinerary that has been reached; -inf without one."""
         return float(self.itinerary.times[self._index]) if self.itinerary is not None else -math.inf
 
     @property
     def remaining(self) -> float:
-        """Metres of the way that are left."""
+        """Metres of the itinerary that are left."""
         return self.ahead[2]
 
     def held_up(self, tick: int) -> bool:
-        """Whether the way has led on no more for too long."""
-        patience = STUCK_TIMEOUT if self._progress <= self._free else QUEUE_TIMEOUT
-        return tick - self._progress > patience * TICKS_PER_SECOND
+        """Return True when the robot has not come on along the itinerary for too long."""
+        timeout = STUCK_TIMEOUT if self._progress <= self._free else QUEUE_TIMEOUT
+        return tick - self._progress > timeout * TICKS_PER_SECOND
 
     def obstructed(self, router: ItineraryPlanner) -> bool:
-        """Whether an obstacle seen lies on the way ahead."""
+        """Return True when an obstacle that was seen lies on the itinerary ahead."""
         return router.obstructed(self.ahead[0][:, :2])
 
     def step(self, tick: int, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> Twist:
-        """The command that leads on; `arrived` and `waiting` tell how things stand.
+        """Return the command that leads on; `arrived`, `waiting` and the other attributes hold the state.
 
         Args:
-            tick: which one; a command is due.
-            pose: where the robot believes it is.
-            twist: how it moves.
-            neighbours: what the others said last.
+            tick: the present one; a command is due.
+            pose: believed pose of the robot.
+            twist: its velocity.
+            neighbours: the last states of the others.
         """
         self.local_plan, self.waiting, self.waits_for = NO_POSES, False, None
         itinerary = self.itinerary
@@ -216,7 +216,7 @@ class Follower:
         """Keep a scan for the costmap's next update; as in ROS, the last one before it counts.
 
         Args:
-            pose: where the robot scanned.
+            pose: pose of the robot when it scanned.
             scan: the readings.
             discs: (n, 3) x, y and radius of the other robots, metres.
         """
@@ -227,12 +227,12 @@ class Follower:
         return self._planner.turn(pose, twist, pose.theta + 0.5 * math.pi, self._surroundings(pose, neighbours))
 
     def look_around(self, twist: Twist, scan: Scan) -> Twist:
-        """Turn slowly to see more, where there is no room for it drive on slowly, where there is none either stand.
+        """Turn slowly to see more; without room for that drive on slowly; without room for that stand.
 
-        Whoever does not know where it is may trust its laser, and no map.
+        A robot that does not know where it is may trust its laser, but no map.
 
         Args:
-            twist: how the robot moves.
+            twist: its velocity.
             scan: the latest.
         """
         around = seen_around(scan, len(self._costmap.footprint))
@@ -310,12 +310,12 @@ class Follower:
             self._escaping_from = pose
             return self._escape(pose, pose, twist, around)
         if drive.command.linear == 0.0 and drive.command.angular != 0.0:
-            # Turning to the way is progress that no point of the way shows.
+            # Turning toward the path is progress, although no further point is reached by it.
             self._progress = tick
         return drive
 
     def _escape(self, begun: Pose2, pose: Pose2, twist: Twist, around: Surroundings) -> PlannedCommand:
-        """Get a little off the place where no command led on, then turn to the way."""
+        """Get a little off the place where no command led on, then turn toward the path."""
         drive = self._planner.escape(pose, twist, around)
         limits = self._planner.limits
         turned = abs(wrap_angle(pose.theta - begun.theta))
@@ -327,7 +327,7 @@ class Follower:
     def _finish(
         self, tick: int, pose: Pose2, twist: Twist, heading: float, around: Surroundings
     ) -> PlannedCommand | None:
-        """At the end of the way: stop, turn to its heading if need be, be there."""
+        """Stop at the end of the itinerary, turn to its heading if need be, and arrive."""
         limits = self._planner.limits
         standing = abs(twist.linear) < limits.trans_stopped_vel and abs(twist.angular) < limits.theta_stopped_vel
         off = abs(wrap_angle(heading - pose.theta))
@@ -340,9 +340,9 @@ class Follower:
     def _drivable_stretch(
         self, pose: Pose2, itinerary: Itinerary, allowed: int, yields: bool
     ) -> tuple[FloatArray | None, float, bool]:
-        """The part of the way to drive along now, None where the robot has to wait.
+        """Return the part of the path to drive along now, None where the robot has to wait.
 
-        With it go how early to slow down, and whether it is an obstacle that ends it.
+        Also return how early to slow down, in seconds, and whether an obstacle ends that part.
         """
         points = itinerary.points[self._index : allowed + 1]
         count, stopped, turns = _drivable(points, self._costmap.costs, self._costmap.frame, pose.x, pose.y)
@@ -356,7 +356,7 @@ class Follower:
 
 
 def _made_from(parameters: RobotParameters) -> tuple[object, ...]:
-    """All that a local planner depends on."""
+    """All parameters that a local planner depends on."""
     return (
         parameters.move_base.base_local_planner,
         parameters.move_base.controller_frequency,
@@ -368,7 +368,7 @@ def _made_from(parameters: RobotParameters) -> tuple[object, ...]:
 
 @njit(cache=True)
 def _as_far_as(left: FloatArray, index: int, reach: float) -> int:
-    """The last point of a way within `reach` metres along it from point `index`; (m,) metres are left at each."""
+    """Last point of a path within `reach` metres along it from point `index`; (m,) metres are left at each."""
     last = index
     while last + 1 < left.shape[0] and left[index] - left[last + 1] <= reach:
         last += 1
@@ -377,13 +377,14 @@ def _as_far_as(left: FloatArray, index: int, reach: float) -> int:
 
 @njit(cache=True)
 def _drivable(points: FloatArray, costs: Costs, frame: CostFrame, x: float, y: float) -> tuple[int, bool, bool]:
-    """How many of (m, 2) points a robot at (x, y) may be led along at once.
+    """Count those of (m, 2) points that the local planner may be given at once for a robot at (x, y).
 
-    Where the way turns back, to a place to wait and on again, it first leads to the turning point; and it ends before
-    the first point, HALT away or more, that lies in an obstacle's inscribed radius or off the costmap.
+    Where the path turns back, to a place to wait and on again, they end at the turning point, since the local planner
+    makes for the last point. They also end before the first point, HALT_DISTANCE away or more, that lies within an
+    obstacle's inscribed radius or off the costmap.
 
     Returns:
-        How many; whether an obstacle ends them; whether a turning point does.
+        Their number; whether an obstacle ends them; whether a turning point does.
     """
     farthest = 0.0
     end, turns = points.shape[0], False

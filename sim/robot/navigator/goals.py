@@ -1,4 +1,4 @@
-"""What a navigator is asked for, and how that ends."""
+"""Goals of a navigator, and the results they end with."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -9,8 +9,8 @@ from sim.robot.planning.path import PlanRefusalCode
 NoPathReason = (
     PlanRefusalCode | Literal["blocked_by_obstacle", "stuck", "lost"] | Literal["gave_up", "called_off", "unanswered"]
 )
-"""Why a goal was given up. The last three are of navigators that are not ours: one gave up for reasons of its own,
-somebody else withdrew the goal, one did not answer."""
+"""Cause for which a goal was given up. The last three are of real robots' navigators: one gave up for reasons of its
+own, somebody else withdrew the goal, one did not answer."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +19,7 @@ class Goal:
 
     Attributes:
         id: the caller's number; comes back with the result.
-        base_in_map: where the base shall end.
+        base_in_map: pose that the base shall end at.
     """
 
     id: int

@@ -1,10 +1,11 @@
 """The states of move_base, from a goal to commands.
 
-A goal is planned for (`planning.router`), followed as far as the right of way reaches (`navigator.follower`), and
-ends Arrived, NoPath or Cancelled. Where robots that stand leave no way, the robot tells the path it wishes for;
-those of them that rest, or whose goals are younger, move aside. An obstacle seen on the way is planned around at once;
-where it leaves no way, the robot waits, then tries the recovery behaviours. Whatever the cause, a goal whose way left
-has not become shorter for STALEMATE seconds is given up: every goal ends in bounded time.
+A goal is planned for (`planning.itinerary_planner`), followed as far as the right of way reaches
+(`navigator.follower`), and ends GoalReached, NoPath or Cancelled. Where robots that stand leave no path, the robot
+broadcasts the path it wants; those of them that rest, or whose goals are younger, move aside. An obstacle seen on the
+path is planned around at once; where that leaves no path, the robot waits, then tries the recovery behaviours. Whatever
+the cause, a goal whose remaining path has not become shorter for PROGRESS_TIMEOUT seconds is given up: every goal ends
+in bounded time.
 
 Source: ros-planning/navigation, move_base/src/move_base.cpp.
 Differs: plans and commands are made in the tick that is due, without threads; robots take turns in planning. A goal
@@ -50,21 +51,21 @@ PLAN_RETRY = 0.5
 HELD_UP_RETRY = 2.0
 """The same for a robot that is held up."""
 CLEARING_TIMEOUT = 60.0
-"""Seconds that a robot waits for others to clear its way."""
+"""Seconds that a robot waits for others to clear its path."""
 PROGRESS_TIMEOUT = 120.0
-"""Seconds, beside those that its longest way takes, in which the way left must become shorter than ever, or the goal is
-given up: so every goal ends."""
+"""Seconds, beside those that its longest path takes, in which the remaining path must become shorter than ever before,
+or the goal is given up: so every goal ends."""
 PROGRESS_DISTANCE = 0.5
-"""Metres by which it must become so."""
+"""Metres by which it must become shorter."""
 GIVE_WAY_TIME = 5.0
-"""Seconds that a robot that made way lets the other one plan first."""
+"""Seconds for which a robot that gave way lets the other one plan first."""
 
 
 class Navigator:
     """The navigator of one robot.
 
     Args:
-        parameters: of this robot's software.
+        parameters: this robot's software's.
         footprint: (n, 2) corners of its body, base frame, metres.
         static: the map.
         robot: its index in the team.
@@ -117,7 +118,7 @@ class Navigator:
 
     def _restart_clocks(self, tick: int) -> None:
         self._fresh = True
-        # In its first tick a robot has not heard the others yet, and would plan out of turn.
+        # In its first tick a robot has received no broadcasts yet, and would plan out of turn.
         self._next_plan = tick + 1
         self._began = tick
         self._planned = tick
@@ -134,19 +135,19 @@ class Navigator:
         self._follower.restart(tick)
 
     def go(self, goal: Goal) -> None:
-        """Take up a goal; the one under way ends Cancelled."""
+        """Take up a goal; the present one ends Cancelled."""
         self.cancel()
         self._goal = goal
         self._target = self._rotated.pose_in_grid(goal.base_in_map)
         self._fresh = True
 
     def cancel(self) -> None:
-        """Give up the goal under way, if any: it ends Cancelled, and the robot stops."""
+        """Give up the present goal, if any: it ends Cancelled, and the robot stops."""
         if self._goal is not None:
             self._end(Cancelled(self._goal))
 
     def replan(self) -> None:
-        """Look for another way to the goal under way: the robot was told that it is somewhere else."""
+        """Plan anew to the present goal: the robot was told that it is somewhere else."""
         self._drop()
         self._next_plan = self._tick + 1
         self._shortest, self._shortest_tick = math.inf, self._tick
@@ -169,12 +170,12 @@ class Navigator:
         self._oscillation.configure(self._parameters.oscillation_timeout, self._parameters.oscillation_distance)
 
     def make_plan(self, base_in_map: Pose2, start: Pose2, goal: Pose2, tolerance: float) -> FloatArray | PlanRefusal:
-        """A plan for somebody who asks (ROS: move_base/make_plan); nothing comes of it for the robot.
+        """Make a plan on request (ROS: move_base/make_plan); it changes nothing for the robot.
 
         Args:
-            base_in_map: where the robot believes it is.
-            start: where the plan shall begin.
-            goal: where it shall end.
+            base_in_map: believed pose of the robot.
+            start: pose at the beginning.
+            goal: pose at the end.
             tolerance: metres by which it may miss the goal, along x and along y, where that cannot be reached.
 
         Returns:
@@ -216,12 +217,12 @@ class Navigator:
         """One tick.
 
         Args:
-            tick: which one.
-            base_in_map: where the robot believes it is.
-            twist: how it moves, by odometry.
+            tick: the present one.
+            base_in_map: believed pose of the robot.
+            twist: its velocity, by odometry.
             scan: the laser's, where it was due.
-            neighbours: what the other robots said in the last tick.
-            lost: whether it had better not believe that: with a goal it looks around until it knows.
+            neighbours: broadcasts of the other robots in the last tick.
+            lost: True when that pose cannot be relied on: with a goal the robot looks around until it can.
         """
         if self._fresh or tick != self._tick + 1:
             self._restart_clocks(tick)
@@ -240,7 +241,7 @@ class Navigator:
                 discs = _discs(self._stale.known(tick), laser, self._costmaps.explained_range)
                 self._costmaps.global_costmap.observe(pose, scan, discs)
                 self._follower.keep_scan(pose, scan, discs)
-        # One and the same for all who speak, so that no two of them have their turn at once.
+        # The same number for all robots that broadcast, so that no two of them have their turn at once.
         team = 1 + max(self._robot, self._stale.highest_robot)
         if (tick - self._robot) % team == 0 and tick >= self._next_plan and self._turn_left == 0.0:
             self._choose_plan(tick, pose, self._stale.known(tick))
@@ -276,7 +277,7 @@ class Navigator:
         )
 
     def _waited_for(self, tick: int) -> int | None:
-        """The robot that this one lets go first, where it stands because of one."""
+        """Return the robot that this one lets go first, if it stands because of one."""
         if self._follower.itinerary is not None:
             return self._follower.waits_for
         return self._yielded_to if self._goal is not None and self._yields(tick) else self._waits_for
@@ -286,7 +287,7 @@ class Navigator:
         command = self._command
         self._drop()
         if not self._lost:
-            # What was seen from a wrong place stands in wrong places.
+            # Obstacles that were seen from a wrong pose were marked at wrong places.
             self._costmaps.clear_outside(0.0, 0.0, 0.0)
             self._lost, command = True, STANDSTILL
         self._turn_left = 0.0
@@ -299,7 +300,7 @@ class Navigator:
         if self._progress_timed_out(tick):
             self._end(NoPath(self._goal, "lost", "the robot does not know where it is"))
 
-    # Which way
+    # Plans
 
     def _choose_plan(self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
         """Plan if there is something to plan for; it is this robot's turn."""
@@ -335,11 +336,11 @@ class Navigator:
         return tick - self._follower.last_valid > self._parameters.controller_patience * TICKS_PER_SECOND
 
     def _yields(self, tick: int) -> bool:
-        """Whether it has just made way for another one, which is to plan first."""
+        """Return True when it has just given way to another one, which is to plan first."""
         return tick - self._yielded < GIVE_WAY_TIME * TICKS_PER_SECOND
 
     def _replans(self, tick: int) -> bool:
-        """Whether a plan is due although the present one is good."""
+        """Return True when a plan is due although the present one is good."""
         rate = self._parameters.planner_frequency
         return rate > 0.0 and not self._giving_way and tick - self._planned >= TICKS_PER_SECOND / rate
 
@@ -392,7 +393,7 @@ class Navigator:
                     len(other.times) and self._itinerary_planner.obstructs(other.path[-1], wanted_path)
                     for other in neighbours
                 ):
-                    # They are still to arrive there, and can be asked only then.
+                    # These robots are still to arrive there, and can be asked to move aside only then.
                     self._planning_since = tick
                 if tick - self._planning_since > CLEARING_TIMEOUT * TICKS_PER_SECOND:
                     self._end(self._given_up(goal))
@@ -402,17 +403,17 @@ class Navigator:
                 self._refuse(tick, pose, goal, planned)
 
     def _defers_to(self, neighbours: Sequence[Neighbour]) -> int | None:
-        """A robot with an older goal, on whose wished way the goal lies: that one is to go first."""
+        """Return a robot with an older goal on whose wanted path this goal lies: that robot is to go first."""
         own = Claim(self._began, self._robot)
         older = (other for other in neighbours if other.claim is not None and other.claim < own)
         place = self._target.array()[:2]
         return next((other.robot for other in older if self._itinerary_planner.obstructs(place, other.path)), None)
 
     def _refuse(self, tick: int, pose: Pose2, goal: Goal, refused: PlanRefusal) -> None:
-        """No way: wait for one, then recover, then give up."""
+        """Wait for a path to open, then recover, then give up."""
         self._retries += 1
-        patience = self._parameters.planner_patience
-        waited = tick - self._planning_since > patience * TICKS_PER_SECOND
+        timeout = self._parameters.planner_patience
+        waited = tick - self._planning_since > timeout * TICKS_PER_SECOND
         waited = waited or 0 <= self._parameters.max_planning_retries < self._retries
         if refused.code in ("goal_outside", "goal_occupied") or (waited and refused.code != "blocked_by_obstacle"):
             self._end(NoPath(goal, refused.code, refused.sentence))
@@ -420,7 +421,7 @@ class Navigator:
             self._recover(tick, pose, lambda goal: NoPath(goal, refused.code, refused.sentence))
 
     def _asked_to_clear(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Neighbour | None:
-        """The robot that wishes for a way in which this one stands, and whose wish counts most, and more."""
+        """Return the robot of highest priority, above this one's, on whose wanted path this robot stands."""
         own = None if self._goal is None else Claim(self._began, self._robot)
         strongest: Neighbour | None = None
         for other in neighbours:
@@ -438,7 +439,7 @@ class Navigator:
         away = self._itinerary_planner.refuge(pose, asking.path, self._time(tick, pose, others), others)
         self._next_plan = tick + round(PLAN_RETRY * TICKS_PER_SECOND)
         if away is None:
-            # Those that rest around it are asked in their turn, in the same name.
+            # Robots that rest around it are in its path: they are asked in their turn, with the same priority.
             movers = itineraries_of_moving(neighbours)
             away = self._itinerary_planner.refuge(pose, asking.path, self._time(tick, pose, movers), movers)
             if away is not None:
@@ -461,7 +462,7 @@ class Navigator:
         self._planning_since, self._retries = tick, 0
         self._longest = max(self._longest, self._follower.remaining)
 
-    # Which command
+    # Commands
 
     def _choose_command(self, tick: int, pose: Pose2, twist: Twist, bodies: Sequence[Neighbour]) -> None:
         follower = self._follower
@@ -485,7 +486,7 @@ class Navigator:
                 self._end(GoalReached(self._goal))
 
     def _turn(self, pose: Pose2, twist: Twist, bodies: Sequence[Neighbour]) -> None:
-        """A step of one turn in place, as far as that is safe."""
+        """Choose a command of one full turn in place, as far as that is safe."""
         drive = self._follower.rotate_recovery(pose, twist, bodies)
         turned = abs(drive.command.angular) * self._follower.control_ticks * TICK
         self._turn_left = 0.0 if drive.stuck else max(0.0, self._turn_left - turned)
@@ -493,7 +494,7 @@ class Navigator:
 
 
 def _plans_by(parameters: RobotParameters) -> tuple[str, NavfnParameters, GlobalPlannerParameters]:
-    """All that a global planner is made from."""
+    """All parameters that a global planner is made from."""
     return parameters.move_base.base_global_planner, parameters.NavfnROS, parameters.GlobalPlanner
 
 

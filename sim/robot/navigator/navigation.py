@@ -1,4 +1,4 @@
-"""What a navigator tells of one tick."""
+"""Output of a navigator in one tick."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -13,22 +13,22 @@ NavigatorState = Literal["idle", "planning", "controlling", "clearing"]
 
 @dataclass(frozen=True, slots=True)
 class Navigation:
-    """What a robot does about its goal in one tick.
+    """Command, goal, plan and results of one robot in one tick.
 
     Attributes:
         command: the velocity it asks for.
-        goal: the one under way.
+        goal: the one it is driving to.
         state: move_base's: "planning" waits for a plan, "controlling" follows it, "clearing" tries to get free.
-        plan: (m, 3) map poses still to be driven, the robot's own place first; empty without a goal. The path that
-            its neighbours hear.
-        times: (m,) the times that its neighbours hear with it; empty beside a plan that is only wished for.
+        plan: (m, 3) map poses still to be driven, the robot's own place first; empty without a goal. Broadcast to the
+            team.
+        times: (m,) times of these poses, broadcast with them; empty with a plan that is only wanted.
         local_plan: (k, 3) map poses the command would lead through.
-        result: how a goal ended in this very tick.
+        result: that of a goal that ended in this very tick.
         remaining: metres of the plan left.
-        claim: beside a plan that is only wished for, whose wish it is.
-        global_costmap: the costs that plans are made with, in the ticks when they are due to be shown.
-        local_costmap: the same of commands.
-        waits_for: the robot that this one lets go first, where it stands because of one.
+        claim: with a plan that is only wanted: the priority of the robot that wants it.
+        global_costmap: the costs that plans are made with, in the ticks when they are published.
+        local_costmap: the same for commands.
+        waits_for: the robot that this one lets go first, if it stands because of one.
     """
 
     command: Twist

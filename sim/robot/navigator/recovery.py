@@ -2,8 +2,8 @@
 
 Source: ros-planning/navigation, move_base/src/move_base.cpp (loadDefaultRecoveryBehaviors, executeCycle),
 clear_costmap_recovery, rotate_recovery.
-Differs: the list begins again only when the robot has come nearer to its goal, not as soon as there is a plan, else
-two closed doors would keep it going to and fro for ever.
+Differs: the list begins again only when the robot has come nearer to its goal, not as soon as there is a plan, or a
+robot between two closed doors would drive to and fro for ever.
 """
 
 import math
@@ -14,10 +14,10 @@ from sim.parameters import MoveBaseParameters
 
 
 class RecoveryBehaviours:
-    """Which recovery behaviour is next.
+    """The list of recovery behaviours, and the next one to try.
 
     Args:
-        parameters: of move_base.
+        parameters: move_base's.
         circumscribed: radius of the robot, metres; four times that is the side of the aggressive reset's square.
     """
 
@@ -41,19 +41,19 @@ class RecoveryBehaviours:
         self._next = 0
 
     def next(self) -> str | None:
-        """The behaviour to try now; None when all have been tried."""
+        """Return the behaviour to try now; None when all have been tried."""
         if self._next >= len(self._names):
             return None
         self._next += 1
         return self._names[self._next - 1]
 
     def reset_side(self, behaviour: str) -> float:
-        """Side of the square around the robot outside of which a reset forgets what was seen; 0 for a rotation."""
+        """Side, metres, of the square around the robot outside of which a reset forgets marks; 0 for a rotation."""
         return self._squares.get(behaviour, 0.0)
 
 
 class OscillationDetector:
-    """Whether a robot that tries to move comes nowhere.
+    """Notices that a robot which tries to move stays where it is.
 
     Args:
         timeout: seconds after which it counts as oscillating; 0: never.
@@ -75,16 +75,16 @@ class OscillationDetector:
         self._since = tick
 
     def watch(self, tick: int, pose: Pose2) -> bool:
-        """Take note of where the robot is; whether it has moved on since the last mark."""
+        """Take note of where the robot is; return True when it has moved on since the last mark."""
         if self._mark is not None and self._mark.distance(pose) < self._distance:
             return False
         self._mark, self._since = pose, tick
         return True
 
     def pause(self, ticks: int) -> None:
-        """So much of the time was spent waiting with good reason."""
+        """Leave out so many ticks, which the robot waited with good reason."""
         self._since += ticks
 
     def due(self, tick: int) -> bool:
-        """Whether the time is over."""
+        """Return True when the time is over."""
         return tick - self._since > self._ticks

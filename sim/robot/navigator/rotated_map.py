@@ -1,7 +1,7 @@
 """Maps whose origin is turned: a robot plans on them in the grid's own frame.
 
-Cells are squares along the axes of that frame, so everything behind the navigator's boundary works in it; only here
-poses are changed on their way in and out. Where the origin is not turned, nothing is changed at all.
+Cells are squares along the axes of that frame, so all that a navigator consists of works in it; only here poses change
+frames, when they come in and go out. Where the origin is not turned, nothing is changed at all.
 """
 
 from collections.abc import Sequence
@@ -29,11 +29,11 @@ class RotatedMap:
         self.grid = OccupancyGrid(static.cells, static.resolution, IDENTITY) if self._turned else static
 
     def pose_in_grid(self, in_map: Pose2) -> Pose2:
-        """A pose on its way in."""
+        """Convert a pose from the map's frame to the grid's."""
         return self._map_in_grid.compose(in_map) if self._turned else in_map
 
     def neighbours_in_grid(self, in_map: Sequence[Neighbour]) -> Sequence[Neighbour]:
-        """What others say, on its way in."""
+        """Convert the broadcasts of others from the map's frame to the grid's."""
         if not self._turned:
             return in_map
         return [
@@ -44,7 +44,7 @@ class RotatedMap:
         ]
 
     def poses_in_map(self, in_grid: FloatArray) -> FloatArray:
-        """(m, 3) poses on their way out."""
+        """Convert (m, 3) poses from the grid's frame to the map's."""
         if not self._turned:
             return in_grid
         out = in_grid.copy()

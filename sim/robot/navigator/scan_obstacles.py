@@ -1,4 +1,4 @@
-"""What a robot may bump into that does not know where it is: nothing but what its laser sees now, in the base frame."""
+"""Obstacles around a lost robot, by its last scan alone: it may trust no map. All in the base frame."""
 
 import math
 
@@ -27,11 +27,11 @@ def _end_points(scan: Scan) -> FloatArray:
 
 
 def seen_around(scan: Scan, corners: int) -> Surroundings:
-    """What a scan shows near the robot, as if its base stood at the origin.
+    """Make surroundings of the obstacles that a scan shows near the robot, its base at the origin.
 
     Args:
         scan: the latest.
-        corners: of the robot's footprint.
+        corners: number of those of the robot's footprint.
     """
     cells = math.ceil(_REACH / _RESOLUTION)
     at = np.floor(_end_points(scan) / _RESOLUTION).astype(np.int64) + cells
@@ -47,13 +47,14 @@ def seen_around(scan: Scan, corners: int) -> Surroundings:
 
 
 def may_turn(scan: Scan, radius: float) -> bool:
-    """Whether the part of the surroundings that the laser does not see leaves room to turn in.
+    """Return True when the space behind the robot, which the laser does not see, leaves room to turn in.
 
-    A straight wall behind the robot reaches out to both sides, where the outermost beams end on it.
+    A straight wall behind the robot reaches out to both sides, where the outermost beams end on it. So the worst case
+    is a wall along the line between the ends of these two beams.
 
     Args:
         scan: the latest.
-        radius: of the robot's circumscribed circle, metres.
+        radius: that of the robot's circumscribed circle, metres.
     """
     points = _end_points(scan)
     first, last = points[0], points[-1]

@@ -1,8 +1,8 @@
-"""Team mates that say nothing any more: where they stand by their last word.
+"""Stale neighbours: team mates that broadcast no more, at the poses they told last.
 
-A robot that dies in a doorway stays there. The others count with it where it was heard last: for plans as long as the
-memory of it is fresh, then only if the laser sees it (it may have been carried away); for braking until the laser looks
-through the place where it stood.
+A robot that dies in a doorway stays there. The others keep it at its last known pose: for plans until STALE_TIMEOUT,
+then only if the laser sees it (it may have been carried away); for braking until the laser looks through the place
+where it stood.
 """
 
 import math
@@ -19,7 +19,7 @@ from sim.common.kernels import njit
 from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Neighbour, Scan
 
 STALE_TIMEOUT = 20.0
-"""Seconds that plans reckon with a robot which has fallen silent."""
+"""Seconds for which plans keep clear of a robot that broadcasts no more."""
 CORE_RADIUS = 0.15
 """Metres around a robot's centre through which no laser looks while it stands there."""
 
@@ -29,7 +29,7 @@ _ROBOT = attrgetter("robot")
 
 @njit(cache=True)
 def _looks_through(angles: FloatArray, ranges: NDArray[np.float32], bearing: float, away: float) -> bool:
-    """Whether any of (m,) beams, radians, reaches beyond the heart of a body so many metres away."""
+    """Return True when any of (m,) beams, radians, reaches beyond the core of a body so many metres away."""
     beyond = np.float32(away + CORE_RADIUS)
     for i in range(angles.shape[0]):
         off = abs((angles[i] - bearing + math.pi) % math.tau - math.pi)
@@ -39,12 +39,12 @@ def _looks_through(angles: FloatArray, ranges: NDArray[np.float32], bearing: flo
 
 
 class _StaleNeighbour(NamedTuple):
-    """A robot that has fallen silent.
+    """A robot that broadcasts no more.
 
     Attributes:
-        since: tick of its silence.
-        moving: its last word, but for its way.
-        standing: the same, had it stood.
+        since: tick since which it does not.
+        moving: its last state, without its path.
+        standing: the same at standstill.
     """
 
     since: int
@@ -53,7 +53,7 @@ class _StaleNeighbour(NamedTuple):
 
 
 class StaleNeighbours:
-    """Keeps the last word of those who have fallen silent."""
+    """The team as this robot knows it: those that broadcast, and the last states of those that do no more."""
 
     def __init__(self) -> None:
         self._current: Sequence[Neighbour] = ()
@@ -61,7 +61,7 @@ class StaleNeighbours:
         self._stale: dict[int, _StaleNeighbour] = {}
 
     def update(self, tick: int, neighbours: Sequence[Neighbour]) -> None:
-        """Take note of who spoke last."""
+        """Take in the broadcasts of this tick; those that are missing since the last tick become stale."""
         robots = list(map(_ROBOT, neighbours))
         if robots != self._robots:
             for neighbour in self._current:
@@ -75,30 +75,30 @@ class StaleNeighbours:
 
     @property
     def highest_robot(self) -> int:
-        """The highest index of those who speak."""
+        """The highest index of the robots that broadcast."""
         return max(self._robots, default=0)
 
     def forget_seen_through(self, laser_in_map: Pose2, scan: Scan) -> None:
-        """Forget those through whose place the laser looks."""
+        """Forget the stale ones through whose place the laser looks."""
         if not self._stale:
             return
         angles = scan.mount.angles()
-        for robot, silent in list(self._stale.items()):
-            place = silent.moving.base_in_map
+        for robot, stale in list(self._stale.items()):
+            place = stale.moving.base_in_map
             away = math.hypot(place.x - laser_in_map.x, place.y - laser_in_map.y)
             bearing = math.atan2(place.y - laser_in_map.y, place.x - laser_in_map.x) - laser_in_map.theta
             if away > CORE_RADIUS and _looks_through(angles, scan.ranges, bearing, away):
                 del self._stale[robot]
 
     def known(self, tick: int) -> Sequence[Neighbour]:
-        """All that plans reckon with: those who speak, and those remembered."""
+        """Return all that plans keep clear of: those that broadcast, and those remembered."""
         return [*self._current, *self.remembered(tick)] if self._stale else self._current
 
     def remembered(self, tick: int) -> list[Neighbour]:
-        """Those that plans reckon with: they stand."""
+        """Return the stale ones that plans keep clear of, at standstill."""
         fresh = STALE_TIMEOUT * TICKS_PER_SECOND
-        return [silent.standing for silent in self._stale.values() if tick - silent.since <= fresh]
+        return [stale.standing for stale in self._stale.values() if tick - stale.since <= fresh]
 
     def bodies(self) -> list[Neighbour]:
-        """Those that may still stand there, each with the speed it had."""
-        return [silent.moving for silent in self._stale.values()]
+        """Return the stale ones that may still stand there, each with the speed it had."""
+        return [stale.moving for stale in self._stale.values()]

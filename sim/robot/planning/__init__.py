@@ -1,1 +1,1 @@
-"""Global planning: which way to a goal, and in which order with the other robots."""
+"""Global planning: the path to a goal, and the order in which robots pass places that their paths share."""

@@ -3,8 +3,8 @@
 Source: ros-planning/navigation, global_planner/src (dijkstra.cpp, astar.cpp, quadratic_calculator.cpp,
 gradient_path.cpp, grid_path.cpp, orientation_filter.cpp).
 Differs: the wave begins in the cells about the robot with their distance from it; costs that ROS lets run over a byte
-stop at 255; `default_tolerance`, which ROS reads and forgets, does what it says; cells about the goal that the wave has
-not reached yet are filled only where there is passage, so that no path ends across a wall; the blend of
+stop at its greatest value; `default_tolerance`, which ROS reads and forgets, has its effect; cells about the goal that
+the wave has not reached yet are filled only where there is passage, so that no path ends across a wall; the blend of
 ForwardThenInterpolate begins where it should, at the start of the last straight stretch. See also `wave` and
 `potential_planner`.
 """
@@ -32,6 +32,8 @@ from sim.robot.planning.wave import (
     value_of,
 )
 
+MAX_PASSAGE_COST = 255
+"""Costs of passage stop at the greatest value of a byte."""
 STRAIGHT_ANGLE = 0.35
 """Poses that turn no more than this against each other are one straight stretch, radians."""
 FILL_REACH = 2
@@ -39,15 +41,15 @@ FILL_REACH = 2
 
 
 def passage_costs(parameters: GlobalPlannerParameters) -> CellCosts:
-    """(256,) what it costs to pass a cell of each of a costmap's costs."""
+    """(256,) cost of passing a cell, for each of a costmap's costs."""
     costs = np.arange(256)
     lethal = parameters.lethal_cost
     if not parameters.use_dijkstra:
         # A* takes costs as they are.
-        taken: CellCosts = np.minimum(costs + parameters.neutral_cost, 255).astype(np.float32)
+        taken: CellCosts = np.minimum(costs + parameters.neutral_cost, MAX_PASSAGE_COST).astype(np.float32)
         taken[lethal:] = BLOCKED
         if parameters.allow_unknown:
-            taken[UNKNOWN] = 255.0
+            taken[UNKNOWN] = MAX_PASSAGE_COST
         return taken
     scaled = np.floor(costs * parameters.cost_factor + parameters.neutral_cost)
     table: CellCosts = np.minimum(scaled, max(lethal - 1, 1)).astype(np.float32)
@@ -62,16 +64,20 @@ def passage_costs(parameters: GlobalPlannerParameters) -> CellCosts:
 def astar(
     potential: Potential, costs: CellCosts, cols: int, start: int, target: int, neutral: float, quad: bool
 ) -> None:
-    """Fill the potential cell by cell, always the one first that promises the shortest way, until the target is met.
+    """Fill the potential cell by cell, always the one first that promises the cheapest path, until the target is met.
+
+    As in ROS a cell's potential is set once, when the first neighbour reaches it. So the path found is not always the
+    cheapest one, even where the estimate of the cost to go (`neutral` for each step of the Manhattan distance) is not
+    too high.
 
     Args:
         potential: (rows * cols,) UNREACHED.
-        costs: (rows * cols,) what it costs to pass.
-        cols: of the map.
-        start: where it begins.
-        target: where it ends; -1 for the whole map.
-        neutral: what is reckoned for a step towards the target.
-        quad: as `spread`.
+        costs: (rows * cols,) cost of passing a cell.
+        cols: columns of the map.
+        start: the cell where it begins.
+        target: the cell where it ends; -1 for the whole map.
+        neutral: estimated cost of a step towards the target.
+        quad: see `quadratic` of `spread`.
     """
     potential[start] = np.float32(0.0)
     queue: list[tuple[float, int]] = [(0.0, start)]
@@ -94,7 +100,7 @@ def astar(
 
 @njit(cache=True)
 def fill_around(potential: Potential, costs: CellCosts, cols: int, cell: int, reach: int, quadratic: bool) -> None:
-    """Give cells about one that was reached a potential too, where there is passage."""
+    """Give the cells around one that was reached a potential too, where there is passage."""
     rows = costs.size // cols
     row, col = cell // cols, cell % cols
     for r in range(max(1, row - reach), min(rows - 1, row + reach + 1)):
@@ -119,7 +125,7 @@ class GlobalPlanner:
         self._parameters = parameters
 
     def spread(self, space: Workspace, x: float, y: float, target: int) -> None:
-        """By Dijkstra's order or A*'s."""
+        """Spread the wave in Dijkstra's order or in A*'s."""
         parameters = self._parameters
         cols = space.shape[1]
         start = round(y) * cols + round(x)
@@ -145,12 +151,12 @@ class GlobalPlanner:
             fill_around(space.potential, space.costs, cols, target, FILL_REACH, quadratic)
 
     def trace(self, potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
-        """Down the slope, or from cell to cell."""
+        """Trace the path down the slope, or from cell to cell."""
         trace = descend_by_cells if self._parameters.use_grid_path else descend
         return trace(potential, cols, x, y, end_x, end_y)
 
     def orient(self, points: FloatArray, start: float, goal: float) -> FloatArray:
-        """As `orientation_mode` says; the last one always has the goal's heading."""
+        """Turn the poses as `orientation_mode` says; the last one always has the goal's heading."""
         mode, window = self._parameters.orientation_mode, self._parameters.orientation_window_size
         return np.column_stack([points, orientations(points, mode, window, start, goal)])
 

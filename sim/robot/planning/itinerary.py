@@ -1,17 +1,17 @@
 """Right of way: the order in which robots pass the places that their paths share.
 
-Every robot tells the others its itinerary: the points it will pass, each with a time. These times are not promises.
-They are an order: nobody drives to a point before all those with an earlier time near there have gone by. So a delay
-of one makes others wait, but never makes two meet, and since the times of a plan run forward everywhere, somebody can
-always go (no deadlock). Robots need not share a clock, only the times they hear.
+Every robot broadcasts its itinerary: the points it will pass, each with a time. These times are not promises. They are
+an order: no robot drives to a point before all those with an earlier time near there have gone by. So a delay of one
+makes others wait, but never makes two meet. And since times run forward along every itinerary, the robot whose next
+point has the earliest time can always go (no deadlock). Robots need not share a clock, only the times they receive.
 
-Who plans first has the right of way: a newcomer's itinerary keeps clear, time for time, of all that it has heard, and
-waits or makes detours where it must (`sim.robot.planning.safe_interval`). A robot that stands is an itinerary of one
-point for all times. So that no two plan at once, not yet knowing of each other, planning goes round the team tick by
-tick.
+A robot that plans first has the right of way: a newcomer's itinerary keeps clear, time for time, of all that it has
+received, and waits or makes detours where it must (`sim.robot.planning.safe_interval`). A robot that stands is an
+itinerary of one point for all times. So that no two plan at once, not yet knowing of each other, planning goes round
+the team tick by tick.
 
-Robots that stand close together, nearer than plans may come, break that distance by standing there, and plans allow it
-near their starts. Since nothing is proven then, every itinerary is driven in thought before it is taken (`executable`).
+Robots that stand nearer together than plans may come break that distance by standing there, and plans allow it near
+their starts. The proof does not hold then, so every itinerary is first executed in simulation (`executable`).
 
 Source: Cap, Gregoire, Frazzoli, Provably Safe and Deadlock-Free Execution of Multi-Robot Plans under Delaying
 Disturbances (IROS 2016), the control law RMTRACK; Cap, Vokrinek, Kleiner, Complete Decentralized Method for On-Line
@@ -40,11 +40,11 @@ NEAR_START = 0.5
 
 @dataclass(frozen=True, slots=True)
 class Itinerary:
-    """Where a robot means to be, and when.
+    """Points that a robot means to pass, each with a time.
 
     Attributes:
         points: (m, 2) map, metres; a wait is the same point twice.
-        times: (m,) ascending; before the first it stands at the first point, after the last at the last.
+        times: (m,) ascending, seconds; before the first it stands at the first point, after the last at the last.
     """
 
     points: FloatArray
@@ -69,7 +69,7 @@ _FOR_GOOD: FloatArray = np.array([-math.inf])
 
 
 def itineraries_of(neighbours: Sequence[Neighbour]) -> OtherItineraries:
-    """What the neighbours said of their itineraries."""
+    """Gather the itineraries that neighbours broadcast; one that stands has one point for all times."""
     if not neighbours:
         return OtherItineraries(np.empty((0, 2)), np.empty(0), np.zeros(1, dtype=np.int64))
     points = [
@@ -83,7 +83,7 @@ def itineraries_of(neighbours: Sequence[Neighbour]) -> OtherItineraries:
 
 def relevant_neighbours(neighbours: Sequence[Neighbour], x: float, y: float, distance: float) -> list[Neighbour]:
     """Those neighbours that may come within `distance` metres of a place: all but those that stand farther away."""
-    # A hair more than that: nobody is left out because of rounding.
+    # A hair more than that: none is left out because of rounding.
     reach = distance + 1e-6
     return [
         other
@@ -93,18 +93,18 @@ def relevant_neighbours(neighbours: Sequence[Neighbour], x: float, y: float, dis
 
 
 def itineraries_of_moving(neighbours: Sequence[Neighbour]) -> OtherItineraries:
-    """What those neighbours said that mean to move."""
+    """Gather the itineraries of those neighbours that mean to move."""
     return itineraries_of([neighbour for neighbour in neighbours if len(neighbour.times)])
 
 
 def timed_itinerary(points: FloatArray, start_time: float) -> Itinerary:
-    """(m, 2) points driven without a stop from `start_time` on."""
+    """Make the itinerary of (m, 2) points driven without a stop from `start_time` on."""
     steps = np.hypot(*np.diff(points, axis=0).T)
     return Itinerary(points, start_time + np.concatenate([[0.0], np.cumsum(steps)]) / ITINERARY_SPEED)
 
 
 def densified(itinerary: Itinerary) -> Itinerary:
-    """The same with points no farther apart than SPACING."""
+    """Return the same itinerary with points no farther apart than POINT_SPACING."""
     steps = np.hypot(*np.diff(itinerary.points, axis=0).T)
     counts = np.maximum(1, np.ceil(steps / POINT_SPACING - 1e-9).astype(np.int64))
     index = np.concatenate([[0.0], np.repeat(np.arange(len(steps)), counts) + _shares(counts)])
@@ -138,7 +138,7 @@ def start_time(now: float, x: float, y: float, others: OtherItineraries, separat
 
 @njit(cache=True)
 def _place(points: FloatArray, times: FloatArray, begin: int, end: int, time: float) -> tuple[float, float]:
-    """Where the itinerary points[begin:end] is at a time."""
+    """Place of the itinerary points[begin:end] at a time, x and y."""
     if end - begin == 1 or time <= times[begin]:
         return points[begin, 0], points[begin, 1]
     if time >= times[end - 1]:
@@ -154,7 +154,7 @@ def _place(points: FloatArray, times: FloatArray, begin: int, end: int, time: fl
 
 @njit(cache=True)
 def keeps_separation(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> bool:
-    """Whether an itinerary keeps its distance, time for time, from all others.
+    """Return True when an itinerary keeps its distance, time for time, from all others.
 
     Args:
         points: (m, 2) of the itinerary.
@@ -167,12 +167,14 @@ def keeps_separation(points: FloatArray, times: FloatArray, others: OtherItinera
     for k in range(others.starts.shape[0] - 1):
         begin, end = others.starts[k], others.starts[k + 1]
         ox, oy = _place(others.points, others.times, begin, end, times[0])
+        # Near its start a robot may keep the distance that it has, less 2 cm, for it is never just where it planned.
         present = math.hypot(ox - points[0, 0], oy - points[0, 1]) - 0.02
+        # Both move straight between points, so the distance is checked at the points of either, which lie close.
         for i in range(n):
             x, y = points[i, 0], points[i, 1]
             ox, oy = _place(others.points, others.times, begin, end, times[i])
             needed = separation
-            if math.hypot(x - points[0, 0], y - points[0, 1]) < 0.5:
+            if math.hypot(x - points[0, 0], y - points[0, 1]) < NEAR_START:
                 needed = min(needed, present)
             if math.hypot(x - ox, y - oy) < needed:
                 return False
@@ -181,7 +183,7 @@ def keeps_separation(points: FloatArray, times: FloatArray, others: OtherItinera
                 continue
             x, y = _place(points, times, 0, n, others.times[i])
             needed = separation
-            if math.hypot(x - points[0, 0], y - points[0, 1]) < 0.5:
+            if math.hypot(x - points[0, 0], y - points[0, 1]) < NEAR_START:
                 needed = min(needed, present)
             if math.hypot(x - others.points[i, 0], y - others.points[i, 1]) < needed:
                 return False
@@ -199,20 +201,20 @@ def right_of_way(
     others: OtherItineraries,
     separation: float,
 ) -> tuple[int, int, bool]:
-    """How far a robot may drive now: the last of its points that is free of all robots that pass there before it.
+    """Find the point up to which a robot may drive now: the last before one that others are to pass first.
 
     Args:
         points: (m, 2) of its itinerary.
         times: (m,) with them.
-        index: of the point it has reached.
-        last: index beyond which it need not know.
-        x: where it really is; so y.
+        index: that of the point it has reached.
+        last: index of the last point that is looked at.
+        x: its true place; so y.
         others: the other robots', each from the point it has reached.
         separation: metres from centre to centre. A robot that is nearer already may go where it does not come nearer
             still.
 
     Returns:
-        An index from `index` to `last`; which of the others bars the next point, -1 when none does; and whether that
+        An index from `index` to `last`; the other robot that bars the next point, -1 when none does; and whether that
         one stands for good.
     """
     for i in range(index + 1, last + 1):
@@ -232,11 +234,11 @@ def right_of_way(
 
 @njit(cache=True)
 def executable(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> bool:
-    """Whether a robot would come to its itinerary's end, were it and all the others driven by right of way, and whether
-    all of them would come as far as if it stayed where it is.
+    """Return True when an itinerary can be driven to its end, and no other robot is worse off than if it stayed.
 
-    Itineraries that keep their distance at equal times always do. Robots that stand nearer than that already may plan
-    to stay so for a while, and then could bar each other's next points for good.
+    Itineraries that keep their distance at equal times always can. But robots that stand nearer than that already may
+    plan to stay so for a while, and then could bar each other's next points for good. So the right of way is simulated,
+    twice: all robots with this itinerary, and all with this robot standing where it is.
 
     A step that is open stays open until it is taken, so the order in which robots are moved does not matter.
 
@@ -262,7 +264,7 @@ def executable(points: FloatArray, times: FloatArray, others: OtherItineraries, 
 
 @njit(cache=True)
 def _driven(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> NDArray[np.int64]:
-    """(k + 1,) how far a robot and k others come by right of way: indices into the points of all, one after another."""
+    """(k + 1,) points that a robot and k others reach by right of way: indices into the points of all, in a row."""
     own = points.shape[0]
     count = others.starts.shape[0]
     all_points = np.concatenate((points, others.points))
@@ -290,7 +292,7 @@ def _open(
     robot: int,
     separation: float,
 ) -> bool:
-    """Whether a robot at its point at[robot] may drive to the next one, the others being at theirs."""
+    """Return True when a robot at its point at[robot] may drive to the next one, the others being at theirs."""
     x, y = points[at[robot], 0], points[at[robot], 1]
     px, py, time = points[at[robot] + 1, 0], points[at[robot] + 1, 1], times[at[robot] + 1]
     for k in range(at.shape[0]):
@@ -302,7 +304,7 @@ def _open(
             ox, oy = points[m, 0], points[m, 1]
             if abs(px - ox) >= separation or abs(py - oy) >= separation:
                 continue
-            # No hair's breadth is given here, unlike on the way: a robot is never just where it planned to be.
+            # Unlike in `right_of_way` no 2 cm are given: in simulation robots are just where they planned to be.
             distance = math.hypot(px - ox, py - oy)
             if distance < separation and distance < math.hypot(x - ox, y - oy):
                 return False
@@ -317,7 +319,7 @@ def reached_index(points: FloatArray, index: int, x: float, y: float) -> int:
     along = 0.0
     for i in range(index + 1, points.shape[0]):
         along += math.hypot(points[i, 0] - points[i - 1, 0], points[i, 1] - points[i - 1, 1])
-        # No farther than a loop to a place to wait and back again is long.
+        # A loop to a place to wait and back again is longer than this: it must not be skipped.
         if along > 0.45:
             break
         distance = math.hypot(points[i, 0] - x, points[i, 1] - y)

@@ -1,4 +1,8 @@
-"""One robot's choice of way: over the map, and among the others."""
+"""Planning of itineraries for one robot: over the map, and in time among the other robots.
+
+First the global planner's path, driven without a stop; if that meets other robots' itineraries, a search in space and
+time (`safe_interval`); if that fails, the path that there would be without the others, for them to clear.
+"""
 
 import math
 from collections.abc import Sequence
@@ -30,24 +34,24 @@ from sim.robot.planning.safe_interval import BoolArray, Roadmap, make_roadmap, r
 PLANNED_GAP = 0.16
 """Metres that two robots' circumscribed circles are apart in a plan."""
 DRIVEN_GAP = 0.1
-"""The same on the way, by right of way."""
+"""The same while they drive, by right of way."""
 ROOM_TO_TURN = 0.08
 """Metres that the circumscribed circle is off the walls where a robot waits or makes a detour."""
 
 
 @dataclass(frozen=True, slots=True)
 class BlockedByRobots:
-    """There is a way, but others stand in it.
+    """A path exists, but other robots stand in it.
 
     Attributes:
-        wish: (m, 2) map points of the way.
+        wanted_path: (m, 2) map points of that path.
     """
 
     wanted_path: FloatArray
 
 
 class ItineraryPlanner:
-    """Finds ways through a map for one robot.
+    """Plans itineraries through a map for one robot.
 
     Args:
         static: the map.
@@ -87,18 +91,18 @@ class ItineraryPlanner:
         self._too_near = cost_at(circumscribed, costmap.inscribed_radius, inflation.cost_scaling_factor)
 
     def update_neighbours(self, neighbours: Sequence[Neighbour]) -> None:
-        """Bring the costmap up to date with what the others said last."""
+        """Bring the costmap up to date with the last broadcasts of the other robots."""
         self.costmap.update_neighbours(neighbours)
         self.costmap.update(0.0, 0.0)
 
     def plan(
         self, start: Pose2, goal: Pose2, time: float, others: OtherItineraries
     ) -> Itinerary | BlockedByRobots | PlanRefusal:
-        """A way to a goal that keeps clear of all others: the planner's if it does, else the quickest.
+        """Plan an itinerary to a goal that keeps clear of all others: the planner's if it does, else the quickest.
 
         Args:
-            start: where the base is.
-            goal: where it shall end.
+            start: pose of the base.
+            goal: pose at the end.
             time: from which the itinerary is numbered.
             others: the other robots' itineraries.
         """
@@ -120,9 +124,9 @@ class ItineraryPlanner:
         return self._refusal(alone, start, goal) if isinstance(alone, PlanRefusal) else alone
 
     def _alone(self, walls: Costs, start: Pose2, goal: Pose2) -> BlockedByRobots | PlanRefusal:
-        """The way that there would be without the other robots.
+        """Plan the path that there would be without the other robots.
 
-        Whoever waits for others asks for the same way again and again: it is planned once.
+        A robot that waits for others asks for the same path again and again: it is planned once.
         """
         asked = (start, goal)
         if walls is self._walls and asked == self._alone_query and self._alone_answer is not None:
@@ -134,7 +138,7 @@ class ItineraryPlanner:
         return answer
 
     def _refusal(self, refused: PlanRefusal, start: Pose2, goal: Pose2) -> PlanRefusal:
-        """The refusal itself, unless it is for obstacles seen: the map alone would have a way."""
+        """Return the refusal itself, unless the map alone has a path: then an obstacle that was seen is the cause."""
         if not self.costmap.any_marks:
             return refused
         bare = self._planner.plan(self._walls, self._frame, start, goal)
@@ -143,16 +147,16 @@ class ItineraryPlanner:
         return PlanRefusal("blocked_by_obstacle", "an obstacle that is not on the map blocks the way")
 
     def obstructed(self, points: FloatArray) -> bool:
-        """Whether an obstacle seen lies on (m, 2) points of a way."""
+        """Return True when an obstacle that was seen lies on (m, 2) points of a path."""
         radius = self.costmap.inscribed_radius - self._frame.resolution
         return self.costmap.any_marks and bool(_touched(points, self.costmap.marks, self._frame, radius))
 
     def refuge(self, start: Pose2, wanted_path: FloatArray, time: float, others: OtherItineraries) -> Itinerary | None:
-        """A way out of another robot's way; None when there is none.
+        """Plan an itinerary to a place off another robot's path; None when there is none.
 
         Args:
-            start: where the base is.
-            wish: (m, 2) the path that the other robot wishes to take.
+            start: pose of the base.
+            wanted_path: (m, 2) the path that the other robot wants to take.
             time: from which the itinerary is numbered.
             others: the other robots' itineraries.
         """
@@ -164,11 +168,11 @@ class ItineraryPlanner:
         return away if self._executable(away, others) else None
 
     def obstructs(self, place: FloatArray, wanted_path: FloatArray) -> bool:
-        """Whether a robot at a (2,) place hinders another one on its (m, 2) path."""
+        """Return True when a robot at a (2,) place obstructs another one on its (m, 2) path."""
         return bool((np.hypot(wanted_path[:, 0] - place[0], wanted_path[:, 1] - place[1]) < self.separation).any())
 
     def first_obstructing(self, neighbours: Sequence[Neighbour], wanted_path: FloatArray) -> int | None:
-        """Of those who stand on a (m, 2) path, or are to arrive on it, the one that is met first."""
+        """Return the first robot along a (m, 2) path that stands on it, or is to arrive on it."""
         met: list[tuple[int, int]] = []
         for other in neighbours:
             place = other.path[-1] if len(other.times) else other.base_in_map.array()[:2]
@@ -181,7 +185,7 @@ class ItineraryPlanner:
         return bool(executable(itinerary.points, itinerary.times, others, self.separation_driven))
 
     def _free_space(self) -> tuple[BoolArray, Costs]:
-        """Which coarse cells are free of walls and obstacles, and the costs without the other robots."""
+        """Return a mask of coarse cells free of walls and obstacles, and the costs without the other robots."""
         if not self.costmap.any_marks:
             return self._roadmap.free, self._walls
         walls = self.costmap.without_robots()
@@ -193,7 +197,7 @@ class ItineraryPlanner:
 def _coarse(static: OccupancyGrid, radius: float) -> tuple[Roadmap, NDArray[np.int64]]:
     """The coarse grid for robots of a radius, metres, and (n, 2) the cells of the map in which its centres lie.
 
-    All robots of one size share them; nobody writes to them.
+    All robots of one size share them, so they must not be written to.
     """
     made = make_roadmap(static, clearance_field(static).astype(np.float64), radius)
     return made, static.cells_of(made.centres.reshape(-1, 2))
@@ -201,7 +205,7 @@ def _coarse(static: OccupancyGrid, radius: float) -> tuple[Roadmap, NDArray[np.i
 
 @njit(cache=True)
 def _touched(points: FloatArray, marks: Costs, frame: CostFrame, radius: float) -> bool:
-    """Whether a marked cell's centre is within `radius` of any of (m, 2) points."""
+    """Return True when a marked cell's centre is within `radius` of any of (m, 2) points."""
     span = int(radius / frame.resolution) + 1
     for k in range(points.shape[0]):
         row = math.floor((points[k, 1] - frame.y) / frame.resolution)

@@ -1,4 +1,4 @@
-"""A plan for somebody who asks, to a goal or as near to it as they accept.
+"""A plan on request, to a goal or as near to it as the caller accepts.
 
 Source: ros-planning/navigation, move_base/src/move_base.cpp (planService).
 Differs: costs are left as they are; which places can be reached is found out once, not by a plan to each; offered also
@@ -27,16 +27,16 @@ def make_plan(
     tolerance: float,
     add_unreachable_goal: bool,
 ) -> FloatArray | PlanRefusal:
-    """A path to the goal, or else to the first place of ever larger squares around it that can be reached.
+    """Plan a path to the goal, or else to the first place of ever larger squares around it that can be reached.
 
     Args:
-        planner: finds the way.
+        planner: finds the paths.
         costs: (rows, cols).
-        frame: where they lie.
-        start: where it begins, in the costmap's frame.
-        goal: where it shall end.
+        frame: their place in the map.
+        start: pose at the beginning, in the costmap's frame.
+        goal: pose at the end.
         tolerance: half the side of the largest square, metres.
-        add_unreachable_goal: whether the goal itself follows after a place near to it.
+        add_unreachable_goal: True when the goal itself follows after a place near to it.
 
     Returns:
         (m, 3) poses in the costmap's frame, or why there is no path to the goal itself.

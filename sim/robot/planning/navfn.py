@@ -15,11 +15,11 @@ from sim.robot.planning.wave import BLOCKED, CellCosts, Points, Potential, Works
 
 COST_NEUTRAL = 50
 COST_FACTOR = 0.8
-COST_OBSTACLE = 254
+COST_OBSTACLE = LETHAL
 
 
 def passage_costs(allow_unknown: bool) -> CellCosts:
-    """(256,) what it costs to pass a cell of each of a costmap's costs: 50 when free, more near obstacles."""
+    """(256,) cost of passing a cell, for each of a costmap's costs: 50 when free, more near obstacles."""
     costs = np.arange(256)
     table: CellCosts = np.minimum(COST_NEUTRAL + np.floor(COST_FACTOR * costs), COST_OBSTACLE - 1).astype(np.float32)
     table[INSCRIBED] = table[LETHAL] = BLOCKED
@@ -42,7 +42,7 @@ class Navfn:
         self._use_astar = parameters.use_astar
 
     def spread(self, space: Workspace, x: float, y: float, target: int) -> None:
-        """Cheap cells first, or with A* those that are cheap and near to the target."""
+        """Spread the wave, cheap cells first, or with A* those that are cheap and near to the target."""
         cols = space.shape[1]
         start = round(y) * cols + round(x)
         space.potential[start] = 0.0
@@ -68,9 +68,9 @@ class Navfn:
         )
 
     def trace(self, potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
-        """Down the slope in steps of half a cell."""
+        """Trace the path down the slope in steps of half a cell."""
         return descend(potential, cols, x, y, end_x, end_y)
 
     def orient(self, points: FloatArray, start: float, goal: float) -> FloatArray:
-        """Each heads for the next."""
+        """Turn each pose toward the next."""
         return headings(points, goal)

@@ -1,4 +1,4 @@
-"""A way through the map, or why there is none."""
+"""Paths through the map, and refusals where there is none."""
 
 from dataclasses import dataclass
 from typing import Literal, Protocol
@@ -41,7 +41,7 @@ class Path:
 
     @property
     def length(self) -> float:
-        """Metres."""
+        """Length in metres."""
         return float(np.hypot(*np.diff(self.poses[:, :2], axis=0).T).sum())
 
 
@@ -59,21 +59,21 @@ class PlanRefusal:
 
 
 def plan_refusal(code: PlanRefusalCode) -> PlanRefusal:
-    """The refusal with its sentence."""
+    """Make the refusal of this code, with its sentence."""
     return PlanRefusal(code, _SENTENCES[code])
 
 
 class PathPlanner(Protocol):
-    """What finds paths over a costmap."""
+    """Finds paths over a costmap."""
 
     def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | PlanRefusal:
-        """A path between two poses.
+        """Plan a path between two poses.
 
         Args:
             costs: (rows, cols); left as they are.
-            frame: where they lie.
-            start: where the base is, in the costmap's frame.
-            goal: where it shall end.
+            frame: their place in the map.
+            start: pose of the base, in the costmap's frame.
+            goal: pose at the end.
         """
 
 

@@ -1,4 +1,4 @@
-"""The global planners that move_base may be told to use."""
+"""Choice of the global planner that a robot plans by."""
 
 from sim.parameters import GlobalPlannerParameters, NavfnParameters
 from sim.robot.planning.global_planner import GlobalPlanner
@@ -13,7 +13,7 @@ def global_planner(
     global_planner: GlobalPlannerParameters,
     space: Workspace | None = None,
 ) -> PotentialPlanner:
-    """The planner of a name.
+    """Make the global planner that `move_base: base_global_planner` names.
 
     Args:
         base_global_planner: move_base's parameter of this name.

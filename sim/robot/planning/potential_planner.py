@@ -1,7 +1,7 @@
 """A global planner that spreads a potential from the robot and comes down it from the goal.
 
 Source: ros-planning/navigation, navfn/src/navfn_ros.cpp, global_planner/src/planner_core.cpp.
-Differs: a robot whose cell is lethal is told so, where ROS clears the cell; a goal that was reached is the path's end
+Differs: a start in a lethal cell is refused, where ROS clears the cell; a goal that was reached is the path's end
 even when a tolerance is set, where navfn ends at one of a raster of points about it; positions are those of the cells'
 centres, where navfn's paths lie half a cell off, towards the origin; the costmap is left as it is.
 """
@@ -18,23 +18,23 @@ from sim.robot.planning.path import Path, PlanRefusal, plan_refusal
 from sim.robot.planning.wave import BLOCKED, UNREACHED, CellCosts, Points, Potential, Workspace, prepare
 
 MAX_CELLS = 1e9
-"""Cells from a map's corner, at most, that places are told apart."""
+"""Cells from a map's corner up to which places are told apart."""
 
 
 class PotentialMethod(Protocol):
-    """What makes one planner different from another."""
+    """The part in which planners by potential differ: costs, spreading, tracing, headings."""
 
     @property
     def table(self) -> CellCosts:
-        """(256,) what it costs to pass a cell of each cost; BLOCKED where there is no passage."""
+        """(256,) cost of passing a cell of each cost; BLOCKED where there is no passage."""
 
     @property
     def tolerance(self) -> float:
-        """How far from a goal that cannot be reached a path may end, metres."""
+        """Metres from a goal that cannot be reached within which a path may end."""
 
     @property
     def exact(self) -> bool:
-        """Whether the wave begins, and the way down too, in between cells' centres."""
+        """True when the wave begins between cells' centres, and the path ends there; else both are at centres."""
 
     def spread(self, space: Workspace, x: float, y: float, target: int) -> None:
         """Fill the potential from a position, in cells, until the target is reached; -1 for no target."""
@@ -50,7 +50,7 @@ class PotentialPlanner:
     """Plans by a potential over the costmap.
 
     Args:
-        method: how.
+        method: the part in which planners differ.
         space: room to plan in, used where it fits the costmap; nothing is kept there between plans, so that planners
             may share one. None: of its own.
     """
@@ -60,7 +60,7 @@ class PotentialPlanner:
         self._space = space or Workspace(0, 0)
 
     def reached(self, costs: Costs, frame: CostFrame, start: Pose2) -> NDArray[np.bool_]:
-        """(rows, cols) whether a path from a start may end in a cell; arguments as for `plan`."""
+        """(rows, cols) True in the cells where a path from a start may end; arguments as for `plan`."""
         rows, cols = costs.shape
         x, y = _position(frame, start)
         if not (0 <= round(y) < rows and 0 <= round(x) < cols) or costs[round(y), round(x)] == LETHAL:
@@ -72,13 +72,13 @@ class PotentialPlanner:
         return space.potential.reshape(rows, cols) < UNREACHED
 
     def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | PlanRefusal:
-        """A path from start to goal that keeps off obstacles as their costs ask for.
+        """Plan a path from start to goal that keeps off obstacles as their costs ask for.
 
         Args:
             costs: (rows, cols).
-            frame: where they lie.
-            start: where the base is, in the costmap's frame.
-            goal: where it shall end.
+            frame: their place in the map.
+            start: pose of the base, in the costmap's frame.
+            goal: pose at the end.
         """
         method = self._method
         rows, cols = costs.shape
@@ -121,7 +121,7 @@ class PotentialPlanner:
         return Path(method.orient(points, start.theta, end.theta))
 
     def _prepared(self, costs: Costs) -> Workspace:
-        """The workspace, for these costs and with nothing reached."""
+        """Prepare the workspace for these costs, with nothing reached."""
         if self._space.shape != costs.shape:
             self._space = Workspace(*costs.shape)
         prepare(costs, self._method.table, self._space.costs, self._space.potential)
@@ -129,14 +129,14 @@ class PotentialPlanner:
 
 
 def _position(frame: CostFrame, pose: Pose2) -> tuple[float, float]:
-    """In cells, such that rounding gives the cell: whole numbers are centres."""
+    """Position in cells, such that rounding gives the cell: whole numbers are centres."""
     x, y = (pose.x - frame.x) / frame.resolution, (pose.y - frame.y) / frame.resolution
     # The lower edge is a cell's own, also where rounding to even would say otherwise.
     return _within(x), _within(y)
 
 
 def _within(position: float) -> float:
-    # Whatever lies beyond is on no map, and may be infinitely many cells away.
+    # Places beyond are on no map, and may be infinitely many cells away.
     position = min(max(position, -MAX_CELLS), MAX_CELLS)
     cell = math.floor(position)
     return cell + min(max(position - cell - 0.5, -0.499999), 0.499999)

@@ -1,9 +1,15 @@
-"""Safe interval path planning: the quickest way among robots whose itineraries are known.
+"""Safe interval path planning (SIPP): the quickest itinerary among robots whose itineraries are known.
 
-Space is a coarse grid, time at each cell a list of intervals in which nobody else comes near. A state is a cell and
-one of its intervals, and only the earliest arrival counts, so waiting costs no states.
+Space is a coarse grid, and each of its cells has a list of safe intervals: spans of time in which no other robot comes
+near. A state of the search is a cell and one of its safe intervals. Within an interval a robot may wait as long as it
+likes, so an earlier arrival can do all that a later one can, and one arrival per state, the earliest, is enough. That
+makes the search as small as one in space alone, times the few intervals of a cell, where a search in space and time
+would have a state for every second of waiting. States are expanded by A*, in the order of arrival plus the time to go
+without other robots. The goal is reached when the robot arrives in an interval that never ends, so that it may stay.
 
 Source: Phillips, Likhachev, SIPP: Safe Interval Path Planning for Dynamic Environments (ICRA 2011).
+Differs: intervals begin and end on a raster of BIN_LENGTH seconds, and what lies beyond the last bin counts as safe or
+not as that bin is.
 """
 
 import heapq
@@ -21,9 +27,9 @@ from sim.robot.planning.itinerary import ITINERARY_SPEED, NEAR_START, Itinerary,
 CELL_SIDE = 0.2
 """Side of a coarse cell, metres, at most."""
 BIN_LENGTH = 0.5
-"""Seconds by which intervals are counted."""
+"""Seconds of one bin of time: intervals begin and end between bins."""
 BIN_COUNT = 240
-"""How far ahead itineraries are looked at: two minutes."""
+"""Number of bins that are looked ahead: two minutes."""
 
 BoolArray = NDArray[np.bool_]
 
@@ -33,10 +39,10 @@ class Roadmap:
     """The coarse grid.
 
     Attributes:
-        centres: (rows, cols, 2) map point of each cell: its middle, or where it has most room when that is too tight.
+        centres: (rows, cols, 2) map point of each cell: its middle, or its roomiest point when that is too tight.
         free: (rows, cols) whether a robot can stand and turn there without touching a wall.
         corner: (2,) map coordinates of the outer corner of cell (0, 0).
-        side: of a cell, metres.
+        side: that of a cell, metres.
     """
 
     centres: FloatArray
@@ -51,7 +57,7 @@ def make_roadmap(grid: OccupancyGrid, clearance: FloatArray, radius: float) -> R
     Args:
         grid: the map.
         clearance: (rows, cols) of the map: metres to the nearest obstacle or unknown cell.
-        radius: of the robot however it is turned, metres.
+        radius: that of the robot however it is turned, metres.
     """
     stride = max(1, int(CELL_SIDE / grid.resolution + 1e-9))
     rows, cols = grid.rows // stride, grid.cols // stride
@@ -71,7 +77,11 @@ def _shade(
     busy: BoolArray, free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, x: float, y: float,
     radius: float, start_x: float, start_y: float, present: float, first: int, last: int,
 ) -> None:  # fmt: skip
-    """Mark the free cells around a robot at (x, y) busy from bin `first` to bin `last`."""
+    """Mark the free cells around a robot at (x, y) busy from bin `first` to bin `last`.
+
+    `present` is that robot's distance, metres, from the planning robot's start (start_x, start_y): at the start no more
+    distance is asked for than there is, or a robot that stands too near to another could never leave.
+    """
     rows, cols, bins = busy.shape
     first, last = max(first, 0), min(last, bins - 1)
     if last < first:
@@ -89,7 +99,8 @@ def _shade(
             needed = radius
             off = math.hypot(cx - start_x, cy - start_y)
             if off < side:
-                # The cell that the start is rounded to may seem nearer than the robot is; no other may be.
+                # The cell that the start is rounded to may lie nearer to the other robot than the start itself does, by
+                # as much as a cell's half diagonal; the cells beside it may not, but for rounding.
                 needed = min(radius, present - (0.75 * side if off < 0.71 * side else 0.02))
             if distance < needed:
                 for b in range(first, last + 1):
@@ -101,12 +112,12 @@ def _traffic(
     free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, others: OtherItineraries, start: FloatArray,
     time: float, separation: float, bins: int, bin_length: float,
 ) -> BoolArray:  # fmt: skip
-    """(rows, cols, bins) whether another robot comes near a free cell within a span of time."""
+    """(rows, cols, bins) True where another robot comes near a free cell within a bin of time."""
     rows, cols = free.shape
     busy = np.zeros((rows, cols, bins), np.bool_)
     for k in range(others.starts.shape[0] - 1):
         begin, end = others.starts[k], others.starts[k + 1]
-        # What the separation is already, near the start.
+        # Before an itinerary begins, its robot stands at its first point.
         now_x, now_y = others.points[begin, 0], others.points[begin, 1]
         present = math.hypot(now_x - start[0], now_y - start[1])
         first = math.floor((others.times[begin] - time) / bin_length) if others.times[begin] > -math.inf else 0
@@ -116,6 +127,8 @@ def _traffic(
             first = 0 if others.times[i] == -math.inf else math.floor((others.times[i] - time) / bin_length)
             last = bins - 1 if i == end - 1 else math.floor((others.times[i + 1] - time) / bin_length)
             _shade(busy, free, centres, corner, side, x, y, separation, start[0], start[1], present, first, last)
+            # From one point to the next takes less than a bin. Where it goes over the border of two bins the robot may
+            # be near this point in both. A longer span can only be a wait, at this very point.
             if i > begin:
                 first = math.floor((others.times[i - 1] - time) / bin_length)
                 last = math.floor((others.times[i] - time) / bin_length)
@@ -128,7 +141,10 @@ def _traffic(
 
 @njit(cache=True)
 def _distances(free: BoolArray, targets: BoolArray, side: float) -> FloatArray:
-    """(rows, cols) metres to the nearest target through free cells; inf where there is no way."""
+    """(rows, cols) metres to the nearest target through free cells; inf where none can be reached.
+
+    The grid is swept forward and backward in turn until nothing changes (a distance transform over eight neighbours).
+    """
     rows, cols = free.shape
     field = np.full((rows, cols), np.inf)
     for r in range(rows):
@@ -166,12 +182,14 @@ def _search(
     free: BoolArray, busy: BoolArray, targets: BoolArray, centres: FloatArray, side: float, start_row: int,
     start_col: int, bin_length: float, speed: float,
 ) -> FloatArray:  # fmt: skip
-    """(m, 3) x, y and seconds from now of the quickest way to a target where one may stay; (0, 3): there is none."""
+    """(m, 3) x, y and seconds from now of the quickest path to a target where one may stay; (0, 3): there is none."""
     rows, cols, bins = busy.shape
+    # The heuristic ignores other robots and the walls beside diagonal steps, so it hardly ever overestimates.
     to_go = _distances(free, targets, side)
     if to_go[start_row, start_col] == np.inf:
         return np.empty((0, 3))
-    # Number the safe intervals of every cell.
+    # Number the safe intervals of every cell: those of a cell are the states first[cell] up to first[cell + 1], in the
+    # order of time, each from opens[k] to closes[k]; one that lasts to the end of what is looked at never closes.
     first = np.zeros(rows * cols + 1, np.int64)
     for cell in range(rows * cols):
         r, c = cell // cols, cell % cols
@@ -202,6 +220,7 @@ def _search(
     start_cell = start_row * cols + start_col
     if first[start_cell + 1] == first[start_cell] or opens[first[start_cell]] > 0.0:
         return np.empty((0, 3))
+    # arrival[k] is the earliest known arrival in state k, from state parent[k]. Once done it is final.
     arrival = np.full(total, np.inf)
     parent = np.full(total, -1, np.int64)
     cell_of = np.empty(total, np.int64)
@@ -227,15 +246,18 @@ def _search(
                 nr, nc = r + dr, c + dc
                 if (dr == 0 and dc == 0) or not (0 <= nr < rows and 0 <= nc < cols) or not free[nr, nc]:
                     continue
+                # A diagonal step passes between its two side cells: both must be free, or a corner would be cut.
                 if dr != 0 and dc != 0 and not (free[r, nc] and free[nr, c]):
                     continue
                 length = math.hypot(centres[nr, nc, 0] - centres[r, c, 0], centres[nr, nc, 1] - centres[r, c, 1])
                 takes = length / speed
                 target = nr * cols + nc
                 for k in range(first[target], first[target + 1]):
-                    # Both cells must be clear of others while the robot is between them.
+                    # The robot sets out when it is here and the next cell is safe, whichever is later: both cells must
+                    # be safe while it is between them.
                     arrives = max(time, opens[k]) + takes
                     if arrives > closes[state]:
+                        # This cell is not safe for so long, and the next cell's later intervals open later still.
                         break
                     if arrives > closes[k] or arrives >= arrival[k] - 1e-9:
                         continue
@@ -252,6 +274,7 @@ def _search(
         r, c = cell_of[state] // cols, cell_of[state] % cols
         if n > 0:
             x, y = trajectory[n - 1, 0], trajectory[n - 1, 1]
+            # A robot that does not set out at once waits here: the same point a second time.
             leaves = trajectory[n - 1, 2] - math.hypot(x - centres[r, c, 0], y - centres[r, c, 1]) / speed
             if leaves > arrival[state] + 1e-6:
                 trajectory[n] = centres[r, c, 0], centres[r, c, 1], leaves
@@ -281,10 +304,10 @@ def _off_path(
 
 
 def _nearest(roadmap: Roadmap, free: BoolArray, x: float, y: float, reach: float) -> tuple[int, int] | None:
-    """The free cell whose centre is nearest to a map point, within `reach` metres."""
+    """Return the free cell whose centre is nearest to a map point, within `reach` metres."""
     place = np.array([x, y]) - roadmap.corner
     if (place < -reach).any() or (place > roadmap.side * np.array(free.shape[::-1]) + reach).any():
-        # So far off that its cell might have no number.
+        # A place this far off may have no cell number that fits an integer.
         return None
     col, row = (place / roadmap.side).astype(np.int64)
     span = math.ceil(reach / roadmap.side)
@@ -307,11 +330,11 @@ def route(
     others: OtherItineraries,
     separation: float,
 ) -> Itinerary | None:
-    """The quickest itinerary to a goal, where the robot may then stay, clear of all others.
+    """Find the quickest itinerary to a goal, where the robot may then stay, clear of all others.
 
     Args:
-        chart: the coarse grid.
-        free: (rows, cols) which of its cells may be used.
+        roadmap: the coarse grid.
+        free: (rows, cols) True in those of its cells that may be used.
         start: (2,) map point.
         goal: (2,) map point.
         time: from which the itinerary is numbered.
@@ -343,18 +366,18 @@ def refuge(
     others: OtherItineraries,
     separation: float,
 ) -> Itinerary | None:
-    """The quickest itinerary to a place off a path that another robot wishes to take.
+    """Find the quickest itinerary to a place off a path that another robot wants to take.
 
     Args:
-        chart: see `route`, as the other arguments.
+        roadmap: see `route`, as the other arguments.
         free: (rows, cols).
         start: (2,) map point.
-        wish: (m, 2) map points of that path.
+        avoided: (m, 2) map points of that path.
         time: from which the itinerary is numbered.
         others: the other robots'.
         separation: metres from centre to centre, also from that path.
     """
-    # Not just off it: the other one plans between rounded places too.
+    # A cell farther than just off it, since the other robot plans between rounded places too.
     targets = _off_path(free, roadmap.centres, roadmap.corner, roadmap.side, avoided, separation + roadmap.side)
     return _itinerary_to(roadmap, free, start, targets, time, others, separation)
 

@@ -1,12 +1,21 @@
-"""Potentials that spread over a costmap like a wave, and paths that run down them: what navfn and global_planner share.
+"""Potentials that spread over a costmap like a wave, and paths that run down them: shared by navfn and global_planner.
+
+The potential of a cell is the cost of the cheapest path to it from where the wave began. As its only minimum lies
+there, a path is found from anywhere by going downhill (a navigation function). The wave is Dijkstra's algorithm with
+two changes. A cell's potential is not that of one neighbour plus a step, but that of a plane wave between its two
+lowest neighbours, so paths are not bound to rows, columns and diagonals (Konolige's gradient method). And instead of a
+sorted queue there are three unsorted ones: the cells of this round, of the next round, and those that are put off
+because they are dearer than a threshold, which rises when the first two are empty. Cells may then be visited before
+their potential is final; they are put in again when a neighbour can lower it.
 
 Cells are numbered row by row. Positions are (x, y) in cells, whole numbers at cell centres. Costs of passage are at
 least 1, and BLOCKED where there is none; the rim of the map has none.
 
-Source: ros-planning/navigation, navfn/src/navfn.cpp; global_planner/src/dijkstra.cpp and gradient_path.cpp.
+Source: ros-planning/navigation, navfn/src/navfn.cpp; global_planner/src/dijkstra.cpp and gradient_path.cpp; Konolige,
+A Gradient Method for Realtime Robot Control (IROS 2000).
 Differs: there is no limit to the cells in wait, to the cycles, or to a path's length, at which ROS gives up or leaves
 cells out; a path never squeezes between two blocked cells that meet at a corner; and where the slope leads nowhere it
-goes from cell to cell until it is lower than ever, so that a way that there is, is found.
+goes from cell to cell until it is lower than ever, so that a path is found wherever there is one.
 """
 
 import math
@@ -18,7 +27,7 @@ from sim.common.kernels import njit
 from sim.robot.costmap.costs import Costs
 
 Potential = NDArray[np.float32]
-"""(rows * cols,) cost of the cheapest way from the robot; UNREACHED where the wave did not come."""
+"""(rows * cols,) cost of the cheapest path from the robot; UNREACHED where the wave did not come."""
 CellCosts = NDArray[np.float32]
 Cells = NDArray[np.uint32]
 Points = NDArray[np.float32]
@@ -34,9 +43,9 @@ class Workspace:
 
     Attributes:
         shape: rows and columns.
-        costs: (rows * cols,) what it costs to pass a cell.
+        costs: (rows * cols,) cost of passing a cell.
         potential: (rows * cols,).
-        waiting: (rows * cols,) whether a cell waits to be looked at; all False between plans.
+        waiting: (rows * cols,) True while a cell waits in a queue; all False between plans.
         queues: (3, rows * cols) cells that wait.
     """
 
@@ -50,11 +59,13 @@ class Workspace:
 
 @njit(cache=True)
 def prepare(costs: Costs, table: CellCosts, passage: CellCosts, potential: Potential) -> None:
-    """Translate costs, close the rim, and take the potential away.
+    """Translate costs, close the rim, and reset the potential.
+
+    The rim is closed so that every cell that the wave enters has four neighbours: no step needs a check of the borders.
 
     Args:
         costs: (rows, cols).
-        table: (256,) what it costs to pass a cell of each cost.
+        table: (256,) cost of passing a cell of each cost.
         passage: (rows * cols,) to write to.
         potential: (rows * cols,) to write to.
     """
@@ -74,7 +85,7 @@ def prepare(costs: Costs, table: CellCosts, passage: CellCosts, potential: Poten
 def wave_value(
     left: np.float32, right: np.float32, below: np.float32, above: np.float32, cost: np.float32, quadratic: bool
 ) -> np.float32:
-    """What a cell's potential is by its four neighbours'."""
+    """Potential of a cell by those of its four neighbours and its own cost of passage."""
     across = left if left < right else right
     along = below if below < above else above
     gap = across - along
@@ -90,14 +101,14 @@ def wave_value(
 
 @njit(cache=True)
 def value_of(potential: Potential, cell: int, cols: int, cost: np.float32, quadratic: bool) -> np.float32:
-    """The same, of a cell that is not on the rim."""
+    """Do the same for a cell by its number; it is not on the rim."""
     left, right = potential[cell - 1], potential[cell + 1]
     return np.float32(wave_value(left, right, potential[cell - cols], potential[cell + cols], cost, quadratic))
 
 
 @njit(cache=True)
 def _push(queues: Cells, queue: int, length: int, waiting: NDArray[np.bool_], cell: np.uint64) -> int:
-    """Put a cell into one of the queues unless it waits already; how long that queue is then."""
+    """Put a cell into one of the queues unless it waits already; return the queue's new length."""
     if waiting[cell]:
         return length
     waiting[cell] = True
@@ -123,17 +134,19 @@ def spread(
 
     Args:
         potential: (rows * cols,) set at the seeds, UNREACHED elsewhere.
-        costs: (rows * cols,) what it costs to pass.
+        costs: (rows * cols,) cost of passing a cell.
         waiting: (rows * cols,) all False; again so at the end.
         queues: (3, rows * cols) room for cells that wait.
-        cols: of the map.
+        cols: columns of the map.
         seeds: cells whose neighbours are first.
         target: the cell at which to stop; -1 for the whole map.
-        attraction: cost per cell of the straight way to the target, which A* adds in choosing what comes first; or 0.
+        attraction: cost per cell of the straight line to the target, which A* adds in choosing what comes first; or 0.
         threshold: cells of at most this cost are first ...
         increment: ... then those of so much more, and so on.
-        quadratic: whether the wave runs in all directions alike, or along rows and columns.
+        quadratic: True when the wave runs in all directions alike, or along rows and columns.
     """
+    # Invariant: `waiting` is True exactly for the cells in the queues, each of which stands in one of them once. So no
+    # queue ever holds more cells than the map has.
     current, following, later = 0, 1, 2
     n_current = n_following = n_later = 0
     limit = np.float32(threshold)
@@ -165,6 +178,8 @@ def spread(
                 away = math.hypot(float(col) - target_col, float(row) - target_row)
                 rank += np.float32(np.float32(away) * attraction)
             # navfn's A* also asks a neighbour to be worse by this rank: cells once reached are seldom looked at again.
+            # A neighbour is put in where this cell may lower it: by 0.7 of its own cost at least, the factor of a
+            # diagonal wave in `wave_value`.
             near = rank < limit
             queue, n = (following, n_following) if near else (later, n_later)
             if left > rank + np.float32(0.707106781 * costs[cell - one]):
@@ -182,10 +197,11 @@ def spread(
         current, following = following, current
         n_current, n_following = n_following, 0
         if n_current == 0:
-            # This level of priority is done: the cells that were put off are next.
+            # All cells below the threshold are done: it rises, and those that were put off are next.
             limit += np.float32(increment)
             current, later = later, current
             n_current, n_later = n_later, 0
+        # As in ROS the wave stops at the end of the round in which it reaches the target.
         if target >= 0 and potential[target] < UNREACHED:
             break
     for i in range(n_current):
@@ -222,7 +238,7 @@ def _mixed(a: np.float32, b: np.float32, share: np.float32) -> np.float32:
 
 @njit(cache=True)
 def _lowest_beside(potential: Potential, cell: int, cols: int) -> tuple[int, bool]:
-    """The lowest of a cell and its eight neighbours, and whether the wave reached all of them.
+    """Return the lowest of a cell and its eight neighbours, and whether the wave reached all of them.
 
     Neighbours across a corner do not count when the cells on both sides of the corner were not reached.
     """
@@ -248,10 +264,10 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
 
     Args:
         potential: (rows * cols,).
-        cols: of the map.
-        x: where to begin; its nearest cell was reached.
+        cols: columns of the map.
+        x: place to begin at; its nearest cell was reached.
         y: the same.
-        end_x: where the wave began.
+        end_x: place where the wave began.
         end_y: the same.
 
     Returns:
@@ -280,6 +296,7 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
             # Going round in circles: down from cell to cell until lower than ever.
             afoot = afoot or since_best > MAX_STEPS_WITHOUT_DESCENT
         lowest, inside = _lowest_beside(potential, cell, cols)
+        # Interpolated slopes may lead to and fro between two positions: that is left like a place without slope.
         swings = n > 2 and path[n - 1, 0] == path[n - 3, 0] and path[n - 1, 1] == path[n - 3, 1]
         step_x = step_y = np.float32(0.0)
         if inside and not swings and not afoot:
@@ -317,7 +334,7 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
 
 @njit(cache=True)
 def descend_by_cells(potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
-    """The same from cell to cell: each the lowest of the eight around the one before."""
+    """Do the same from cell to cell: each is the lowest of the eight around the one before."""
     path = [(np.float32(x), np.float32(y))]
     cell = round(y) * cols + round(x)
     end = round(end_y) * cols + round(end_x)
