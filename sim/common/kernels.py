@@ -32,6 +32,6 @@ config.CACHE_DIR = str(_FOLDER)  # type: ignore[attr-defined]  # numba makes it 
 
 
 def is_compiled() -> bool:
-    """Return True when kernels of these sources were compiled on this machine before; else the first run takes longer."""
+    """Return True when kernels of these sources were compiled here before; else the first run takes longer."""
     # numba makes the folder as soon as a kernel is imported.
     return any(_FOLDER.rglob("*.nbc"))
