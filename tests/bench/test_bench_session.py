@@ -38,13 +38,13 @@ STAGES = {
     "localisation": ((Amcl, "update"),),
     "costmaps": (
         (Costmap2D, "observe"),
-        (Costmap2D, "see"),
+        (Costmap2D, "update_neighbours"),
         (Costmap2D, "update"),
         (Costmap2D, "without_robots"),
         (Costmap2D, "as_updated"),
     ),
-    "planning": ((ItineraryPlanner, "way"), (ItineraryPlanner, "refuge"), (ItineraryPlanner, "obstructed")),
-    "control": ((Follower, "step"), (Follower, "look_around")),
+    "planning": ((ItineraryPlanner, "plan"), (ItineraryPlanner, "refuge"), (ItineraryPlanner, "obstructed")),
+    "control": ((Follower, "step"), (Follower, "rotate_recovery")),
     "rest of the navigator": ((Navigator, "step"),),
 }
 

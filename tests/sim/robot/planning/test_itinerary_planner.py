@@ -1,4 +1,4 @@
-"""A robot's choice of way, asked again and again."""
+"""Planning of itineraries, asked for again and again."""
 
 import numpy as np
 import pytest
@@ -25,36 +25,36 @@ def corridor():
     return OccupancyGrid(cells, 0.05, Pose2(0.0, 0.0, 0.0))
 
 
-def router_and_planner():
+def itinerary_planner_and_path_planner():
     grid = corridor()
     costmap = Costmap2D(HUNT.global_costmap, BODY, grid)
     planner = global_planner("navfn/NavfnROS", NavfnParameters(), GlobalPlannerParameters())
     return ItineraryPlanner(grid, costmap, HUNT.global_costmap.inflation_layer, planner), planner
 
 
-def barred(router, start, goal):
-    """What is answered while a robot stands in the corridor's middle."""
+def barred(itineraries, start, goal):
+    """Plan while a robot stands in the middle of the corridor."""
     other = Neighbour(1, Pose2(3.0, 1.0, 0.0), STANDSTILL, BODY, np.empty((0, 2)), np.empty(0))
-    router.see([other])
-    return router.way(start, goal, 0.0, itineraries_of([other]))
+    itineraries.update_neighbours([other])
+    return itineraries.plan(start, goal, 0.0, itineraries_of([other]))
 
 
-def test_the_way_wished_for_is_planned_once_as_long_as_start_goal_and_planner_stay(monkeypatch: pytest.MonkeyPatch):
-    router, planner = router_and_planner()
+def test_the_wanted_path_is_planned_once_as_long_as_start_goal_and_planner_stay(monkeypatch: pytest.MonkeyPatch):
+    itineraries, planner = itinerary_planner_and_path_planner()
     asked = []
     plan = PotentialPlanner.plan
 
     def counted(self, costs, *arguments):
-        asked.append(costs is not router.costmap.costs)
+        asked.append(costs is not itineraries.costmap.costs)
         return plan(self, costs, *arguments)
 
     monkeypatch.setattr(PotentialPlanner, "plan", counted)
-    first, again = (barred(router, START, GOAL) for _ in range(2))
+    first, again = (barred(itineraries, START, GOAL) for _ in range(2))
     assert isinstance(first, BlockedByRobots)
     assert np.array_equal(first.wanted_path, again.wanted_path)
     assert asked.count(True) == 1
     elsewhere = Pose2(5.0, 0.9, 0.0)
-    assert barred(router, START, elsewhere).wanted_path[-1].tolist() == [5.0, 0.9]
-    router.configure(HUNT.global_costmap.inflation_layer, planner)
-    assert barred(router, START, elsewhere).wanted_path[-1].tolist() == [5.0, 0.9]
+    assert barred(itineraries, START, elsewhere).wanted_path[-1].tolist() == [5.0, 0.9]
+    itineraries.configure(HUNT.global_costmap.inflation_layer, planner)
+    assert barred(itineraries, START, elsewhere).wanted_path[-1].tolist() == [5.0, 0.9]
     assert asked.count(True) == 3
