@@ -89,6 +89,7 @@ class Rover:
         if self.ardupilot:
             self.downloads()
         self.waits("its version", lambda: vehicle.version.raw_version is not None)
+        self.waits("its battery and heading", lambda: vehicle.battery is not None and vehicle.heading is not None)
         home, at = vehicle.home_location, vehicle.location.global_frame
         return {
             "version": str(vehicle.version),

@@ -232,6 +232,12 @@ async def runs_a_mission(rover: Rover, way: Sequence[tuple[float, float]]) -> To
     await rover.reaches(*way[-1])
     while not await rover.plan.plugin.is_mission_finished():
         await asyncio.sleep(0.05)
+
+    async def completed() -> None:
+        while not seen or seen[-1][0] != seen[-1][1]:
+            await asyncio.sleep(0.05)
+
+    await in_time("the progress to be told to its end", completed())
     following.cancel()
     await in_time("clearing", rover.plan.plugin.clear_mission())
     left = await in_time("the empty download", rover.plan.download())

@@ -9,6 +9,7 @@ import pytest
 
 from tests.peers.mavproxy import MavProxy
 from tests.peers.rovers import degrees, free_udp_port, needs, rovers
+from tests.system.programs import until
 
 pytestmark = needs("mavproxy")
 
@@ -24,8 +25,8 @@ def proxy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[MavProxy]:
 
 
 def test_all_robots_are_detected(proxy: MavProxy) -> None:
-    told = proxy.output.read_text()
-    assert all(f"Detected vehicle {system}:1 on link 0" in told for system in (1, 2, 3))
+    detected = [f"Detected vehicle {system}:1 on link 0" for system in (1, 2, 3)]
+    until("every robot to be detected", lambda: all(line in proxy.output.read_text() for line in detected), [])
 
 
 def test_a_parameter_is_shown_set_and_a_wrong_one_refused(proxy: MavProxy) -> None:

@@ -1,7 +1,4 @@
-"""ROS 1's own nodes and tools, in Python and in C++, find each other through our master.
-
-Debian packages them, see the head of test_ros_bag_tools.py.
-"""
+"""ROS 1's own nodes and tools, in Python and in C++, find each other through our master."""
 
 import os
 import re
@@ -21,7 +18,7 @@ PYTHON = "/usr/bin/python3"
 TOOLS = ("rostopic", "rosnode", "rosparam", "rosservice", "rosbag", "roslaunch", "roswtf")
 pytestmark = pytest.mark.skipif(
     any(shutil.which(tool) is None for tool in TOOLS),
-    reason=f"not installed: {', '.join(TOOLS)} (see the head of test_ros_bag_tools.py)",
+    reason=f"not installed: {', '.join(TOOLS)} (see scripts/install_peers.sh)",
 )
 PATIENCE = 120.0
 

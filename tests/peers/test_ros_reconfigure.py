@@ -1,16 +1,15 @@
 """ROS 1's own dynamic_reconfigure beside a running session: its Python client, which rqt uses too, and dynparam."""
 
 import json
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from ruamel.yaml import YAML
 
 from tests.peers.beside import NEEDS_ROS, PYTHON, Ros, session
+from tests.system.programs import until
 
-PATIENCE = 120.0
 DYNPARAM = Path("/usr/lib/dynamic_reconfigure/dynparam")
 
 pytestmark = [
@@ -102,18 +101,21 @@ def test_dynparam_lists_saves_and_sets_and_the_robot_obeys(beside: Ros, tmp_path
     assert "robot_radius" not in beside.says("rosparam", "get", costmap)  # Null, which messages cannot say.
     layer, corners = f"{costmap}/obstacle_layer", [[0.5, 0.25], [-0.5, 0.25], [0.0, -0.75]]
     beside.says(PYTHON, str(DYNPARAM), "set", layer, "combination_method", "Nothing")
-    until(lambda: beside.says("rosparam", "get", f"{layer}/combination_method").strip() == "99")
+    method = f"{layer}/combination_method"
+    until("the method to change", lambda: beside.says("rosparam", "get", method).strip() == "99", [])
     beside.says(PYTHON, str(DYNPARAM), "set", costmap, f"{{width: 6.0, footprint: '{corners}'}}")
-    until(lambda: YAML(typ="safe").load(beside.says("rosparam", "get", f"{costmap}/footprint")) == corners)
-    until(lambda: beside.says("rostopic", "echo", "-n", "1", f"{costmap}/costmap/info/width").split()[0] == "120")
+
+    def has_corners() -> bool:
+        return YAML(typ="safe").load(beside.says("rosparam", "get", f"{costmap}/footprint")) == corners
+
+    def is_wider() -> bool:
+        return beside.says("rostopic", "echo", "-n", "1", f"{costmap}/costmap/info/width").split()[0] == "120"
+
+    until("the footprint to change", has_corners, [])
+    until("the costmap to be wider", is_wider, [])
 
 
 def test_what_rosparam_sets_dynparam_gets(beside: Ros) -> None:
     beside.says("rosparam", "set", "/robot2/amcl/kld_err", "0.0625")
-    until(lambda: "'kld_err': 0.0625" in beside.says(PYTHON, str(DYNPARAM), "get", "/robot2/amcl"))
-
-
-def until(true: Callable[[], bool]) -> None:
-    end = time.monotonic() + PATIENCE
-    while not true():
-        assert time.monotonic() < end
+    asked = (PYTHON, str(DYNPARAM), "get", "/robot2/amcl")
+    until("the parameter to change", lambda: "'kld_err': 0.0625" in beside.says(*asked), [])

@@ -44,6 +44,12 @@ class Sight:
     pixels: FloatArray
     log: str
 
+    @property
+    def has_walls(self) -> bool:
+        """Whether the outer walls are there: lines that go through most of the view."""
+        dark = (self.pixels.max(axis=2) < 120) & (np.ptp(self.pixels, axis=2) < 10)
+        return bool((dark.sum(axis=0) > 500).sum() >= 4 and (dark.sum(axis=1) > 600).sum() >= 4)
+
     def count(self, colour: str) -> int:
         """How many pixels have a colour, given as rviz writes it."""
         wanted = np.array([float(part) for part in colour.split(";")])
@@ -81,9 +87,9 @@ def sight(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sight]:
 
         def is_drawn() -> bool:
             seen[:] = [Sight(look(ros, folder / "rviz.png"), log.read_text(errors="replace"))]
-            return all(seen[0].count(colour) > 300 for colour in plans)
+            return seen[0].has_walls and all(seen[0].count(colour) > 300 for colour in plans)
 
-        until("both robots to be drawn", is_drawn, [hunt], 150.0)
+        until("the map and both robots to be drawn", is_drawn, [hunt], 150.0)
         yield seen[0]
 
 
@@ -93,10 +99,7 @@ def test_every_robot_is_drawn_in_its_colour(sight: Sight, robot: int) -> None:
 
 
 def test_the_maps_walls_are_drawn(sight: Sight) -> None:
-    dark = (sight.pixels.max(axis=2) < 120) & (np.ptp(sight.pixels, axis=2) < 10)
-    # The outer walls: lines that go through most of the view.
-    assert (dark.sum(axis=0) > 500).sum() >= 4
-    assert (dark.sum(axis=1) > 600).sum() >= 4
+    assert sight.has_walls
 
 
 def test_rviz_has_nothing_to_complain_of(sight: Sight) -> None:

@@ -185,8 +185,7 @@ def test_a_recording_is_looked_through_by_mouse_and_keys(screen: Desktop, tmp_pa
     with started(screen, tmp_path, "watch", "hunt.bag", "--look", "light") as program:
         watch = Watch(screen, program, "hunt.bag")
         watch.named("recording", "label")
-        line = watch.named("Time", "slider")
-        screen.click(line.middle)
+        watch.click("Time", "slider")
         watch.named("0:04", "label")
         before = costs_drawn(watch, tmp_path)
         watch.press("5")

@@ -13,9 +13,10 @@ ENOUGH = 2_000_000
 def test_a_killed_hunt_replays_up_to_its_end(tmp_path: Path) -> None:
     hunt = Program(tmp_path, "play", "--port", "0", "--seed", "7", "--rate", "0", "--json", "--bag", "hunt.bag")
     active = tmp_path / "hunt.bag.active"
-    until("some of a hunt", lambda: active.exists() and active.stat().st_size > ENOUGH, [hunt])
-    hunt.kill()
-    hunt.close()
+    try:
+        until("some of a hunt", lambda: active.exists() and active.stat().st_size > ENOUGH, [hunt])
+    finally:
+        hunt.close()  # which kills it
     assert thbridge(tmp_path, "bag", "reindex", str(active)).returncode == 0
     done = thbridge(tmp_path, "replay", "hunt.bag")
     assert done.returncode == 0, done.stdout + done.stderr

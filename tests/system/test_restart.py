@@ -31,11 +31,6 @@ def test_a_hunt_survives_the_death_of_each_program(hunt, tmp_path):
     def count(kind: str) -> int:
         return kinds(tmp_path).count(kind)
 
-    def departed_again() -> None:
-        """Wait until a robot is under way."""
-        before = count("departed")
-        until("a robot to set out", lambda: count("departed") > before or "ended" in kinds(tmp_path), everyone())
-
     def everyone() -> list[Program]:
         return list(hunt.values())
 

@@ -286,7 +286,7 @@ async def test_a_bag_holds_what_robots_said_as_they_said_it_after_the_session(tm
         async with master() as ros, alive(Actor(ros.uri)) as actor:
             async with fleet_at(ros.uri, recorder) as fleet:
                 static = pack.transforms(0, [pack.Transform("robot1/base_footprint", "laser", Pose2(0, 0, 0))])
-                while fleet.missing():
+                while fleet.missing() or not actor.out[names.TF_STATIC].subscribers:
                     recorder.flush()
                     await asyncio.sleep(0.01)
                 actor.out[names.TF_STATIC].publish(static)

@@ -506,20 +506,21 @@ async def test_nothing_is_offered_twice():
 
 @with_patience
 async def test_silent_peers_are_cut_off_but_patient_clients_are_not(monkeypatch):
-    monkeypatch.setattr(tcpros_server, "HANDSHAKE_SECONDS", 0.05)
     async with master() as ros:
         us = RosNode("/us", ros.uri)
         us.advertise("/chatter", *STRING)
         us.serve("/now", *TRIGGER, lambda request: request)
         async with running(us):
-            silent, slow, client = [await Peer.of(ros, us) for _ in range(3)]
-            slow.writer.write(b"\xff\x00")
+            client = await Peer.of(ros, us)
             client.writer.write(
                 encode_header({"callerid": "/them", "md5sum": "*", "service": "/now", "persistent": "1"})
             )
+            await client.hears()
+            monkeypatch.setattr(tcpros_server, "HANDSHAKE_SECONDS", 0.05)
+            silent, slow = [await Peer.of(ros, us) for _ in range(2)]
+            slow.writer.write(b"\xff\x00")
             assert await silent.is_cut_off()
             assert await slow.is_cut_off()
-            await client.hears()
             client.writer.write(frame(b"still here"))
             assert await client.reader.readexactly(1) == b"\x01"
             assert await client.hears() == b"still here"
