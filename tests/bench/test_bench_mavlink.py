@@ -38,7 +38,7 @@ import asyncio, json, sys, time
 from thbridge.sockets.addresses import Address
 from thbridge.sockets.mavlink.client import linked
 from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.station.ground_station import Acked, Unanswered
+from thbridge.wire.mavlink.station.ground_station import CommandAcked, CommandUnanswered
 
 async def main():
     port, robots, seconds = int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3])
@@ -59,7 +59,7 @@ async def main():
             answered = False
             while not answered:
                 for event in await link.turn():
-                    answered = answered or isinstance(event, Acked | Unanswered) and event.system == robot
+                    answered = answered or isinstance(event, CommandAcked | CommandUnanswered) and event.system == robot
             waits.append(time.monotonic() - sent)
             pause = time.monotonic() + 0.013
             while time.monotonic() < pause:

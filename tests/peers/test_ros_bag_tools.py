@@ -301,10 +301,10 @@ from pathlib import Path
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.app.session.broadcast import Broadcast
-from thbridge.ros.publisher import Publisher
+from thbridge.ros.publisher import TeamPublisher
 
 writer = BagWriter(Path(sys.argv[1]))
-recorder = Broadcast(Publisher(2, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
+recorder = Broadcast(TeamPublisher(2, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
 for snapshot in snapshots(2, 100_000):
     recorder.record(snapshot)
     print(snapshot.tick, flush=True)

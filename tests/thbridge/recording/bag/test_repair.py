@@ -140,7 +140,7 @@ import time
 from pathlib import Path
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.files.ros.definitions import Definitions
-from thbridge.ros.publisher import Message, Topic
+from thbridge.ros.publisher import RosMessage, Topic
 
 topic = Topic("/chatter", "std_msgs/String")
 writer = BagWriter(Path(sys.argv[1]), Definitions(()))
@@ -148,7 +148,7 @@ number = 0
 while True:
     text = b"%08d" % number + b"x" * 200
     stamp = 1_000_000_000 + number * 2_000_000
-    writer.write(Message(topic, stamp, len(text).to_bytes(4, "little") + text))
+    writer.write(RosMessage(topic, stamp, len(text).to_bytes(4, "little") + text))
     writer.sync_if_due()
     number += 1
     sys.stdout.write(f"{time.monotonic()} {stamp}\\n")
