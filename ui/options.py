@@ -17,13 +17,19 @@ from thbridge.files.signing_key import read_signing_key
 from thbridge.files.yaml.tree import read_text
 from thbridge.recording.recordings import make_room, try_place
 from thbridge.roles.bots import BotStrategy
-from thbridge.sockets.addresses import Address, ListeningAddress, address_in
+from thbridge.sockets.addresses import (
+    LOCALHOST,
+    ROS_MASTER_URI,
+    TEXT_SERVER_PORT,
+    WATCH_PORT,
+    Address,
+    ListeningAddress,
+    address_in,
+    target_in,
+)
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.server import MavlinkPorts
-from thbridge.sockets.mavlink.udp import target_in
-from thbridge.sockets.rosgraph.joining import DEFAULT_URI, GraphAddress, MasterPresence, is_master_uri
-from thbridge.sockets.text_server import DEFAULT_HOST, DEFAULT_PORT
-from thbridge.sockets.watch_server import DEFAULT_PORT as WATCH_PORT
+from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence, is_master_uri
 from thbridge.study.study_file import Study, load_study
 from thbridge.wire.mavlink.options import AutopilotIdentity
 from ui.terminal import BAD_INPUT, bad_input, fail, note
@@ -42,7 +48,7 @@ Port = Annotated[int | None, typer.Option(help="TCP port for other programs; 0 t
 BagFile = Annotated[Path | None, typer.Option(help="Where to record. An older file is kept under a new name.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, nothing else.")]
 Templates = Annotated[str | None, typer.Option(help="Name of a set of templates, or path of its folder.")]
-ADDRESS = f"{DEFAULT_HOST}:{DEFAULT_PORT}"
+ADDRESS = f"{LOCALHOST}:{TEXT_SERVER_PORT}"
 Server = Annotated[str, typer.Option("--server", help="Where the text server is, HOST:PORT.", metavar="HOST:PORT")]
 Ros = Annotated[bool, typer.Option("--ros", help="Take part in a ROS 1 graph; see docs/live-graph.md.")]
 RosMaster = Annotated[
@@ -51,7 +57,7 @@ RosMaster = Annotated[
         "--ros-master",
         envvar="ROS_MASTER_URI",
         metavar="URI",
-        help=f"The ROS master, by default {DEFAULT_URI}. Where none answers on this machine, this program is it.",
+        help=f"The ROS master, by default {ROS_MASTER_URI}. Where none answers on this machine, this program is it.",
     ),
 ]
 RosHost = Annotated[
@@ -165,10 +171,10 @@ def graph_of(ros: bool, master: str | None, host: str | None) -> GraphAddress | 
     """Where to meet ROS; None where that is not wanted."""
     if not ros:
         return None
-    uri = master or DEFAULT_URI
+    uri = master or ROS_MASTER_URI
     if not is_master_uri(uri):
-        fail(BAD_INPUT, f"--ros-master: {uri!r} is not a master's address. Write {DEFAULT_URI}, for example.")
-    return GraphAddress(uri, host or DEFAULT_HOST)
+        fail(BAD_INPUT, f"--ros-master: {uri!r} is not a master's address. Write {ROS_MASTER_URI}, for example.")
+    return GraphAddress(uri, host or LOCALHOST)
 
 
 def watch_of(study: Study, file: Path | None, at: str | None, key: Path | None) -> WatchAddress | None:

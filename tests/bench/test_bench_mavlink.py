@@ -21,9 +21,8 @@ from thbridge.app import play
 from thbridge.app.compose import read_setting
 from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.app.session.session import TickRecord
-from thbridge.sockets.addresses import Address
+from thbridge.sockets.addresses import Address, UdpTarget
 from thbridge.sockets.mavlink.server import MavlinkPorts
-from thbridge.sockets.mavlink.udp import UdpTarget
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
 

@@ -8,8 +8,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from thbridge.sockets.addresses import Address
-from thbridge.sockets.mavlink.udp import UdpTarget
+from thbridge.sockets.addresses import Address, UdpTarget
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
 from thbridge.wire.mavlink.options import AutopilotIdentity

@@ -1,7 +1,13 @@
-"""Network addresses as people write them: HOST:PORT."""
+"""Network addresses: HOST:PORT as people write them, and those used by default."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
+
+LOCALHOST = "127.0.0.1"
+TEXT_SERVER_PORT = 6009
+WATCH_PORT = 6010
+ROS_MASTER_PORT = 11311
+ROS_MASTER_URI = f"http://{LOCALHOST}:{ROS_MASTER_PORT}"
 
 
 class Address(NamedTuple):
@@ -32,3 +38,29 @@ def address_in(text: str) -> Address | None:
     if not bare or bare != bare.strip() or set(bare) & set("[]/ ") or (":" in bare) != bracketed:
         return None
     return Address(bare, int(number))
+
+
+class UdpTarget(NamedTuple):
+    """Target of a socket, to which it sends from the start.
+
+    Attributes:
+        address: address of the station.
+        robot: the only robot on the link, from 0; None: all robots.
+    """
+
+    address: Address
+    robot: int | None = None
+
+    def __str__(self) -> str:
+        return f"{self.address}" if self.robot is None else f"{self.address}/{self.robot + 1}"
+
+
+def target_in(text: str) -> UdpTarget | None:
+    """Parse HOST:PORT, or HOST:PORT/ROBOT with a robot's number from 1; None when it is invalid."""
+    where, slash, number = text.partition("/")
+    address = address_in(where)
+    if address is None or not slash:
+        return None if address is None else UdpTarget(address)
+    if not (number.isascii() and number.isdecimal() and int(number) > 0):
+        return None
+    return UdpTarget(address, int(number) - 1)

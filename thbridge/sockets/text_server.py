@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Protocol
 
 from thbridge.files.errors import reason_of
-from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.addresses import LOCALHOST, TEXT_SERVER_PORT, ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.wire.router import (
     ClientJoined,
@@ -28,9 +28,6 @@ from thbridge.wire.router import (
     SendToClient,
     TurnedAway,
 )
-
-DEFAULT_HOST = "127.0.0.1"
-DEFAULT_PORT = 6009
 
 _log = logging.getLogger(__name__)
 
@@ -94,7 +91,7 @@ class TextServer:
         self._server: asyncio.Server | None = None
         self._watch: asyncio.Task[None] | None = None
 
-    async def start(self, host: str = DEFAULT_HOST, port: int = DEFAULT_PORT) -> ListeningAddress | CannotListen:
+    async def start(self, host: str = LOCALHOST, port: int = TEXT_SERVER_PORT) -> ListeningAddress | CannotListen:
         """Begin to serve; port 0 takes any that is free."""
         if not 0 <= port <= 65535:
             return CannotListen(host, port, "a port is a number from 0 to 65535")

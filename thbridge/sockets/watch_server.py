@@ -32,8 +32,6 @@ from thbridge.wire.watch_protocol import (
     refusal,
 )
 
-DEFAULT_PORT = 6010
-
 WATCHERS = 8
 """Most watchers at a time; further ones are turned away."""
 

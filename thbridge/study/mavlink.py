@@ -8,8 +8,7 @@ from typing import TypeVar
 from sim.parameters import param
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
-from thbridge.sockets.addresses import Address, address_in
-from thbridge.sockets.mavlink.udp import UdpTarget, target_in
+from thbridge.sockets.addresses import Address, UdpTarget, address_in, target_in
 from thbridge.wire.mavlink.options import (
     LONGEST_PATIENCE,
     SHORTEST_PATIENCE,

@@ -22,7 +22,7 @@ from thbridge.recording.bag.parts import SplitLimits
 from thbridge.recording.bag.records import Compression
 from thbridge.roles.bots import BotStrategy
 from thbridge.roles.keeper.keeper import MOST_ROBOTS
-from thbridge.sockets.text_server import DEFAULT_PORT
+from thbridge.sockets.addresses import TEXT_SERVER_PORT
 from thbridge.study.mavlink import MavlinkSection, faults_of_mavlink
 from thbridge.study.noise import (
     TARGET_PATHS,
@@ -95,7 +95,7 @@ class ServerSection:
     """The text server of the game's programs."""
 
     host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 lets other machines in")
-    port: int = param(DEFAULT_PORT, "TCP port; 0 takes any that is free", "", 0, 65535)
+    port: int = param(TEXT_SERVER_PORT, "TCP port; 0 takes any that is free", "", 0, 65535)
     dialect: Dialect = param(Dialect.LEGACY_2016, "which reading of %%goto comes first")
 
 

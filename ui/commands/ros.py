@@ -8,7 +8,7 @@ import typer
 
 from thbridge.files.ros.package import write_packages
 from thbridge.ros.rviz import configuration
-from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_PORT, ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph import master_server
 from ui.options import MapName, Robots, StudyFile, setting_of, study_of
@@ -30,10 +30,8 @@ def ros_messages(folder: Annotated[Path, typer.Argument(help="Where packages go,
 def ros_master(
     host: Annotated[
         str, typer.Option(help="Address to listen on; 0.0.0.0 lets other machines in, all of them.")
-    ] = master_server.DEFAULT_HOST,
-    port: Annotated[
-        int, typer.Option(help="TCP port; 0 takes a free one.", min=0, max=65535)
-    ] = master_server.DEFAULT_PORT,
+    ] = LOCALHOST,
+    port: Annotated[int, typer.Option(help="TCP port; 0 takes a free one.", min=0, max=65535)] = ROS_MASTER_PORT,
 ) -> None:
     """Run a ROS master, in place of roscore, until stopped."""
 

@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from thbridge.files.errors import BadFiles
-from thbridge.sockets.addresses import Address, address_in
-from thbridge.sockets.mavlink.udp import UdpTarget
+from thbridge.sockets.addresses import Address, UdpTarget, address_in
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study, read_study_text
 from thbridge.study.text import resolved

@@ -17,9 +17,8 @@ from tests.system.programs import Program, until
 from tests.thbridge.app.replay.test_mavlink_replay import Station, record
 from tests.thbridge.wire.mavlink.rig import OPTIONS, Game
 from thbridge.app.session.session import Session
-from thbridge.sockets.addresses import Address
+from thbridge.sockets.addresses import Address, UdpTarget
 from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
-from thbridge.sockets.mavlink.udp import UdpTarget
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.frames.signing import SigningKey, key_in

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, cast
 
 from thbridge.files.errors import reason_of
-from thbridge.sockets.addresses import Address, address_in
+from thbridge.sockets.addresses import Address, UdpTarget
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.links import GARBAGE, MavlinkLinks
 from thbridge.wire.mavlink.frames.channel import Channel
@@ -37,32 +37,6 @@ BUFFER = 4 * 1024 * 1024
 
 SocketAddress = tuple[str, int] | tuple[str, int, int, int]
 """Address in the form of Python's sockets, for IPv4 or IPv6."""
-
-
-class UdpTarget(NamedTuple):
-    """Target of a socket, to which it sends from the start.
-
-    Attributes:
-        address: address of the station.
-        robot: the only robot on the link, from 0; None: all robots.
-    """
-
-    address: Address
-    robot: int | None = None
-
-    def __str__(self) -> str:
-        return f"{self.address}" if self.robot is None else f"{self.address}/{self.robot + 1}"
-
-
-def target_in(text: str) -> UdpTarget | None:
-    """Parse HOST:PORT, or HOST:PORT/ROBOT with a robot's number from 1; None when it is invalid."""
-    where, slash, number = text.partition("/")
-    address = address_in(where)
-    if address is None or not slash:
-        return None if address is None else UdpTarget(address)
-    if not (number.isascii() and number.isdecimal() and int(number) > 0):
-        return None
-    return UdpTarget(address, int(number) - 1)
 
 
 @dataclass(slots=True)

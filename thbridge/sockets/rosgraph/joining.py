@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from enum import Enum
 from urllib.parse import urlsplit
 
+from thbridge.sockets.addresses import ROS_MASTER_PORT, ROS_MASTER_URI
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
-from thbridge.sockets.rosgraph.master_server import DEFAULT_PORT, MasterServer
-
-DEFAULT_URI = f"http://127.0.0.1:{DEFAULT_PORT}"
+from thbridge.sockets.rosgraph.master_server import MasterServer
 
 _PATIENCE = 2.0
 """Seconds that a master has to answer the first call."""
@@ -26,7 +25,7 @@ class GraphAddress:
         host: own address to listen on and to be called at. Anybody who can connect there can drive robots.
     """
 
-    master_uri: str = DEFAULT_URI
+    master_uri: str = ROS_MASTER_URI
     host: str = "127.0.0.1"
 
 
@@ -59,5 +58,5 @@ async def master_of(graph: GraphAddress) -> AsyncIterator[MasterPresence | Canno
     elif parts.hostname not in _OURS | {graph.host}:
         yield MasterPresence.AWAITED
     else:
-        async with MasterServer(graph.host, parts.port or DEFAULT_PORT) as own:
+        async with MasterServer(graph.host, parts.port or ROS_MASTER_PORT) as own:
             yield own if isinstance(own, CannotListen) else MasterPresence.OURS

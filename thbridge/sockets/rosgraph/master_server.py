@@ -11,7 +11,7 @@ from collections import OrderedDict
 from collections.abc import Awaitable, Callable
 from types import TracebackType
 
-from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_PORT, ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import XmlRpcServer
@@ -28,9 +28,6 @@ from thbridge.wire.rosgraph.master import (
     PublisherUpdate,
 )
 from thbridge.wire.rosgraph.xmlrpc import Fault, MethodCall, MethodResponse, XmlRpcValue
-
-DEFAULT_HOST = "127.0.0.1"
-DEFAULT_PORT = 11311
 
 CALLER_ID = "/master"
 """Caller id of the master in calls to nodes."""
@@ -59,7 +56,7 @@ class MasterServer:
         timeout: seconds that a node has to accept a notification.
     """
 
-    def __init__(self, host: str = DEFAULT_HOST, port: int = DEFAULT_PORT, patience: float = 5.0) -> None:
+    def __init__(self, host: str = LOCALHOST, port: int = ROS_MASTER_PORT, patience: float = 5.0) -> None:
         self._host = host
         self._port = port
         self._patience = patience

@@ -16,10 +16,9 @@ from thbridge.app.session.inputs import KeptAlive
 from thbridge.app.session.session import TickRecord
 from thbridge.app.session.watch_requests import request_line
 from thbridge.roles.robot_requests import PaceRequest, Pause, Resume
-from thbridge.sockets.addresses import Address, ListeningAddress
+from thbridge.sockets.addresses import Address, ListeningAddress, UdpTarget
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.server import MavlinkPorts
-from thbridge.sockets.mavlink.udp import UdpTarget
 from thbridge.sockets.watch_client import WatchClient
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study

@@ -10,13 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.sockets.addresses import Address
+from thbridge.sockets.addresses import Address, UdpTarget, target_in
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink import tcp as mavlink_tcp
 from thbridge.sockets.mavlink import udp as mavlink_udp
 from thbridge.sockets.mavlink.links import GARBAGE
 from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
-from thbridge.sockets.mavlink.udp import UdpTarget, target_in
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.frames.framer import FrameParser
