@@ -25,7 +25,7 @@ from sim.team import TeamSnapshot
 from thbridge.app.compose import build_bot, read_setting
 from thbridge.app.session.session import Session
 from thbridge.hunt.events import Event
-from thbridge.roles.bots import BotStrategy
+from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.tabui import TabUI
 from thbridge.study.study_file import Study
 from thbridge.wire.router import MessageRouter

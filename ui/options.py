@@ -16,7 +16,7 @@ from thbridge.files.map_files import read_grid
 from thbridge.files.signing_key import read_signing_key
 from thbridge.files.yaml.tree import read_text
 from thbridge.recording.recordings import make_room, try_place
-from thbridge.roles.bots import BotStrategy
+from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.sockets.addresses import (
     LOCALHOST,
     ROS_MASTER_URI,

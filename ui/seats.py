@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from thbridge.app.compose import build_bot
 from thbridge.files.template_files import TemplateSet
-from thbridge.roles.bots import BotStrategy
+from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.tabui import TabUI
 from ui.options import ParticipantKind
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, out

@@ -20,7 +20,7 @@ from tests.thbridge.ros.drive import SESSION
 from thbridge.app.compose import StudySetting, read_setting
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import Definitions
-from thbridge.recording.bag.records import Compression
+from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.ros.messages.types import typestore
 from thbridge.ros.publisher import RosMessage, TeamPublisher, Topic

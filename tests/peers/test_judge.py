@@ -24,7 +24,7 @@ from tests.thbridge.analysis.planting import (
 from tests.thbridge.offline.foreign import transform
 from thbridge.analysis.check import FindingSeverity, Judgement, judge
 from thbridge.analysis.cut import CutRange, cut
-from thbridge.recording.bag.records import Compression
+from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.scan import scan
 from thbridge.ros.messages.types import plain_definition
 

@@ -21,9 +21,8 @@ from tests.system.ports import free_port
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import Definitions
-from thbridge.recording.bag.parts import SplitLimits
+from thbridge.recording.bag.options import Compression, SplitLimits
 from thbridge.recording.bag.reader import info, messages
-from thbridge.recording.bag.records import Compression
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.bag.worker import InlineQueue
 from thbridge.recording.bag.writer import WHOLE, BagWriter

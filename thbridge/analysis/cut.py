@@ -8,8 +8,9 @@ from pathlib import Path
 from thbridge.files.errors import BadFile
 from thbridge.files.new_file import new_file
 from thbridge.recording.bag.bag_file import BagFile
+from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reader import info, recorded
-from thbridge.recording.bag.records import BagConnection, Compression
+from thbridge.recording.bag.records import BagConnection
 
 
 @dataclass(frozen=True, slots=True)

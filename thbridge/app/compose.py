@@ -30,7 +30,8 @@ from thbridge.files.yaml.tree import read_text
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Event
 from thbridge.recording.bag.writer import BagWriter
-from thbridge.roles.bots import Bot, BotStrategy, TreasureKnowledge
+from thbridge.roles.bot_strategy import BotStrategy
+from thbridge.roles.bots import Bot, TreasureKnowledge
 from thbridge.roles.hider import Hider
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.disclosure import plain_costs

@@ -31,6 +31,9 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.treasures import same_name
 
+MOST_ROBOTS = 250
+"""Greatest size of a team: MAVLink system ids up to 250 are for vehicles, those above for ground stations."""
+
 
 class RuleReason(StrEnum):
     """Reason of a rule for a refusal."""

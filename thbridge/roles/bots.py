@@ -3,11 +3,11 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 
 from sim.common.noise import NoiseStream
 from thbridge.hunt.events import Condition
 from thbridge.hunt.treasures import TreasureKind
+from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.view import (
     Agree,
     Answer,
@@ -32,18 +32,6 @@ STOP_PROBABILITY = 0.1
 """Probability that the `random` participant answers Stop."""
 MAX_ATTEMPTS = 3
 """Times that a robot is sent to a room that it does not reach."""
-
-
-class BotStrategy(StrEnum):
-    """Strategy by which a simulated participant chooses rooms.
-
-    `suggestion` takes the robot's advice, `nearest` the room that costs the robot least, `random` any room; the last
-    one also breaks off one dialogue in ten.
-    """
-
-    SUGGESTION = "suggestion"
-    NEAREST = "nearest"
-    RANDOM = "random"
 
 
 @dataclass(frozen=True, slots=True)

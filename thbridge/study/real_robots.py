@@ -4,7 +4,6 @@ import dataclasses
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import NamedTuple, TypeVar, cast
 
 from sim.parameters import param
@@ -24,13 +23,6 @@ _NAME = re.compile(r"/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*/?")
 _FRAME = re.compile(r"\S+")
 _OWN = ("odom_frame", "odom", "scan", "amcl_pose", "battery", "cmd_vel", "initialpose", "move_base", "plan")
 """Fields whose names must be unique in a team."""
-
-
-class RobotsFrom(StrEnum):
-    """Source of the robots."""
-
-    SIM = "sim"
-    ROS = "ros"
 
 
 @dataclass(frozen=True, slots=True)

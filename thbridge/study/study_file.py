@@ -18,10 +18,9 @@ from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.ros.parameters import read_ros_parameters
 from thbridge.files.yaml.load import Loaded, load_tree
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, read_text
-from thbridge.recording.bag.parts import SplitLimits
-from thbridge.recording.bag.records import Compression
-from thbridge.roles.bots import BotStrategy
-from thbridge.roles.keeper.keeper import MOST_ROBOTS
+from thbridge.hunt.rules import MOST_ROBOTS
+from thbridge.recording.bag.options import Compression, SplitLimits
+from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.sockets.addresses import TEXT_SERVER_PORT
 from thbridge.study.mavlink import MavlinkSection, faults_of_mavlink
 from thbridge.study.noise import (
@@ -34,7 +33,8 @@ from thbridge.study.noise import (
     with_noise,
     with_value,
 )
-from thbridge.study.real_robots import FleetSection, RobotsFrom, faults_of_fleet
+from thbridge.study.real_robots import FleetSection, faults_of_fleet
+from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.things import MishapEntry, ThingEntry, faults_of_mishaps, faults_of_things
 from thbridge.wire.canonical import Dialect
 

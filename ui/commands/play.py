@@ -11,7 +11,7 @@ from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.app.session.session import TickRecord
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
-from thbridge.study.real_robots import RobotsFrom
+from thbridge.study.robots_from import RobotsFrom
 from thbridge.wire import legacy
 from ui.display import why_no_window
 from ui.games import WindowGames, offer_of, play_in_window

@@ -19,7 +19,7 @@ from thbridge.roles.view import View
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.text_client import ConnectionLost
-from thbridge.study.real_robots import RobotsFrom
+from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import Study
 from ui.display import why_no_window
 from ui.options import (

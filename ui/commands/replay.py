@@ -15,7 +15,7 @@ from thbridge.app.compose import read_setting, versions
 from thbridge.app.replay.replay import Difference, Replayed, ReplayOptions, replay, session_of
 from thbridge.app.session.session import TickRecord
 from thbridge.recording.bag.reader import info, messages
-from thbridge.roles.bots import BotStrategy
+from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.ros.messages.records import SessionRecord
 from thbridge.ros.names import INPUTS
 from thbridge.study.overrides import StudyChange, with_changes

@@ -8,8 +8,8 @@ from tests.thbridge.offline.foreign import transform
 from thbridge.analysis.check import judge
 from thbridge.analysis.cut import CutRange, cut
 from thbridge.files.errors import BadFile
+from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reader import info, recorded
-from thbridge.recording.bag.records import Compression
 from thbridge.recording.bag.scan import ChunkRecord, ConnectionRecord, scan
 
 

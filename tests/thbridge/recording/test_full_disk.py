@@ -11,9 +11,8 @@ import pytest
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import Definitions
-from thbridge.recording.bag.parts import SplitLimits
+from thbridge.recording.bag.options import Compression, SplitLimits
 from thbridge.recording.bag.reader import messages
-from thbridge.recording.bag.records import Compression
 from thbridge.recording.bag.writer import WHOLE, BagNotWritten, BagWriter
 from thbridge.recording.recordings import parts_of
 from thbridge.ros.publisher import TeamPublisher

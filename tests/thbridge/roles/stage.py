@@ -16,7 +16,7 @@ from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.hunt.events import Condition, Event
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.bots import BotStrategy
+from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.disclosure import plain_costs
 from thbridge.roles.keeper.keeper import GameRules, Keeper

@@ -3,7 +3,8 @@ from dataclasses import replace
 import pytest
 
 from thbridge.hunt.events import Condition
-from thbridge.roles.bots import Bot, BotStrategy, TreasureKnowledge
+from thbridge.roles.bot_strategy import BotStrategy
+from thbridge.roles.bots import Bot, TreasureKnowledge
 from thbridge.roles.view import GiveUp, RobotView, RoomView, Select, Unsure, View
 
 COSTS = ((None, 5.0, 9.0, 7.0), (None, None, 5.0, 5.0), (None, 5.0, None, 5.0), (None, 5.0, 5.0, None))

@@ -19,7 +19,7 @@ from thbridge.hunt.events import (
     Sensed,
 )
 from thbridge.hunt.rooms import CORRIDOR, Room
-from thbridge.roles.bots import BotStrategy
+from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.notices import KEEPER, Orders, Status, decode_notice
 from thbridge.roles.robot_requests import (
     CallBackFor,

@@ -21,7 +21,7 @@ from thbridge.hunt.events import (
     Started,
 )
 from thbridge.hunt.game import fold
-from thbridge.roles.bots import BotStrategy
+from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import (

@@ -11,7 +11,7 @@ from tests.thbridge.roles.stage import Stage, templates
 from thbridge.app.compose import build_bot, read_setting
 from thbridge.hunt.game import fold
 from thbridge.roles import notices, view
-from thbridge.roles.bots import BotStrategy
+from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.notices import KEEPER, encode_notice
 from thbridge.roles.tabui import ParticipantUpdate, TabUI

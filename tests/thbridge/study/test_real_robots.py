@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from thbridge.files.errors import BadFile, BadFiles
-from thbridge.study.real_robots import RobotsFrom
+from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import Study, read_study_text
 from thbridge.study.text import resolved
 

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from sim.parameters import OdometryNoise, RobotParameters, WorldParameters
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.yaml.load import load_text
-from thbridge.recording.bag.parts import SplitLimits
-from thbridge.recording.bag.records import Compression
-from thbridge.roles.bots import BotStrategy
+from thbridge.recording.bag.options import Compression, SplitLimits
+from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.study.noise import NoisePreset
 from thbridge.study.study_file import (
     GameSection,

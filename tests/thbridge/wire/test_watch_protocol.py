@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.records import (
     MAGIC,
     U32,
     BagConnection,
-    Compression,
     bag_header,
     chunk_record,
     connection_record,

@@ -11,7 +11,7 @@ from thbridge.app.play import PLAY, NoLog
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
-from thbridge.recording.bag.records import Compression
+from thbridge.recording.bag.options import Compression
 from thbridge.roles.robot_requests import Request
 from thbridge.roles.tabui import TabUI
 from thbridge.study.study_file import RecordingSection, Study

@@ -41,7 +41,7 @@ from thbridge.app.session.simr_session import SimrSession
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag import reader as bag_reader
 from thbridge.recording.bag.reader import RawMessage
-from thbridge.roles.bots import BotStrategy
+from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.role import Role
 from thbridge.roles.tabui import TabUI
 from thbridge.ros import names
@@ -50,7 +50,7 @@ from thbridge.ros.messages.differences import FieldDifference, differences
 from thbridge.ros.messages.records import SessionRecord
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
 from thbridge.ros.publisher import RosMessage
-from thbridge.study.real_robots import RobotsFrom
+from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import read_study_text
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer

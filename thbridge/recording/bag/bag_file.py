@@ -6,10 +6,10 @@ from pathlib import Path
 
 from thbridge.recording.bag.chunks import Chunk, ChunkBuilder
 from thbridge.recording.bag.disk_room import reserve_space
+from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.records import (
     MAGIC,
     BagConnection,
-    Compression,
     bag_header,
     chunk_info_record,
     chunk_record,

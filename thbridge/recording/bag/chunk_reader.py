@@ -9,8 +9,8 @@ from typing import BinaryIO
 
 from rosbags.rosbag1.reader import Header, RecordType, decompressors, read_bytes, read_uint32
 
+from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reader import damage_as_bad_file, damaged
-from thbridge.recording.bag.records import Compression
 
 BYTES_KEPT = 32 * 1024 * 1024
 """Bytes of unpacked chunks that are cached."""

@@ -6,28 +6,10 @@ from pathlib import Path
 
 from thbridge.recording.bag.bag_file import ChunkFile
 from thbridge.recording.bag.chunks import Chunk, ChunkBuilder
-from thbridge.recording.bag.records import BagConnection, Compression
+from thbridge.recording.bag.options import Compression, SplitLimits
+from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.bag.worker import JobQueue
 from thbridge.recording.recordings import ACTIVE, active_of, part_of
-
-
-@dataclass(frozen=True, slots=True)
-class SplitLimits:
-    """Limits of a file, after which a recording goes on in another one.
-
-    Attributes:
-        size: bytes after which a file ends, behind a chunk and all messages of one stamp; None for no limit.
-            Latched messages repeated at a file's beginning do not count: they alone may be larger.
-        duration_ns: longest recorded time of a file; None for no limit.
-    """
-
-    size: int | None = None
-    duration_ns: int | None = None
-
-    @property
-    def wanted(self) -> bool:
-        """True when there is a limit, so that there may be several files."""
-        return self.size is not None or self.duration_ns is not None
 
 
 @dataclass(frozen=True, slots=True)

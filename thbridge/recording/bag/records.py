@@ -7,12 +7,13 @@ LZ4 frames are of the only kind that roslz4 reads.
 import bz2
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import StrEnum
 from functools import lru_cache
 from struct import Struct
 
 import lz4.frame
 from rosbags.rosbag1.reader import RecordType
+
+from thbridge.recording.bag.options import Compression
 
 MAGIC = b"#ROSBAG V2.0\n"
 HEADER_BYTES = 4096
@@ -23,14 +24,6 @@ U32 = Struct("<I")
 _U64 = Struct("<Q")
 _TIME = Struct("<II")
 _BZ2_LEVEL = 9
-
-
-class Compression(StrEnum):
-    """Compression of the chunks of a bag."""
-
-    NONE = "none"
-    LZ4 = "lz4"
-    BZ2 = "bz2"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,8 +11,9 @@ from rosbags.rosbag1.reader import Header, ReaderError, RecordType, decompressor
 
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag.bag_file import BagFile
+from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reader import check_is_bag
-from thbridge.recording.bag.records import MAGIC, BagConnection, Compression
+from thbridge.recording.bag.records import MAGIC, BagConnection
 from thbridge.recording.recordings import ACTIVE
 
 _TORN = (ReaderError, struct.error, ValueError, LookupError, EOFError, OSError, RuntimeError, MemoryError)

@@ -4,11 +4,11 @@ from collections import defaultdict
 from collections.abc import Sequence
 
 from thbridge.files.ros.definitions import Definitions
+from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.records import (
     MAGIC,
     U32,
     BagConnection,
-    Compression,
     bag_header,
     chunk_record,
     connection_record,

@@ -16,6 +16,7 @@ from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Agreed, Commander, Event, Hidden, Started
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
+from thbridge.hunt.rules import MOST_ROBOTS
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.disclosure import view_of
 from thbridge.roles.keeper.legacy_lines import LegacyLines, request_kind
@@ -50,9 +51,6 @@ from thbridge.wire import legacy
 from thbridge.wire.notice import Notice, is_notice, parse_notice
 from thbridge.wire.router import Forwarded
 from thbridge.wire.text import TextMessage
-
-MOST_ROBOTS = 250
-"""Greatest size of a team: MAVLink system ids up to 250 are for vehicles, those above for ground stations."""
 
 _BEFORE_AGREEING = RequestRefused(KeeperReason.NOT_AGREED, "You have not agreed to take part yet.")
 _AFTER_AGREEING = {wish.__name__ for wish in get_args(ParticipantRequest)} - {Agree.__name__}

@@ -12,7 +12,7 @@ import typer
 from thbridge.analysis.check import BagTool, Finding, FindingSeverity, Judgement, judge
 from thbridge.analysis.cut import CutRange, cut
 from thbridge.analysis.summary import RecordingSummary, summarise
-from thbridge.recording.bag.records import Compression
+from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.repair import reindex as reindex_bag
 from thbridge.recording.bag.scan import scan
 from thbridge.recording.recordings import parts_of

@@ -36,11 +36,11 @@ from thbridge.app.session.session import Session, TickRecord
 from thbridge.app.session.simr_session import SimrSession
 from thbridge.app.session.watch_requests import request_line
 from thbridge.files.errors import BadFile
+from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reader import messages
-from thbridge.recording.bag.records import Compression
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.bag.writer import BagWriter
-from thbridge.roles.bots import BotStrategy
+from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.notices import KEEPER, MoveOrder, Orders, Subscribe, encode_notice
 from thbridge.roles.robot_requests import (
     AdviseFor,

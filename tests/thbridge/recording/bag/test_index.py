@@ -12,8 +12,9 @@ from thbridge.recording.bag.bag_file import BagFile, ChunkFile
 from thbridge.recording.bag.chunk_reader import WHOLE
 from thbridge.recording.bag.chunks import ChunkBuilder
 from thbridge.recording.bag.index import BagIndex, open_index
+from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reader import RawMessage
-from thbridge.recording.bag.records import BagConnection, Compression
+from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages import types
 from thbridge.ros.messages.pack.fields import string
 

@@ -18,9 +18,8 @@ from thbridge.recording.bag import bag_file
 from thbridge.recording.bag import chunks as bag_chunks
 from thbridge.recording.bag import writer as bag_writer
 from thbridge.recording.bag.bag_file import BagFile
-from thbridge.recording.bag.parts import SplitLimits
+from thbridge.recording.bag.options import Compression, SplitLimits
 from thbridge.recording.bag.reader import info, messages
-from thbridge.recording.bag.records import Compression
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.bag.worker import InlineQueue, JobQueue, WorkerThread
 from thbridge.recording.bag.writer import WHOLE, BagNotWritten, BagWriter

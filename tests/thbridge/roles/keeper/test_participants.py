@@ -13,7 +13,7 @@ from thbridge.app.compose import read_setting
 from thbridge.hunt.events import Agreed, Departed, Hidden, Identified, Pictured, Sensed
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.bots import BotStrategy
+from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.keeper.participants import PIECE_PERIOD, PIECE_SIZE, Participants

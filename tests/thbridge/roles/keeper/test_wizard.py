@@ -7,7 +7,7 @@ from tests.thbridge.roles.test_hunt import Script
 from thbridge.dialogue.moves import Author
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
-from thbridge.roles.bots import BotStrategy
+from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.keeper.wizard import WizardState
 from thbridge.roles.robot_requests import AdviseFor, Puppeteer, SpeakFor, WizardRequest
 from thbridge.roles.tabui import TabUI

@@ -1,0 +1,10 @@
+"""The kinds of robots that a study may have."""
+
+from enum import StrEnum
+
+
+class RobotsFrom(StrEnum):
+    """Source of the robots."""
+
+    SIM = "sim"
+    ROS = "ros"
