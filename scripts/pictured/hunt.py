@@ -1,4 +1,4 @@
-"""A real game in this process, and the model of the participant's window that is told of it."""
+"""A real game in this process, and the model of the participant's window on it."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -22,15 +22,15 @@ LIMIT = 120.0
 
 
 class PicturedHunt:
-    """Plays as a person at the window would; time goes on only here.
+    """A real game, played as a person at the window would. Its time goes on in the methods of this class only.
 
     Args:
-        study: what is played; its paths are absolute.
+        study: the study to play; its paths are absolute.
 
     Attributes:
         model: of the window.
         now: seconds of the window's clock.
-        shade: changes what the game said before the window gets it.
+        shade: changes the game's notices before the window gets them.
         levels: the latest notice of each kind.
     """
 
@@ -95,19 +95,19 @@ class PicturedHunt:
         self.until(lambda screen: bool(getattr(screen.popup, "choices", ())))
 
     def agree(self) -> None:
-        """Say yes to all that the robot whose talk is shown asks."""
+        """Give the first answer to all questions of the robot in the pop-up."""
         self.asked()
         while getattr(self.screen.popup, "choices", ()):
             self.do(GiveAnswer(0))
             self.run(0.2)
 
     def send(self, act: Act) -> None:
-        """Have the robot selected go somewhere, and agree to what it says."""
+        """Send the selected robot somewhere, and agree to all it asks."""
         self.do(act)
         self.agree()
 
     def reached(self) -> None:
-        """Wait until a robot has told what it sees in the room that it came to."""
+        """Wait until a robot has reported what it sees in the room that it came to."""
         self.until(lambda screen: bool(getattr(screen.popup, "colour", "")))
 
     def tell(self, change: Callable[[View], View]) -> None:

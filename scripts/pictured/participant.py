@@ -81,16 +81,16 @@ def shot(name: str, window: ParticipantWindow) -> Shot:
 
 def before() -> Iterator[Shot]:
     """Start page, being made ready, connecting."""
-    table = ParticipantMainWindow(Appearance(_application(), "light"), lambda _: None)
-    table.resize(*SIZE)
-    table.show()
-    table.receive(Offer(1, 4, 2))
-    yield Shot("start", table)
-    table.receive(Offer(2, 2, 2))
-    yield Shot("start-no-choice", table)
-    table.receive(Preparing("The robots are being made ready."))
-    yield Shot("preparing", table)
-    table.leave()
+    window = ParticipantMainWindow(Appearance(_application(), "light"), lambda _: None)
+    window.resize(*SIZE)
+    window.show()
+    window.receive(Offer(1, 4, 2))
+    yield Shot("start", window)
+    window.receive(Offer(2, 2, 2))
+    yield Shot("start-no-choice", window)
+    window.receive(Preparing("The robots are being made ready."))
+    yield Shot("preparing", window)
+    window.leave()
     yield shot("connecting", window_on(Participant(), lambda: 0.0))
 
 
@@ -122,7 +122,7 @@ class _RecordedLink(ParticipantLink):
 
     def __init__(self, hunt: PicturedHunt) -> None:
         super().__init__("", 0, "")
-        self._said = [ReceivedEvent(hunt.now, news) for news in (ServerReached(), *hunt.levels.values())]
+        self._recorded = [ReceivedEvent(hunt.now, event) for event in (ServerReached(), *hunt.levels.values())]
 
     def start(self) -> None:
         """Do nothing: it is not connected to anything."""
@@ -132,8 +132,8 @@ class _RecordedLink(ParticipantLink):
 
     def take_events(self) -> list[ReceivedEvent]:
         """Return all events at once."""
-        heard, self._said = self._said, []
-        return heard
+        events, self._recorded = self._recorded, []
+        return events
 
 
 def _application() -> QApplication:
@@ -182,7 +182,7 @@ def hunting() -> Iterator[Shot]:
 
 
 def _at_work(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
-    """Robot 1 is under way, robot 2 waits for it."""
+    """Robot 1 drives, robot 2 waits for it."""
     for robot, room in ((1, 1), (0, 2)):
         hunt.do(ChooseRobot(robot))
         hunt.send(ChooseRoom(room))
@@ -276,7 +276,7 @@ def sure() -> Iterator[Shot]:
 
 
 def commanded() -> Iterator[Shot]:
-    """A ground station takes a robot that is under way, is asked for it, and sends it on from what it found."""
+    """A ground station takes a robot that is driving, is asked for it, and sends it on from the treasure it found."""
     hunt = PicturedHunt(Study())
     window = window_on(hunt.model, lambda: hunt.now)
     for robot, room in ((1, 1), (0, 8)):
@@ -310,18 +310,18 @@ def crowd() -> Iterator[Shot]:
 def leaving() -> Iterator[Shot]:
     """The question that closing the window asks in the middle of a game."""
     hunt = PicturedHunt(Study())
-    table = ParticipantMainWindow(Appearance(_application(), "light"), lambda _: None, lambda: hunt.now)
-    table.resize(*SIZE)
-    table.show()
-    table.join(_RecordedLink(hunt))
-    if table.game is None:
-        raise RuntimeError("the table has no game")
-    game = table.game
+    window = ParticipantMainWindow(Appearance(_application(), "light"), lambda _: None, lambda: hunt.now)
+    window.resize(*SIZE)
+    window.show()
+    window.join(_RecordedLink(hunt))
+    if window.game is None:
+        raise RuntimeError("the window has no game")
+    game = window.game
     game.pump()
-    table.close()
-    box = table.findChild(QMessageBox)
-    yield Shot("leave", table, game.window_of_game.set_palette, over=box)
-    table.leave()
+    window.close()
+    box = window.findChild(QMessageBox)
+    yield Shot("leave", window, game.window_of_game.set_palette, over=box)
+    window.leave()
 
 
 STORIES = (

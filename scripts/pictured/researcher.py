@@ -1,4 +1,4 @@
-"""The researcher's window: on a recording, and at a session under way with somebody speaking for a robot."""
+"""The researcher's window: on a recording, and on a running session with a wizard who speaks for a robot."""
 
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -43,7 +43,7 @@ SPOKEN_FOR: Mapping[int, Request] = {
     1: Puppeteer(1, on=True),
     40: AdviseFor(0, 4),
 }
-"""Robot 1 has been told where to go and is to say so; robot 2 is asked."""
+"""Requests of a wizard, by tick: robot 1 has been sent to a room and is to say so; robot 2 is asked."""
 
 
 def play(listeners: Sequence[Listener], ticks: int, requests: Mapping[int, Request]) -> None:
@@ -99,11 +99,11 @@ class _RecordedClient(WatchClient):
 
     def __init__(self, events: list[WatchEvent]) -> None:
         super().__init__("", 0)
-        self._events = events
+        self._recorded = events
 
     def take(self) -> list[WatchEvent]:
         """Return all events at once."""
-        events, self._events = self._events, []
+        events, self._recorded = self._recorded, []
         return events
 
     def send(self, line: bytes) -> bool:

@@ -300,7 +300,7 @@ class HostPipe(QObject):
 def play_at(host: str, port: int, token: str, choice: look.Choice) -> int:
     """Open the window at a server; returns when it is closed."""
     app = QApplication(sys.argv[:1])
-    # Python's own answer, an exception in whatever slot runs just then, Qt would only print.
+    # Without this, Ctrl-C raises an exception in whatever slot runs just then, which Qt only prints.
     signal.signal(signal.SIGINT, lambda _number, _frame: app.quit())
     table = ParticipantMainWindow(look.Appearance(app, choice), None)
     table.join(ParticipantLink(host, port, token))

@@ -111,14 +111,14 @@ class BadgeText:
         colour: the robot's.
         selected: the robot is selected; the label is filled then.
         trouble: something is wrong with the robot; the label has a warning sign then.
-        taken: another commander of the robot, in words; the label has a mast before them then.
+        commander: somebody else who commands the robot, in words; the label has a mast before them then.
     """
 
     label: str
     colour: str
     selected: bool
     trouble: bool
-    taken: str
+    commander: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,9 +155,9 @@ def _made(badge_text: BadgeText, palette: Palette, font: QFont, ratio: float) ->
     face.setWeight(QFont.Weight.Bold)
     metrics = QFontMetricsF(face)
     warning = SIGN_WIDTH if badge_text.trouble else 0.0
-    own, other = metrics.horizontalAdvance(badge_text.label), metrics.horizontalAdvance(badge_text.taken)
-    taken = SIGN_WIDTH + other + GAP if badge_text.taken else 0.0
-    width = float(round(max(own + warning + taken + 13.0, LABEL_HEIGHT)))
+    own, other = metrics.horizontalAdvance(badge_text.label), metrics.horizontalAdvance(badge_text.commander)
+    mast = SIGN_WIDTH + other + GAP if badge_text.commander else 0.0
+    width = float(round(max(own + warning + mast + 13.0, LABEL_HEIGHT)))
     picture = QPixmap(round(width * ratio), round(LABEL_HEIGHT * ratio))
     picture.setDevicePixelRatio(ratio)
     picture.fill(Qt.GlobalColor.transparent)
@@ -174,11 +174,11 @@ def _made(badge_text: BadgeText, palette: Palette, font: QFont, ratio: float) ->
     painter.setFont(face)
     painter.setPen(ink)
     baseline = (LABEL_HEIGHT + metrics.capHeight()) / 2.0
-    left = warning + (width - warning - taken - own) / 2.0
+    left = warning + (width - warning - mast - own) / 2.0
     painter.drawText(QPointF(left, baseline), badge_text.label)
-    if badge_text.taken:
+    if badge_text.commander:
         _paint_mast(painter, left + own + GAP, ink)
-        painter.drawText(QPointF(left + own + SIGN_WIDTH + GAP, baseline), badge_text.taken)
+        painter.drawText(QPointF(left + own + SIGN_WIDTH + GAP, baseline), badge_text.commander)
     painter.end()
     return Badge(picture, width, LABEL_HEIGHT)
 

@@ -18,9 +18,9 @@ def describe(rooms: Sequence[RoomMark], robots: Sequence[RobotMark]) -> str:
         where = _where(robot, rooms)
         going = _going(robot, rooms)
         trouble = ", in trouble" if robot.trouble else ""
-        taken = f", commanded by {robot.commander}" if robot.commander else ""
+        commanded = f", commanded by {robot.commander}" if robot.commander else ""
         chosen = ", selected" if robot.selected else ""
-        sentences.append(f"robot {robot.robot + 1} {where}{going}{trouble}{taken}{chosen}")
+        sentences.append(f"robot {robot.robot + 1} {where}{going}{trouble}{commanded}{chosen}")
     return "; ".join(sentences) + "."
 
 

@@ -175,7 +175,7 @@ class Card(QWidget):
     """A robot: its face, and a button that stops it while it drives, or asks another commander to give it back.
 
     Attributes:
-        asked: the `Act` of what was pressed.
+        asked: carries the `Act` of the pressed button.
     """
 
     asked = Signal(object)
@@ -234,7 +234,7 @@ class Cards(QWidget):
     """The cards of all robots, in the order of the team.
 
     Attributes:
-        asked: the `Act` of what was pressed.
+        asked: carries the `Act` of the pressed button.
         reveal: the card that should be seen.
     """
 

@@ -19,7 +19,7 @@ class SideColumn(QWidget):
     """Robots above rooms: rooms get the height they need, robots come closer together, and only then something scrolls.
 
     Attributes:
-        asked: the `Act` of what was pressed or looked at.
+        asked: carries the `Act` of the pressed button or of the room looked at.
     """
 
     asked = Signal(object)

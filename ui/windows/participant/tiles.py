@@ -10,7 +10,7 @@ from ui.windows.look import GAP, RADIUS, colours, font
 from ui.windows.participant.widgets.buttons import ParticipantButton
 from ui.windows.participant.widgets.painting import Sign, box, chip, chip_size, elided, ring, sign
 
-SIGNS: dict[str, Sign] = {"unvisited": "open", "reserved": "way", "visited": "tick"}
+SIGNS: dict[str, Sign] = {"unvisited": "open", "reserved": "arrow", "visited": "tick"}
 STATES: dict[str, str] = {"unvisited": "not visited yet", "reserved": "a robot is under way", "visited": "visited"}
 
 SPACE = GAP - 2
@@ -144,7 +144,7 @@ class Tiles(QWidget):
     """All rooms in a grid: with few columns, and so room for names, where the height allows it.
 
     Attributes:
-        asked: the `Act` of what was pressed or looked at.
+        asked: carries the `Act` of the pressed button or of the room looked at.
         reveal: the tile that should be seen.
     """
 
@@ -172,7 +172,7 @@ class Tiles(QWidget):
         number = max(1, len(self.tiles))
         most = min(number, max(1, (width + SPACE) // (_NARROW + SPACE)))
         self._columns = next((few for few in range(min(2, most), most) if self._high(few) <= height), most)
-        # As few rows need perhaps fewer columns, which are wider then.
+        # So many rows may need fewer columns, which are wider then.
         self._columns = -(-number // -(-number // self._columns))
         self._place()
         return self._high(self._columns)

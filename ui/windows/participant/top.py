@@ -17,7 +17,7 @@ class TopStrip(QWidget):
     """Score at the left, tools at the right.
 
     Attributes:
-        asked: the `Act` of what was pressed.
+        asked: carries the `Act` of the pressed button.
     """
 
     asked = Signal(object)

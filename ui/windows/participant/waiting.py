@@ -87,7 +87,7 @@ class WaitingStrip(QWidget):
     """All that waits for the participant, oldest first; its height never changes, so that nothing jumps.
 
     Attributes:
-        asked: the `Act` of what was pressed.
+        asked: carries the `Act` of the pressed button.
         history: the button that opens the history.
     """
 

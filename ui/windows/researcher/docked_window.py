@@ -44,7 +44,7 @@ class DockedWindow(QMainWindow):
     """The window's parts, buttons and keys; a subclass gives them data and actions.
 
     Args:
-        title: name of what is watched.
+        title: name of the session or recording.
         palette: the colours.
         live: a running session, or else a recording.
         canvas: the map.

@@ -14,7 +14,7 @@ def show(feed: Feed, title: str, choice: Choice) -> None:
     """Show a feed in the researcher's window until it is closed.
 
     Args:
-        feed: what is watched.
+        feed: the session or recording.
         title: its name, for people.
         choice: light, dark, or as the system has it.
     """
@@ -25,6 +25,6 @@ def show(feed: Feed, title: str, choice: Choice) -> None:
     window = ResearcherWindow(feed, title, appearance.palette, time.monotonic)
     appearance.changed.connect(window.set_palette)
     window.show()
-    # Qt would print the exception that Ctrl-C raises in one of its slots, and go on.
+    # Without this, Ctrl-C raises an exception in whatever slot runs just then, which Qt only prints.
     signal.signal(signal.SIGINT, lambda number, frame: app.quit())
     app.exec()

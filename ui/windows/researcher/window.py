@@ -42,7 +42,7 @@ class ResearcherWindow(DockedWindow):
 
     Args:
         feed: source of all that is shown.
-        title: name of what is watched.
+        title: name of the session or recording.
         palette: the colours.
         clock: seconds that never go back.
     """

@@ -31,7 +31,7 @@ def edit(path: Path, choice: Choice = "system") -> int:
         BadFile: the file cannot be read.
     """
     app = QApplication(sys.argv[:1])
-    # Python's own answer, an exception in whatever slot runs just then, Qt would only print.
+    # Without this, Ctrl-C raises an exception in whatever slot runs just then, which Qt only prints.
     signal.signal(signal.SIGINT, lambda _number, _frame: app.quit())
     look = Appearance(app, choice)
     window = study_window(path)

@@ -70,9 +70,9 @@ def test_a_label_leaves_words_readable() -> None:
 
 def test_a_label_grows_by_the_words_on_who_commands_its_robot(qtbot) -> None:
     badges, font = Badges(), QFont()
-    own = BadgeText("1", LIGHT.robot(0), selected=False, trouble=False, taken="")
+    own = BadgeText("1", LIGHT.robot(0), selected=False, trouble=False, commander="")
     narrow = badges.of(own, LIGHT, font, 1.0)
-    wide = badges.of(replace(own, taken="ground station 255"), LIGHT, font, 1.0)
+    wide = badges.of(replace(own, commander="ground station 255"), LIGHT, font, 1.0)
     assert wide.width > narrow.width + SIGN_WIDTH and badges.of(own, LIGHT, font, 1.0) is narrow
 
 

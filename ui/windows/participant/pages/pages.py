@@ -45,7 +45,7 @@ class ConsentPage(QWidget):
     """The text to agree to, and the button for it.
 
     Attributes:
-        asked: the `Act` of what was pressed.
+        asked: carries the `Act` of the pressed button.
     """
 
     asked = Signal(object)
@@ -91,7 +91,7 @@ class QuestionPanel(TitledPanel):
     """The question whether an act is really meant.
 
     Attributes:
-        asked: the `Act` of what was pressed.
+        asked: carries the `Act` of the pressed button.
     """
 
     asked = Signal(object)
@@ -118,7 +118,7 @@ class EndingPanel(TitledPanel):
     """The panel at the end of the game.
 
     Attributes:
-        asked: the `Act` of what was pressed.
+        asked: carries the `Act` of the pressed button.
     """
 
     asked = Signal(object)
@@ -159,7 +159,7 @@ class HelpSheet(TitledPanel):
     """Sheet of all keys and their meanings.
 
     Attributes:
-        asked: the `Act` of what was pressed.
+        asked: carries the `Act` of the pressed button.
     """
 
     asked = Signal(object)

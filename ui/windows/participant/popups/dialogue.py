@@ -14,7 +14,7 @@ class DialoguePanel(TitledPanel):
     """A dialogue with a robot: sentences as bubbles, answers as buttons.
 
     Attributes:
-        asked: the `Act` of what was pressed.
+        asked: carries the `Act` of the pressed button.
     """
 
     asked = Signal(object)
@@ -51,7 +51,7 @@ class DialoguePanel(TitledPanel):
         self.choices.show_actions(pop.choices)
 
     def _made(self) -> ActionButton:
-        # All alike: which answer looks better must not be the window's doing.
+        # All alike: the window must not make one answer look better than another.
         button = ActionButton(hints=True)
         button.asked.connect(self.asked)
         return button

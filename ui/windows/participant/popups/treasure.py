@@ -20,7 +20,7 @@ class TreasurePanel(TitledPanel):
     """Sensor readings and picture at the left, the list of possible names at the right.
 
     Attributes:
-        asked: the `Act` of what was pressed or picked.
+        asked: carries the `Act` of the pressed button or of the picked name.
     """
 
     asked = Signal(object)
@@ -45,7 +45,7 @@ class TreasurePanel(TitledPanel):
             NamingResult(),
         )
         self.take_picture = ActionButton(hints=True)
-        # Its place stays: the list would move under the pointer when the picture comes.
+        # It keeps its space when hidden: else the list would move under the pointer when the picture comes.
         keeping = self.take_picture.sizePolicy()
         keeping.setRetainSizeWhenHidden(True)
         self.take_picture.setSizePolicy(keeping)

@@ -114,7 +114,7 @@ class ActionButton(ParticipantButton):
         self._action: Action | None = None
         self._weight = weight
         self._hints = hints
-        # One that may break into lines has to be allowed to be higher than its usual height.
+        # A label that breaks into lines needs more than the usual height.
         policy = QSizePolicy(
             QSizePolicy.Policy.Minimum, QSizePolicy.Policy.Minimum if hints else QSizePolicy.Policy.Fixed
         )

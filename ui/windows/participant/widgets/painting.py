@@ -7,7 +7,7 @@ from PySide6.QtGui import QBrush, QColor, QFontMetricsF, QPainter, QPainterPath,
 
 from ui.windows.look import GAP, RADIUS, RING, colours, font, text_colour_on
 
-Sign = Literal["open", "way", "tick", "trouble", "busy", "talk", "mast"]
+Sign = Literal["open", "arrow", "tick", "trouble", "busy", "talk", "mast"]
 """Not visited yet, a robot is on its way, visited; something is wrong; asked for and not done yet; somebody speaks;
 somebody else commands."""
 
@@ -93,7 +93,7 @@ def sign(painter: QPainter, rect: QRectF, kind: Sign, ink: str) -> None:
     match kind:
         case "open":
             painter.drawEllipse(area.adjusted(side * 0.2, side * 0.2, -side * 0.2, -side * 0.2))
-        case "way":
+        case "arrow":
             painter.drawPolyline([at(0.1, 0.5), at(0.9, 0.5)])
             painter.drawPolyline([at(0.6, 0.2), at(0.9, 0.5), at(0.6, 0.8)])
         case "tick":

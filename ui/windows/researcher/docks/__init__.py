@@ -1,1 +1,1 @@
-"""The docks around the researcher's map: team, lists, plots, timeline, wizard, what is displayed."""
+"""The docks around the researcher's map: robots, displays, plots, lists, playback, wizard."""

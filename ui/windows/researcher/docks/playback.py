@@ -128,7 +128,7 @@ class PlaybackBar(QWidget):
         play_toggled: play when paused, pause when playing.
         stepped: so many steps forward, or back when negative.
         speed_chosen: simulated seconds per second.
-        seek: to this moment, seconds since the beginning.
+        seek: to this time, seconds since the beginning.
     """
 
     play_toggled = Signal()

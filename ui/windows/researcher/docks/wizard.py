@@ -1,4 +1,4 @@
-"""Wizard-of-Oz: the researcher speaks in a robot's place; the record says so."""
+"""Wizard-of-Oz: the researcher speaks in a robot's place, and the recording marks it."""
 
 from functools import partial
 

@@ -62,7 +62,7 @@ class BagOpener:
                 source: BagSource = done.value
                 if source.session is not None:
                     source.rooms = rooms_of(source.session, self.path)
-                # What is read for the first picture would keep the window waiting.
+                # Read now what the first frame needs, which would keep the window waiting later.
                 source.scene(source.start_ns, ShownLayers())
                 return source
         return None
