@@ -21,7 +21,7 @@ class Seat:
         """What is shown because of it."""
         before = len(self.shown)
         self.person.type(line)
-        self.stage.tabui.look_again()
+        self.stage.tabui.poll_player()
         self.stage.run(ticks)
         return self.shown[before:]
 

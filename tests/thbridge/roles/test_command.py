@@ -64,7 +64,7 @@ class Play:
 
     def wish(self, *wishes: ParticipantRequest, ticks: int = 6) -> View:
         self.player.wish = wishes
-        self.stage.tabui.look_again()
+        self.stage.tabui.poll_player()
         self.stage.run(ticks)
         self.player.wish = ()
         return self.view

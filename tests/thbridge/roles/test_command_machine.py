@@ -61,7 +61,7 @@ def test_only_commanders_send_robots_and_nobody_is_left_on_the_way(played):
                 sent |= {(what.robot, what.room)} if isinstance(what, SendFor) else set()
             else:
                 player.wish += _wished(stage.view(), what)
-        stage.tabui.look_again()
+        stage.tabui.poll_player()
         stage.run(ticks)
     player.wish = ()
     stage.puppets.researchers = (None, None)

@@ -62,7 +62,7 @@ def scripted():
 
     def say(*wishes: ParticipantRequest, ticks: int = 8) -> View:
         player.wish = wishes
-        played.tabui.look_again()
+        played.tabui.poll_player()
         played.run(ticks)
         return played.view()
 
@@ -184,7 +184,7 @@ def test_a_robot_without_the_energy_is_refused_before_it_moves():
     played = Stage(participant=TabUI(player), rules=replace(stage.RULES, energy=15.0))
     played.run(5)
     player.wish = (Select(0, 3),)
-    played.tabui.look_again()
+    played.tabui.poll_player()
     played.run(8)
     view = played.view()
     assert view.refusal.reason == "not-enough-energy"
@@ -350,7 +350,7 @@ def test_playing_again_hides_anew_and_counts_on():
     player = Script()
     player.wish = (PlayAgain(1),)
     played.tabui._player = player
-    played.tabui.look_again()
+    played.tabui.poll_player()
     played.run(12)
     again = played.session.game
     assert again.started.game == 2

@@ -373,7 +373,7 @@ def test_a_disk_that_is_too_slow_ends_the_recording_with_everything_in_it(
 def test_a_disk_that_does_not_answer_leaves_the_file_to_be_mended(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(bag_writer, "LAST_SECONDS", 0.05)
+    monkeypatch.setattr(bag_writer, "CLOSE_SECONDS", 0.05)
     gate = threading.Event()
     writer = BagWriter(tmp_path / "a.bag", PLAIN, make_queue=lambda name: Stalled(name, gate, time.monotonic))
     writer.write(text(0))

@@ -26,7 +26,7 @@ class Oz:
 
     def wish(self, *wishes: ParticipantRequest) -> View:
         self.player.wish = wishes
-        self.stage.tabui.look_again()
+        self.stage.tabui.poll_player()
         self.stage.run(5)
         self.player.wish = ()
         return self.view
@@ -132,7 +132,7 @@ def test_advice_stands_though_the_question_comes_once_more(oz: Oz) -> None:
             oz.stage.session.ask("wizard", AdviseFor(0, 5))
             oz.stage.session.ask("wizard", SpeakFor(1, 0, 0, "Room 5?"))
         oz.stage.tabui.connected()
-        oz.stage.tabui.look_again()
+        oz.stage.tabui.poll_player()
         oz.stage.run(1)
     (dialogue,) = oz.view.dialogues
     assert (dialogue.dialogue, dialogue.room, dialogue.said) == (1, 5, ("Room 5?",))

@@ -78,7 +78,7 @@ def test_a_goal_ends_as_the_server_says_by_result_or_by_list(server, by_result, 
     assert server.client.goal(server.now, HERE) == GOAL
     assert server.client.active
     if by_result:
-        server.client.hear_end(GoalStatus(GoalId(name, 0), status, text), server.now)
+        server.client.receive_result(GoalStatus(GoalId(name, 0), status, text), server.now)
     server.listed[name] = (status, text)
     server.run(1)
     assert server.client.results == [end]
@@ -124,7 +124,7 @@ def test_a_newer_goal_ends_the_older_one_whose_end_is_then_nobodys(server):
     old = server.go()
     new = server.go(Goal(8, HERE))
     assert server.client.results == [Cancelled(GOAL)]
-    server.client.hear_end(GoalStatus(GoalId(old, 0), GoalStatusCode.SUCCEEDED, ""), server.now)
+    server.client.receive_result(GoalStatus(GoalId(old, 0), GoalStatusCode.SUCCEEDED, ""), server.now)
     server.listed[new] = (GoalStatusCode.ACTIVE, "")
     server.run(0.5)
     assert server.client.results == [Cancelled(GOAL)]
@@ -204,7 +204,7 @@ def test_another_clients_goal_takes_over_and_is_not_fought(server):
     name = server.go()
     server.listed[name] = (GoalStatusCode.ACTIVE, "")
     server.run(1)
-    server.client.hear_goal("rviz-1", HERE, server.now)
+    server.client.receive_goal("rviz-1", HERE, server.now)
     server.listed[name] = (GoalStatusCode.PREEMPTED, "")
     server.listed["rviz-1"] = (GoalStatusCode.ACTIVE, "")
     server.run(1)

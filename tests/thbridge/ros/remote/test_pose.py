@@ -44,11 +44,11 @@ def where(robot: RemotePose, seconds: float) -> tuple[float, float]:
 
 
 def test_nothing_is_known_before_both_odometry_and_localiser_have_spoken(robot):
-    assert robot.hear_pose(located(1, 5)) is None
+    assert robot.receive_pose(located(1, 5)) is None
     assert robot.estimate(0, SECOND) is None
     heard(robot, 1, 0.0)
     assert robot.estimate(0, SECOND) is None
-    assert robot.hear_pose(located(1.5, 5)) is None
+    assert robot.receive_pose(located(1.5, 5)) is None
     assert where(robot, 2) == (5, 0)
 
 
@@ -78,61 +78,61 @@ def test_a_pose_belongs_to_the_odometry_of_its_stamp_and_is_carried_on_by_what_c
 def test_late_words_change_nothing(robot):
     heard(robot, 1, 1.0)
     heard(robot, 2, 1.5)
-    robot.hear_pose(located(2, 11.5))
+    robot.receive_pose(located(2, 11.5))
     heard(robot, 1.5, 9.0)
-    robot.hear_pose(located(1, 99.0))
+    robot.receive_pose(located(1, 99.0))
     assert where(robot, 2) == (11.5, 0)
 
 
 def test_tf_wins_over_single_poses_and_brings_its_own_odometry(robot):
-    robot.hear_transforms([(SECOND, Transform("map", "odom", Pose2(10, 0, 0)))], SECOND)
+    robot.receive_transforms([(SECOND, Transform("map", "odom", Pose2(10, 0, 0)))], SECOND)
     for step in range(3):
         stamp = SECOND + step * SECOND // 10
-        robot.hear_transforms([(stamp, Transform("/odom", "/base", Pose2(0.1 * step, 0, 0)))], stamp)
-    robot.hear_pose(located(1.2, 77))
+        robot.receive_transforms([(stamp, Transform("/odom", "/base", Pose2(0.1 * step, 0, 0)))], stamp)
+    robot.receive_pose(located(1.2, 77))
     assert where(robot, 1.2) == (10.2, 0)
     assert robot.twist.linear == pytest.approx(1.0)
-    robot.hear_transforms([(SECOND, Transform("map", "other/odom", Pose2(99, 0, 0)))], SECOND)
+    robot.receive_transforms([(SECOND, Transform("map", "other/odom", Pose2(99, 0, 0)))], SECOND)
     assert where(robot, 1.2) == (10.2, 0)
 
 
 def test_other_frames_are_refused_and_say_which_key_to_change(robot):
-    refused = robot.hear_odometry(odometry(1, 0, frame="robot7/odom"), 0)
+    refused = robot.receive_odometry(odometry(1, 0, frame="robot7/odom"), 0)
     assert isinstance(refused, InvalidMessage)
     assert "'robot7/odom'" in refused.sentence
     assert "odom_frame" in refused.sentence
-    assert isinstance(robot.hear_pose(located(1, 0, frame="world")), InvalidMessage)
-    assert isinstance(robot.hear_pose(located(1, math.nan)), InvalidMessage)
-    assert isinstance(robot.hear_odometry(odometry(1, math.inf), 0), InvalidMessage)
+    assert isinstance(robot.receive_pose(located(1, 0, frame="world")), InvalidMessage)
+    assert isinstance(robot.receive_pose(located(1, math.nan)), InvalidMessage)
+    assert isinstance(robot.receive_odometry(odometry(1, math.inf), 0), InvalidMessage)
     assert robot.estimate(0, 0) is None
 
 
 def test_a_localiser_that_falls_silent_makes_the_robot_lost(robot):
     heard(robot, 1, 0.0)
-    robot.hear_transforms([(SECOND, Transform("map", "odom", Pose2(0, 0, 0)))], SECOND)
+    robot.receive_transforms([(SECOND, Transform("map", "odom", Pose2(0, 0, 0)))], SECOND)
     assert not robot.estimate(0, SECOND + STALE_NS).lost
     assert robot.estimate(0, SECOND + STALE_NS + 1).lost
-    robot.hear_transforms([(SECOND, Transform("map", "odom", Pose2(0, 0, 0)))], 9 * SECOND)
+    robot.receive_transforms([(SECOND, Transform("map", "odom", Pose2(0, 0, 0)))], 9 * SECOND)
     assert not robot.estimate(0, 9 * SECOND).lost
 
 
 def test_without_tf_a_way_driven_blindly_makes_it_lost_and_standing_does_not(robot):
     heard(robot, 1, 0.0)
-    robot.hear_pose(located(1, 0))
+    robot.receive_pose(located(1, 0))
     assert not robot.estimate(0, 1000 * SECOND).lost
     for step in range(1, 12):
         heard(robot, 1 + step, step * UNLOCALIZED_DISTANCE / 10)
     assert robot.estimate(0, 13 * SECOND).lost
-    robot.hear_pose(located(12, 3))
+    robot.receive_pose(located(12, 3))
     assert not robot.estimate(0, 13 * SECOND).lost
 
 
 @pytest.mark.parametrize(("seconds", "x"), [(2.02, 0.0), (-100.0, 4.9)])
 def test_a_driver_that_counts_anew_makes_the_robot_lost_until_the_next_correction(robot, seconds, x):
     heard(robot, 2, 5.0)
-    robot.hear_pose(located(2, 5))
-    robot.hear_odometry(odometry(seconds, x), round(2.02 * SECOND))
+    robot.receive_pose(located(2, 5))
+    robot.receive_odometry(odometry(seconds, x), round(2.02 * SECOND))
     assert robot.estimate(0, 3 * SECOND).lost
-    robot.hear_pose(located(seconds, 5.1))
+    robot.receive_pose(located(seconds, 5.1))
     assert not robot.estimate(0, 3 * SECOND).lost
     assert where(robot, 3) == (5.1, 0)

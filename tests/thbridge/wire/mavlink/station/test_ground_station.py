@@ -178,7 +178,7 @@ class Journey:
 
 def test_a_trip(air: Air) -> None:
     journey = Journey(air)
-    journey.pass_time(1.0)
+    journey.advance(1.0)
     air.heartbeat()
     journey.take([])
     (arm,) = air.commands()
@@ -211,9 +211,9 @@ def test_a_robot_that_stands_where_it_was_sent_has_arrived_though_it_does_not_sa
     journey = Journey(air, keep=True)
     journey.set_out()
     air.at(3.1, -2.1)
-    journey.pass_time(2.5)
+    journey.advance(2.5)
     assert journey.trip.outcome is None
-    journey.pass_time(1.0)
+    journey.advance(1.0)
     assert journey.trip.outcome == TripOutcome("")
 
 
@@ -224,7 +224,7 @@ def test_a_refusal_is_told_in_the_robots_own_words(air: Air) -> None:
     journey.take(air.ack(ARM, ACCEPTED))
     journey.take(air.ack(GO, DENIED))
     journey.take(air.text("Robot 1 has not enough energy.", 4))
-    journey.pass_time(1.0)
+    journey.advance(1.0)
     journey.take(air.ack(ARM, ACCEPTED))
     assert journey.trip.outcome == TripOutcome("Robot 1 has not enough energy.")
 
@@ -235,7 +235,7 @@ def test_a_refusal_without_words_is_told_by_its_code(air: Air) -> None:
     journey.take([])
     journey.take(air.ack(ARM, mav.MAV_RESULT_TEMPORARILY_REJECTED))
     air.heard()
-    journey.pass_time(1.0)
+    journey.advance(1.0)
     assert journey.trip.outcome == TripOutcome("robot 1 gives nobody else the command (temporarily rejected)")
     assert air.commands() == []
 
@@ -245,28 +245,28 @@ def test_a_way_that_fails(air: Air) -> None:
     journey.set_out()
     journey.take(air.text("Commanded by ground station 255.", 5))
     journey.take(air.text("No path: the goal is inside a wall.", 4))
-    journey.pass_time(1.0)
+    journey.advance(1.0)
     assert journey.trip.outcome == TripOutcome("No path: the goal is inside a wall.")
 
 
 def test_a_robot_that_is_not_there(air: Air) -> None:
     journey = Journey(air)
     air.heartbeat(2)
-    journey.pass_time(7.0)
+    journey.advance(7.0)
     assert journey.trip.outcome == TripOutcome("robot 1 is not heard; those that are: 2")
 
 
 def test_a_robot_that_does_not_answer(air: Air) -> None:
     journey = Journey(air)
     air.heartbeat()
-    journey.pass_time(ANSWER_SECONDS * TRIES + 2.0)
+    journey.advance(ANSWER_SECONDS * TRIES + 2.0)
     assert journey.trip.outcome == TripOutcome("robot 1 does not answer", unanswered=True)
 
 
 def test_a_robot_that_falls_silent_on_its_way(air: Air) -> None:
     journey = Journey(air, keep=True)
     journey.set_out()
-    journey.pass_time(6.0)
+    journey.advance(6.0)
     assert journey.trip.outcome == TripOutcome("robot 1 is not heard any more")
 
 
@@ -274,10 +274,10 @@ def test_a_robot_that_is_taken_away(air: Air) -> None:
     journey = Journey(air, keep=True)
     journey.set_out()
     air.heartbeat(armed=False)
-    journey.pass_time(1.5)
+    journey.advance(1.5)
     assert journey.trip.outcome is None
     air.heartbeat(armed=False)
-    journey.pass_time(1.0)
+    journey.advance(1.0)
     assert journey.trip.outcome == TripOutcome("robot 1 is commanded by somebody else now")
 
 
