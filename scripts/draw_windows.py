@@ -53,13 +53,13 @@ def draw(into: Path, scale: int, wanted: frozenset[str]) -> None:
                 if shot.name not in wanted:
                     continue
                 apply_palette(application, palette)
-                shot.show_face(palette)
+                shot.wear(palette)
                 settle(application, shot)
                 small = shrunk(grabbed(shot))
                 (into / f"{shot.name}-{look}-{scale}.png").write_bytes(small)
                 print(f"{shot.name}-{look}-{scale}.png", len(small) // 1000, "kB", flush=True)
             apply_palette(application, LIGHT)
-            shot.show_face(LIGHT)
+            shot.wear(LIGHT)
             if shot.name == last:
                 break
 

@@ -46,7 +46,7 @@ def go(seat, room):
 
 
 def agree(seat):
-    while isinstance(seat.screen.pop, DialoguePopup) and seat.screen.pop.choices:
+    while isinstance(seat.screen.popup, DialoguePopup) and seat.screen.popup.choices:
         seat.do(GiveAnswer(0))
 
 

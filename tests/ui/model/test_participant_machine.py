@@ -74,8 +74,8 @@ def check_offers(screen):
     for action in offers(screen):
         assert action.label
         assert action.enabled or action.hint or action.pending or isinstance(action.act, GiveAnswer)
-    if isinstance(screen.pop, DialoguePopup):
-        keys = [choice.key for choice in screen.pop.choices]
+    if isinstance(screen.popup, DialoguePopup):
+        keys = [choice.key for choice in screen.popup.choices]
         assert len(set(keys)) == len(keys)
     printed = [action.key for action in offers(screen) if action.key and action.key != "W"]
     assert len(set(printed)) == len(printed), printed
@@ -106,7 +106,7 @@ class Game(RuleBasedStateMachine):
         self.seat.do(data.draw(st.sampled_from(possible)).act, ticks)
 
     @rule(data=st.data(), ticks=st.integers(5, 30))
-    @precondition(lambda self: self.seat.screen.pop is not None)
+    @precondition(lambda self: self.seat.screen.popup is not None)
     def go_along(self, data, ticks):
         match self.seat.screen.popup:
             case DialoguePopup(choices=choices) if choices:

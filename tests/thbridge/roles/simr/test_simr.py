@@ -133,7 +133,7 @@ def test_back_in_a_game_robots_are_where_they_were(driver):
 
 def test_back_in_a_game_without_poses_robots_stand_in_their_rooms(driver, setting):
     driver.run(2, orders(3, None, None, at=(4, 0)))
-    goal = setting.place.rooms[3].goal
+    goal = setting.map.rooms[3].goal
     assert driver.simr.snapshot.world.poses[0].tolist() == [goal.x, goal.y, goal.theta]
 
 

@@ -178,7 +178,7 @@ def test_what_cannot_be_is_denied_with_the_reason_and_nothing_changes(
 
 @pytest.mark.parametrize("parameter", PARAMETERS, ids=lambda parameter: parameter.name)
 def test_every_bound_that_a_number_has_can_be_set(parameter) -> None:
-    for bound in (parameter.knob.minimum, parameter.knob.maximum):
+    for bound in (parameter.declaration.minimum, parameter.declaration.maximum):
         if bound is not None and parameter.name not in {"AMCL_MIN_PART", "AMCL_MAX_PART"}:
             bench = Bench()
             wide = {"TP_MAX_VEL_X": "TP_MIN_VEL_X", "TP_MAX_VEL_TH": "TP_MIN_INPL_TH"}

@@ -134,7 +134,7 @@ def test_a_newer_goal_ends_the_older_one_whose_end_is_then_nobodys(server):
 def test_stamps_of_goals_rise_even_within_one_moment(server):
     server.client.go(GOAL, server.now)
     server.client.go(GOAL, server.now)
-    first, second = (item.goal_id for item in server.client.said if isinstance(item, SetGoal))
+    first, second = (item.goal_id for item in server.client.outgoing if isinstance(item, SetGoal))
     assert first.stamp_ns < second.stamp_ns
     assert first.id != second.id
 

@@ -179,8 +179,8 @@ def test_a_scan_is_seen_where_the_laser_is_known_to_sit_and_once(rig, roll):
 
 
 def test_bytes_that_are_no_message_are_refused(rig):
-    for topic in rig.robot.heard:
-        assert isinstance(rig.robot.hear(topic, b"\x01\x02\x03", rig.now), InvalidMessage), topic
+    for topic in rig.robot.subscriptions:
+        assert isinstance(rig.robot.receive(topic, b"\x01\x02\x03", rig.now), InvalidMessage), topic
     assert rig.step().estimate.base_in_map == Pose2(1, 0, 0)
 
 

@@ -159,7 +159,7 @@ class Journey:
         self.air = air
         self.trip = StationTrip(air.station, 1, THERE, keep, air.now)
 
-    def pass_time(self, seconds: float) -> None:
+    def advance(self, seconds: float) -> None:
         for _ in range(round(seconds / 0.1)):
             self.air.now += 0.1
             self.take(self.air.station.advance(self.air.now))
