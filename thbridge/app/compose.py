@@ -144,13 +144,13 @@ class StudySetting:
         study = self.study
         if not study.mavlink.on:
             return None
-        premises = self.game_setup()
+        setup = self.game_setup()
 
         def made(ask: RequestSink) -> Vehicles:
             pilots = []
             for robot, start in enumerate(self.map.starts[: study.robots]):
-                speeds = SpeedLimit(robot, study.software(robot + 1), simr)
-                pilots.append(Pilot(robot, premises, start, speeds, VehicleParameters(robot, simr), ask))
+                speed_limit = SpeedLimit(robot, study.software(robot + 1), simr)
+                pilots.append(Pilot(robot, setup, start, speed_limit, VehicleParameters(robot, simr), ask))
             return Vehicles(pilots, study.mavlink.options)
 
         return made

@@ -52,7 +52,7 @@ class ListenerOptions(Protocol):
         """Address of the watch server; None for none."""
 
 
-def _untold(outcome: object) -> None:
+def _ignore(outcome: object) -> None:
     """Do nothing; the callback of programs without graph, watch server or MAVLink links."""
 
 
@@ -68,10 +68,10 @@ class StartupCallbacks:
 
     joined: Callable[[MasterPresence | CannotListen], None]
     watched: Callable[[ListeningAddress | CannotListen], None]
-    linked: Callable[[Sequence[str] | CannotListen], None] = _untold
+    linked: Callable[[Sequence[str] | CannotListen], None] = _ignore
 
 
-NO_CALLBACKS = StartupCallbacks(_untold, _untold)
+NO_CALLBACKS = StartupCallbacks(_ignore, _ignore)
 
 
 @asynccontextmanager
@@ -111,8 +111,8 @@ async def listeners(
             listening.append(opened.enter_context(setting.writer(options.bag)))
         if options.watch is not None:
             desk = WatchRequestHandler(ask, team, pacer, has_game=has_game)
-            door = WatchServer(desk, options.watch.key)
-            opened.push_async_callback(door.stop)
-            callbacks.watched(await door.start(options.watch.host, options.watch.port))
-            listening += [desk, door]
+            server = WatchServer(desk, options.watch.key)
+            opened.push_async_callback(server.stop)
+            callbacks.watched(await server.start(options.watch.host, options.watch.port))
+            listening += [desk, server]
         yield listening

@@ -147,7 +147,7 @@ async def play(
     def ask(sender: str, request: Request) -> None:
         session.ask(sender, request)
 
-    def hear(robot: int, frame: Frame) -> None:
+    def receive_frame(robot: int, frame: Frame) -> None:
         session.transmit(session.receive_frame(graph_link, frame, robot))
 
     async with AsyncExitStack() as opened:
@@ -159,15 +159,15 @@ async def play(
         if options.bag is not None:
             log = opened.enter_context(closing(JournalStore(journal_of(options.bag))))
         has_vehicles = setting.study.mavlink.on
-        stations = hear if has_vehicles else None
+        stations = receive_frame if has_vehicles else None
         listening = listeners(options, setting, team, publisher, pacer, ask, callbacks, stations, has_game=True)
         audience = await opened.enter_async_context(listening)
-        witnesses: list[TickRecorder] = []
+        recorders: list[TickRecorder] = []
         if audience:
-            witnesses.append(BagRecorder(Broadcast(publisher, record, setting.map.grid, audience)))
+            recorders.append(BagRecorder(Broadcast(publisher, record, setting.map.grid, audience)))
         if options.bag is not None and has_vehicles and setting.study.mavlink.tlog:
-            witnesses.append(TlogRecorder(opened.enter_context(TlogFile(tlog_of(options.bag)))))
-        session = Session(MessageRouter(), setting.keeper(), roles, log, witnesses, inside, setting.vehicles(simr))
+            recorders.append(TlogRecorder(opened.enter_context(TlogFile(tlog_of(options.bag)))))
+        session = Session(MessageRouter(), setting.keeper(), roles, log, recorders, inside, setting.vehicles(simr))
         server = TextServer(session, session.note_forwarded)
         session.perform = server.perform
         if has_vehicles and options.graph is not None:
@@ -196,7 +196,7 @@ async def play(
 
 
 async def _links(
-    ports: MavlinkPorts | None, opened: AsyncExitStack, told: StartupCallbacks
+    ports: MavlinkPorts | None, opened: AsyncExitStack, callbacks: StartupCallbacks
 ) -> tuple[MavlinkServer, list[str]] | None:
     """Return the MAVLink server with all ports open, and its addresses; None for no links.
 
@@ -208,7 +208,7 @@ async def _links(
     opened.push_async_callback(links.close)
     names = await links.open()
     if isinstance(names, CannotListen):
-        told.linked(names)
+        callbacks.linked(names)
         return None
     return links, names
 

@@ -102,7 +102,7 @@ class SingleRole:
     def __init__(self, role: Role) -> None:
         self._role = role
         self._ticks = count()
-        self._heard: list[TextMessage] = []
+        self._messages: list[TextMessage] = []
 
     def connected(self) -> None:
         """See `RoleRunner`, for this and the next two."""
@@ -110,12 +110,12 @@ class SingleRole:
 
     def receive(self, message: TextMessage) -> None:
         """Pass the message on with the next tick."""
-        self._heard.append(message)
+        self._messages.append(message)
 
     def step(self) -> Sequence[TextMessage]:
         """Run one tick of the role."""
-        heard, self._heard = self._heard, []
-        return self._role.step(next(self._ticks), heard)
+        messages, self._messages = self._messages, []
+        return self._role.step(next(self._ticks), messages)
 
 
 def exchange(runner: RoleRunner, client: TextClient, lost: Callable[[ConnectionLost], None]) -> None:
@@ -217,14 +217,14 @@ async def simr(
     pacer = Pacer(options.rate)
 
     def ask(sender: str, request: Request) -> None:
-        outpost.ask(sender, request)
+        session.ask(sender, request)
 
     async with listeners(options, setting, team, publisher, pacer, ask, callbacks, has_game=False) as audience:
         record = setting.record(SIMR, [role.name], "")
-        witnesses = [BagRecorder(Broadcast(publisher, record, setting.map.grid, audience))] if audience else []
-        outpost = SimrSession(role, witnesses)
+        recorders = [BagRecorder(Broadcast(publisher, record, setting.map.grid, audience))] if audience else []
+        session = SimrSession(role, recorders)
         client = TextClient(role.name, options.token, options.host, options.port)
-        await run_at_server(outpost, client, pacer, lambda: role.rejection is not None, lost)
+        await run_at_server(session, client, pacer, lambda: role.rejection is not None, lost)
     return role.rejection
 
 

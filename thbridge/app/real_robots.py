@@ -64,22 +64,22 @@ async def simr_with_real_robots(
             recorder = FleetRecorder(writer, setting.record(SIMR, [legacy.SIMR], ""))
         footprint = np.array(setting.study.world.footprint, dtype=np.float64)
         named = setting.study.fleet.names(setting.study.robots)
-        silence_ns = round(setting.study.fleet.silence * 1e9)
-        robots = [RemoteRobot(number, each, CALLER, footprint, silence_ns) for number, each in enumerate(named)]
+        stale_ns = round(setting.study.fleet.silence * 1e9)
+        robots = [RemoteRobot(number, each, CALLER, footprint, stale_ns) for number, each in enumerate(named)]
         fleet = Fleet(graph, robots, recorder or _NoRecorder())
         opened.push_async_callback(fleet.stop)
         started = await fleet.start()
         if isinstance(started, CannotListen):
             unreachable(started)
-        told: list[str] = []
+        reported: list[str] = []
 
         def wait() -> bool:
-            nonlocal told
+            nonlocal reported
             if recorder is not None:
                 recorder.flush()
             found = fleet.missing()
-            news = [sentence for sentence in found if sentence not in told]
-            told = found
+            news = [sentence for sentence in found if sentence not in reported]
+            reported = found
             if news or not found:
                 missing(news)
             return bool(found)
@@ -87,9 +87,9 @@ async def simr_with_real_robots(
         if not (await run_ticks(wait, Pacer(1.0))).finished:
             return None
         role = setting.simr(fleet, round(setting.study.fleet.silence * TICKS_PER_SECOND))
-        outpost = SimrSession(role, [] if recorder is None else [BagRecorder(recorder)])
+        session = SimrSession(role, [] if recorder is None else [BagRecorder(recorder)])
         client = TextClient(role.name, options.token, options.host, options.port)
-        await run_at_server(outpost, client, Pacer(1.0), lambda: role.rejection is not None, lost)
+        await run_at_server(session, client, Pacer(1.0), lambda: role.rejection is not None, lost)
         await fleet.stop()
         if recorder is not None:
             recorder.flush()

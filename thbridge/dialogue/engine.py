@@ -120,7 +120,7 @@ class Engine:
         dialogue = self._at_turn(dialogues, number, Speaker.PERSON, move)
         if isinstance(dialogue, RequestRefused):
             return dialogue
-        dialogue, utterance = self._said(dialogue, Turn(Speaker.PERSON, move, Author.PERSON))
+        dialogue, utterance = self._with_turn(dialogue, Turn(Speaker.PERSON, move, Author.PERSON))
         return self._run(dialogues, dialogue, (utterance,), held)
 
     def speak(self, dialogues: Dialogues, number: int, move: Move, text: str = "") -> DialogueStep | RequestRefused:
@@ -128,7 +128,7 @@ class Engine:
         dialogue = self._at_turn(dialogues, number, Speaker.ROBOT, move)
         if isinstance(dialogue, RequestRefused):
             return dialogue
-        dialogue, utterance = self._said(dialogue, Turn(Speaker.ROBOT, move, Author.WIZARD, text))
+        dialogue, utterance = self._with_turn(dialogue, Turn(Speaker.ROBOT, move, Author.WIZARD, text))
         return self._run(dialogues, dialogue, (utterance,), held=True)
 
     def release(self, dialogues: Dialogues, number: int) -> DialogueStep | RequestRefused:
@@ -151,12 +151,12 @@ class Engine:
 
     def utterances(self, dialogue: Dialogue) -> tuple[DialogueUtterance, ...]:
         """Return all utterances of a dialogue so far, e.g. to show a restored one again."""
-        said = Dialogue(dialogue.number, dialogue.topic)
-        spoken: list[DialogueUtterance] = []
+        so_far = Dialogue(dialogue.number, dialogue.topic)
+        utterances: list[DialogueUtterance] = []
         for turn in dialogue.turns:
-            said, utterance = self._said(said, turn)
-            spoken.append(utterance)
-        return tuple(spoken)
+            so_far, utterance = self._with_turn(so_far, turn)
+            utterances.append(utterance)
+        return tuple(utterances)
 
     def _at_turn(self, dialogues: Dialogues, number: int, speaker: Speaker, move: Move) -> Dialogue | RequestRefused:
         """Return the open dialogue of this number, or a refusal if this speaker may not make this move in it now."""
@@ -177,11 +177,11 @@ class Engine:
             choice = self.strategy.choose(StrategyInput(Speaker.ROBOT, dialogue), legal)
             if choice not in legal:
                 raise ValueError(f"the strategy chose {choice}, which is not among the legal moves {legal}")
-            dialogue, utterance = self._said(dialogue, Turn(Speaker.ROBOT, choice, Author.ROBOT))
+            dialogue, utterance = self._with_turn(dialogue, Turn(Speaker.ROBOT, choice, Author.ROBOT))
             utterances = (*utterances, utterance)
         return DialogueStep(_without(dialogues, dialogue), dialogue, utterances, outcome)
 
-    def _said(self, dialogue: Dialogue, turn: Turn) -> tuple[Dialogue, DialogueUtterance]:
+    def _with_turn(self, dialogue: Dialogue, turn: Turn) -> tuple[Dialogue, DialogueUtterance]:
         text = turn.text or self.phrasing.say(dialogue, turn.move)
         index, topic = len(dialogue.turns), dialogue.topic
         utterance = DialogueUtterance(dialogue.number, index, turn.speaker, turn.author, turn.move, text, topic)

@@ -68,9 +68,9 @@ class Bot:
         self._choices = NoiseStream.named(seed, "participant", "choices")
         self._doubts = NoiseStream.named(seed, "participant", "doubts")
         self._stopped: set[int] = set()
-        self._bound: dict[int, int] = {}
-        self._missed: Counter[tuple[int, int]] = Counter()
-        self._astray: set[int] = set()
+        self._destinations: dict[int, int] = {}
+        self._failed_moves: Counter[tuple[int, int]] = Counter()
+        self._lost: set[int] = set()
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
         """Return the next requests; see `Player`."""
@@ -78,33 +78,33 @@ class Bot:
             return ()
         if view.consent is not None:
             return (Agree(),)
-        self._watch(view)
-        wishes: list[ParticipantRequest] = [self._answer(dialogue) for dialogue in view.dialogues if dialogue.choices]
-        talks: Sequence[DialogueView | Consent] = (*view.dialogues, *view.consents)
-        taken = {talk.room for talk in talks if talk.matter == "select-room"}
+        self._count_failures(view)
+        requests: list[ParticipantRequest] = [self._answer(dialogue) for dialogue in view.dialogues if dialogue.choices]
+        open_matters: Sequence[DialogueView | Consent] = (*view.dialogues, *view.consents)
+        taken = {item.room for item in open_matters if item.matter == "select-room"}
         for robot in view.robots:
-            for wish in self._for_robot(view, robot, taken):
-                wishes.append(wish)
-                if isinstance(wish, Select):
-                    taken.add(wish.room)
+            for request in self._for_robot(view, robot, taken):
+                requests.append(request)
+                if isinstance(request, Select):
+                    taken.add(request.room)
         busy = any(robot.moving_to is not None or robot.other_commander for robot in view.robots)
         waits = view.dialogues or view.thinking or busy
-        if not wishes and view.robots and not waits:
+        if not requests and view.robots and not waits:
             return (GiveUp(view.game),)
-        return wishes
+        return requests
 
-    def _watch(self, view: View) -> None:
+    def _count_failures(self, view: View) -> None:
         """Count the moves that failed, by robot and room, and note robots that are still lost after one."""
         for robot in view.robots:
             if robot.condition is not Condition.LOST:
-                self._astray.discard(robot.robot)
-            bound = self._bound.pop(robot.robot, robot.moving_to)
-            if bound is not None and bound != robot.moving_to and view.room(bound).state == "unvisited":
-                self._missed[robot.robot, bound] += 1
+                self._lost.discard(robot.robot)
+            room = self._destinations.pop(robot.robot, robot.moving_to)
+            if room is not None and room != robot.moving_to and view.room(room).state == "unvisited":
+                self._failed_moves[robot.robot, room] += 1
                 if robot.condition is Condition.LOST:
-                    self._astray.add(robot.robot)
+                    self._lost.add(robot.robot)
             if robot.moving_to is not None:
-                self._bound[robot.robot] = robot.moving_to
+                self._destinations[robot.robot] = robot.moving_to
 
     def _for_robot(self, view: View, robot: RobotView, taken: set[int]) -> Iterator[ParticipantRequest]:
         agreed = [consent for consent in view.consents if consent.robot == robot.robot]
@@ -122,11 +122,11 @@ class Bot:
             if consent.matter == "select-room":
                 yield SendRobot(robot.robot, consent.room)
                 return
-        if robot.robot in self._astray:
+        if robot.robot in self._lost:
             return
         rooms = self._affordable(view, robot, taken)
-        fresh = [room for room in rooms if not self._missed[robot.robot, room]]
-        open_to_it = fresh or [room for room in rooms if self._missed[robot.robot, room] < MAX_ATTEMPTS]
+        fresh = [room for room in rooms if not self._failed_moves[robot.robot, room]]
+        open_to_it = fresh or [room for room in rooms if self._failed_moves[robot.robot, room] < MAX_ATTEMPTS]
         if not open_to_it:
             return
         if self._strategy is BotStrategy.SUGGESTION and fresh == rooms:

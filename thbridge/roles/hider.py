@@ -55,25 +55,26 @@ class Hider:
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
         """Run one tick; see `Role`."""
-        said: list[TextMessage] = []
+        outgoing: list[TextMessage] = []
         if self._introduce:
             self._introduce = False
-            said.append(encode_notice(self.name, KEEPER, HiderReady()))
+            outgoing.append(encode_notice(self.name, KEEPER, HiderReady()))
         for message in messages:
             if is_notice(message):
                 notice = parse_notice(message)
                 if isinstance(notice, Notice):
-                    said += self._heed(notice)
+                    outgoing += self._handle_notice(notice)
             else:
                 value = legacy.decode(message)
                 if isinstance(value, AskTreasure | SnapTreasure | NameTreasure):
                     self._questions.append(_Question(tick, value))
-        return said + self._answer_unjudged(tick)
+        return outgoing + self._answer_without_keeper(tick)
 
-    def _heed(self, notice: Notice) -> list[TextMessage]:
+    def _handle_notice(self, notice: Notice) -> list[TextMessage]:
         self._has_keeper = True
-        if (please := decode_notice(notice, HidePlease)) is not None and 0 < please.rooms <= MOST_ROOMS:
-            return [encode_notice(self.name, KEEPER, HideTreasures(please.game, self._draw(please.game, please.rooms)))]
+        if (request := decode_notice(notice, HidePlease)) is not None and 0 < request.rooms <= MOST_ROOMS:
+            treasures = self._draw(request.game, request.rooms)
+            return [encode_notice(self.name, KEEPER, HideTreasures(request.game, treasures))]
         if (reply := decode_notice(notice, Reply)) is not None:
             return [TextMessage.of(reply.command, self.name, legacy.TABUI, reply.text)]
         return []
@@ -81,13 +82,13 @@ class Hider:
     def _draw(self, game: int, rooms: int) -> tuple[TreasureKind, ...]:
         return hide(self._kinds, [float(uniform) for uniform in self._chance.uniforms(game, rooms)])
 
-    def _answer_unjudged(self, tick: int) -> list[TextMessage]:
+    def _answer_without_keeper(self, tick: int) -> list[TextMessage]:
         if self._has_keeper:
             self._questions.clear()
-        said = []
+        outgoing = []
         while self._questions and tick - self._questions[0].asked >= KEEPER_TIMEOUT:
-            said += self._answer(self._questions.pop(0).value)
-        return said
+            outgoing += self._answer(self._questions.pop(0).value)
+        return outgoing
 
     def _answer(self, question: AskTreasure | SnapTreasure | NameTreasure) -> list[TextMessage]:
         if question.room >= len(self._alone):

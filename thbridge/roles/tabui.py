@@ -62,12 +62,12 @@ class TabUI:
 
     def __init__(self, player: Player, observer: ParticipantObserver | None = None) -> None:
         self._player = player
-        self._onlooker = observer
+        self._observer = observer
         self._view: View | None = None
         self._introduce = False
-        self._renew: int | None = None
-        self._said: dict[ParticipantRequest, int] = {}
-        self._look = 0
+        self._renew_at: int | None = None
+        self._sent: dict[ParticipantRequest, int] = {}
+        self._next_poll = 0
 
     @property
     def view(self) -> View | None:
@@ -77,44 +77,44 @@ class TabUI:
     def connected(self) -> None:
         """Request the view from the keeper with the next step; requests sent before may be lost."""
         self._introduce = True
-        self._renew = 0
-        self._said.clear()
+        self._renew_at = 0
+        self._sent.clear()
 
     def poll_player(self) -> None:
         """Ask the player with the next step, even if the view has not changed: a person has decided."""
-        self._look = 0
+        self._next_poll = 0
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
         """Run one tick; see `Role`."""
         changed = False
         for message in messages:
-            seen = _seen(message)
-            if isinstance(seen, View):
-                self._view, changed = seen, True
-            if seen is not None and self._onlooker is not None:
-                self._onlooker.observe(seen)
-        said: list[TextMessage] = []
+            update = _decode_update(message)
+            if isinstance(update, View):
+                self._view, changed = update, True
+            if update is not None and self._observer is not None:
+                self._observer.observe(update)
+        outgoing: list[TextMessage] = []
         if self._introduce:
             self._introduce = False
-            said.append(encode_notice(self.name, KEEPER, ParticipantReady()))
-        if self._onlooker is not None and self._renew is not None and tick >= self._renew:
-            self._renew = tick + RENEWAL_PERIOD
-            said.append(encode_notice(self.name, legacy.SIMR, Subscribe()))
-        if self._view is not None and self._view.ready and (changed or tick >= self._look):
-            said += self._say(tick, self._view)
-        return said
+            outgoing.append(encode_notice(self.name, KEEPER, ParticipantReady()))
+        if self._observer is not None and self._renew_at is not None and tick >= self._renew_at:
+            self._renew_at = tick + RENEWAL_PERIOD
+            outgoing.append(encode_notice(self.name, legacy.SIMR, Subscribe()))
+        if self._view is not None and self._view.ready and (changed or tick >= self._next_poll):
+            outgoing += self._due_requests(tick, self._view)
+        return outgoing
 
-    def _say(self, tick: int, view: View) -> list[TextMessage]:
-        wishes = dict.fromkeys(self._player.requests(view))
-        self._said = {wish: at for wish, at in self._said.items() if wish in wishes}
-        due = [wish for wish in wishes if tick - self._said.get(wish, -RETRY_PERIOD) >= RETRY_PERIOD]
-        for wish in due:
-            self._said[wish] = tick
-        self._look = tick + RETRY_PERIOD
-        return [encode_request_line(wish) for wish in due]
+    def _due_requests(self, tick: int, view: View) -> list[TextMessage]:
+        requests = dict.fromkeys(self._player.requests(view))
+        self._sent = {request: at for request, at in self._sent.items() if request in requests}
+        due = [request for request in requests if tick - self._sent.get(request, -RETRY_PERIOD) >= RETRY_PERIOD]
+        for request in due:
+            self._sent[request] = tick
+        self._next_poll = tick + RETRY_PERIOD
+        return [encode_request_line(request) for request in due]
 
 
-def _seen(message: TextMessage) -> ParticipantUpdate | None:
+def _decode_update(message: TextMessage) -> ParticipantUpdate | None:
     """Return the notice in a message, or None when it holds none for participants or is malformed."""
     shown = parse_notice(message)
     if not isinstance(shown, Notice):
@@ -129,9 +129,9 @@ def _seen(message: TextMessage) -> ParticipantUpdate | None:
     )
 
 
-def encode_request_line(wish: ParticipantRequest) -> TextMessage:
+def encode_request_line(request: ParticipantRequest) -> TextMessage:
     """Return the message for a request: a line of 2016 where there is one, else a notice to the keeper."""
-    match wish:
+    match request:
         case SendRobot(robot, room):
             return legacy.GotoRoom(robot, Room.of_people(room).wire).message()
         case Sense(room):
@@ -141,5 +141,5 @@ def encode_request_line(wish: ParticipantRequest) -> TextMessage:
         case Identify(room, name):
             return legacy.NameTreasure(Room.of_people(room).wire, name).message()
         case _:
-            fields: Mapping[str, JsonValue] = msgspec.to_builtins(wish)
-            return notice(TabUI.name, KEEPER, type(wish).__name__, **fields)
+            fields: Mapping[str, JsonValue] = msgspec.to_builtins(request)
+            return notice(TabUI.name, KEEPER, type(request).__name__, **fields)

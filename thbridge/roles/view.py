@@ -206,7 +206,7 @@ class View:
         """Return True when every robot and room named in the view is also part of it."""
         places, robots = range(len(self.rooms) + 1), range(len(self.robots))
         rooms = places[1:]
-        talks: list[DialogueView | Consent] = [*self.dialogues, *self.consents]
+        matters: list[DialogueView | Consent] = [*self.dialogues, *self.consents]
         return (
             [room.room for room in self.rooms] == list(rooms)
             and [robot.robot for robot in self.robots] == list(robots)
@@ -216,7 +216,7 @@ class View:
             and all(robot.moving_to is None or robot.moving_to in rooms for robot in self.robots)
             and all(room.robot is None or room.robot in robots for room in self.rooms)
             and all(robot in robots for robot in self.thinking)
-            and all(talk.robot in robots and talk.room in rooms for talk in talks)
+            and all(item.robot in robots and item.room in rooms for item in matters)
             and all(dialogue.said or not dialogue.choices for dialogue in self.dialogues)
         )
 

@@ -74,7 +74,7 @@ class Puppets:
         self.researchers: tuple[str | None, ...] = ()
         self.orders: list[Orders] = []
         self._introduce = False
-        self._ways: dict[int, tuple[MoveOrder, int]] = {}
+        self._moves: dict[int, tuple[MoveOrder, int]] = {}
         self._results: list[MoveResult | None] = [None] * robots
         self._game = 0
         self._recalled = False
@@ -94,9 +94,9 @@ class Puppets:
                     self._follow(orders, tick)
                 if (unfit := decode_notice(notice, Unfit)) is not None:
                     self.unfit = unfit.sentence
-        ended = [(robot, order) for robot, (order, due) in self._ways.items() if due <= tick]
+        ended = [(robot, order) for robot, (order, due) in self._moves.items() if due <= tick]
         for robot, order in ended:
-            del self._ways[robot]
+            del self._moves[robot]
             there = robot not in self.stuck
             self._results[robot] = MoveResult(order.move, there, "" if there else "There is no way.", 0.5)
             if there and not self.mute:
@@ -112,7 +112,7 @@ class Puppets:
         self.orders.append(orders)
         self._game = orders.game
         for robot, order in enumerate(orders.moves):
-            known = self._ways.get(robot)
+            known = self._moves.get(robot)
             last = self._results[robot]
             if (
                 order is not None
@@ -120,10 +120,10 @@ class Puppets:
                 and (known is None or known[0] != order)
                 and (last is None or last.move != order.move)
             ):
-                self._ways[robot] = (order, tick + self.ticks)
+                self._moves[robot] = (order, tick + self.ticks)
                 self._results[robot] = None
             elif order is None and known is not None:
-                del self._ways[robot]
+                del self._moves[robot]
                 self._results[robot] = MoveResult(known[0].move, False, "It was called back.", 0.5)
                 self._recalled = True
 

@@ -170,35 +170,35 @@ async def replay_frames(
     """
     setting = _with_vehicles(setting)
     info = bag_reader.info(path)
-    heard = _RecordedFrames(path, info)
-    last_tick = heard.tick_at(info.end_ns or 0) + round(options.longer * TICKS_PER_SECOND)
+    frames = _RecordedFrames(path, info)
+    last_tick = frames.tick_at(info.end_ns or 0) + round(options.longer * TICKS_PER_SECOND)
     recorded = hunt_result_of(path) if _tells_hunt(info) else None
     # The true poses in a bag of another program cannot be compared.
-    ways, hunt = _PoseComparison(path, setting.study.robots if _is_ours(info) else 0), _HuntRecorder()
+    poses, hunt = _PoseComparison(path, setting.study.robots if _is_ours(info) else 0), _HuntRecorder()
     with ExitStack() as opened:
-        listening: list[Listener] = [ways]
+        listening: list[Listener] = [poses]
         if options.to is not None:
             listening.append(opened.enter_context(setting.writer(options.to)))
         simr, hider = setting.simr(), setting.hider()
         record = setting.record(PLAY, [simr.name, hider.name], "")
-        witness = BagRecorder(Broadcast(setting.publisher(), record, setting.map.grid, listening))
+        recorder = BagRecorder(Broadcast(setting.publisher(), record, setting.map.grid, listening))
         vehicles = setting.vehicles(simr)
-        session = Session(MessageRouter(), setting.keeper(), [simr, hider], NoLog(), [witness, hunt], None, vehicles)
+        session = Session(MessageRouter(), setting.keeper(), [simr, hider], NoLog(), [recorder, hunt], None, vehicles)
 
         def tick() -> bool:
-            heard.give(session, setting.study.robots)
+            frames.give(session, setting.study.robots)
             progress(session.step())
             return session.tick < last_tick
 
         run = await run_ticks(tick, Pacer(options.rate))
     return FramesReplayed(
-        frames=heard.given,
-        unusable=heard.unusable,
+        frames=frames.given,
+        unusable=frames.unusable,
         ticks=session.tick,
         recorded=recorded,
         replayed=HuntResult(tuple(hunt.arrivals), hunt.score),
-        compared=ways.compared,
-        parted=ways.parted,
+        compared=poses.compared,
+        parted=poses.parted,
         finished=run.finished,
         wall_seconds=run.seconds,
     )
@@ -240,8 +240,8 @@ class _RecordedFrames:
             message, self._next = self._next, next(self._messages, None)
             robot = self._robots[message.topic]
             try:
-                heard = unpack.mavlink(message.data)
-                frame = frame_in(heard)
+                received = unpack.mavlink(message.data)
+                frame = frame_in(received)
             except ValueError:
                 self.unusable += 1
                 continue
@@ -249,9 +249,9 @@ class _RecordedFrames:
                 self.unusable += 1
                 continue
             self.given += 1
-            if heard.link not in self._links:
-                self._links[heard.link] = session.open_link(heard.link)
-            session.transmit(session.receive_frame(self._links[heard.link], frame, robot))
+            if received.link not in self._links:
+                self._links[received.link] = session.open_link(received.link)
+            session.transmit(session.receive_frame(self._links[received.link], frame, robot))
 
 
 def _robot_of(topic: str) -> int | None:
@@ -297,13 +297,13 @@ class _HuntRecorder:
         self.arrivals: list[Arrival] = []
         self.score = 0
 
-    def record(self, moment: TickRecord) -> None:
+    def record(self, record: TickRecord) -> None:
         """See `TickRecorder`."""
-        for event in moment.events:
-            if isinstance(event, Arrived) and moment.snapshot is not None:
-                seconds = moment.snapshot.tick * TICK
+        for event in record.events:
+            if isinstance(event, Arrived) and record.snapshot is not None:
+                seconds = record.snapshot.tick * TICK
                 self.arrivals.append(Arrival(event.robot + 1, event.room.people, round(seconds, 2)))
-        self.score = 0 if moment.game is None else moment.game.score
+        self.score = 0 if record.game is None else record.game.score
 
 
 def _seconds(stamp_ns: int) -> float:

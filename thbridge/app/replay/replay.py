@@ -157,9 +157,9 @@ def session_of(path: Path) -> SessionRecord:
 def ticks_of(path: Path) -> Iterator[RecordedTick]:
     """Yield a recording tick by tick. Raises BadFile."""
     for stamp_ns, messages in groupby(bag_reader.messages(path), key=lambda message: message.stamp_ns):
-        said = tuple(message for message in messages if message.topic != names.SESSION)
-        inputs = tuple(_input(path, message) for message in said if message.topic == names.INPUTS)
-        yield RecordedTick((stamp_ns - START_NS) // TICK_NS, inputs, said)
+        recorded = tuple(message for message in messages if message.topic != names.SESSION)
+        inputs = tuple(_input(path, message) for message in recorded if message.topic == names.INPUTS)
+        yield RecordedTick((stamp_ns - START_NS) // TICK_NS, inputs, recorded)
 
 
 def _input(path: Path, message: RawMessage) -> Input:
@@ -199,11 +199,11 @@ async def replay(
     """
     record = session_of(path)
     fresh = setting.record(record.program, record.roles, options.participant or record.participant)
-    tape = _MessageBuffer()
+    buffer = _MessageBuffer()
     with ExitStack() as opened:
         kept = [] if options.to is None else [opened.enter_context(setting.writer(options.to))]
-        broadcast = Broadcast(setting.publisher(), fresh, setting.map.grid, [tape, *kept])
-        stage = _replayed_session(
+        broadcast = Broadcast(setting.publisher(), fresh, setting.map.grid, [buffer, *kept])
+        session = _replayed_session(
             setting, record, options.participant, [BagRecorder(broadcast), _ProgressReporter(progress, options.start)]
         )
         comparison = Comparison()
@@ -218,39 +218,39 @@ async def replay(
                 return False
             if was.number > 0:  # The opening, of tick 0, comes before all steps.
                 for item in was.inputs:
-                    stage.take(item)
-                stage.step()
-            comparison.compare(was.messages, tape.drain())
+                    session.take(item)
+                session.step()
+            comparison.compare(was.messages, buffer.drain())
             over = comparison.difference is not None and not options.to_the_end
             return not over
 
         def hurried_tick() -> bool:
-            return tick() and stage.tick < options.start * TICKS_PER_SECOND
+            return tick() and session.tick < options.start * TICKS_PER_SECOND
 
         run = hurried = await run_ticks(hurried_tick, Pacer(0.0))
         if hurried.finished and not over:
             run = await run_ticks(tick, Pacer(options.rate))
     wall = hurried.seconds if run is hurried else hurried.seconds + run.seconds
-    return Replayed(stage.tick, comparison.messages, comparison.difference, comparison.cut_off, run.finished, wall)
+    return Replayed(session.tick, comparison.messages, comparison.difference, comparison.cut_off, run.finished, wall)
 
 
 def _replayed_session(
-    setting: StudySetting, record: SessionRecord, participant: BotStrategy | None, witnesses: Sequence[TickRecorder]
+    setting: StudySetting, record: SessionRecord, participant: BotStrategy | None, recorders: Sequence[TickRecorder]
 ) -> ReplayedSession:
     """Return the roles of the recorded session; messages of its participant are inputs."""
     simr = setting.simr()
     if record.program == SIMR:
-        return _ReplayedSimr(SimrSession(simr, witnesses))
+        return _ReplayedSimr(SimrSession(simr, recorders))
     roles: list[Role] = [simr]
     if legacy.HIDER in record.roles:
         roles.append(setting.hider())
-    prompter = _RecordedParticipant() if legacy.TABUI in record.roles and participant is None else None
-    player: Role | None = prompter
+    recorded_participant = _RecordedParticipant() if legacy.TABUI in record.roles and participant is None else None
+    player: Role | None = recorded_participant
     if participant is not None:
         player = TabUI(build_bot(setting.templates, participant, setting.study.seed))
     vehicles = setting.vehicles(simr)
     return _ReplayedPlay(
-        Session(MessageRouter(), setting.keeper(), roles, NoLog(), witnesses, player, vehicles), prompter
+        Session(MessageRouter(), setting.keeper(), roles, NoLog(), recorders, player, vehicles), recorded_participant
     )
 
 
@@ -271,16 +271,16 @@ class _RecordedParticipant:
 
     def step(self, tick: int, messages: Sequence[text.TextMessage]) -> list[text.TextMessage]:
         """See `Role`."""
-        said, self._lines = self._lines, []
-        return said
+        lines, self._lines = self._lines, []
+        return lines
 
 
 class _ReplayedPlay:
     """A session of `thbridge play`."""
 
-    def __init__(self, session: Session, prompter: _RecordedParticipant | None) -> None:
+    def __init__(self, session: Session, recorded_participant: _RecordedParticipant | None) -> None:
         self._session = session
-        self._prompter = prompter
+        self._recorded_participant = recorded_participant
 
     @property
     def tick(self) -> int:
@@ -299,8 +299,8 @@ class _ReplayedPlay:
                 session.perform(session.report_backlog(connection, size))
             case Advanced(now):
                 session.perform(session.advance(now))
-            case Said(message) if self._prompter is not None:
-                self._prompter.prompt(message)
+            case Said(message) if self._recorded_participant is not None:
+                self._recorded_participant.prompt(message)
             case Asked(sender, request):
                 session.ask(sender, request)
             case LinkOpened(_, name, robot) if session.has_vehicles:
@@ -319,24 +319,24 @@ class _ReplayedPlay:
 class _ReplayedSimr:
     """A session of `thbridge simr`."""
 
-    def __init__(self, outpost: SimrSession) -> None:
-        self._outpost = outpost
+    def __init__(self, session: SimrSession) -> None:
+        self._session = session
 
     @property
     def tick(self) -> int:
-        return self._outpost.tick
+        return self._session.tick
 
     def take(self, item: Input) -> None:
         match item:
             case Registered():
-                self._outpost.connected()
+                self._session.connected()
             case Heard(message):
-                self._outpost.receive(message)
+                self._session.receive(message)
             case Asked(sender, request):
-                self._outpost.ask(sender, request)
+                self._session.ask(sender, request)
 
     def step(self) -> None:
-        self._outpost.step()
+        self._session.step()
 
 
 class _ProgressReporter:
@@ -346,9 +346,9 @@ class _ProgressReporter:
         self._progress = progress
         self._start = start
 
-    def record(self, moment: TickRecord) -> None:
-        if moment.tick * TICK >= self._start:
-            self._progress(moment)
+    def record(self, record: TickRecord) -> None:
+        if record.tick * TICK >= self._start:
+            self._progress(record)
 
 
 class _MessageBuffer:

@@ -94,14 +94,14 @@ class LiveGraph:
         ask: Callable[[str, Request], None],
         receive_frame: Callable[[int, Frame], None] | None = None,
     ) -> None:
-        node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._told_to_go)
+        node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._on_shutdown)
         self._node = TypedNode(node, Definitions())
-        self._facts = description
+        self._description = description
         self._team = team
         self._ask = ask
         self._robots = [RobotNames.of(robot) for robot in range(len(team.parameters))]
         self._goals = count(FIRST_GOAL)
-        self._door = RateLimiter()
+        self._limiter = RateLimiter()
         self._turns = RequestQueue()
         self._complaints = WarnOnce(_log)
         self._tick = 0
@@ -111,13 +111,13 @@ class LiveGraph:
         }
         self._offer_map()
         for robot, named in enumerate(self._robots):
-            self._listen_to_clients(robot, named)
+            self._subscribe_to_clients(robot, named)
             if receive_frame is not None:
-                self._listen_to_stations(robot, receive_frame)
+                self._subscribe_to_stations(robot, receive_frame)
             self._offer_services(robot, named)
         node.declare_param(names.USE_SIM_TIME, True)
         node.declare_param(CALLER, sendable(description.rest))
-        self._parameters = LiveParameters(self._node, team.parameters, self._door, ask)
+        self._parameters = LiveParameters(self._node, team.parameters, self._limiter, ask)
 
     async def start(self) -> NodeStarted | CannotListen:
         """Join the graph; its master need not be there yet."""
@@ -127,7 +127,7 @@ class LiveGraph:
         """Leave the graph."""
         await self._node.ros.stop()
 
-    def _told_to_go(self, reason: str) -> None:
+    def _on_shutdown(self, reason: str) -> None:
         # The hunt is the participant's: a node of the graph must not end it.
         _log.warning("the session leaves the ROS graph (%s) and goes on without it", reason)
         self._node.ros.leave()
@@ -140,7 +140,7 @@ class LiveGraph:
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
         """Publish the messages of one tick, the clock first."""
         self._tick = tick
-        self._door.tick()
+        self._limiter.tick()
         self._parameters.follow(self._team.parameters)
         self._publications[CLOCK.name].publish(pack.clock(tick))
         for message in messages:
@@ -149,21 +149,23 @@ class LiveGraph:
 
     # Messages of clients
 
-    def _listen_to_clients(self, robot: int, named: RobotNames) -> None:
-        for topic, msgtype, heard in (
-            ("initialpose", types.POSE_WITH_COVARIANCE, self._pose_heard),
-            ("cmd_vel", types.TWIST, self._velocity_heard),
-            ("move_base_simple/goal", types.POSE_STAMPED, self._simple_goal_heard),
-            ("move_base/goal", types.MOVE_BASE_GOAL, self._goal_heard),
-            ("move_base/cancel", types.GOAL_ID, self._cancel_heard),
+    def _subscribe_to_clients(self, robot: int, named: RobotNames) -> None:
+        for topic, msgtype, read in (
+            ("initialpose", types.POSE_WITH_COVARIANCE, self._pose_request),
+            ("cmd_vel", types.TWIST, self._velocity_request),
+            ("move_base_simple/goal", types.POSE_STAMPED, self._simple_goal_request),
+            ("move_base/goal", types.MOVE_BASE_GOAL, self._goal_request),
+            ("move_base/cancel", types.GOAL_ID, self._cancel_request),
         ):
             name = named.topic(topic)
-            self._node.subscribe(name, msgtype, partial(self._heard, name, partial(heard, robot)))
+            self._node.subscribe(name, msgtype, partial(self._receive_request, name, partial(read, robot)))
 
-    def _heard(self, topic: str, read: Callable[[bytes], Request | InvalidMessage], data: bytes, caller: str) -> None:
+    def _receive_request(
+        self, topic: str, read: Callable[[bytes], Request | InvalidMessage], data: bytes, caller: str
+    ) -> None:
         if caller == CALLER:
             return  # The game's own goals and commands are on the same topics.
-        if not self._door.admits(topic, caller):
+        if not self._limiter.admits(topic, caller):
             return
         request = read(data)
         if isinstance(request, InvalidMessage):
@@ -171,34 +173,34 @@ class LiveGraph:
         else:
             self._ask(caller, request)
 
-    def _listen_to_stations(self, robot: int, hear: Callable[[int, Frame], None]) -> None:
+    def _subscribe_to_stations(self, robot: int, receive: Callable[[int, Frame], None]) -> None:
         topic = VehicleTopics.of(self._robots[robot]).received
-        heard = partial(self._frame_heard, topic.name, partial(hear, robot))
-        self._node.subscribe(topic.name, topic.msgtype, heard)
+        on_message = partial(self._receive_frame, topic.name, partial(receive, robot))
+        self._node.subscribe(topic.name, topic.msgtype, on_message)
 
-    def _frame_heard(self, topic: str, hear: Callable[[Frame], None], data: bytes, caller: str) -> None:
-        if caller == CALLER or not self._door.admits(topic, caller):
+    def _receive_frame(self, topic: str, receive: Callable[[Frame], None], data: bytes, caller: str) -> None:
+        if caller == CALLER or not self._limiter.admits(topic, caller):
             return
         try:
             frame = frame_in(unpack.mavlink(data))
         except ValueError as error:
             self._complaints.warn(f"{topic}: what {caller} said is of no use: {error}")
         else:
-            hear(frame)
+            receive(frame)
 
-    def _pose_heard(self, robot: int, data: bytes) -> Request | InvalidMessage:
+    def _pose_request(self, robot: int, data: bytes) -> Request | InvalidMessage:
         found = clients.pose_estimate(data)
         return found if isinstance(found, InvalidMessage) else InitialPose(robot, found.base_in_map, found.covariance)
 
-    def _velocity_heard(self, robot: int, data: bytes) -> Request | InvalidMessage:
+    def _velocity_request(self, robot: int, data: bytes) -> Request | InvalidMessage:
         found = clients.velocity(data)
         return found if isinstance(found, InvalidMessage) else VelocityCommand(robot, found)
 
-    def _simple_goal_heard(self, robot: int, data: bytes) -> Request | InvalidMessage:
+    def _simple_goal_request(self, robot: int, data: bytes) -> Request | InvalidMessage:
         found = clients.goal_pose(data)
         return found if isinstance(found, InvalidMessage) else SimpleGoal(robot, found, next(self._goals))
 
-    def _goal_heard(self, robot: int, data: bytes) -> Request | InvalidMessage:
+    def _goal_request(self, robot: int, data: bytes) -> Request | InvalidMessage:
         found = clients.action_goal(data)
         if isinstance(found, InvalidMessage):
             return found
@@ -207,7 +209,7 @@ class LiveGraph:
             return GoalRequest(robot, found.goal_id, stamp, None, number, found.pose.sentence)
         return GoalRequest(robot, found.goal_id, stamp, found.pose, number)
 
-    def _cancel_heard(self, robot: int, data: bytes) -> Request | InvalidMessage:
+    def _cancel_request(self, robot: int, data: bytes) -> Request | InvalidMessage:
         found = clients.action_cancel(data)
         if isinstance(found, InvalidMessage):
             return found
@@ -223,7 +225,7 @@ class LiveGraph:
     # Services
 
     def _offer_map(self) -> None:
-        whole = pack.occupancy_grid(0, MAP_FRAME, self._facts.grid)
+        whole = pack.occupancy_grid(0, MAP_FRAME, self._description.grid)
         self._node.serve(names.STATIC_MAP, types.GET_MAP, lambda request: whole)
 
     def _offer_services(self, robot: int, named: RobotNames) -> None:
@@ -239,13 +241,13 @@ class LiveGraph:
             self._node.serve(named.topic(service), types.GET_PLAN, self._turns.of(partial(self._make_plan, robot)))
 
     def _pass_on(self, service: str, request: Request, data: bytes) -> bytes:
-        if self._door.is_first(service):
+        if self._limiter.is_first(service):
             self._ask(service, request)
         return b""
 
     def _set_pose(self, robot: int, data: bytes) -> bytes | ServiceFailed:
         service = self._robots[robot].topic("set_pose")
-        if not self._door.admits(service, "clients"):
+        if not self._limiter.admits(service, "clients"):
             return ServiceFailed("it is asked too often")
         found = clients.pose_estimate(data)
         if isinstance(found, InvalidMessage):

@@ -50,7 +50,7 @@ class LiveParameters:
     ) -> None:
         self._node = node
         self._software = list(software)
-        self._door = limiter
+        self._limiter = limiter
         self._ask = ask
         self._complaints = WarnOnce(_log)
         self._robots = [RobotNames.of(robot) for robot in range(len(software))]
@@ -72,7 +72,8 @@ class LiveParameters:
         for robot, now in enumerate(software):
             before, self._software[robot] = self._software[robot], now
             if now is not before and now != before:
-                self._tell(robot, [path for path in reconfigurable() if value_at(now, path) != value_at(before, path)])
+                changed = [path for path in reconfigurable() if value_at(now, path) != value_at(before, path)]
+                self._publish_changes(robot, changed)
 
     def _offer(self, robot: int, section: ReconfigureServer) -> None:
         """Be the dynamic_reconfigure server of a section."""
@@ -85,7 +86,7 @@ class LiveParameters:
 
     def _reconfigure(self, robot: int, section: ReconfigureServer, service: str, data: bytes) -> bytes | ServiceFailed:
         """Serve a change by a client of dynamic_reconfigure; the response holds the resulting values."""
-        if not self._door.admits(service, "clients"):
+        if not self._limiter.admits(service, "clients"):
             return ServiceFailed("it is asked too often")
         changes = reconfigure.requested_changes(section, self._software[robot], data)
         if isinstance(changes, InvalidMessage):
@@ -102,10 +103,10 @@ class LiveParameters:
         ]
         # Other nodes may keep parameters of their own beside these.
         changes = [(path, leaf) for path, leaf in given if has(before, path) and leaf != value_at(before, path)]
-        if self._door.admits(key, "clients"):
+        if self._limiter.admits(key, "clients"):
             self._change(robot, changes, named.topic("parameters"))
         # Also values that did not change: a restarted master gets them only from this node.
-        self._tell(robot, [path for path, _ in changes])
+        self._publish_changes(robot, [path for path, _ in changes])
 
     def _change(self, robot: int, changes: Sequence[tuple[str, SetValue]], sender: str) -> None:
         """Change parameters: if they are not valid together, one by one as far as they are."""
@@ -118,7 +119,7 @@ class LiveParameters:
                 self._software[robot] = after
                 self._ask(sender, SetParameters(robot, tuple(values)))
 
-    def _tell(self, robot: int, paths: Sequence[str]) -> None:
+    def _publish_changes(self, robot: int, paths: Sequence[str]) -> None:
         """Publish the values of some parameters, on the parameter server and by dynamic_reconfigure."""
         self._declare(robot, paths)
         touched = {path.rpartition(".")[0] for path in paths}

@@ -10,7 +10,7 @@ from thbridge.wire.mavlink.outgoing import VehicleStatus
 def frame_record(traffic: Traffic) -> VehicleFrame:
     """Return the record of a frame that a vehicle received or sent, for its topic."""
     frame = traffic.frame
-    told = MavlinkFrame(
+    message = MavlinkFrame(
         link=traffic.link,
         magic=frame.version,
         incompat_flags=frame.incompat_flags,
@@ -22,7 +22,7 @@ def frame_record(traffic: Traffic) -> VehicleFrame:
         checksum=frame.checksum,
         payload=frame.payload,
     )
-    return VehicleFrame(traffic.robot, traffic.heard, told)
+    return VehicleFrame(traffic.robot, traffic.heard, message)
 
 
 def state_record(robot: int, status: VehicleStatus) -> VehicleState:
@@ -38,28 +38,28 @@ def state_record(robot: int, status: VehicleStatus) -> VehicleState:
     )
 
 
-def frame_in(told: MavlinkFrame) -> Frame:
+def frame_in(message: MavlinkFrame) -> Frame:
     """Return the frame in a message, without its signature.
 
     Raises:
         ValueError: it is no frame, or its MAVLink message is unknown.
     """
-    if told.magic not in {V1, V2}:
-        raise ValueError(f"no frame begins with {told.magic}")
-    seed = crc_extra(told.message_id)
+    if message.magic not in {V1, V2}:
+        raise ValueError(f"no frame begins with {message.magic}")
+    seed = crc_extra(message.message_id)
     if seed is None:
-        raise ValueError(f"there is no message {told.message_id}")
+        raise ValueError(f"there is no message {message.message_id}")
     frame = Frame(
-        system=told.system,
-        component=told.component,
-        sequence=told.sequence,
-        message_id=told.message_id,
-        payload=told.payload,
+        system=message.system,
+        component=message.component,
+        sequence=message.sequence,
+        message_id=message.message_id,
+        payload=message.payload,
         seed=seed,
-        version=told.magic,
-        incompat_flags=told.incompat_flags,
-        compat_flags=told.compat_flags,
+        version=message.magic,
+        incompat_flags=message.incompat_flags,
+        compat_flags=message.compat_flags,
     )
-    if frame.checksum != told.checksum:
-        raise ValueError(f"its checksum is {told.checksum}, and should be {frame.checksum}")
+    if frame.checksum != message.checksum:
+        raise ValueError(f"its checksum is {message.checksum}, and should be {frame.checksum}")
     return frame.unsigned()

@@ -57,54 +57,54 @@ class BagRecorder:
     """
 
     def __init__(self, publisher: TickPublisher) -> None:
-        self._speaker = publisher
+        self._publisher = publisher
         self._score: ScoreRecord | None = None
-        self._held = WizardState()
+        self._wizard = WizardState()
         self._collisions: tuple[int, ...] = ()
         self._things: tuple[str, ...] = ()
         self._dead: frozenset[int] = frozenset()
         self._places: FloatArray | None = None
         self._vehicles: tuple[VehicleStatus, ...] = ()
 
-    def record(self, moment: TickRecord) -> None:
+    def record(self, record: TickRecord) -> None:
         """Record one tick; raises what the publisher raises."""
-        if moment.snapshot is not None:
-            self._speaker.record(moment.snapshot, tuple(self._records(moment)))
+        if record.snapshot is not None:
+            self._publisher.record(record.snapshot, tuple(self._records(record)))
 
-    def _records(self, moment: TickRecord) -> Iterator[Record]:
-        for item in moment.inputs:
+    def _records(self, record: TickRecord) -> Iterator[Record]:
+        for item in record.inputs:
             yield to_record(item)
             if isinstance(item, Asked) and isinstance(item.request, GraphRequest):
-                yield from self._asked(moment, item.request)
-        for forwarded in moment.forwarded:
+                yield from self._asked(record, item.request)
+        for forwarded in record.forwarded:
             yield from _lines(forwarded)
-        for event in moment.events:
+        for event in record.events:
             yield _event(event)
-        for utterance in moment.utterances:
+        for utterance in record.utterances:
             yield _utterance(utterance)
-        if moment.wizard != self._held:
-            self._held = moment.wizard
-            yield HeldTurns(moment.wizard.json())
-        if moment.snapshot is not None and moment.snapshot.world is not None:
-            yield from self._touches(moment.snapshot)
-            yield from self._incidents(moment.snapshot)
-        yield from map(frame_record, moment.traffic)
-        yield from self._states(moment)
-        score = None if moment.game is None else _score(moment.game)
+        if record.wizard != self._wizard:
+            self._wizard = record.wizard
+            yield HeldTurns(record.wizard.json())
+        if record.snapshot is not None and record.snapshot.world is not None:
+            yield from self._touches(record.snapshot)
+            yield from self._incidents(record.snapshot)
+        yield from map(frame_record, record.traffic)
+        yield from self._states(record)
+        score = None if record.game is None else _score(record.game)
         if score is not None and score != self._score:
             self._score = score
             yield score
 
-    def _asked(self, moment: TickRecord, request: GraphRequest) -> Iterator[Record]:
+    def _asked(self, record: TickRecord, request: GraphRequest) -> Iterator[Record]:
         """Yield the request of a ROS client, if its robot exists."""
-        if moment.snapshot is not None and request.robot < len(moment.snapshot.robots):
+        if record.snapshot is not None and request.robot < len(record.snapshot.robots):
             yield request
 
-    def _states(self, moment: TickRecord) -> Iterator[Record]:
+    def _states(self, record: TickRecord) -> Iterator[Record]:
         """Yield the states of vehicles that have changed, and every `STATE_PERIOD` of all."""
-        before, self._vehicles = self._vehicles, moment.vehicles
-        for robot, status in enumerate(moment.vehicles):
-            if moment.tick % STATE_PERIOD == 0 or not before or status != before[robot]:
+        before, self._vehicles = self._vehicles, record.vehicles
+        for robot, status in enumerate(record.vehicles):
+            if record.tick % STATE_PERIOD == 0 or not before or status != before[robot]:
                 yield state_record(robot, status)
 
     def _touches(self, snapshot: TeamSnapshot) -> Iterator[GameEvent]:
@@ -145,10 +145,10 @@ class TlogRecorder:
     def __init__(self, tlog: TlogFile) -> None:
         self._tlog = tlog
 
-    def record(self, moment: TickRecord) -> None:
+    def record(self, record: TickRecord) -> None:
         """Record one tick. Raises BadFile when it cannot be written."""
-        if moment.snapshot is not None and moment.traffic:
-            self._tlog.record(stamp_ns(moment.snapshot.tick), moment.traffic)
+        if record.snapshot is not None and record.traffic:
+            self._tlog.record(stamp_ns(record.snapshot.tick), record.traffic)
 
 
 def _befell(kind: str, robot: int) -> GameEvent:
@@ -170,16 +170,16 @@ def _event(event: events.Event) -> GameEvent:
     return GameEvent(type(event).__name__.lower(), robot, None if room is None else room.people, to_json(event))
 
 
-def _utterance(said: moves.DialogueUtterance) -> UtteranceRecord:
+def _utterance(utterance: moves.DialogueUtterance) -> UtteranceRecord:
     return UtteranceRecord(
-        dialogue=said.dialogue,
-        speaker="robot" if said.speaker is moves.Speaker.ROBOT else "human",
-        robot=said.topic.robot,
-        room=said.topic.room.people,
-        scenario=MATTERS[said.topic.scenario],
-        text=said.text,
-        author=said.author,
-        move=type(said.move).__name__.lower(),
+        dialogue=utterance.dialogue,
+        speaker="robot" if utterance.speaker is moves.Speaker.ROBOT else "human",
+        robot=utterance.topic.robot,
+        room=utterance.topic.room.people,
+        scenario=MATTERS[utterance.topic.scenario],
+        text=utterance.text,
+        author=utterance.author,
+        move=type(utterance.move).__name__.lower(),
     )
 
 

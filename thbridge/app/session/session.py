@@ -72,7 +72,7 @@ class TickRecord:
 class TickRecorder(Protocol):
     """Recorder of a session."""
 
-    def record(self, moment: TickRecord) -> None:
+    def record(self, record: TickRecord) -> None:
         """Record one tick. May raise; the session then ends."""
 
 
@@ -117,17 +117,17 @@ class Session:
         vehicles: Callable[[RequestSink], Vehicles] | None = None,
     ) -> None:
         self.tick = 0
-        self.perform: Callable[[Sequence[RouterOutput]], None] = self._hear_all
-        self.transmit: Callable[[Sequence[OutgoingFrame]], None] = _untransmitted
+        self.perform: Callable[[Sequence[RouterOutput]], None] = self._note_all_forwarded
+        self.transmit: Callable[[Sequence[OutgoingFrame]], None] = _drop_frames
         self._router = router
         self._keeper = keeper
         self._roles = tuple(roles)
         self._log = log
-        self._witnesses = tuple(recorders)
+        self._recorders = tuple(recorders)
         self._participant = participant
         self._simr = next((role for role in roles if isinstance(role, SimR)), None)
         self._inputs: list[Input] = []
-        self._heard: list[Forwarded] = []
+        self._forwarded: list[Forwarded] = []
         self._vehicles = None if vehicles is None else vehicles(self._pass_on)
         for role in (keeper, *self._roles, *(() if participant is None else (participant,))):
             taken = router.attach(role.name)
@@ -147,7 +147,7 @@ class Session:
 
     def note_forwarded(self, forwarded: Forwarded) -> None:
         """Take a line that the router forwarded, for the keeper and the record."""
-        self._heard.append(forwarded)
+        self._forwarded.append(forwarded)
 
     # Inputs from outside
 
@@ -274,8 +274,8 @@ class Session:
         # Inputs from here on, such as the backlog of a reader of what is sent now, are the next tick's.
         inputs, self._inputs = self._inputs, []
         self.perform(self._router.exchange())
-        heard, self._heard = tuple(self._heard), []
-        self._keeper.tap(heard)
+        forwarded, self._forwarded = tuple(self._forwarded), []
+        self._keeper.tap(forwarded)
         self._step_role(self._keeper)
         decided = self._keeper.decisions
         self._log.append(decided.events)
@@ -285,11 +285,11 @@ class Session:
             inputs += [Said(message) for message in self._step_role(self._participant)]
         snapshot = None if self._simr is None else self._simr.snapshot
         sent = [] if self._vehicles is None or snapshot is None else self._vehicles.step(snapshot, self._keeper.state)
-        moment = TickRecord(
+        record = TickRecord(
             self.tick,
             tuple(inputs),
             snapshot,
-            heard,
+            forwarded,
             decided.events,
             decided.utterances,
             decided.wizard,
@@ -297,11 +297,11 @@ class Session:
             () if self._vehicles is None else self._vehicles.take_traffic(),
             () if self._vehicles is None else self._vehicles.statuses,
         )
-        for witness in self._witnesses:
-            witness.record(moment)
+        for recorder in self._recorders:
+            recorder.record(record)
         self.transmit(sent)
         self.tick += 1
-        return moment
+        return record
 
     def _pass_on(self, request: Request, researcher: str | None = None) -> None:
         """Pass a request on to its role; see `ask`."""
@@ -313,16 +313,16 @@ class Session:
             self._simr.ask(request, researcher)
 
     def _step_role(self, role: Role) -> Sequence[TextMessage]:
-        said = role.step(self.tick, self._router.take(role.name))
-        for message in said:
+        messages = role.step(self.tick, self._router.take(role.name))
+        for message in messages:
             self._router.submit(role.name, message)
-        return said
+        return messages
 
-    def _hear_all(self, outputs: Sequence[RouterOutput]) -> None:
+    def _note_all_forwarded(self, outputs: Sequence[RouterOutput]) -> None:
         for output in outputs:
             if isinstance(output, Forwarded):
                 self.note_forwarded(output)
 
 
-def _untransmitted(sent: Sequence[OutgoingFrame]) -> None:
+def _drop_frames(sent: Sequence[OutgoingFrame]) -> None:
     """Drop the frames, because no server of links has replaced this function."""

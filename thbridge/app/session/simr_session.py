@@ -25,7 +25,7 @@ class SimrSession:
     def __init__(self, simr: SimR, recorders: Sequence[TickRecorder] = ()) -> None:
         self.tick = 0
         self._simr = simr
-        self._witnesses = tuple(recorders)
+        self._recorders = tuple(recorders)
         self._inputs: list[Input] = []
 
     # Inputs from outside
@@ -59,11 +59,11 @@ class SimrSession:
             Exception: of a recorder that cannot write; the program must end then.
         """
         inputs, self._inputs = tuple(self._inputs), []
-        heard = [item.message for item in inputs if isinstance(item, Heard)]
-        said = self._simr.step(self.tick, heard)
-        passed = tuple(Forwarded(message, True, False) for message in (*heard, *said))
-        moment = TickRecord(self.tick, inputs, self._simr.snapshot, passed, (), (), WizardState(), None)
-        for witness in self._witnesses:
-            witness.record(moment)
+        received = [item.message for item in inputs if isinstance(item, Heard)]
+        sent = self._simr.step(self.tick, received)
+        forwarded = tuple(Forwarded(message, True, False) for message in (*received, *sent))
+        record = TickRecord(self.tick, inputs, self._simr.snapshot, forwarded, (), (), WizardState(), None)
+        for recorder in self._recorders:
+            recorder.record(record)
         self.tick += 1
-        return said
+        return sent

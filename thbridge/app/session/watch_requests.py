@@ -132,16 +132,16 @@ class WatchRequestHandler:
             self._ask(WATCH_SENDER, Puppeteer(robot, on=False))
         self._puppets.clear()
 
-    def ask(self, watcher: str, wish: Mapping[str, object]) -> str | None:
+    def ask(self, watcher: str, request: Mapping[str, object]) -> str | None:
         """Grant a request in JSON; return None, or the reason for a refusal."""
-        name = wish.get("request")
+        name = request.get("request")
         kind = _PACES.get(name) if isinstance(name, str) else None
         try:
             if kind is not None:
-                return self._turn(decode_value(wish.get("fields", {}), kind))
-            if _lies_far(wish.get("fields")):
+                return self._turn(decode_value(request.get("fields", {}), kind))
+            if _lies_far(request.get("fields")):
                 return "no map is that large"
-            asked = decode_request({"sender": watcher, "fields": {}, **wish})
+            asked = decode_request({"sender": watcher, "fields": {}, **request})
         except ValueError as error:
             return str(error)
         if not isinstance(asked.request, _GRANTED):

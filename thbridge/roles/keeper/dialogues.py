@@ -148,9 +148,9 @@ class GameDialogues:
 
     def other_candidate(self, room: Room, robot: int) -> int | None:
         """Return another robot that has an open dialogue or an agreement about going to this room, or None."""
-        talks = [(d.topic.robot, MATTERS[d.topic.scenario], d.topic.room.people) for d in self._dialogues.open]
-        talks += [(consent.robot, consent.matter, consent.room) for consent in self._consents]
-        others = (other for other, matter, about in talks if matter == "select-room" and about == room.people)
+        candidates = [(d.topic.robot, MATTERS[d.topic.scenario], d.topic.room.people) for d in self._dialogues.open]
+        candidates += [(consent.robot, consent.matter, consent.room) for consent in self._consents]
+        others = (other for other, matter, about in candidates if matter == "select-room" and about == room.people)
         return next((other for other in others if other != robot), None)
 
     def drop_stale(self, state: GameState) -> None:

@@ -14,7 +14,7 @@ from thbridge.roles.view import IdentificationVerdict, RefusalView, RobotView, R
 
 def view_of(
     state: GameState,
-    talks: GameDialogues,
+    dialogues: GameDialogues,
     refusal: RefusalView | None,
     briefing: Briefing,
     *,
@@ -28,8 +28,8 @@ def view_of(
         costs=plain_costs(state.started.costs),
         robots=tuple(_robot(state, number, number in asked_back) for number in range(len(state.robots))),
         rooms=tuple(_room(state, room) for room in state.started.costs.rooms),
-        dialogues=talks.views(),
-        consents=talks.consents,
+        dialogues=dialogues.views(),
+        consents=dialogues.consents,
         score=state.score,
         over=None if state.ended is None else state.ended.reason.value,
         picture_cost=state.started.picture_cost,
@@ -37,7 +37,7 @@ def view_of(
         refusal=refusal,
         names=briefing.names if any(room.sensed is not None for room in state.rooms) else (),
         consent=None if state.agreed else briefing.consent,
-        thinking=talks.asked_for_advice,
+        thinking=dialogues.asked_for_advice,
     )
 
 

@@ -46,25 +46,25 @@ def floor_plan_of(
     return House(name, resolution, (x, y, theta), width, height, packed, tuple(rooms), footprint)
 
 
-def grid_of(house: House) -> OccupancyGrid:
+def grid_of(plan: House) -> OccupancyGrid:
     """Return the map of a floor plan.
 
     Raises:
         ValueError: its cells do not unpack to the size it states.
     """
-    count = house.width * house.height
-    if min(house.width, house.height) < 1 or count > MOST_CELLS or not house.resolution > 0.0:
-        raise ValueError(f"no map has {house.width} x {house.height} cells of {house.resolution} m")
+    count = plan.width * plan.height
+    if min(plan.width, plan.height) < 1 or count > MOST_CELLS or not plan.resolution > 0.0:
+        raise ValueError(f"no map has {plan.width} x {plan.height} cells of {plan.resolution} m")
     unpacking = zlib.decompressobj()
     try:
         # One byte more than there may be, so that too many are noticed without unpacking them all.
-        data = unpacking.decompress(base64.b64decode(house.cells, validate=True), count + 1)
+        data = unpacking.decompress(base64.b64decode(plan.cells, validate=True), count + 1)
     except (binascii.Error, zlib.error) as error:
         raise ValueError(f"the cells cannot be unpacked: {error}") from None
     codes = np.frombuffer(data, dtype=np.uint8)
     if len(codes) != count or codes.max() >= len(_OF_CODE):
         raise ValueError("the cells are not as many, or not of the kinds, that there should be")
-    return OccupancyGrid(_OF_CODE[codes.reshape(house.height, house.width)], house.resolution, Pose2(*house.origin))
+    return OccupancyGrid(_OF_CODE[codes.reshape(plan.height, plan.width)], plan.resolution, Pose2(*plan.origin))
 
 
 def _packed(codes: NDArray[np.uint8]) -> str:

@@ -53,7 +53,7 @@ from thbridge.wire.router import Forwarded
 from thbridge.wire.text import TextMessage
 
 _BEFORE_AGREEING = RequestRefused(KeeperReason.NOT_AGREED, "You have not agreed to take part yet.")
-_AFTER_AGREEING = {wish.__name__ for wish in get_args(ParticipantRequest)} - {Agree.__name__}
+_AFTER_AGREEING = {kind.__name__ for kind in get_args(ParticipantRequest)} - {Agree.__name__}
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,31 +107,31 @@ class Keeper:
     ) -> None:
         self._rules = rules
         self._briefing = briefing or Briefing()
-        self._book = OpenGame(engine, last_game)
-        self._book.restore(history)
-        return_robots(self._book)
-        self._overhearing = LegacyLines(self._book)
+        self._game = OpenGame(engine, last_game)
+        self._game.restore(history)
+        return_robots(self._game)
+        self._legacy_lines = LegacyLines(self._game)
         # The programs that are connected, and what they were sent last.
         self._team: RobotsReady | None = None
         self._hider_ready = False
-        self._audience = Participants(KEEPER, self._briefing)
+        self._participants = Participants(KEEPER, self._briefing)
         self._poses: tuple[tuple[float, float, float], ...] | None = None
         self._ordered: Orders | None = None
         # Of the current step, and of the last one.
-        self._heard_anything = False
-        self._asked: list[GameRequest] = []
-        self._said: list[TextMessage] = []
-        self._decided = KeeperDecisions((), (), WizardState())
+        self._has_input = False
+        self._requests: list[GameRequest] = []
+        self._outgoing: list[TextMessage] = []
+        self._decisions = KeeperDecisions((), (), WizardState())
 
     @property
     def state(self) -> GameState | None:
         """The current game, or the last one if it is over; None before the first."""
-        return self._book.state
+        return self._game.state
 
     @property
     def decisions(self) -> KeeperDecisions:
         """Events and utterances of the last step; the events belong in the journal before anything else is done."""
-        return self._decided
+        return self._decisions
 
     def connected(self) -> None:
         """Do nothing: the other programs introduce themselves to the keeper."""
@@ -141,57 +141,59 @@ class Keeper:
         for item in forwarded:
             if is_notice(item.message):
                 continue
-            self._heard_anything = True
+            self._has_input = True
             if self.state is not None:
                 # Programs of 2016 hold their dialogues internally: no consent of theirs is visible here.
-                ours = item.sender_extended and item.message.sender in self._audience
-                wish = request_kind(item.message)
-                if ours and wish is not None and self._must_agree(self.state):
-                    self._book.refuse(wish, _BEFORE_AGREEING)
+                ours = item.sender_extended and item.message.sender in self._participants
+                kind = request_kind(item.message)
+                if ours and kind is not None and self._must_agree(self.state):
+                    self._game.refuse(kind, _BEFORE_AGREEING)
                     continue
-                reply = self._overhearing.handle(self.state, item.message, needs_consent=ours)
+                reply = self._legacy_lines.handle(self.state, item.message, needs_consent=ours)
                 if reply is not None:
-                    self._tell(legacy.HIDER, Reply(reply.command, reply.text))
+                    self._send(legacy.HIDER, Reply(reply.command, reply.text))
 
     def ask(self, request: GameRequest) -> None:
         """Queue a request for the next step, before the messages of that step."""
-        self._asked.append(request)
+        self._requests.append(request)
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
         """Run one tick; see `Role`."""
-        if self._book.handback_requests.advance(tick):
-            self._heard_anything = True
-        asked, self._asked = self._asked, []
-        for request in asked:
-            self._heard_anything = True
+        if self._game.handback_requests.advance(tick):
+            self._has_input = True
+        requests, self._requests = self._requests, []
+        for request in requests:
+            self._has_input = True
             if not isinstance(request, CommandRequest):
-                handle_wizard_request(self._book, self.state, request)
+                handle_wizard_request(self._game, self.state, request)
             elif self.state is not None:
                 handle_station_request(
-                    self._book, self.state, request, awaits_treasures=self._awaits_treasures(self.state)
+                    self._game, self.state, request, awaits_treasures=self._awaits_treasures(self.state)
                 )
         for message in messages:
             value = parse_notice(message)
             if isinstance(value, Notice):
-                self._heard_anything = True
-                self._heed(value)
-        held = self._decided.wizard
+                self._has_input = True
+                self._handle_notice(value)
+        wizard = self._decisions.wizard
         # State changes only by messages and requests; most ticks have none.
-        if self._heard_anything:
-            self._heard_anything = False
+        if self._has_input:
+            self._has_input = False
             if self.state is not None:
-                sense_for_stations(self._book, self.state)
-            self._see_to_end()
-            self._tell_levels()
-            held = wizard_state(self._book, self.state)
-        self._said += self._audience.pieces(tick)
-        self._decided = KeeperDecisions(self._book.take_events(), tuple(self._book.dialogues.take_utterances()), held)
-        said, self._said = self._said, []
-        return said
+                sense_for_stations(self._game, self.state)
+            self._end_if_over()
+            self._send_notices()
+            wizard = wizard_state(self._game, self.state)
+        self._outgoing += self._participants.pieces(tick)
+        self._decisions = KeeperDecisions(
+            self._game.take_events(), tuple(self._game.dialogues.take_utterances()), wizard
+        )
+        outgoing, self._outgoing = self._outgoing, []
+        return outgoing
 
     # Notices to the keeper
 
-    def _heed(self, notice: Notice) -> None:
+    def _handle_notice(self, notice: Notice) -> None:
         if (robots := decode_notice(notice, RobotsReady)) is not None:
             self._robots(notice.sender, robots)
         elif (status := decode_notice(notice, Status)) is not None:
@@ -202,14 +204,14 @@ class Keeper:
         elif (hidden := decode_notice(notice, HideTreasures)) is not None:
             self._hide(hidden)
         elif decode_notice(notice, ParticipantReady) is not None:
-            self._said += self._audience.join(notice.sender, None if self._team is None else self._team.map)
+            self._outgoing += self._participants.join(notice.sender, None if self._team is None else self._team.map)
         elif self.state is not None and notice.kind in _AFTER_AGREEING and self._must_agree(self.state):
-            self._book.refuse(notice.kind, _BEFORE_AGREEING)
+            self._game.refuse(notice.kind, _BEFORE_AGREEING)
         elif (again := decode_notice(notice, PlayAgain)) is not None:
             self._play_again(again.game)
         elif self.state is not None:
             handle_participant_request(
-                self._book, self.state, notice, awaits_treasures=self._awaits_treasures(self.state)
+                self._game, self.state, notice, awaits_treasures=self._awaits_treasures(self.state)
             )
 
     def _awaits_treasures(self, state: GameState) -> bool:
@@ -224,16 +226,16 @@ class Keeper:
         state = self.state
         costs = costs_of(robots.costs)
         if isinstance(costs, RequestRefused):
-            self._tell(sender, Unfit(costs.sentence))
+            self._send(sender, Unfit(costs.sentence))
         elif not 0 < robots.robots <= MOST_ROBOTS:
-            self._tell(sender, Unfit(f"A team has 1 to {MOST_ROBOTS} robots, not {robots.robots}."))
+            self._send(sender, Unfit(f"A team has 1 to {MOST_ROBOTS} robots, not {robots.robots}."))
         elif state is None:
             self._team = robots
             self._start(robots.robots, costs)
         elif state.ended is not None:
             self._team = robots
         elif len(state.robots) != robots.robots or state.started.costs != costs:
-            self._tell(sender, Unfit(_unfit(state, robots)))
+            self._send(sender, Unfit(_mismatch(state, robots)))
         else:
             self._team = robots
             self._give_orders(state, with_poses=True)
@@ -242,7 +244,7 @@ class Keeper:
         chosen = self._rules
         started = Started(
             seed=chosen.seed,
-            game=self._book.last_game + 1,
+            game=self._game.last_game + 1,
             robots=robots,
             energy=chosen.energy,
             picture_cost=chosen.picture_cost,
@@ -254,7 +256,7 @@ class Keeper:
         former = self.state
         agreed = (Agreed(),) if former is not None and former.agreed else ()
         kept = () if former is None else kept_commands(former, robots)
-        self._book.record((started, *agreed, *kept))
+        self._game.record((started, *agreed, *kept))
         self._poses = None
         self._ask_to_hide()
 
@@ -269,13 +271,13 @@ class Keeper:
     def _ask_to_hide(self) -> None:
         state = self.state
         if self._hider_ready and state is not None and state.treasures is None and state.ended is None:
-            self._tell(legacy.HIDER, HidePlease(state.started.game, len(state.rooms)))
+            self._send(legacy.HIDER, HidePlease(state.started.game, len(state.rooms)))
 
     def _hide(self, hidden: HideTreasures) -> None:
         state = self.state
         fresh = state is not None and state.treasures is None and state.started.game == hidden.game
         if state is not None and fresh and len(hidden.treasures) == len(state.rooms):
-            self._book.record((Hidden(hidden.treasures),))
+            self._game.record((Hidden(hidden.treasures),))
 
     def _status(self, status: Status) -> None:
         state = self.state
@@ -285,55 +287,55 @@ class Keeper:
             return
         self._poses = status.poses
         for robot, result in enumerate(status.results):
-            if result is None or self.state is None or not self._book.is_executing(robot, result.move):
+            if result is None or self.state is None or not self._game.is_executing(robot, result.move):
                 continue
             bound_for = self.state.robots[robot].bound_for
             if result.arrived and bound_for is not None:
-                self._book.apply_ruling("Arrived", rules.arrive(self.state, robot, bound_for))
+                self._game.apply_ruling("Arrived", rules.arrive(self.state, robot, bound_for))
             else:
-                recalled = self._book.is_recalled(robot)
-                self._book.apply_ruling("Failed", rules.fail(self.state, robot, result.sentence, result.share))
+                recalled = self._game.is_recalled(robot)
+                self._game.apply_ruling("Failed", rules.fail(self.state, robot, result.sentence, result.share))
                 if not recalled:
-                    self._book.refuse(SendRobot.__name__, RequestRefused(KeeperReason.NO_PATH, result.sentence))
+                    self._game.refuse(SendRobot.__name__, RequestRefused(KeeperReason.NO_PATH, result.sentence))
         for robot, condition in enumerate(status.conditions):
             if self.state is not None:
-                self._book.apply_ruling("Reported", rules.report(self.state, robot, condition))
+                self._game.apply_ruling("Reported", rules.report(self.state, robot, condition))
         for robot, researcher in enumerate(status.researchers):
             if self.state is not None:
-                self._book.apply_ruling("Commanded", rules.intervene(self.state, robot, researcher))
+                self._game.apply_ruling("Commanded", rules.intervene(self.state, robot, researcher))
 
-    def _see_to_end(self) -> None:
+    def _end_if_over(self) -> None:
         """End the game when it is over; no decision of 2016's programs, which never give a treasure up, is awaited."""
         if self.state is not None:
-            self._book.record(rules.ending(self.state, wait_for_decisions=not self._audience.is_empty))
+            self._game.record(rules.ending(self.state, wait_for_decisions=not self._participants.is_empty))
 
     # Notices of the keeper
 
-    def _tell(self, receiver: str, value: StateNotice) -> None:
-        self._said.append(encode_notice(self.name, receiver, value))
+    def _send(self, receiver: str, value: StateNotice) -> None:
+        self._outgoing.append(encode_notice(self.name, receiver, value))
 
-    def _tell_levels(self) -> None:
+    def _send_notices(self) -> None:
         state = self.state
         if state is None:
             return
         if self._team is not None:
             self._give_orders(state, with_poses=False)
-        talks, refusal = self._book.dialogues, self._book.refusal
-        self._said += self._audience.show(
+        dialogues, refusal = self._game.dialogues, self._game.refusal
+        self._outgoing += self._participants.show(
             view_of(
                 state,
-                talks,
+                dialogues,
                 refusal,
                 self._briefing,
                 robots_ready=self._team is not None,
-                asked_back=self._book.handback_requests.recent,
+                asked_back=self._game.handback_requests.recent,
             )
         )
 
     def _give_orders(self, state: GameState, *, with_poses: bool) -> None:
         orders = Orders(
             game=state.started.game,
-            moves=self._book.orders(state),
+            moves=self._game.orders(state),
             energy=tuple(robot.energy for robot in state.robots),
             at=tuple(robot.at.people for robot in state.robots),
             poses=self._poses if with_poses else None,
@@ -343,7 +345,7 @@ class Keeper:
         )
         if with_poses or self._ordered is None or replace(self._ordered, poses=None) != orders:
             self._ordered = orders
-            self._tell(legacy.SIMR, orders)
+            self._send(legacy.SIMR, orders)
 
 
 def costs_of(rows: Sequence[Sequence[float | None]]) -> CostMatrix | RequestRefused:
@@ -354,7 +356,7 @@ def costs_of(rows: Sequence[Sequence[float | None]]) -> CostMatrix | RequestRefu
         return RequestRefused("bad-costs", str(error))
 
 
-def _unfit(state: GameState, robots: RobotsReady) -> str:
+def _mismatch(state: GameState, robots: RobotsReady) -> str:
     return (
         f"A game with {len(state.robots)} robots and {len(state.rooms)} rooms is under way; these are {robots.robots} "
         f"robots on the map {robots.map} with {len(robots.costs) - 1} rooms. Start SimR as before, or end that game "

@@ -32,11 +32,11 @@ class LegacyLines:
     """Handles one line after the other.
 
     Args:
-        open_game: the game in progress.
+        game: the game in progress.
     """
 
-    def __init__(self, book: OpenGame) -> None:
-        self._book = book
+    def __init__(self, game: OpenGame) -> None:
+        self._game = game
         # An identification whose points a Hider of 2016 has not sent yet: the game's number, the room, the name.
         self._named: tuple[int, Room, str] | None = None
 
@@ -51,7 +51,7 @@ class LegacyLines:
         Returns:
             The message that a Hider of ours shall send to the participant now, or None.
         """
-        book = self._book
+        game = self._game
         match legacy.decode(message):
             case legacy.GotoRoom(robot, room) if message.receiver == legacy.SIMR:
                 self._send(state, robot, Room.of_wire(room), needs_consent)
@@ -64,13 +64,13 @@ class LegacyLines:
             case legacy.NameTreasure(room, name) if message.receiver == legacy.HIDER:
                 return self._identify(state, Room.of_wire(room), name, needs_consent)
             case legacy.FoundTreasure(room, colour, footprint) if message.sender == legacy.HIDER:
-                self._if_told(state, lambda: rules.sense(state, Room.of_wire(room), (colour, footprint)))
+                self._apply_reported(state, lambda: rules.sense(state, Room.of_wire(room), (colour, footprint)))
             case legacy.TreasureImage(room, filename) if message.sender == legacy.HIDER:
-                self._if_told(state, lambda: rules.picture(state, Room.of_wire(room), filename))
+                self._apply_reported(state, lambda: rules.picture(state, Room.of_wire(room), filename))
             case legacy.PointsAwarded(points) if message.sender == legacy.HIDER and self._named is not None:
                 (number, place, name), self._named = self._named, None
-                if book.last_game == number:
-                    self._if_told(state, lambda: rules.identify(state, place, name, points))
+                if game.last_game == number:
+                    self._apply_reported(state, lambda: rules.identify(state, place, name, points))
         return None
 
     def _send(self, state: GameState, robot: int, room: Room, needs_consent: bool) -> None:
@@ -78,23 +78,23 @@ class LegacyLines:
         if (
             isinstance(ruling, tuple)
             and needs_consent
-            and not self._book.dialogues.is_agreed(robot, "select-room", room)
+            and not self._game.dialogues.is_agreed(robot, "select-room", room)
         ):
             name = rules.robot_name(robot)
             ruling = RequestRefused(
                 KeeperReason.NO_CONSENSUS, f"You have not agreed with {name} that it goes to {room}."
             )
-        if self._book.apply_ruling(SendRobot.__name__, ruling):
-            self._book.dialogues.use_consent(robot, "select-room")
+        if self._game.apply_ruling(SendRobot.__name__, ruling):
+            self._game.dialogues.use_consent(robot, "select-room")
 
     def _arrived(self, state: GameState, robot: int, room: Room) -> None:
         here = state.robots[robot] if state.has_robot(robot) else None
         # SimR repeats the line when it cannot know whether it arrived.
         if here is not None and (here.bound_for is not None or here.at != room):
-            self._book.apply_ruling("Arrived", rules.arrive(state, robot, room))
+            self._game.apply_ruling("Arrived", rules.arrive(state, robot, room))
 
     def _sense(self, state: GameState, room: Room) -> TextMessage | None:
-        if state.treasures is None or not self._book.apply_ruling(Sense.__name__, rules.sense(state, room)):
+        if state.treasures is None or not self._game.apply_ruling(Sense.__name__, rules.sense(state, room)):
             return None
         treasure = state.treasure(room)
         if treasure is None:
@@ -108,7 +108,7 @@ class LegacyLines:
         # A picture that was taken is shown again without another dialogue.
         if needs_consent and state.has_room(room) and state.room(room).image is None:
             ruling = self._agreed(ruling, state, room, "take-picture")
-        if not self._book.apply_ruling(TakePicture.__name__, ruling):
+        if not self._game.apply_ruling(TakePicture.__name__, ruling):
             return None
         treasure = state.treasure(room)
         if treasure is None or treasure.image is None:
@@ -117,7 +117,7 @@ class LegacyLines:
 
     def _identify(self, state: GameState, room: Room, name: str, needs_consent: bool) -> TextMessage | None:
         if state.treasures is None:
-            self._named = (self._book.last_game, room, name)
+            self._named = (self._game.last_game, room, name)
             return None
         decided = state.room(room).points if state.has_room(room) else None
         if decided is not None:
@@ -126,25 +126,25 @@ class LegacyLines:
         ruling = rules.identify(state, room, name)
         if needs_consent:
             ruling = self._agreed(ruling, state, room, "take-treasure")
-        if not self._book.apply_ruling(Identify.__name__, ruling) or self._book.state is None:
+        if not self._game.apply_ruling(Identify.__name__, ruling) or self._game.state is None:
             return None
-        return legacy.PointsAwarded(self._book.state.room(room).points or 0).message()
+        return legacy.PointsAwarded(self._game.state.room(room).points or 0).message()
 
     def _agreed(self, ruling: rules.Ruling, state: GameState, room: Room, matter: DialogueMatter) -> rules.Ruling:
         """Return the ruling if robot and participant agreed on it, else a refusal; the agreement is used up."""
         robot = state.decider(room)
         if isinstance(ruling, RequestRefused) or robot is None:
             return ruling
-        if not self._book.dialogues.is_agreed(robot, matter, room):
+        if not self._game.dialogues.is_agreed(robot, matter, room):
             return RequestRefused(
                 KeeperReason.NO_CONSENSUS, f"You have not agreed on that with {rules.robot_name(robot)}."
             )
-        self._book.dialogues.use_consent(robot, matter)
+        self._game.dialogues.use_consent(robot, matter)
         return ruling
 
-    def _if_told(self, state: GameState, rule: Callable[[], rules.Ruling]) -> None:
+    def _apply_reported(self, state: GameState, rule: Callable[[], rules.Ruling]) -> None:
         """Apply the answer of a Hider of 2016; one of ours only repeats what the keeper decided."""
         if state.treasures is None:
             ruling = rule()
             if isinstance(ruling, tuple):
-                self._book.record(ruling)
+                self._game.record(ruling)

@@ -14,91 +14,91 @@ from thbridge.roles.view import Agree, Answer, AskBack, CallBack, Discuss, GiveU
 from thbridge.wire.notice import Notice
 
 
-def handle_participant_request(book: OpenGame, state: GameState, notice: Notice, *, awaits_treasures: bool) -> None:
+def handle_participant_request(game: OpenGame, state: GameState, notice: Notice, *, awaits_treasures: bool) -> None:
     """Grant a request, or keep its refusal; another notice changes nothing.
 
     Args:
-        open_game: the game in progress.
+        game: the game in progress.
         state: of the game.
         notice: the request.
         awaits_treasures: Hider is about to hide them; until then no robot is sent.
     """
     if decode_notice(notice, Agree) is not None:
-        book.apply_ruling(Agree.__name__, rules.agree(state))
+        game.apply_ruling(Agree.__name__, rules.agree(state))
     elif (asked := decode_notice(notice, Select)) is not None:
-        _select(book, state, asked, awaits_treasures)
+        _select(game, state, asked, awaits_treasures)
     elif (unsure := decode_notice(notice, Unsure)) is not None:
-        _suggest(book, state, unsure.robot, awaits_treasures)
+        _suggest(game, state, unsure.robot, awaits_treasures)
     elif (discuss := decode_notice(notice, Discuss)) is not None:
-        _discuss(book, state, discuss)
+        _discuss(game, state, discuss)
     elif (answer := decode_notice(notice, Answer)) is not None:
-        refused = book.dialogues.answer(answer.dialogue, answer.turn, answer.choice)
+        refused = game.dialogues.answer(answer.dialogue, answer.turn, answer.choice)
         if refused is not None:
-            book.refuse(Answer.__name__, refused)
+            game.refuse(Answer.__name__, refused)
     elif (leave := decode_notice(notice, Leave)) is not None:
-        book.apply_ruling(Leave.__name__, rules.leave(state, _room(leave.room)))
+        game.apply_ruling(Leave.__name__, rules.leave(state, _room(leave.room)))
     elif (end := decode_notice(notice, GiveUp)) is not None:
         if end.game == state.started.game:
-            book.apply_ruling(GiveUp.__name__, rules.give_up(state))
+            game.apply_ruling(GiveUp.__name__, rules.give_up(state))
     elif (back := decode_notice(notice, CallBack)) is not None:
-        _call_back(book, state, back.robot)
-    elif (plea := decode_notice(notice, AskBack)) is not None and plea.robot not in book.handback_requests.recent:
-        book.apply_ruling(AskBack.__name__, rules.ask_back(state, plea.robot))
+        _call_back(game, state, back.robot)
+    elif (ask := decode_notice(notice, AskBack)) is not None and ask.robot not in game.handback_requests.recent:
+        game.apply_ruling(AskBack.__name__, rules.ask_back(state, ask.robot))
 
 
-def _call_back(book: OpenGame, state: GameState, robot: int) -> None:
+def _call_back(game: OpenGame, state: GameState, robot: int) -> None:
     is_under_way = state.has_robot(robot) and state.robots[robot].bound_for is not None
     refused = rules.commanded_by_other(state, robot, Commander.PARTICIPANT) if is_under_way else None
     if refused is not None:
-        book.refuse(CallBack.__name__, refused)
+        game.refuse(CallBack.__name__, refused)
     elif is_under_way:
-        book.recall(robot)
+        game.recall(robot)
     else:
-        book.apply_ruling(CallBack.__name__, rules.fail(state, robot, "", 0.0))
+        game.apply_ruling(CallBack.__name__, rules.fail(state, robot, "", 0.0))
 
 
-def _select(book: OpenGame, state: GameState, asked: Select, awaits_treasures: bool) -> None:
+def _select(game: OpenGame, state: GameState, asked: Select, awaits_treasures: bool) -> None:
     room = _room(asked.room)
     ruling = _immovable(state, asked.robot, awaits_treasures) or rules.move(state, asked.robot, room)
-    other = book.dialogues.other_candidate(room, asked.robot)
+    other = game.dialogues.other_candidate(room, asked.robot)
     if isinstance(ruling, tuple) and other is not None:
         name = rules.robot_name(other)
         ruling = RequestRefused(KeeperReason.UNDER_DISCUSSION, f"You are talking with {name} about {room}.")
-    _open(book, state, ruling, Scenario.SPECIFIC_ROOM, asked.robot, room)
+    _open(game, state, ruling, Scenario.SPECIFIC_ROOM, asked.robot, room)
 
 
-def _suggest(book: OpenGame, state: GameState, number: int, awaits_treasures: bool) -> None:
+def _suggest(game: OpenGame, state: GameState, number: int, awaits_treasures: bool) -> None:
     refused = _immovable(state, number, awaits_treasures)
     if refused is not None:
-        book.refuse(Unsure.__name__, refused)
+        game.refuse(Unsure.__name__, refused)
         return
-    suggest_or_await(book, state, number)
+    suggest_or_await(game, state, number)
 
 
-def suggest_or_await(book: OpenGame, state: GameState, number: int) -> None:
+def suggest_or_await(game: OpenGame, state: GameState, number: int) -> None:
     """Let a robot suggest a room, or wait for the person who speaks in its place."""
-    room = suggested_room(book, state, number)
+    room = suggested_room(game, state, number)
     if isinstance(room, RequestRefused):
-        book.refuse(Unsure.__name__, room)
-    elif number in book.dialogues.puppets:
-        book.dialogues.await_advice(number)
+        game.refuse(Unsure.__name__, room)
+    elif number in game.dialogues.puppets:
+        game.dialogues.await_advice(number)
     else:
-        open_suggestion(book, state, number, room)
+        open_suggestion(game, state, number, room)
 
 
-def open_suggestion(book: OpenGame, state: GameState, number: int, room: Room) -> None:
+def open_suggestion(game: OpenGame, state: GameState, number: int, room: Room) -> None:
     """Open the dialogue in which a robot suggests a room."""
-    _open(book, state, (), Scenario.DONT_KNOW, number, room)
+    _open(game, state, (), Scenario.DONT_KNOW, number, room)
 
 
-def suggested_room(book: OpenGame, state: GameState, number: int) -> Room | RequestRefused:
+def suggested_room(game: OpenGame, state: GameState, number: int) -> Room | RequestRefused:
     """Return the room that a robot itself suggests; rooms that other robots have dialogues about are left out."""
     robot = state.robots[number]
-    free = [room for room in state.free_rooms if book.dialogues.other_candidate(room, number) is None]
+    free = [room for room in state.free_rooms if game.dialogues.other_candidate(room, number) is None]
     return suggest(state.started.costs, robot.at, free, robot.energy, state.started.identify_cost)
 
 
-def _discuss(book: OpenGame, state: GameState, discuss: Discuss) -> None:
+def _discuss(game: OpenGame, state: GameState, discuss: Discuss) -> None:
     room = _room(discuss.room)
     scenario = Scenario.TAKE_PICTURE if discuss.matter == "take-picture" else Scenario.TAKE_TREASURE
     ruling: rules.Ruling
@@ -109,14 +109,14 @@ def _discuss(book: OpenGame, state: GameState, discuss: Discuss) -> None:
     else:
         # The name is still open; whether naming is allowed and can be paid is not.
         ruling = rules.identify(state, room, "", 0)
-    _open(book, state, ruling, scenario, discuss.robot, room)
+    _open(game, state, ruling, scenario, discuss.robot, room)
 
 
-def _open(book: OpenGame, state: GameState, ruling: rules.Ruling, scenario: Scenario, robot: int, room: Room) -> None:
+def _open(game: OpenGame, state: GameState, ruling: rules.Ruling, scenario: Scenario, robot: int, room: Room) -> None:
     """Open a dialogue about something that the rules allow, or keep the refusal."""
-    refused = ruling if isinstance(ruling, RequestRefused) else book.dialogues.open(state, scenario, robot, room)
+    refused = ruling if isinstance(ruling, RequestRefused) else game.dialogues.open(state, scenario, robot, room)
     if refused is not None:
-        book.refuse(MATTERS[scenario], refused)
+        game.refuse(MATTERS[scenario], refused)
 
 
 def _immovable(state: GameState, robot: int, awaits_treasures: bool) -> RequestRefused | None:

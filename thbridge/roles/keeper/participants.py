@@ -54,20 +54,20 @@ class Participants:
         self._members[name] = None
         self._newcomers[name] = None
         self._pieces = deque(piece for piece in self._pieces if piece[0] != name)
-        house = self._briefing.floor_plan
+        plan = self._briefing.floor_plan
         # Robots may have been started on another map than the server's; a wrong one is worse than none.
-        if house is None or map_name not in {None, house.map}:
+        if plan is None or map_name not in {None, plan.map}:
             return []
-        return [encode_notice(self._sender, name, house)]
+        return [encode_notice(self._sender, name, plan)]
 
     def show(self, view: View) -> list[TextMessage]:
         """Return the messages of the view, for those who do not have it; its pictures follow through `pieces`."""
         self._queue_pictures(view)
-        listeners = self._newcomers if view == self._shown else self._members
+        receivers = self._newcomers if view == self._shown else self._members
         self._shown = view
-        said = [notice(self._sender, name, View.__name__, **view.to_json()) for name in listeners]
+        outgoing = [notice(self._sender, name, View.__name__, **view.to_json()) for name in receivers]
         self._newcomers = {}
-        return said
+        return outgoing
 
     def pieces(self, tick: int) -> list[TextMessage]:
         """Return the next piece of a picture, if one is due."""
@@ -84,8 +84,8 @@ class Participants:
         known = self._briefing.pictures
         taken = {room.room: room.picture for room in view.rooms if room.picture is not None and room.picture in known}
         for room, image in taken.items():
-            listeners = self._newcomers if self._taken.get(room) == image else self._members
-            for name in listeners:
+            receivers = self._newcomers if self._taken.get(room) == image else self._members
+            for name in receivers:
                 self._pieces += [(name, piece) for piece in _pieces(view.game, room, known[image])]
         self._taken = taken
 

@@ -24,12 +24,12 @@ _Judged: TypeAlias = TakeCommand | ReleaseCommand | SendFor | PictureFor | Ident
 
 
 def handle_station_request(
-    book: OpenGame, state: GameState, request: CommandRequest, *, awaits_treasures: bool
+    game: OpenGame, state: GameState, request: CommandRequest, *, awaits_treasures: bool
 ) -> None:
     """Carry out the request of a ground station; one that the rules refuse is dropped, unseen by the participant.
 
     Args:
-        open_game: the game in progress.
+        game: the game in progress.
         state: of the game.
         request: the request.
         awaits_treasures: Hider is about to hide them; until then no robot is sent.
@@ -37,16 +37,16 @@ def handle_station_request(
     match request:
         case CallBackFor(robot):
             if state.has_robot(robot) and state.robots[robot].bound_for is not None:
-                _stop(book, state, robot)
+                _stop(game, state, robot)
         case SendFor() if awaits_treasures:
             pass
         case _:
             ruling = _ruling(state, request)
             if isinstance(ruling, tuple):
-                book.record(ruling)
+                game.record(ruling)
 
 
-def sense_for_stations(book: OpenGame, state: GameState) -> None:
+def sense_for_stations(game: OpenGame, state: GameState) -> None:
     """Let robots that a ground station commands sense the treasure on arrival, since no station requests it.
 
     A Hider of 2016 does not reveal the treasures: then there is nothing to sense.
@@ -56,7 +56,7 @@ def sense_for_stations(book: OpenGame, state: GameState) -> None:
         if held and robot.bound_for is None and not robot.at.is_corridor and state.treasures is not None:
             seen = rules.sense(state, robot.at)
             if isinstance(seen, tuple):
-                book.record(seen)
+                game.record(seen)
 
 
 def kept_commands(former: GameState, robots: int) -> tuple[Commanded, ...]:
@@ -68,10 +68,10 @@ def kept_commands(former: GameState, robots: int) -> tuple[Commanded, ...]:
     )
 
 
-def return_robots(book: OpenGame) -> None:
+def return_robots(game: OpenGame) -> None:
     """Give all robots to the participant: after a restart no other commander is connected any more."""
-    robots = () if book.state is None else book.state.robots
-    book.record(
+    robots = () if game.state is None else game.state.robots
+    game.record(
         tuple(
             Commanded(number, Commander.PARTICIPANT, "")
             for number, robot in enumerate(robots)
@@ -80,12 +80,12 @@ def return_robots(book: OpenGame) -> None:
     )
 
 
-def _stop(book: OpenGame, state: GameState, robot: int) -> None:
+def _stop(game: OpenGame, state: GameState, robot: int) -> None:
     """Call a robot back, once; a participant who commands it learns by a refusal who stopped it."""
-    if not book.is_recalled(robot) and state.robots[robot].command.by is Commander.PARTICIPANT:
+    if not game.is_recalled(robot) and state.robots[robot].command.by is Commander.PARTICIPANT:
         sentence = f"A ground station has stopped {rules.robot_name(robot)}."
-        book.refuse(SendRobot.__name__, RequestRefused(KeeperReason.STOPPED, sentence))
-    book.recall(robot)
+        game.refuse(SendRobot.__name__, RequestRefused(KeeperReason.STOPPED, sentence))
+    game.recall(robot)
 
 
 def _ruling(state: GameState, request: _Judged) -> rules.Ruling:

@@ -46,42 +46,42 @@ class WizardState:
         return msgspec.json.encode(self).decode()
 
 
-def wizard_state(book: OpenGame, state: GameState | None) -> WizardState:
+def wizard_state(game: OpenGame, state: GameState | None) -> WizardState:
     """Return what waits for the wizard in this game."""
-    talks = book.dialogues
-    advice = () if state is None else tuple(_advice(book, state, robot) for robot in talks.asked_for_advice)
-    return WizardState(tuple(sorted(talks.puppets)), talks.held_turns(), advice)
+    dialogues = game.dialogues
+    advice = () if state is None else tuple(_advice(game, state, robot) for robot in dialogues.asked_for_advice)
+    return WizardState(tuple(sorted(dialogues.puppets)), dialogues.held_turns(), advice)
 
 
-def handle_wizard_request(book: OpenGame, state: GameState | None, request: WizardRequest) -> None:
+def handle_wizard_request(game: OpenGame, state: GameState | None, request: WizardRequest) -> None:
     """Carry out a wizard's request; one for a turn that is past changes nothing."""
     match request:
         case Puppeteer(robot, True):
-            book.dialogues.hold(robot)
+            game.dialogues.hold(robot)
         case Puppeteer(robot):
-            asked = robot in book.dialogues.asked_for_advice
-            book.dialogues.release(robot)
+            asked = robot in game.dialogues.asked_for_advice
+            game.dialogues.release(robot)
             if asked and state is not None:
-                suggest_or_await(book, state, robot)
+                suggest_or_await(game, state, robot)
         case SpeakFor(dialogue, turn, move, text):
-            book.dialogues.speak_for(dialogue, turn, move, text)
+            game.dialogues.speak_for(dialogue, turn, move, text)
         case AdviseFor(robot, number):
-            waits = state is not None and robot in book.dialogues.asked_for_advice
-            if state is not None and waits and Room(max(number, 0)) in _rooms(book, state, robot):
-                open_suggestion(book, state, robot, Room(number))
+            waits = state is not None and robot in game.dialogues.asked_for_advice
+            if state is not None and waits and Room(max(number, 0)) in _rooms(game, state, robot):
+                open_suggestion(game, state, robot, Room(number))
 
 
-def _advice(book: OpenGame, state: GameState, robot: int) -> HeldAdvice:
+def _advice(game: OpenGame, state: GameState, robot: int) -> HeldAdvice:
     at = state.robots[robot].at
-    costs = tuple((room.people, state.started.costs.cost(at, room)) for room in _rooms(book, state, robot))
-    own = suggested_room(book, state, robot)
+    costs = tuple((room.people, state.started.costs.cost(at, room)) for room in _rooms(game, state, robot))
+    own = suggested_room(game, state, robot)
     return HeldAdvice(robot, costs, None if isinstance(own, RequestRefused) else own.people)
 
 
-def _rooms(book: OpenGame, state: GameState, robot: int) -> list[Room]:
+def _rooms(game: OpenGame, state: GameState, robot: int) -> list[Room]:
     """Return the rooms that a robot may suggest."""
     return [
         room
         for room in state.free_rooms
-        if isinstance(rules.move(state, robot, room), tuple) and book.dialogues.other_candidate(room, robot) is None
+        if isinstance(rules.move(state, robot, room), tuple) and game.dialogues.other_candidate(room, robot) is None
     ]

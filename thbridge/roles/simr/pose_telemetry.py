@@ -62,18 +62,18 @@ class TelemetryPublisher:
         shows: what subscribers may know.
     """
 
-    def __init__(self, sender: str, shows: TelemetryOptions) -> None:
+    def __init__(self, sender: str, options: TelemetryOptions) -> None:
         self._sender = sender
-        self._shows = shows
+        self._options = options
         self._until: dict[str, int] = {}
         self._newcomers: dict[str, None] = {}
         self._plans: tuple[_Plan, ...] = ()
-        self._ways: tuple[Line, ...] = ()
+        self._paths: tuple[Line, ...] = ()
 
     def subscribe(self, name: str, tick: int) -> None:
         """Begin a subscription, or renew it."""
         self._until[name] = tick + SUBSCRIPTION_TICKS
-        if self._shows.path:
+        if self._options.path:
             self._newcomers[name] = None
 
     def messages(
@@ -92,22 +92,22 @@ class TelemetryPublisher:
             progress: driven share of the path, of each robot that drives for the game.
         """
         self._until = {name: until for name, until in self._until.items() if until > tick}
-        said: list[TextMessage] = []
+        messages: list[TextMessage] = []
         if not self._until:
-            return said
+            return messages
         if tick % POSE_PERIOD == 0:
-            said += self._tell(self._whereabouts(snapshot, conditions, progress), self._until)
-        if tick % PATH_PERIOD == 0 and self._shows.path:
-            before, self._ways = self._ways, self._ahead(snapshot, conditions)
-            listeners = self._newcomers if self._ways == before else self._until
-            said += self._tell(Ways(snapshot.tick, self._ways), listeners)
+            messages += self._addressed(self._pose_notice(snapshot, conditions, progress), self._until)
+        if tick % PATH_PERIOD == 0 and self._options.path:
+            before, self._paths = self._paths, self._paths_ahead(snapshot, conditions)
+            receivers = self._newcomers if self._paths == before else self._until
+            messages += self._addressed(Ways(snapshot.tick, self._paths), receivers)
             self._newcomers.clear()
-        return said
+        return messages
 
-    def _tell(self, value: StateNotice, names: Mapping[str, object]) -> list[TextMessage]:
+    def _addressed(self, value: StateNotice, names: Mapping[str, object]) -> list[TextMessage]:
         return [encode_notice(self._sender, name, value) for name in names]
 
-    def _ahead(self, snapshot: TeamSnapshot, conditions: Sequence[Condition]) -> tuple[Line, ...]:
+    def _paths_ahead(self, snapshot: TeamSnapshot, conditions: Sequence[Condition]) -> tuple[Line, ...]:
         """Return the path ahead of each robot that responds."""
         count = len(snapshot.robots)
         if len(self._plans) != count:
@@ -117,7 +117,7 @@ class TelemetryPublisher:
             for plan, output, condition in zip(self._plans, snapshot.robots, conditions, strict=True)
         )
 
-    def _whereabouts(
+    def _pose_notice(
         self, snapshot: TeamSnapshot, conditions: Sequence[Condition], progress: Mapping[int, float]
     ) -> Whereabouts:
         robots = snapshot.robots
@@ -126,12 +126,12 @@ class TelemetryPublisher:
             for robot, (output, condition) in enumerate(zip(robots, conditions, strict=True))
         )
         ellipses = tuple(ellipse_of(output.estimate.covariance) for output in robots)
-        knows_truth = self._shows.truth and snapshot.world is not None
+        knows_truth = self._options.truth and snapshot.world is not None
         return Whereabouts(
             tick=snapshot.tick,
             poses=tuple(_triple(output.estimate.base_in_map.array()) for output in robots),
             motions=tuple(motions),
-            ellipses=ellipses if self._shows.uncertainty else None,
+            ellipses=ellipses if self._options.uncertainty else None,
             truth=tuple(_triple(pose) for pose in snapshot.truth.poses) if knows_truth else None,
         )
 

@@ -109,13 +109,13 @@ class SimR:
     ) -> None:
         self._team = robots
         self._controls = RobotControls(robots)
-        self._field = game_map
+        self._game_map = game_map
         self._dialect = dialect
-        self._silence = response_timeout
+        self._response_timeout = response_timeout
         self._introduce = False
         self._snapshot: TeamSnapshot | None = None
         self._inputs: list[TeamInput] = []
-        self._ways: dict[int, _Move] = {}
+        self._moves: dict[int, _Move] = {}
         self._results: list[MoveResult | None] = [None] * robots.size
         self._conditions = (Condition.WELL,) * robots.size
         self._researchers: tuple[str | None, ...] = (None,) * robots.size
@@ -124,8 +124,8 @@ class SimR:
         self._game = 0
         self._waiting: list[tuple[int, legacy.GotoRoom]] = []
         self._without_keeper = 0
-        self._bulletin = TelemetryPublisher(self.name, telemetry or TelemetryOptions())
-        self._unfit: str | None = None
+        self._telemetry = TelemetryPublisher(self.name, telemetry or TelemetryOptions())
+        self._rejection: str | None = None
 
     @property
     def snapshot(self) -> TeamSnapshot | None:
@@ -135,7 +135,7 @@ class SimR:
     @property
     def rejection(self) -> str | None:
         """The keeper's reason for not taking these robots into its game; None when it takes them."""
-        return self._unfit
+        return self._rejection
 
     def connected(self) -> None:
         """Introduce the robots to the keeper with the next step."""
@@ -156,40 +156,39 @@ class SimR:
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
         """Run one tick of the role and of the team; see `Role`."""
-        said: list[TextMessage] = []
+        outgoing: list[TextMessage] = []
         # Goals to restore come first: requests are newer than they are, and orders of this tick newer still.
         resumed, self._inputs = self._inputs, []
         if self._introduce:
             self._introduce = False
-            said.append(
-                encode_notice(self.name, KEEPER, RobotsReady(self._field.name, self._team.size, self._field.costs))
-            )
+            ready = RobotsReady(self._game_map.name, self._team.size, self._game_map.costs)
+            outgoing.append(encode_notice(self.name, KEEPER, ready))
         for message in messages:
-            said += self._hear(tick, message)
-        self._obey_unjudged(tick)
+            outgoing += self._handle_message(tick, message)
+        self._obey_without_keeper(tick)
         asked = self._controls.take_inputs(1 if self._snapshot is None else self._snapshot.tick + 1)
         self._snapshot = self._team.step([*resumed, *asked, *self._inputs])
         self._inputs.clear()
         self._controls.follow(self._snapshot)
         before = self._conditions, self._researchers, tuple(self._results)
-        said += self._ended(self._snapshot)
+        outgoing += self._finish_moves(self._snapshot)
         self._conditions, self._researchers = self._conditions_in(self._snapshot), self._controls.researchers
         changed = before != (self._conditions, self._researchers, tuple(self._results))
         if changed or tick % STATUS_PERIOD == 0:
-            said.append(encode_notice(self.name, KEEPER, self._status(self._snapshot)))
-        progress = {robot: way.share() for robot, way in self._ways.items()}
-        return said + self._bulletin.messages(tick, self._snapshot, self._conditions, progress)
+            outgoing.append(encode_notice(self.name, KEEPER, self._status(self._snapshot)))
+        progress = {robot: move.share() for robot, move in self._moves.items()}
+        return outgoing + self._telemetry.messages(tick, self._snapshot, self._conditions, progress)
 
     # Messages to SimR
 
-    def _hear(self, tick: int, message: TextMessage) -> list[TextMessage]:
+    def _handle_message(self, tick: int, message: TextMessage) -> list[TextMessage]:
         match message.command:
             case TextCommand.ERROR:
                 notice = parse_notice(message)
                 if isinstance(notice, Notice):
-                    self._heed(tick, notice)
+                    self._handle_notice(tick, notice)
             case TextCommand.GOTO:
-                goto = decode_goto(message, self._dialect, len(self._field.goals))
+                goto = decode_goto(message, self._dialect, len(self._game_map.goals))
                 if isinstance(goto, legacy.GotoRoom) and goto.robot < self._team.size:
                     self._waiting.append((tick, goto))
                 elif isinstance(goto, GotoPoint) and self._is_free(goto.robot):
@@ -209,18 +208,18 @@ class SimR:
                     self._inputs.append(Drive(move.robot, twist, MANUAL_DRIVE_TICKS))
         return []
 
-    def _heed(self, tick: int, notice: Notice) -> None:
+    def _handle_notice(self, tick: int, notice: Notice) -> None:
         if (orders := decode_notice(notice, Orders)) is not None:
             if self._can_follow(orders):
                 self._follow(orders)
         elif decode_notice(notice, Subscribe) is not None:
-            self._bulletin.subscribe(notice.sender, tick)
-        elif (unfit := decode_notice(notice, Unfit)) is not None:
-            self._unfit = unfit.sentence
+            self._telemetry.subscribe(notice.sender, tick)
+        elif (rejected := decode_notice(notice, Unfit)) is not None:
+            self._rejection = rejected.sentence
 
     def _can_follow(self, orders: Orders) -> bool:
         """Return True for orders that fit this team and map; others come from a faulty sender and are ignored."""
-        team, places = self._team.size, range(len(self._field.goals) + 1)
+        team, places = self._team.size, range(len(self._game_map.goals) + 1)
         return (
             orders.game > 0
             and len(orders.moves) == len(orders.energy) == len(orders.at) == team
@@ -236,8 +235,8 @@ class SimR:
         for robot, order in enumerate(orders.moves):
             if order is not None and order.move != self._obeyed[robot]:
                 self._go(robot, order)
-            elif order is None and robot in self._ways:
-                self._ways[robot] = replace(self._ways[robot], recalled=True)
+            elif order is None and robot in self._moves:
+                self._moves[robot] = replace(self._moves[robot], recalled=True)
                 self._inputs.append(Halt(robot))
         self._taken = orders.taken
         self._inputs += [SetCharge(robot, charge) for robot, charge in enumerate(orders.energy)]
@@ -247,7 +246,7 @@ class SimR:
         again = self._game != 0
         self._game = orders.game
         self._waiting.clear()
-        self._ways.clear()
+        self._moves.clear()
         self._results = [None] * self._team.size
         self._obeyed = [0] * self._team.size
         if orders.poses is not None:
@@ -260,18 +259,18 @@ class SimR:
             self._inputs += [Halt(robot), Place(robot, pose)]
 
     def _place(self, robot: int, room: int) -> Pose2:
-        return self._field.starts[robot] if room == 0 else self._field.goals[Room.of_people(room).wire]
+        return self._game_map.starts[robot] if room == 0 else self._game_map.goals[Room.of_people(room).wire]
 
     def _go(self, robot: int, order: MoveOrder) -> None:
         self._obeyed[robot] = order.move
         self._results[robot] = None
-        self._ways[robot] = _Move(order)
+        self._moves[robot] = _Move(order)
         self._inputs.append(Go(robot, self._goal(order)))
 
     def _goal(self, order: MoveOrder) -> Goal:
-        return Goal(order.move, self._field.goals[Room.of_people(order.room).wire])
+        return Goal(order.move, self._game_map.goals[Room.of_people(order.room).wire])
 
-    def _obey_unjudged(self, tick: int) -> None:
+    def _obey_without_keeper(self, tick: int) -> None:
         """Obey lines that have waited for a keeper until the timeout; with a keeper only its orders count."""
         if self._game != 0:
             self._waiting.clear()
@@ -282,7 +281,7 @@ class SimR:
 
     def _is_free(self, robot: int) -> bool:
         """Return True when a text line may drive a robot: it has no move of the game, and nobody else commands it."""
-        return 0 <= robot < self._team.size and robot not in self._ways and robot not in self._taken
+        return 0 <= robot < self._team.size and robot not in self._moves and robot not in self._taken
 
     def _go_to_point(self, goto: GotoPoint) -> None:
         if self._snapshot is None:
@@ -293,44 +292,44 @@ class SimR:
 
     # Messages of SimR
 
-    def _ended(self, snapshot: TeamSnapshot) -> list[TextMessage]:
-        said = []
+    def _finish_moves(self, snapshot: TeamSnapshot) -> list[TextMessage]:
+        outgoing = []
         for robot, output in enumerate(snapshot.robots):
-            way = self._ways.get(robot)
-            if way is None:
+            move = self._moves.get(robot)
+            if move is None:
                 continue
             navigation = output.navigation
-            goal = self._goal(way.order)
+            goal = self._goal(move.order)
             if navigation.goal == goal and navigation.state == "controlling":
-                self._ways[robot] = way = replace(
-                    way, length=max(way.length, navigation.remaining), remaining=navigation.remaining
+                self._moves[robot] = move = replace(
+                    move, length=max(move.length, navigation.remaining), remaining=navigation.remaining
                 )
             result = navigation.result
             if self._is_silent(snapshot, output):
-                self._fail(robot, way, reasons.unresponsive_sentence(robot))
+                self._fail(robot, move, reasons.unresponsive_sentence(robot))
             elif result is not None and result.goal != goal:
                 pass  # The result of an earlier goal, or of one that somebody else set.
             elif isinstance(result, GoalReached):
-                del self._ways[robot]
-                self._results[robot] = MoveResult(way.order.move, True, "", 1.0)
-                said.append(legacy.RoomReached(robot, Room.of_people(way.order.room).wire).message())
+                del self._moves[robot]
+                self._results[robot] = MoveResult(move.order.move, True, "", 1.0)
+                outgoing.append(legacy.RoomReached(robot, Room.of_people(move.order.room).wire).message())
             elif isinstance(result, NoPath):
-                self._fail(robot, way, reasons.failure_sentence(robot, result.reason))
+                self._fail(robot, move, reasons.failure_sentence(robot, result.reason))
             elif navigation.goal is None and output.observations.tick == snapshot.tick:
-                if way.recalled:
-                    self._fail(robot, way, reasons.CALLED_BACK)
+                if move.recalled:
+                    self._fail(robot, move, reasons.CALLED_BACK)
                 elif not self._controls.is_driven(robot):
                     # It was dead for a while, or sent elsewhere or driven by hand: its navigator has lost the goal.
                     self._inputs.append(Go(robot, goal))
-        return said
+        return outgoing
 
-    def _fail(self, robot: int, way: _Move, sentence: str) -> None:
-        del self._ways[robot]
-        self._results[robot] = MoveResult(way.order.move, False, sentence, way.share())
+    def _fail(self, robot: int, move: _Move, sentence: str) -> None:
+        del self._moves[robot]
+        self._results[robot] = MoveResult(move.order.move, False, sentence, move.share())
 
     def _is_silent(self, snapshot: TeamSnapshot, robot: RobotOutput) -> bool:
         """Return True for a robot whose last observations are older than the timeout."""
-        return snapshot.tick - robot.observations.tick >= self._silence
+        return snapshot.tick - robot.observations.tick >= self._response_timeout
 
     def _conditions_in(self, snapshot: TeamSnapshot) -> tuple[Condition, ...]:
         """Return the condition of each robot, as far as its messages show it."""
@@ -345,13 +344,13 @@ class SimR:
 
     def _status(self, snapshot: TeamSnapshot) -> Status:
         if snapshot.world is None:
-            places = _believed(snapshot)
+            places = _estimated(snapshot)
         else:
             places = tuple((float(x), float(y), float(theta)) for x, y, theta in snapshot.world.poses)
         return Status(self._game, places, tuple(self._results), self._conditions, self._researchers)
 
 
-def _believed(snapshot: TeamSnapshot) -> tuple[tuple[float, float, float], ...]:
+def _estimated(snapshot: TeamSnapshot) -> tuple[tuple[float, float, float], ...]:
     """Return the estimated x, y, theta of the robots."""
     poses = (output.estimate.base_in_map for output in snapshot.robots)
     return tuple((pose.x, pose.y, pose.theta) for pose in poses)

@@ -39,20 +39,20 @@ class VehicleParameter:
             return float(self.declaration.choices.index(value))
         return float(value or 0)
 
-    def from_number(self, told: float) -> ParameterValue | Denied:
+    def from_number(self, number: float) -> ParameterValue | Denied:
         """Return the value for a 32-bit number, or the reason why it has none; bounds are not checked."""
         types, choices = self.declaration.types, self.declaration.choices
         if float in types:
-            return None if told == 0.0 and NoneType in types else float(str(np.float32(told)))
+            return None if number == 0.0 and NoneType in types else float(str(np.float32(number)))
         if bool in types:
-            return bool(told) if told in {0.0, 1.0} else Denied(f"{self.name} is 0 or 1, not {told:g}.")
-        if not told.is_integer():
-            return Denied(f"{self.name} is a whole number, not {told:g}.")
+            return bool(number) if number in {0.0, 1.0} else Denied(f"{self.name} is 0 or 1, not {number:g}.")
+        if not number.is_integer():
+            return Denied(f"{self.name} is a whole number, not {number:g}.")
         if str not in types:
-            return int(told)
-        if not 0 <= told < len(choices):
-            return Denied(f"{self.name} is a whole number from 0 to {len(choices) - 1}, not {told:g}.")
-        return choices[int(told)]
+            return int(number)
+        if not 0 <= number < len(choices):
+            return Denied(f"{self.name} is a whole number from 0 to {len(choices) - 1}, not {number:g}.")
+        return choices[int(number)]
 
     def description(self, default: ParameterValue) -> ParameterDescription:
         """Return its description for ground stations; `default` is its value at the start of the session."""
@@ -138,8 +138,8 @@ class VehicleParameters:
         """Return all of them, always in the same order, as they will be after all requests so far."""
         tuning = self._robots.tuning(self._robot)
         if tuning is not None and tuning != self._of:
-            told = (parameter.to_number(value) for parameter, value in zip(PARAMETERS, values_of(tuning), strict=True))
-            nearest = np.fromiter(told, dtype=np.float32).tolist()
+            numbers = (each.to_number(value) for each, value in zip(PARAMETERS, values_of(tuning), strict=True))
+            nearest = np.fromiter(numbers, dtype=np.float32).tolist()
             self._settings = tuple(ParameterSetting(name, value) for name, value in zip(_PLACES, nearest, strict=True))
             self._of = tuning
         return self._settings

@@ -91,14 +91,14 @@ class Pilot:
         robot: int,
         setup: GameSetup,
         start: Pose2,
-        speeds: SpeedLimit,
+        speed_limit: SpeedLimit,
         settings: ParameterSettings,
         ask: Callable[[Request], None],
     ) -> None:
         self._robot = robot
-        self._premises = setup
+        self._setup = setup
         self._start = start
-        self._speeds = speeds
+        self._speed_limit = speed_limit
         self._settings = settings
         self._ask = ask
         self._legs = 0
@@ -106,7 +106,7 @@ class Pilot:
         self._snapshot: TeamSnapshot | None = None
         self._game: GameState | None = None
         # Requests to the game since the last tick, and whether its current move has to end.
-        self._given: CommandHolder | None = None
+        self._new_holder: CommandHolder | None = None
         self._sent = False
         self._stopping = False
 
@@ -127,7 +127,7 @@ class Pilot:
 
     def _give(self, request: TakeCommand | ReleaseCommand, command: CommandHolder) -> None:
         self._ask(request)
-        self._given = command
+        self._new_holder = command
 
     # Driving
 
@@ -138,7 +138,7 @@ class Pilot:
         state = self._able()
         if isinstance(state, Denied):
             return state
-        robot, outline = state.robots[self._robot], self._premises.room_at(target.x, target.y)
+        robot, outline = state.robots[self._robot], self._setup.room_at(target.x, target.y)
         room = None if outline is None else Room.of_people(outline.room)
         if outline is None or room is None or (robot.bound_for is None and robot.at == room):
             trip = self._trip_to(self._pose_at(target), None)
@@ -167,16 +167,16 @@ class Pilot:
             return state
         self._give_up(reasons.BY_HAND)
         self._stop_move()
-        self._ask(Drive(self._robot, self._speeds.bounded(twist), MANUAL_DRIVE_TICKS))
+        self._ask(Drive(self._robot, self._speed_limit.bounded(twist), MANUAL_DRIVE_TICKS))
         return None
 
     def fastest(self) -> Twist:
         """See `VehicleInterface`."""
-        return self._speeds.fastest()
+        return self._speed_limit.fastest()
 
     def limit_speed(self, speed: float) -> Denied | None:
         """See `VehicleInterface`; a robot never drives faster than the study allows."""
-        values = self._speeds.limit(speed)
+        values = self._speed_limit.limit(speed)
         if isinstance(values, Denied):
             return values
         self._ask(SetParameters(self._robot, values))
@@ -188,7 +188,7 @@ class Pilot:
 
     def misplaced(self, x: float, y: float) -> Denied | None:
         """See `VehicleInterface`; with the sentence of a navigator that fails for the same reason."""
-        floor, point = self._premises.floor, Pose2(x, y, 0.0)
+        floor, point = self._setup.floor, Pose2(x, y, 0.0)
         if not floor.grid.contains(*floor.grid.cell_of(x, y)):
             return Denied(reasons.failure_sentence(self._robot, "goal_outside"))
         if floor.clearance_at(point) <= floor.inscribed:
@@ -221,7 +221,7 @@ class Pilot:
 
     def identify(self, number: int) -> Denied | None:
         """See `VehicleInterface`."""
-        names = self._premises.names
+        names = self._setup.names
         if not 1 <= number <= len(names):
             return Denied(f"Treasures have {len(names)} names, numbered from 1.")
         name = names[number - 1]
@@ -247,7 +247,7 @@ class Pilot:
         """Update the trip after a tick, and return the robot's readings."""
         news = () if game is None else tuple(game_texts(self._robot, self._game, game))
         asked = () if game is None else tuple(handback_texts(self._robot, self._game, game))
-        self._snapshot, self._game, self._given, self._sent = snapshot, game, None, False
+        self._snapshot, self._game, self._new_holder, self._sent = snapshot, game, None, False
         if game is not None:
             self._stopping = self._stopping and game.robots[self._robot].bound_for is not None
             if self._stopping:
@@ -285,18 +285,18 @@ class Pilot:
         output = snapshot.robots[self._robot]
         robot = None if game is None else game.robots[self._robot]
         holder = CommandHolder() if robot is None else robot.holder
-        goal, heard = output.navigation.goal, is_responding(snapshot, self._robot)
+        goal, responsive = output.navigation.goal, is_responding(snapshot, self._robot)
         return RobotReadings(
             base_in_map=output.estimate.base_in_map,
             twist=output.observations.odometry.twist,
             goal_in_map=None if goal is None else goal.base_in_map,
-            energy=self._premises.energy if robot is None else robot.energy,
-            capacity=self._premises.energy if game is None else game.started.energy,
-            answers=heard,
+            energy=self._setup.energy if robot is None else robot.energy,
+            capacity=self._setup.energy if game is None else game.started.energy,
+            answers=responsive,
             lost=output.estimate.lost,
-            under_way=heard and goal is not None,
+            under_way=responsive and goal is not None,
             commander=holder.name if holder.by is Commander.GROUND_STATION else None,
-            commanded_by=_words(CommandHolder() if robot is None else robot.command),
+            commanded_by=_commander_text(CommandHolder() if robot is None else robot.command),
             leg=None if self._trip is None else self._trip.leg,
         )
 
@@ -307,8 +307,8 @@ class Pilot:
         if self._game is None or self._snapshot is None:
             return _NO_GAME
         state = self._game
-        if self._given is not None:
-            state = apply(state, Commanded(self._robot, self._given.by, self._given.name))
+        if self._new_holder is not None:
+            state = apply(state, Commanded(self._robot, self._new_holder.by, self._new_holder.name))
         robot = state.robots[self._robot]
         if robot.is_silent or not is_responding(self._snapshot, self._robot):
             return Denied(reasons.unresponsive_sentence(self._robot))
@@ -352,7 +352,7 @@ class Pilot:
         self._stopping = under_way or self._sent
 
 
-def _words(command: CommandHolder) -> str:
+def _commander_text(command: CommandHolder) -> str:
     """Return the name of a commander, without an article."""
     match command.by:
         case Commander.GROUND_STATION:

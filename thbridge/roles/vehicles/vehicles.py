@@ -35,8 +35,8 @@ class Vehicles:
     """
 
     def __init__(self, pilots: Sequence[VehiclePilot], options: VehicleOptions) -> None:
-        self._steersmen = tuple(pilots)
-        systems = [Vehicle(number, steersman, options) for number, steersman in enumerate(pilots, 1)]
+        self._pilots = tuple(pilots)
+        systems = [Vehicle(number, pilot, options) for number, pilot in enumerate(pilots, 1)]
         self._hub = Hub(systems, options.lost_after)
         self._numbers = count()
         self._names: dict[LinkId, str] = {}
@@ -72,13 +72,13 @@ class Vehicles:
 
     def receive(self, link: LinkId, frame: Frame, robot: int | None) -> list[OutgoingFrame]:
         """See `Hub.receive`; a frame for a robot that does not exist is dropped."""
-        if robot is not None and not 0 <= robot < len(self._steersmen):
+        if robot is not None and not 0 <= robot < len(self._pilots):
             return []
         return self._hub.receive(link, frame, robot)
 
     def step(self, snapshot: TeamSnapshot, game: GameState | None) -> list[OutgoingFrame]:
         """Update after a tick of robots and game, and return the frames that vehicles send by themselves."""
-        readings = [steersman.follow(snapshot, game) for steersman in self._steersmen]
+        readings = [pilot.follow(snapshot, game) for pilot in self._pilots]
         return self._hub.step(snapshot.tick, readings)
 
     def keep_alive(self) -> list[OutgoingFrame]:

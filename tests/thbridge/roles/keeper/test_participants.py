@@ -225,7 +225,7 @@ def test_simulated_participants_agree(strategy):
 
 def test_programs_of_2016_cannot_be_asked_and_are_not():
     played = Played(Briefing(consent=CONSENT))
-    played.stage.keeper._audience._members.clear()
+    played.stage.keeper._participants._members.clear()
     played.say(SendRobot(0, 3), ticks=20)
     assert played.stage.session.game.room(Room(3)).visited
 
