@@ -13,7 +13,7 @@ from pictured.shot import Shot, Story
 from sim.common.geometry import Pose2
 from sim.inputs import Carry, Localize
 from thbridge.hunt.events import Condition
-from thbridge.roles.notices import Whereabouts
+from thbridge.roles.notices import PoseTelemetry
 from thbridge.roles.robot_requests import SendFor, TakeCommand
 from thbridge.roles.tabui import ParticipantUpdate
 from thbridge.roles.view import View
@@ -203,7 +203,7 @@ def _at_work(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
 
 def _waiting_for(seen: ParticipantUpdate) -> ParticipantUpdate:
     """Robot 2 waits for robot 1."""
-    if not isinstance(seen, Whereabouts):
+    if not isinstance(seen, PoseTelemetry):
         return seen
     motions = list(seen.motions)
     motions[1] = replace(motions[1], doing="waiting", waits_for=0)

@@ -8,7 +8,7 @@ from sim.common.observations import TICK, TICKS_PER_SECOND
 from thbridge.app.compose import read_setting
 from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
-from thbridge.roles.notices import House
+from thbridge.roles.notices import FloorPlan
 from thbridge.roles.tabui import ParticipantUpdate, TabUI
 from thbridge.roles.view import ParticipantRequest, View
 from thbridge.study.study_file import ParticipantSection, ShowsSection, Study
@@ -116,7 +116,7 @@ class Shown:
             self._at += 1
 
     @property
-    def house(self) -> House | None:
+    def house(self) -> FloorPlan | None:
         return self._model.floor_plan
 
     @property

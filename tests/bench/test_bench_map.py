@@ -12,7 +12,7 @@ from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.map.houses import busy_robots, house_of, rooms_of
 from thbridge.files.map_files import Map
-from thbridge.roles.notices import Ways, Whereabouts
+from thbridge.roles.notices import PlannedPaths, PoseTelemetry
 from ui.model.motion import MotionPlayback
 from ui.model.scene import RobotMark
 from ui.model.theme import LIGHT
@@ -116,8 +116,8 @@ def test_frames_while_following_and_zooming(qtbot: QtBot, office: Map, size: tup
 def test_motions(office: Map) -> None:
     motions = MotionPlayback()
     robots = busy_robots(office, 10)
-    motions.receive(Ways(0, tuple(tuple((x, y) for x, y in mark.path.tolist()) for mark in robots)), 0.0)
+    motions.receive(PlannedPaths(0, tuple(tuple((x, y) for x, y in mark.path.tolist()) for mark in robots)), 0.0)
     for tick in range(0, 100, 2):
         poses = tuple((mark.pose.x + 0.01 * tick, mark.pose.y, mark.pose.theta) for mark in robots)
-        motions.receive(Whereabouts(tick, poses), 0.02 * tick)
+        motions.receive(PoseTelemetry(tick, poses), 0.02 * tick)
     figures("10 robots' poses, trails and ways at a moment", lambda number: motions.at(2.0 + number / 60.0) and None)

@@ -37,7 +37,7 @@ from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.disclosure import plain_costs
 from thbridge.roles.keeper.floor_plan import floor_plan_of
 from thbridge.roles.keeper.keeper import GameRules, Keeper
-from thbridge.roles.notices import House, RoomOutline
+from thbridge.roles.notices import FloorPlan, RoomOutline
 from thbridge.roles.simr.pose_telemetry import TelemetryOptions
 from thbridge.roles.simr.simr import RESPONSE_TIMEOUT, GameMap, SimR
 from thbridge.roles.simr.team import RobotTeam
@@ -127,7 +127,7 @@ class StudySetting:
         """Return the briefing of participants."""
         return Briefing(self.floor_plan(), self._treasures(), self.templates.pictures, self.consent)
 
-    def floor_plan(self) -> House:
+    def floor_plan(self) -> FloorPlan:
         """Return the map as participants see it."""
         return floor_plan_of(self.map.name, self.map.grid, self._rooms(), self.study.world.footprint)
 

@@ -171,7 +171,7 @@ class Ellipse:
 
 
 @dataclass(frozen=True, slots=True)
-class Whereabouts:
+class PoseTelemetry:
     """SimR to subscribers: estimated poses of the robots, and what else the study shows; many times a second.
 
     Attributes:
@@ -190,7 +190,7 @@ class Whereabouts:
 
 
 @dataclass(frozen=True, slots=True)
-class Ways:
+class PlannedPaths:
     """SimR to subscribers: the planned paths ahead of the robots, if the study shows them; whenever they change.
 
     Attributes:
@@ -220,7 +220,7 @@ class RoomOutline:
 
 
 @dataclass(frozen=True, slots=True)
-class House:
+class FloorPlan:
     """Keeper to participant: the floor plan of the game's map; it never changes.
 
     Attributes:
@@ -245,7 +245,7 @@ class House:
 
 
 @dataclass(frozen=True, slots=True)
-class Picture:
+class PicturePiece:
     """Keeper to participant: a piece of the picture that was taken in a room.
 
     Attributes:
@@ -264,7 +264,7 @@ class Picture:
 
 
 @dataclass(frozen=True, slots=True)
-class Unfit:
+class TeamRejection:
     """Keeper to SimR: these robots do not fit the game in progress; SimR ends."""
 
     sentence: str
@@ -280,23 +280,38 @@ StateNotice = (
     | Reply
     | ParticipantReady
     | Subscribe
-    | Whereabouts
-    | Ways
-    | House
-    | Picture
-    | Unfit
+    | PoseTelemetry
+    | PlannedPaths
+    | FloorPlan
+    | PicturePiece
+    | TeamRejection
 )
+
+
+_KINDS: Mapping[type, str] = {
+    PoseTelemetry: "Whereabouts",
+    PlannedPaths: "Ways",
+    FloorPlan: "House",
+    PicturePiece: "Picture",
+    TeamRejection: "Unfit",
+}
+"""Kinds on the wire that are not the name of their class; the wire keeps them because other releases know them."""
+
+
+def kind_of(notice_class: type) -> str:
+    """Return the kind that notices of a class have on the wire."""
+    return _KINDS.get(notice_class, notice_class.__name__)
 
 
 def encode_notice(sender: str, receiver: str, value: StateNotice) -> TextMessage:
     """Return the message that carries a notice; its kind is `kind_of` its class."""
     fields: Mapping[str, JsonValue] = msgspec.to_builtins(value)
-    return notice(sender, receiver, type(value).__name__, **fields)
+    return notice(sender, receiver, kind_of(type(value)), **fields)
 
 
 def decode_notice(notice: Notice, kind: type[T]) -> T | None:
     """Return the value of a notice if it is of this class and well formed, else None."""
-    if notice.kind != kind.__name__:
+    if notice.kind != kind_of(kind):
         return None
     try:
         return msgspec.convert(notice.fields, kind)

@@ -9,12 +9,12 @@ from sim.common.observations import TICKS_PER_SECOND
 from thbridge.hunt.rooms import Room
 from thbridge.roles.notices import (
     KEEPER,
-    House,
+    FloorPlan,
     ParticipantReady,
-    Picture,
+    PicturePiece,
+    PlannedPaths,
+    PoseTelemetry,
     Subscribe,
-    Ways,
-    Whereabouts,
     decode_notice,
     encode_notice,
 )
@@ -30,7 +30,7 @@ RETRY_PERIOD = 3 * TICKS_PER_SECOND
 RENEWAL_PERIOD = 3 * TICKS_PER_SECOND
 """Ticks from one subscription to the next, so that a restarted SimR learns of it."""
 
-ParticipantUpdate = View | House | Picture | Whereabouts | Ways
+ParticipantUpdate = View | FloorPlan | PicturePiece | PoseTelemetry | PlannedPaths
 """A notice to the participant's program."""
 
 
@@ -122,10 +122,10 @@ def _decode_update(message: TextMessage) -> ParticipantUpdate | None:
     if shown.kind == View.__name__:
         return View.from_json(shown.fields)
     return (
-        decode_notice(shown, Whereabouts)
-        or decode_notice(shown, Ways)
-        or decode_notice(shown, House)
-        or decode_notice(shown, Picture)
+        decode_notice(shown, PoseTelemetry)
+        or decode_notice(shown, PlannedPaths)
+        or decode_notice(shown, FloorPlan)
+        or decode_notice(shown, PicturePiece)
     )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
-from thbridge.roles.notices import Ellipse, Ways, Whereabouts
+from thbridge.roles.notices import Ellipse, PlannedPaths, PoseTelemetry
 from ui.model.playback_clock import PlaybackClock
 from ui.model.trails import PathAhead, Trail
 
@@ -102,9 +102,9 @@ class MotionPlayback:
         self._faded = 0.0
         self._newest_at: float | None = None
 
-    def receive(self, notice: Whereabouts | Ways, now: float) -> None:
+    def receive(self, notice: PoseTelemetry | PlannedPaths, now: float) -> None:
         """Take what was told at this moment."""
-        if isinstance(notice, Ways):
+        if isinstance(notice, PlannedPaths):
             before = self._paths
             self._paths = [
                 before[robot] if robot < len(before) and before[robot].planned == told else PathAhead(told)
@@ -130,7 +130,7 @@ class MotionPlayback:
 
     # What comes -------------------------------------------------------------------------------------------------------
 
-    def _receive_poses(self, notice: Whereabouts, now: float) -> None:
+    def _receive_poses(self, notice: PoseTelemetry, now: float) -> None:
         poses = np.array(notice.poses, dtype=np.float64).reshape(-1, 3)
         truth = None if notice.truth is None else np.array(notice.truth, dtype=np.float64).reshape(-1, 3)
         sample = _Sample(notice.tick * TICK, poses, truth, notice.ellipses)

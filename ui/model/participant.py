@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 
-from thbridge.roles.notices import House, Picture, RobotMotion, Ways, Whereabouts
+from thbridge.roles.notices import FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry, RobotMotion
 from thbridge.roles.view import ParticipantRequest, View
 from ui.model.motion import MotionPlayback
 from ui.model.playing.acts import do
@@ -37,7 +37,7 @@ class Participant:
         self._due = -math.inf
 
     @property
-    def floor_plan(self) -> House | None:
+    def floor_plan(self) -> FloorPlan | None:
         """Where all this happens; None until it is told."""
         return self._memory.floor_plan
 
@@ -46,23 +46,23 @@ class Participant:
         """The robot to keep in the middle of the map."""
         return self._memory.followed
 
-    def receive(self, level: View | House | Whereabouts | Ways | Picture, now: float) -> None:
+    def receive(self, level: View | FloorPlan | PoseTelemetry | PlannedPaths | PicturePiece, now: float) -> None:
         """Take in what the game says."""
         memory = self._memory
         match level:
             case View():
                 if level.robots and (level.ready or memory.hunt is not None):
                     receive_view(memory, level, now)
-            case House():
+            case FloorPlan():
                 if level != memory.floor_plan:
                     memory.floor_plan, self._marks = level, MapMarks(level)
-            case Picture():
+            case PicturePiece():
                 memory.pictures.receive(level)
-            case Whereabouts():
+            case PoseTelemetry():
                 self._playback.receive(level, now)
                 if not self._receive_motions(level.motions, now):
                     return
-            case Ways():
+            case PlannedPaths():
                 self._playback.receive(level, now)
                 return
         self._due = -math.inf

@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 from sim.common.observations import TICK
 from thbridge.app.programs import exchange
-from thbridge.roles.notices import House, Picture, Ways, Whereabouts
+from thbridge.roles.notices import FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import ParticipantRequest, View
 from thbridge.sockets.text_client import Backoff, ConnectionLost, LossReason, TextClient
@@ -48,7 +48,7 @@ LOSS_SENTENCES = {
 }
 """Sentences for the player about a lost connection; empty where there is nothing to add."""
 
-ServerEvent: TypeAlias = View | House | Whereabouts | Ways | Picture | ServerReached | ServerLost
+ServerEvent: TypeAlias = View | FloorPlan | PoseTelemetry | PlannedPaths | PicturePiece | ServerReached | ServerLost
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +114,7 @@ class ParticipantLink:
                 exchange(runner, client, self._lost)
                 await asyncio.sleep(POLL_PERIOD)
 
-    def observe(self, level: View | House | Whereabouts | Ways | Picture) -> None:
+    def observe(self, level: View | FloorPlan | PoseTelemetry | PlannedPaths | PicturePiece) -> None:
         """Pass on a notice that the role received; see `thbridge.roles.tabui.ParticipantObserver`."""
         self._report(level)
 

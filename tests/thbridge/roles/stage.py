@@ -27,7 +27,7 @@ from thbridge.roles.notices import (
     Orders,
     RobotsReady,
     Status,
-    Unfit,
+    TeamRejection,
     decode_notice,
     encode_notice,
 )
@@ -92,7 +92,7 @@ class Puppets:
             if isinstance(notice, Notice):
                 if (orders := decode_notice(notice, Orders)) is not None and len(orders.moves) == self.robots:
                     self._follow(orders, tick)
-                if (unfit := decode_notice(notice, Unfit)) is not None:
+                if (unfit := decode_notice(notice, TeamRejection)) is not None:
                     self.unfit = unfit.sentence
         ended = [(robot, order) for robot, (order, due) in self._moves.items() if due <= tick]
         for robot, order in ended:

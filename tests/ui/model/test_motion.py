@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.common.geometry import wrap_angle
-from thbridge.roles.notices import Ellipse, Ways, Whereabouts
+from thbridge.roles.notices import Ellipse, PlannedPaths, PoseTelemetry
 from ui.model.motion import KEPT_SAMPLES, MotionPlayback
 from ui.model.trails import TRAIL_POINTS
 
@@ -19,8 +19,8 @@ TELLING = 0.04
 """Seconds between two tellings: 25 Hz."""
 
 
-def where(tick: int, *poses: tuple[float, float, float], **more: object) -> Whereabouts:
-    return Whereabouts(tick=tick, poses=poses, **more)  # type: ignore[arg-type]
+def where(tick: int, *poses: tuple[float, float, float], **more: object) -> PoseTelemetry:
+    return PoseTelemetry(tick=tick, poses=poses, **more)  # type: ignore[arg-type]
 
 
 @dataclass
@@ -32,7 +32,7 @@ class Shown:
 
 
 def play(
-    motions: MotionPlayback, arrivals: list[tuple[float, Whereabouts]], until: float, begin: float = 0.0
+    motions: MotionPlayback, arrivals: list[tuple[float, PoseTelemetry]], until: float, begin: float = 0.0
 ) -> list[Shown]:
     """Frames at 60 Hz while tellings arrive; what is shown of the first robot."""
     shown = []
@@ -51,14 +51,14 @@ def play(
 
 def straight(
     seconds: float, speed: float = 0.5, rate: float = 1.0, start_tick: int = 0
-) -> list[tuple[float, Whereabouts]]:
+) -> list[tuple[float, PoseTelemetry]]:
     """A straight drive along x, heard at once."""
     count = round(seconds / TELLING)
     ticks = [start_tick + round(k * TELLING * rate / 0.02) for k in range(count)]
     return [(k * TELLING, where(tick, (speed * (tick - start_tick) * 0.02, 0.0, 0.0))) for k, tick in enumerate(ticks)]
 
 
-def in_order(arrivals: list[tuple[float, Whereabouts]]) -> list[tuple[float, Whereabouts]]:
+def in_order(arrivals: list[tuple[float, PoseTelemetry]]) -> list[tuple[float, PoseTelemetry]]:
     """A stream keeps its order: nothing overtakes what was sent before."""
     moments = np.maximum.accumulate([moment for moment, _ in arrivals]).tolist()
     return [(moment, telling) for moment, (_, telling) in zip(moments, arrivals, strict=True)]
@@ -229,7 +229,7 @@ def test_trails_are_thinned_and_lie_where_the_robot_was() -> None:
 
 def test_a_way_begins_at_the_robot_and_what_is_driven_does_not_come_back() -> None:
     motions = MotionPlayback()
-    motions.receive(Ways(0, (tuple((0.1 * k, 0.0) for k in range(31)),)), 0.0)
+    motions.receive(PlannedPaths(0, (tuple((0.1 * k, 0.0) for k in range(31)),)), 0.0)
     play(motions, straight(2.0, 0.5), 2.0)
     (robot,) = motions.at(2.0)
     assert robot.path[0] == pytest.approx([robot.pose.x, robot.pose.y])
@@ -240,16 +240,16 @@ def test_a_way_begins_at_the_robot_and_what_is_driven_does_not_come_back() -> No
 def test_a_way_told_again_with_anothers_stays_as_far_driven() -> None:
     motions = MotionPlayback()
     out = tuple((0.1 * k, 0.0) for k in range(61))
-    motions.receive(Ways(0, (out,)), 0.0)
+    motions.receive(PlannedPaths(0, (out,)), 0.0)
     play(motions, straight(5.0, 1.0), 5.0)
     before = len(motions.at(5.0)[0].path)
-    motions.receive(Ways(250, (out, ((0.0, 0.0), (1.0, 0.0)))), 5.0)
+    motions.receive(PlannedPaths(250, (out, ((0.0, 0.0), (1.0, 0.0)))), 5.0)
     assert len(motions.at(5.0)[0].path) == before < 15
 
 
 def test_who_comes_late_sees_what_still_lies_ahead() -> None:
     motions = MotionPlayback()
-    motions.receive(Ways(0, (tuple((0.1 * k, 0.0) for k in range(61)),)), 0.0)
+    motions.receive(PlannedPaths(0, (tuple((0.1 * k, 0.0) for k in range(61)),)), 0.0)
     motions.receive(where(0, (5.0, 0.0, 0.0)), 0.0)
     assert len(motions.at(0.0)[0].path) < 15
 
@@ -266,14 +266,14 @@ def test_a_way_that_comes_back_near_itself_is_driven_in_its_order() -> None:
     motions = MotionPlayback()
     out = [(0.1 * k, 0.0) for k in range(41)]
     back = [(4.0 - 0.1 * k, 0.2) for k in range(41)]
-    motions.receive(Ways(0, ((*out, *back),)), 0.0)
+    motions.receive(PlannedPaths(0, ((*out, *back),)), 0.0)
     play(motions, straight(1.0, 0.5), 1.0)
     assert len(motions.at(1.0)[0].path) > 60
 
 
 def test_no_way_is_empty() -> None:
     motions = MotionPlayback()
-    motions.receive(Ways(0, ((),)), 0.0)
+    motions.receive(PlannedPaths(0, ((),)), 0.0)
     motions.receive(where(0, (0.0, 0.0, 0.0)), 0.0)
     assert motions.at(0.0)[0].path.shape == (0, 2)
 

@@ -2,7 +2,7 @@
 
 from tests.thbridge.roles.vehicles.test_pilot import STATION, Flight
 from thbridge.hunt.events import Arrived, Identified
-from thbridge.roles.notices import Whereabouts
+from thbridge.roles.notices import PoseTelemetry
 from thbridge.roles.tabui import TabUI
 from thbridge.wire.mavlink.vehicle_interface import LegState, Target
 from ui.model.participant import Participant
@@ -20,7 +20,7 @@ class Follower:
         self.now = 0.0
 
     def observe(self, level) -> None:
-        if isinstance(level, Whereabouts):
+        if isinstance(level, PoseTelemetry):
             self.now = level.tick * TICK
         self.model.receive(level, self.now)
 

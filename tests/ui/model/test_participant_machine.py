@@ -10,7 +10,7 @@ from tests.thbridge.roles.stage import RULES
 from tests.ui.model.seat import Seat
 from thbridge.hunt import rules
 from thbridge.hunt.events import Condition
-from thbridge.roles.notices import Picture, RobotMotion, Whereabouts
+from thbridge.roles.notices import PicturePiece, PoseTelemetry, RobotMotion
 from thbridge.roles.view import Consent, DialogueView, IdentificationVerdict, RefusalView, RobotView, RoomView, View
 from ui.model.keys import act_for
 from ui.model.participant import Participant
@@ -273,7 +273,7 @@ def views(draw, robots=2, rooms=3):
 
 
 MOTIONS = st.builds(
-    lambda tick, doing, progress: Whereabouts(
+    lambda tick, doing, progress: PoseTelemetry(
         tick, ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)), (RobotMotion(doing, 1, progress, 1.0), RobotMotion())
     ),
     st.integers(0, 999),
@@ -281,7 +281,7 @@ MOTIONS = st.builds(
     st.floats(-1.0, 2.0),
 )
 PIECES = st.builds(
-    Picture,
+    PicturePiece,
     st.integers(1, 2),
     st.integers(1, 3),
     st.integers(-1, 3),
@@ -298,7 +298,7 @@ def test_nothing_that_is_heard_or_done_raises(steps):
         now += 0.1
         if isinstance(step, float):
             now += step
-        elif isinstance(step, View | Whereabouts | Picture):
+        elif isinstance(step, View | PoseTelemetry | PicturePiece):
             model.receive(step, now)
         else:
             model.do(step, now)

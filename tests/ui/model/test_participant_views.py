@@ -8,7 +8,15 @@ import pytest
 
 from tests.ui.model.views import asking, refusal, view, with_robot, with_room
 from thbridge.hunt.events import Condition
-from thbridge.roles.notices import Ellipse, House, Picture, RobotMotion, RoomOutline, Ways, Whereabouts
+from thbridge.roles.notices import (
+    Ellipse,
+    FloorPlan,
+    PicturePiece,
+    PlannedPaths,
+    PoseTelemetry,
+    RobotMotion,
+    RoomOutline,
+)
 from thbridge.roles.view import (
     Agree,
     Answer,
@@ -52,7 +60,7 @@ FOUND = replace(
     with_room(with_robot(view(), 0, place=3), 3, state="visited", robot=0, colour="Pink", footprint="Round and Large"),
     names=("ball", "can"),
 )
-HOUSE = House(
+HOUSE = FloorPlan(
     "hall",
     0.05,
     (0.0, 0.0, 0.0),
@@ -68,7 +76,7 @@ HOUSE = House(
 
 
 def where(tick, *motions, x=0.0, ellipses=None):
-    return Whereabouts(tick, ((x, 0.0, 0.0),) * 2, motions or (RobotMotion(), RobotMotion()), ellipses)
+    return PoseTelemetry(tick, ((x, 0.0, 0.0),) * 2, motions or (RobotMotion(), RobotMotion()), ellipses)
 
 
 def model_of(*levels, now=0.0):
@@ -442,7 +450,7 @@ def test_the_end_says_why_and_what_came_of_it():
 
 
 def test_a_picture_is_shown_when_all_of_it_is_there():
-    model = model_of(Picture(1, 3, 0, 1, b64encode(b"image").decode()), FOUND)
+    model = model_of(PicturePiece(1, 3, 0, 1, b64encode(b"image").decode()), FOUND)
     assert model.screen(0.0).popup.picture is None
     model.receive(with_room(FOUND, 3, picture="a.jpg"), 0.1)
     pop = model.screen(0.1).popup
@@ -451,7 +459,7 @@ def test_a_picture_is_shown_when_all_of_it_is_there():
 
 def test_a_picture_of_another_game_by_the_same_number_is_not_shown():
     pictured = with_room(FOUND, 3, picture="a.jpg")
-    model = model_of(Picture(1, 3, 0, 1, b64encode(b"image").decode()), pictured)
+    model = model_of(PicturePiece(1, 3, 0, 1, b64encode(b"image").decode()), pictured)
     assert model.screen(0.0).popup.picture == b"image"
     model.receive(view(), 0.1)
     model.receive(pictured, 0.2)
@@ -534,7 +542,7 @@ def test_everything_that_happened_is_in_the_history():
 
 def test_the_map_shows_rooms_and_robots():
     ellipses = (Ellipse(0.3, 0.1, 0.0), Ellipse(0.2, 0.2, 0.0))
-    model = model_of(view(), HOUSE, where(1, ellipses=ellipses), Ways(1, (((0.0, 0.0), (1.0, 0.0)), ())))
+    model = model_of(view(), HOUSE, where(1, ellipses=ellipses), PlannedPaths(1, (((0.0, 0.0), (1.0, 0.0)), ())))
     kitchen, second = model.rooms(0.0)
     assert (kitchen.name, kitchen.state, kitchen.choosable) == ("Kitchen", "unvisited", True)
     assert kitchen.region.shape == (3, 2)

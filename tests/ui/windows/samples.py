@@ -11,7 +11,7 @@ import numpy as np
 
 from sim.common.geometry import Pose2
 from thbridge.files.map_files import read_map
-from thbridge.roles.notices import House, RoomOutline
+from thbridge.roles.notices import FloorPlan, RoomOutline
 from ui.model.keys import help_lines
 from ui.model.scene import RobotMark, RoomMark
 from ui.model.screen import (
@@ -59,7 +59,7 @@ _STATES = ("driving", "rest", "waiting", "lost", "rest", "empty")
 
 
 @cache
-def floor_plan(name: str = "arena8") -> House:
+def floor_plan(name: str = "arena8") -> FloorPlan:
     """One of our maps as the notice that a participant gets."""
     drawn = read_map(PROJECT / "maps" / name)
     rows, cols = drawn.grid.cells.shape
@@ -75,7 +75,7 @@ def floor_plan(name: str = "arena8") -> House:
     )
     origin = drawn.grid.origin
     packed = base64.b64encode(zlib.compress(cells.tobytes())).decode()
-    return House(
+    return FloorPlan(
         name,
         drawn.grid.resolution,
         (origin.x, origin.y, origin.theta),
@@ -316,7 +316,7 @@ class SampleModel:
     """A model that shows a given screen, and keeps the acts done."""
 
     shown: Screen
-    floor_plan: House | None = None
+    floor_plan: FloorPlan | None = None
     followed: int | None = None
     done: list[Act] = field(default_factory=list)
 

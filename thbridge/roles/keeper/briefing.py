@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from thbridge.roles.notices import House
+from thbridge.roles.notices import FloorPlan
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,7 +17,7 @@ class Briefing:
         consent: text that participants have to agree to before anything else; None asks nothing.
     """
 
-    floor_plan: House | None = None
+    floor_plan: FloorPlan | None = None
     names: tuple[str, ...] = ()
     pictures: Mapping[str, bytes] = field(default_factory=dict)
     consent: str | None = None

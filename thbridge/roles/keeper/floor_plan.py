@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED, Cells, OccupancyGrid
-from thbridge.roles.notices import House, RoomOutline
+from thbridge.roles.notices import FloorPlan, RoomOutline
 
 MOST_PACKED = 40_000
 """Characters of packed cells beyond which the map's resolution is halved."""
@@ -23,7 +23,7 @@ _OF_CODE: Cells = np.array([FREE, OCCUPIED, -1], dtype=np.int8)
 
 def floor_plan_of(
     name: str, grid: OccupancyGrid, rooms: Sequence[RoomOutline], footprint: tuple[tuple[float, float], ...]
-) -> House:
+) -> FloorPlan:
     """Return the floor plan of a map.
 
     While the map does not pack into one line, its resolution is halved: two by two cells become one, a wall if one of
@@ -43,10 +43,10 @@ def floor_plan_of(
         codes, resolution = _halved(codes), 2.0 * resolution
     height, width = codes.shape
     x, y, theta = grid.origin.array().tolist()
-    return House(name, resolution, (x, y, theta), width, height, packed, tuple(rooms), footprint)
+    return FloorPlan(name, resolution, (x, y, theta), width, height, packed, tuple(rooms), footprint)
 
 
-def grid_of(plan: House) -> OccupancyGrid:
+def grid_of(plan: FloorPlan) -> OccupancyGrid:
     """Return the map of a floor plan.
 
     Raises:

@@ -41,7 +41,7 @@ from thbridge.roles.notices import (
     RobotsReady,
     StateNotice,
     Status,
-    Unfit,
+    TeamRejection,
     decode_notice,
     encode_notice,
 )
@@ -226,16 +226,16 @@ class Keeper:
         state = self.state
         costs = costs_of(robots.costs)
         if isinstance(costs, RequestRefused):
-            self._send(sender, Unfit(costs.sentence))
+            self._send(sender, TeamRejection(costs.sentence))
         elif not 0 < robots.robots <= MOST_ROBOTS:
-            self._send(sender, Unfit(f"A team has 1 to {MOST_ROBOTS} robots, not {robots.robots}."))
+            self._send(sender, TeamRejection(f"A team has 1 to {MOST_ROBOTS} robots, not {robots.robots}."))
         elif state is None:
             self._team = robots
             self._start(robots.robots, costs)
         elif state.ended is not None:
             self._team = robots
         elif len(state.robots) != robots.robots or state.started.costs != costs:
-            self._send(sender, Unfit(_mismatch(state, robots)))
+            self._send(sender, TeamRejection(_mismatch(state, robots)))
         else:
             self._team = robots
             self._give_orders(state, with_poses=True)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.roles.keeper.briefing import Briefing
-from thbridge.roles.notices import Picture, encode_notice
+from thbridge.roles.notices import PicturePiece, encode_notice
 from thbridge.roles.view import View
 from thbridge.wire.notice import notice
 from thbridge.wire.text import TextMessage
@@ -33,7 +33,7 @@ class Participants:
         self._shown: View | None = None
         # The pictures that all but newcomers have, by room; pieces that wait, each with its receiver.
         self._taken: dict[int, str] = {}
-        self._pieces: deque[tuple[str, Picture]] = deque()
+        self._pieces: deque[tuple[str, PicturePiece]] = deque()
         self._next_piece = 0
 
     def __contains__(self, name: str) -> bool:
@@ -90,9 +90,9 @@ class Participants:
         self._taken = taken
 
 
-def _pieces(game: int, room: int, image: bytes) -> Iterator[Picture]:
+def _pieces(game: int, room: int, image: bytes) -> Iterator[PicturePiece]:
     """Yield the pieces of a picture."""
     starts = range(0, len(image), PIECE_SIZE)
     for number, start in enumerate(starts):
         data = base64.b64encode(image[start : start + PIECE_SIZE]).decode("ascii")
-        yield Picture(game, room, number, len(starts), data)
+        yield PicturePiece(game, room, number, len(starts), data)

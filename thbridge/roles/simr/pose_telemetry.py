@@ -15,7 +15,15 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
 from thbridge.hunt.events import Condition
-from thbridge.roles.notices import Activity, Ellipse, RobotMotion, StateNotice, Ways, Whereabouts, encode_notice
+from thbridge.roles.notices import (
+    Activity,
+    Ellipse,
+    PlannedPaths,
+    PoseTelemetry,
+    RobotMotion,
+    StateNotice,
+    encode_notice,
+)
 from thbridge.roles.simr.polyline import needed_points
 from thbridge.wire.text import TextMessage
 
@@ -100,7 +108,7 @@ class TelemetryPublisher:
         if tick % PATH_PERIOD == 0 and self._options.path:
             before, self._paths = self._paths, self._paths_ahead(snapshot, conditions)
             receivers = self._newcomers if self._paths == before else self._until
-            messages += self._addressed(Ways(snapshot.tick, self._paths), receivers)
+            messages += self._addressed(PlannedPaths(snapshot.tick, self._paths), receivers)
             self._newcomers.clear()
         return messages
 
@@ -119,7 +127,7 @@ class TelemetryPublisher:
 
     def _pose_notice(
         self, snapshot: TeamSnapshot, conditions: Sequence[Condition], progress: Mapping[int, float]
-    ) -> Whereabouts:
+    ) -> PoseTelemetry:
         robots = snapshot.robots
         motions = (
             _motion(output, condition, progress.get(robot, 0.0))
@@ -127,7 +135,7 @@ class TelemetryPublisher:
         )
         ellipses = tuple(ellipse_of(output.estimate.covariance) for output in robots)
         knows_truth = self._options.truth and snapshot.world is not None
-        return Whereabouts(
+        return PoseTelemetry(
             tick=snapshot.tick,
             poses=tuple(_triple(output.estimate.base_in_map.array()) for output in robots),
             motions=tuple(motions),

@@ -20,7 +20,7 @@ from thbridge.roles.notices import (
     RobotsReady,
     Status,
     Subscribe,
-    Unfit,
+    TeamRejection,
     decode_notice,
     encode_notice,
 )
@@ -214,7 +214,7 @@ class SimR:
                 self._follow(orders)
         elif decode_notice(notice, Subscribe) is not None:
             self._telemetry.subscribe(notice.sender, tick)
-        elif (rejected := decode_notice(notice, Unfit)) is not None:
+        elif (rejected := decode_notice(notice, TeamRejection)) is not None:
             self._rejection = rejected.sentence
 
     def _can_follow(self, orders: Orders) -> bool:

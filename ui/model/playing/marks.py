@@ -3,7 +3,7 @@
 import numpy as np
 
 from sim.common.geometry import FloatArray
-from thbridge.roles.notices import House
+from thbridge.roles.notices import FloorPlan
 from thbridge.roles.view import View
 from ui.model.motion import DisplayedRobot
 from ui.model.playing.cards import is_in_trouble
@@ -18,7 +18,7 @@ class MapMarks:
         house: the house.
     """
 
-    def __init__(self, house: House) -> None:
+    def __init__(self, house: FloorPlan) -> None:
         self._rooms = {room.room: _corners(room.region) for room in house.rooms}
         self._footprint = _corners(house.footprint)
 

@@ -3,7 +3,7 @@
 import binascii
 from base64 import b64decode
 
-from thbridge.roles.notices import Picture
+from thbridge.roles.notices import PicturePiece
 
 
 class Pictures:
@@ -14,7 +14,7 @@ class Pictures:
         self._pieces: dict[int, dict[int, bytes]] = {}
         self._whole: dict[int, bytes] = {}
 
-    def receive(self, piece: Picture) -> None:
+    def receive(self, piece: PicturePiece) -> None:
         """Take a piece. Those that are none are passed over."""
         if piece.game != self._game:
             self.forget()

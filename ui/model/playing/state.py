@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field
 
-from thbridge.roles.notices import House, RobotMotion
+from thbridge.roles.notices import FloorPlan, RobotMotion
 from thbridge.roles.view import DialogueView, Select, Unsure, View
 from ui.model.playing.connection import ConnectionStatus
 from ui.model.playing.history import GameHistory
@@ -148,7 +148,7 @@ class ParticipantMemory:
     """
 
     hunt: HuntMemory | None = None
-    floor_plan: House | None = None
+    floor_plan: FloorPlan | None = None
     motions: tuple[RobotMotion, ...] = ()
     selected: int = 0
     hovered: int | None = None

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.traversability import inside
-from thbridge.roles.notices import House
+from thbridge.roles.notices import FloorPlan
 
 FREE, WALL, UNKNOWN = 0, 1, 2
 
@@ -54,7 +54,7 @@ class MapGeometry:
         return clear
 
 
-def unpack(floor_plan: House) -> MapGeometry:
+def unpack(floor_plan: FloorPlan) -> MapGeometry:
     """Unpack a floor plan; one whose cells cannot be read has rooms and no walls."""
     cells = _cells(floor_plan)
     origin = Pose2(*floor_plan.origin)
@@ -77,7 +77,7 @@ def unpack(floor_plan: House) -> MapGeometry:
     )
 
 
-def _cells(floor_plan: House) -> NDArray[np.uint8]:
+def _cells(floor_plan: FloorPlan) -> NDArray[np.uint8]:
     size = floor_plan.width * floor_plan.height
     try:
         packed = base64.b64decode(floor_plan.cells, validate=True)

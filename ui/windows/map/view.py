@@ -17,7 +17,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from thbridge.roles.notices import House
+from thbridge.roles.notices import FloorPlan
 from ui.model.scene import RobotMark, RoomMark
 from ui.model.theme import Palette
 from ui.windows.map.background import MapBackground
@@ -108,7 +108,7 @@ class MapView(QWidget):
 
     # Contents ---------------------------------------------------------------------------------------------------------
 
-    def show_floor_plan(self, floor_plan: House) -> None:
+    def show_floor_plan(self, floor_plan: FloorPlan) -> None:
         """Show another floor plan, all of it."""
         self._geometry = unpack(floor_plan)
         self._background.show_geometry(self._geometry)

@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from thbridge.roles.notices import House
+from thbridge.roles.notices import FloorPlan
 from ui.model.keys import HELP
 from ui.model.scene import RobotMark, RoomMark
 from ui.model.screen import (
@@ -63,7 +63,7 @@ class ParticipantModel(Protocol):
     """The model of the participant's window; times are monotonic seconds."""
 
     @property
-    def floor_plan(self) -> House | None:
+    def floor_plan(self) -> FloorPlan | None:
         """The floor plan, once it is known."""
 
     @property
@@ -98,7 +98,7 @@ class ParticipantWindow(QWidget):
         self._model = model
         self._clock = clock
         self._screen: Screen | None = None
-        self._floor_plan: House | None = None
+        self._floor_plan: FloorPlan | None = None
         self._announced: int | None = None
         self._popped: tuple[Act, ...] = ()
         self._popped_at = -ANSWER_DELAY

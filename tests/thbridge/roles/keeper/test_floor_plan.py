@@ -13,7 +13,7 @@ from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from thbridge.app.compose import read_setting
 from thbridge.roles.keeper.floor_plan import MOST_PACKED, floor_plan_of, grid_of
-from thbridge.roles.notices import KEEPER, House, decode_notice, encode_notice
+from thbridge.roles.notices import KEEPER, FloorPlan, decode_notice, encode_notice
 from thbridge.study.study_file import Study
 from thbridge.wire.notice import parse_notice
 from thbridge.wire.text import LINE_LIMIT
@@ -33,7 +33,7 @@ def test_a_map_comes_back_as_it_went(cells):
 def test_a_house_fits_into_a_line(name):
     setting = read_setting(replace(Study(), map=name), Path())
     line = encode_notice(KEEPER, "TabUI", setting.floor_plan())
-    house = decode_notice(parse_notice(line), House)
+    house = decode_notice(parse_notice(line), FloorPlan)
     assert len(line.line()) < LINE_LIMIT
     assert (grid_of(house).cells == setting.map.grid.cells).all()
     assert [room.name for room in house.rooms] == [room.name for room in setting.map.rooms]

@@ -17,7 +17,16 @@ from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.keeper.participants import PIECE_PERIOD, PIECE_SIZE, Participants
-from thbridge.roles.notices import KEEPER, House, Picture, Subscribe, Ways, Whereabouts, decode_notice, encode_notice
+from thbridge.roles.notices import (
+    KEEPER,
+    FloorPlan,
+    PicturePiece,
+    PlannedPaths,
+    PoseTelemetry,
+    Subscribe,
+    decode_notice,
+    encode_notice,
+)
 from thbridge.roles.tabui import RENEWAL_PERIOD, TabUI
 from thbridge.roles.view import (
     Agree,
@@ -42,7 +51,7 @@ from thbridge.wire import legacy
 from thbridge.wire.notice import parse_notice
 
 Stage = stage.Stage
-HOUSE = House("stage", 0.05, (0.0, 0.0, 0.0), 1, 1, "eJxjAAAAAQAB", (), ())
+HOUSE = FloorPlan("stage", 0.05, (0.0, 0.0, 0.0), 1, 1, "eJxjAAAAAQAB", (), ())
 CONSENT = "We record what you do."
 
 
@@ -90,16 +99,16 @@ def images(size: int) -> dict[str, bytes]:
     return {name: bytes([number]) * size for number, name in enumerate(names)}
 
 
-def joined(pieces: list[Picture]) -> bytes:
+def joined(pieces: list[PicturePiece]) -> bytes:
     return b"".join(base64.b64decode(piece.data) for piece in pieces)
 
 
 def test_the_house_is_told_when_somebody_joins_and_when_they_join_again():
     played = Played(Briefing(HOUSE))
-    assert played.eyes.of(House) == [HOUSE]
+    assert played.eyes.of(FloorPlan) == [HOUSE]
     played.tabui.connected()
     played.stage.run(3)
-    assert played.eyes.of(House) == [HOUSE, HOUSE]
+    assert played.eyes.of(FloorPlan) == [HOUSE, HOUSE]
 
 
 def test_a_house_that_the_robots_are_not_in_is_kept():
@@ -111,10 +120,10 @@ def test_a_picture_is_told_once_it_is_taken():
     files = images(2 * PIECE_SIZE + 7)
     played = Played(Briefing(HOUSE, pictures=files))
     played.go(0, 3)
-    assert played.eyes.of(Picture) == []
+    assert played.eyes.of(PicturePiece) == []
     view = played.picture(0, 3)
     played.stage.run(4 * PIECE_PERIOD)
-    pieces = played.eyes.of(Picture)
+    pieces = played.eyes.of(PicturePiece)
     assert [(piece.game, piece.room, piece.piece, piece.pieces) for piece in pieces] == [
         (1, 3, 0, 3),
         (1, 3, 1, 3),
@@ -131,14 +140,14 @@ def test_who_comes_back_is_told_all_pictures_again_from_the_first_piece():
     played.eyes.seen.clear()
     played.tabui.connected()
     played.stage.run(4 * PIECE_PERIOD)
-    assert [(piece.room, piece.piece) for piece in played.eyes.of(Picture)] == [(3, 0), (3, 1)]
+    assert [(piece.room, piece.piece) for piece in played.eyes.of(PicturePiece)] == [(3, 0), (3, 1)]
 
 
 def test_a_picture_that_nobody_has_is_told_by_its_name_alone():
     played = Played(Briefing(HOUSE))
     assert played.picture(0, 3).room(3).picture is not None
     played.stage.run(50)
-    assert played.eyes.of(Picture) == []
+    assert played.eyes.of(PicturePiece) == []
 
 
 def test_a_large_picture_leaves_slow_readers_time():
@@ -251,10 +260,10 @@ def test_who_watches_sees_all_that_is_told_in_its_order():
     tabui = TabUI(Script(), eyes)
     levels = [
         HOUSE,
-        Whereabouts(1, ((0.0, 0.0, 0.0),)),
-        Ways(1, (((0.0, 0.0), (1.0, 0.0)),)),
-        Picture(1, 3, 0, 1, ""),
-        Whereabouts(2, ((0.0, 0.0, 0.0),)),
+        PoseTelemetry(1, ((0.0, 0.0, 0.0),)),
+        PlannedPaths(1, (((0.0, 0.0), (1.0, 0.0)),)),
+        PicturePiece(1, 3, 0, 1, ""),
+        PoseTelemetry(2, ((0.0, 0.0, 0.0),)),
     ]
     tabui.step(0, [encode_notice(KEEPER, legacy.TABUI, level) for level in levels])
     assert eyes.seen == levels

@@ -14,7 +14,7 @@ from sim.robot.navigator import Goal
 from sim.team import Go
 from thbridge.app.compose import read_setting
 from thbridge.hunt.events import Condition
-from thbridge.roles.notices import Ways, Whereabouts, decode_notice
+from thbridge.roles.notices import PlannedPaths, PoseTelemetry, decode_notice
 from thbridge.roles.simr.pose_telemetry import PATH_PERIOD, TelemetryOptions, TelemetryPublisher, ellipse_of
 from thbridge.study.study_file import Study
 from thbridge.wire.notice import parse_notice
@@ -47,7 +47,7 @@ def levels(messages, kind):
 
 
 def test_robots_under_way_are_told_with_what_they_do(team):
-    first = levels(told(team[0]), Whereabouts)[0]
+    first = levels(told(team[0]), PoseTelemetry)[0]
     robot = team[0].robots[0]
     assert first.tick == team[0].tick
     assert first.poses[0] == pytest.approx(robot.estimate.base_in_map.array(), abs=6e-4)
@@ -73,7 +73,7 @@ def navigating(snapshot, **changes):
     ],
 )
 def test_what_a_robot_does_has_a_word(team, changes, condition, doing):
-    motion = levels(told(navigating(team[0], **changes), conditions=[condition] * 2), Whereabouts)[0].motions[0]
+    motion = levels(told(navigating(team[0], **changes), conditions=[condition] * 2), PoseTelemetry)[0].motions[0]
     assert motion.doing == doing
     assert motion.waits_for == (1 if doing == "waiting" else None)
 
@@ -81,7 +81,7 @@ def test_what_a_robot_does_has_a_word(team, changes, condition, doing):
 @given(st.booleans(), st.booleans(), st.booleans())
 def test_what_the_study_does_not_show_is_not_told(team, way, uncertainty, truth):
     messages = told(team[0], TelemetryOptions(way, uncertainty, truth))
-    (whereabouts, *_), ways = levels(messages, Whereabouts), levels(messages, Ways)
+    (whereabouts, *_), ways = levels(messages, PoseTelemetry), levels(messages, PlannedPaths)
     assert bool(ways) == way
     assert (whereabouts.ellipses is not None) == uncertainty
     assert (whereabouts.truth is not None) == truth
@@ -92,11 +92,11 @@ def test_what_the_study_does_not_show_is_not_told(team, way, uncertainty, truth)
 
 
 def test_of_real_robots_nobody_tells_the_truth(team):
-    assert levels(told(replace(team[0], world=None), TelemetryOptions(truth=True)), Whereabouts)[0].truth is None
+    assert levels(told(replace(team[0], world=None), TelemetryOptions(truth=True)), PoseTelemetry)[0].truth is None
 
 
 def test_a_way_leads_from_the_robot_to_its_goal_and_is_off_by_less_than_three_centimetres(team):
-    (ways,) = levels(told(team[0]), Ways)
+    (ways,) = levels(told(team[0]), PlannedPaths)
     for way, output in zip(ways.ways, team[0].robots, strict=True):
         here, plan = output.estimate.base_in_map, output.navigation.plan[1:, :2]
         assert math.dist(way[0], (here.x, here.y)) < 0.01
@@ -121,7 +121,7 @@ def test_a_way_stays_true_while_it_is_driven(team):
             for each in team[0].robots
         ]
         snapshot = replace(team[0], robots=tuple(robots))
-        (ways,) = levels(bulletin.messages(passed * PATH_PERIOD, snapshot, [Condition.WELL] * 2, {}), Ways)
+        (ways,) = levels(bulletin.messages(passed * PATH_PERIOD, snapshot, [Condition.WELL] * 2, {}), PlannedPaths)
         line = np.array(ways.ways[0])
         assert math.dist(line[0], (here.x, here.y)) < 0.01
         assert max(off(point, line) for point in whole[passed + 1 :, :2]) < 0.03
@@ -134,25 +134,29 @@ def off(point, line):
 
 
 def test_a_way_that_is_only_wished_for_is_none(team):
-    assert levels(told(navigating(team[0], state="planning")), Ways)[0].ways == ((), ())
+    assert levels(told(navigating(team[0], state="planning")), PlannedPaths)[0].ways == ((), ())
 
 
 def test_a_robot_that_does_not_answer_has_no_way_ahead(team):
-    ways = levels(told(team[0], conditions=[Condition.SILENT, Condition.WELL]), Ways)[0].ways
+    ways = levels(told(team[0], conditions=[Condition.SILENT, Condition.WELL]), PlannedPaths)[0].ways
     assert (ways[0], bool(ways[1])) == ((), True)
 
 
 def test_ways_are_told_when_they_change_and_to_those_who_ask_anew(team):
     bulletin = TelemetryPublisher("SimR", TelemetryOptions())
-    assert len(levels(told(team[0], bulletin=bulletin), Ways)) == 1
+    assert len(levels(told(team[0], bulletin=bulletin), PlannedPaths)) == 1
     again = [m for tick in range(10, 20) for m in bulletin.messages(tick, team[0], [Condition.WELL] * 2, {})]
-    assert levels(again, Ways) == []
+    assert levels(again, PlannedPaths) == []
     moved = navigating(team[0], plan=team[0].robots[0].navigation.plan[10:])
     assert (
-        len(levels([m for t in range(20, 30) for m in bulletin.messages(t, moved, [Condition.WELL] * 2, {})], Ways))
+        len(
+            levels(
+                [m for t in range(20, 30) for m in bulletin.messages(t, moved, [Condition.WELL] * 2, {})], PlannedPaths
+            )
+        )
         == 1
     )
-    assert len(levels(told(moved, bulletin=bulletin, ticks=range(30, 40)), Ways)) == 1
+    assert len(levels(told(moved, bulletin=bulletin, ticks=range(30, 40)), PlannedPaths)) == 1
 
 
 def test_sixty_four_robots_fit_into_lines(team):

@@ -15,10 +15,10 @@ from thbridge.roles.notices import (
     MoveOrder,
     MoveResult,
     Orders,
+    PoseTelemetry,
     RobotsReady,
     Status,
     Subscribe,
-    Whereabouts,
     decode_notice,
     encode_notice,
 )
@@ -162,11 +162,11 @@ def test_a_robot_goes_to_a_point_in_metres(driver):
 
 def test_whereabouts_go_to_those_who_asked_for_as_long_as_they_ask(driver):
     driver.run(20, encode_notice("Window", legacy.SIMR, Subscribe()))
-    assert len(driver.levels(Whereabouts)) == 20 // POSE_PERIOD
+    assert len(driver.levels(PoseTelemetry)) == 20 // POSE_PERIOD
     driver.run(SUBSCRIPTION_TICKS)
-    told = len(driver.levels(Whereabouts))
+    told = len(driver.levels(PoseTelemetry))
     driver.run(50)
-    assert len(driver.levels(Whereabouts)) == told
+    assert len(driver.levels(PoseTelemetry)) == told
 
 
 def with_mishaps(setting: StudySetting, *mishaps: tuple[Mishap, float]) -> Driver:

@@ -3,13 +3,13 @@ from base64 import b64encode
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.roles.notices import Picture
+from thbridge.roles.notices import PicturePiece
 from ui.model.playing.pictures import Pictures
 
 
 def pieces(data, size, game=1, room=3):
     cut = [data[start : start + size] for start in range(0, len(data), size)]
-    return [Picture(game, room, number, len(cut), b64encode(part).decode()) for number, part in enumerate(cut)]
+    return [PicturePiece(game, room, number, len(cut), b64encode(part).decode()) for number, part in enumerate(cut)]
 
 
 @given(st.binary(min_size=1, max_size=60), st.integers(1, 30), st.randoms(use_true_random=False))
@@ -40,6 +40,6 @@ def test_another_game_has_other_pictures():
 
 def test_what_is_no_piece_is_passed_over():
     album = Pictures()
-    for piece in (Picture(1, 3, 0, 1, "?"), Picture(1, 3, 5, 2, "aGE="), Picture(1, 3, -1, 2, "aGE=")):
+    for piece in (PicturePiece(1, 3, 0, 1, "?"), PicturePiece(1, 3, 5, 2, "aGE="), PicturePiece(1, 3, -1, 2, "aGE=")):
         album.receive(piece)
     assert album.of(1, 3) is None

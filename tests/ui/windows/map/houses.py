@@ -11,7 +11,7 @@ from sim.common.grid import FREE, OCCUPIED
 from sim.parameters import WorldParameters
 from thbridge.files.map_files import Map, read_map
 from thbridge.files.resources import shipped
-from thbridge.roles.notices import House, RoomOutline
+from thbridge.roles.notices import FloorPlan, RoomOutline
 from ui.model.scene import EllipseMark, RobotMark, RoomMark
 
 FOOTPRINT = np.array(WorldParameters().footprint)
@@ -21,10 +21,10 @@ def shipped_map(name: str) -> Map:
     return read_map(shipped().find("maps", name, Path()))
 
 
-def house_of(shown: Map) -> House:
+def house_of(shown: Map) -> FloorPlan:
     grid = shown.grid
     cells = np.where(grid.cells == FREE, 0, np.where(grid.cells == OCCUPIED, 1, 2)).astype(np.uint8)
-    return House(
+    return FloorPlan(
         map=shown.name,
         resolution=grid.resolution,
         origin=(grid.origin.x, grid.origin.y, grid.origin.theta),

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
 from tests.ui.windows.map.houses import house_of, shipped_map
-from thbridge.roles.notices import House
+from thbridge.roles.notices import FloorPlan
 from ui.windows.map.geometry import boxes, contains, unpack
 
 
@@ -44,18 +44,18 @@ def test_walls_are_told_from_floor() -> None:
 
 
 @pytest.fixture(scope="module")
-def house() -> House:
+def house() -> FloorPlan:
     return house_of(shipped_map("arena8"))
 
 
 @given(noise=st.binary(max_size=40))
-def test_cells_that_cannot_be_read_leave_the_rooms(house: House, noise: bytes) -> None:
+def test_cells_that_cannot_be_read_leave_the_rooms(house: FloorPlan, noise: bytes) -> None:
     plan = unpack(replace(house, cells=base64.b64encode(noise).decode()))
     assert len(plan.walls) == 0
     assert plan.bounds[0] < plan.bounds[2]
 
 
-def test_more_cells_than_announced_are_not_unpacked(house: House) -> None:
+def test_more_cells_than_announced_are_not_unpacked(house: FloorPlan) -> None:
     bomb = base64.b64encode(zlib.compress(bytes(1_000_000))).decode()
     assert len(unpack(replace(house, cells=bomb, width=4, height=4)).floor) == 1
 
