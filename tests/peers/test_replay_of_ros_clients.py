@@ -6,7 +6,7 @@ from tests.peers import live
 from tests.peers.beside import NEEDS_ROS, session
 from tests.thbridge.app.replay.test_replay import again
 from thbridge.app.replay.replay import ticks_of
-from thbridge.app.session.inputs import Asked
+from thbridge.app.session.inputs import ClientRequest
 
 pytestmark = NEEDS_ROS
 
@@ -16,7 +16,7 @@ def test_robots_do_again_what_they_did_for_ros_clients(tmp_path: Path) -> None:
         assert ros.script(live.ASKING)
         assert robots.stop() == 0
     inputs = [item for tick in ticks_of(tmp_path / "live.bag") for item in tick.inputs]
-    asked = {type(item.request).__name__ for item in inputs if isinstance(item, Asked)}
+    asked = {type(item.request).__name__ for item in inputs if isinstance(item, ClientRequest)}
     kinds = {
         "SimpleGoal",
         "InitialPose",

@@ -19,20 +19,20 @@ from thbridge.app.play import PLAY, NoLog
 from thbridge.app.programs import SIMR
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.inputs import (
-    Advanced,
-    Asked,
-    Backlogged,
-    Closed,
-    Framed,
-    Heard,
+    BytesReceived,
+    ClientRequest,
+    ClockAdvanced,
+    ConnectionBacklogged,
+    ConnectionClosed,
+    ConnectionOpened,
+    FrameReceived,
+    HeartbeatsSent,
     Input,
-    KeptAlive,
     LinkClosed,
     LinkOpened,
-    Opened,
-    Received,
-    Registered,
-    Said,
+    MessageForwarded,
+    NameAccepted,
+    ParticipantSent,
     from_record,
 )
 from thbridge.app.session.recording import BagRecorder
@@ -289,27 +289,27 @@ class _ReplayedPlay:
     def take(self, item: Input) -> None:
         session = self._session
         match item:
-            case Opened(_, now):
+            case ConnectionOpened(_, now):
                 session.connect(now)
-            case Received(connection, _, data, now):
+            case BytesReceived(connection, _, data, now):
                 session.perform(session.receive_data(connection, data, now))
-            case Closed(connection):
+            case ConnectionClosed(connection):
                 session.perform(session.eof(connection))
-            case Backlogged(connection, _, size):
+            case ConnectionBacklogged(connection, _, size):
                 session.perform(session.report_backlog(connection, size))
-            case Advanced(now):
+            case ClockAdvanced(now):
                 session.perform(session.advance(now))
-            case Said(message) if self._recorded_participant is not None:
+            case ParticipantSent(message) if self._recorded_participant is not None:
                 self._recorded_participant.prompt(message)
-            case Asked(sender, request):
+            case ClientRequest(sender, request):
                 session.ask(sender, request)
             case LinkOpened(_, name, robot) if session.has_vehicles:
                 session.open_link(name, robot)
             case LinkClosed(link):
                 session.close_link(link)
-            case Framed(link, _, frame, robot):
+            case FrameReceived(link, _, frame, robot):
                 session.transmit(session.receive_frame(link, frame, robot))
-            case KeptAlive():
+            case HeartbeatsSent():
                 session.keep_alive()
 
     def step(self) -> None:
@@ -328,11 +328,11 @@ class _ReplayedSimr:
 
     def take(self, item: Input) -> None:
         match item:
-            case Registered():
+            case NameAccepted():
                 self._session.connected()
-            case Heard(message):
+            case MessageForwarded(message):
                 self._session.receive(message)
-            case Asked(sender, request):
+            case ClientRequest(sender, request):
                 self._session.ask(sender, request)
 
     def step(self) -> None:

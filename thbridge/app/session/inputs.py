@@ -22,7 +22,7 @@ from thbridge.wire.text import TextMessage
 
 
 @dataclass(frozen=True, slots=True)
-class Opened:
+class ConnectionOpened:
     """A connection was opened at the text server, at `now` seconds of its clock."""
 
     connection: ConnectionId
@@ -30,7 +30,7 @@ class Opened:
 
 
 @dataclass(frozen=True, slots=True)
-class Received:
+class BytesReceived:
     """Bytes came in at the text server: a line, or part of one. `sender` is the connection's name at that time."""
 
     connection: ConnectionId
@@ -40,7 +40,7 @@ class Received:
 
 
 @dataclass(frozen=True, slots=True)
-class Closed:
+class ConnectionClosed:
     """A connection ended at the text server."""
 
     connection: ConnectionId
@@ -48,7 +48,7 @@ class Closed:
 
 
 @dataclass(frozen=True, slots=True)
-class Backlogged:
+class ConnectionBacklogged:
     """A connection was closed because so many bytes waited for it."""
 
     connection: ConnectionId
@@ -57,33 +57,33 @@ class Backlogged:
 
 
 @dataclass(frozen=True, slots=True)
-class Advanced:
+class ClockAdvanced:
     """The text server's clock advanced to `now` seconds, and a connection was pinged or dropped for it."""
 
     now: float
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class ParticipantSent:
     """The participant inside this process sent a message."""
 
     message: TextMessage
 
 
 @dataclass(frozen=True, slots=True)
-class Registered:
+class NameAccepted:
     """The server of another process has (again) accepted this program's name."""
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class MessageForwarded:
     """The server of another process forwarded a message to this program."""
 
     message: TextMessage
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class ClientRequest:
     """A client, for example the ROS node of this name, sent a request."""
 
     sender: str
@@ -114,7 +114,7 @@ class LinkClosed:
 
 
 @dataclass(frozen=True, slots=True)
-class Framed:
+class FrameReceived:
     """A frame came in on a link, checked and without its signature.
 
     Attributes:
@@ -131,35 +131,51 @@ class Framed:
 
 
 @dataclass(frozen=True, slots=True)
-class KeptAlive:
+class HeartbeatsSent:
     """The session was paused or slow, and vehicles sent heartbeats to ground stations in real time."""
 
 
 Input: TypeAlias = (
-    Opened
-    | Received
-    | Closed
-    | Backlogged
-    | Advanced
-    | Said
-    | Registered
-    | Heard
-    | Asked
+    ConnectionOpened
+    | BytesReceived
+    | ConnectionClosed
+    | ConnectionBacklogged
+    | ClockAdvanced
+    | ParticipantSent
+    | NameAccepted
+    | MessageForwarded
+    | ClientRequest
     | LinkOpened
     | LinkClosed
-    | Framed
-    | KeptAlive
+    | FrameReceived
+    | HeartbeatsSent
 )
 
 T = TypeVar("T")
-_KINDS: dict[str, type[Input]] = {kind.__name__.lower(): kind for kind in get_args(Input)}
+_CLASSES: dict[str, type[Input]] = {
+    "opened": ConnectionOpened,
+    "received": BytesReceived,
+    "closed": ConnectionClosed,
+    "backlogged": ConnectionBacklogged,
+    "advanced": ClockAdvanced,
+    "said": ParticipantSent,
+    "registered": NameAccepted,
+    "heard": MessageForwarded,
+    "asked": ClientRequest,
+    "linkopened": LinkOpened,
+    "linkclosed": LinkClosed,
+    "framed": FrameReceived,
+    "keptalive": HeartbeatsSent,
+}
+"""Classes of inputs by their kinds in recordings."""
+_KINDS = {input_class: kind for kind, input_class in _CLASSES.items()}
 _REQUESTS: dict[str, type[Request]] = {kind.__name__: kind for kind in get_args(Request)}
 
 
 def to_record(item: Input) -> InputRecord:
     """Return the record of an input, which holds all of it."""
-    kind = type(item).__name__.lower()
-    if isinstance(item, Asked):
+    kind = _KINDS[type(item)]
+    if isinstance(item, ClientRequest):
         line = _readable(f"{type(item.request).__name__} {_json(item.request)}")
         return InputRecord(kind, item.sender, line, encode_request(item.sender, item.request))
     return InputRecord(kind, *_for_people(item), _json(item))
@@ -171,11 +187,11 @@ def from_record(record: InputRecord) -> Input:
     Raises:
         ValueError: it is none, or one of another release.
     """
-    kind = _KINDS.get(record.kind)
-    if kind is None:
+    input_class = _CLASSES.get(record.kind)
+    if input_class is None:
         raise ValueError(f"no input is of the kind {record.kind!r}")
     value: object = json.loads(record.json)
-    return decode_request(value) if kind is Asked else decode_value(value, kind)
+    return decode_request(value) if input_class is ClientRequest else decode_value(value, input_class)
 
 
 def encode_request(sender: str, request: Request | PaceRequest) -> str:
@@ -184,7 +200,7 @@ def encode_request(sender: str, request: Request | PaceRequest) -> str:
     return f'{{"sender":{json.dumps(sender)},"request":{json.dumps(name)},"fields":{_json(request)}}}'
 
 
-def decode_request(value: object) -> Asked:
+def decode_request(value: object) -> ClientRequest:
     """Return the request in its JSON.
 
     Raises:
@@ -192,36 +208,36 @@ def decode_request(value: object) -> Asked:
     """
     match value:
         case {"sender": str(sender), "request": str(name), "fields": fields} if name in _REQUESTS:
-            return Asked(sender, decode_value(fields, _REQUESTS[name]))
+            return ClientRequest(sender, decode_value(fields, _REQUESTS[name]))
     raise ValueError("nobody can be asked for that")
 
 
 def _for_people(item: Input) -> tuple[str, str]:
     """Return the sender of an input, and a description for people."""
     match item:
-        case Opened(connection):
+        case ConnectionOpened(connection):
             return f"connection {connection}", "a connection is opened"
-        case Received(_, sender, data):
+        case BytesReceived(_, sender, data):
             return _readable(sender), data.decode(errors="replace").rstrip("\r\n")
-        case Closed(_, sender):
+        case ConnectionClosed(_, sender):
             return _readable(sender), "the connection has ended"
-        case Backlogged(_, sender, size):
+        case ConnectionBacklogged(_, sender, size):
             return _readable(sender), f"the connection is given up: {size} bytes wait for it"
-        case Advanced():
+        case ClockAdvanced():
             return "", "somebody has been silent for long"
-        case Said(message) | Heard(message):
+        case ParticipantSent(message) | MessageForwarded(message):
             return _readable(message.sender), _readable(message.line())
-        case Registered():
+        case NameAccepted():
             return "", "the server has accepted the name"
-        case Asked(sender):
+        case ClientRequest(sender):
             return _readable(sender), ""
         case LinkOpened(_, name):
             return _readable(name), "a link is opened"
         case LinkClosed(_, sender):
             return _readable(sender), "the link has ended"
-        case KeptAlive():
+        case HeartbeatsSent():
             return "", "robots say that they are there"
-        case Framed(_, sender, frame):
+        case FrameReceived(_, sender, frame):
             return _readable(sender), f"{name_of(frame.message_id)} of {frame.system}/{frame.component}"
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from sim.common.geometry import FloatArray
 from sim.common.observations import TICKS_PER_SECOND
 from sim.team import TeamSnapshot
-from thbridge.app.session.inputs import Asked, to_record
+from thbridge.app.session.inputs import ClientRequest, to_record
 from thbridge.app.session.mavros import frame_record, state_record
 from thbridge.app.session.session import TickRecord
 from thbridge.dialogue import moves
@@ -74,7 +74,7 @@ class BagRecorder:
     def _records(self, record: TickRecord) -> Iterator[Record]:
         for item in record.inputs:
             yield to_record(item)
-            if isinstance(item, Asked) and isinstance(item.request, GraphRequest):
+            if isinstance(item, ClientRequest) and isinstance(item.request, GraphRequest):
                 yield from self._asked(record, item.request)
         for forwarded in record.forwarded:
             yield from _lines(forwarded)

@@ -10,18 +10,18 @@ from typing import Protocol
 
 from sim.team import TeamSnapshot
 from thbridge.app.session.inputs import (
-    Advanced,
-    Asked,
-    Backlogged,
-    Closed,
-    Framed,
+    BytesReceived,
+    ClientRequest,
+    ClockAdvanced,
+    ConnectionBacklogged,
+    ConnectionClosed,
+    ConnectionOpened,
+    FrameReceived,
+    HeartbeatsSent,
     Input,
-    KeptAlive,
     LinkClosed,
     LinkOpened,
-    Opened,
-    Received,
-    Said,
+    ParticipantSent,
 )
 from thbridge.dialogue.moves import DialogueUtterance
 from thbridge.hunt.events import Event
@@ -158,13 +158,13 @@ class Session:
             ValueError: the robots are another program's.
         """
         self._pass_on(request, sender)
-        self._inputs.append(Asked(sender, request))
+        self._inputs.append(ClientRequest(sender, request))
 
     def connect(self, now: float) -> ConnectionId | TurnedAway:
         """See the router, for this and the next ones; only calls with an effect are recorded as inputs."""
         connection = self._router.connect(now)
         if not isinstance(connection, TurnedAway):
-            self._inputs.append(Opened(connection, now))
+            self._inputs.append(ConnectionOpened(connection, now))
         return connection
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[RouterOutput]:
@@ -174,7 +174,7 @@ class Session:
             sender = self._router.called(connection)
             if sender is None:
                 break
-            self._inputs.append(Received(connection, sender, line, now))
+            self._inputs.append(BytesReceived(connection, sender, line, now))
             outputs += self._router.receive_data(connection, line, now)
         return outputs
 
@@ -182,7 +182,7 @@ class Session:
         """Note the end of a connection."""
         sender = self._router.called(connection)
         if sender is not None:
-            self._inputs.append(Closed(connection, sender))
+            self._inputs.append(ConnectionClosed(connection, sender))
         return self._router.eof(connection)
 
     def report_backlog(self, connection: ConnectionId, size: int) -> list[RouterOutput]:
@@ -190,14 +190,14 @@ class Session:
         sender = self._router.called(connection)
         outputs = self._router.report_backlog(connection, size)
         if sender is not None and outputs:
-            self._inputs.append(Backlogged(connection, sender, size))
+            self._inputs.append(ConnectionBacklogged(connection, sender, size))
         return outputs
 
     def advance(self, now: float) -> list[RouterOutput]:
         """Advance the router's clock."""
         outputs = self._router.advance(now)
         if outputs:
-            self._inputs.append(Advanced(now))
+            self._inputs.append(ClockAdvanced(now))
         return outputs
 
     def stop(self) -> list[RouterOutput]:
@@ -254,13 +254,13 @@ class Session:
             return []
         # A dropped frame has no effect, and may hold a secret: it is not recorded.
         if self._vehicles.why_not(link, frame) is None:
-            self._inputs.append(Framed(link, name, frame, robot))
+            self._inputs.append(FrameReceived(link, name, frame, robot))
         return self._vehicles.receive(link, frame, robot)
 
     def keep_alive(self) -> None:
         """Send heartbeats in real time while the session is paused or slow."""
         if self._vehicles is not None:
-            self._inputs.append(KeptAlive())
+            self._inputs.append(HeartbeatsSent())
             self.transmit(self._vehicles.keep_alive())
 
     # The tick
@@ -282,7 +282,7 @@ class Session:
         for role in self._roles:
             self._step_role(role)
         if self._participant is not None:
-            inputs += [Said(message) for message in self._step_role(self._participant)]
+            inputs += [ParticipantSent(message) for message in self._step_role(self._participant)]
         snapshot = None if self._simr is None else self._simr.snapshot
         sent = [] if self._vehicles is None or snapshot is None else self._vehicles.step(snapshot, self._keeper.state)
         record = TickRecord(

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from thbridge.app.session.inputs import Asked, Heard, Input, Registered
+from thbridge.app.session.inputs import ClientRequest, Input, MessageForwarded, NameAccepted
 from thbridge.app.session.session import TickRecord, TickRecorder
 from thbridge.roles.keeper.wizard import WizardState
 from thbridge.roles.robot_requests import GameRequest, Request
@@ -39,16 +39,16 @@ class SimrSession:
         if isinstance(request, GameRequest):
             raise ValueError("the game is not in this process")
         self._simr.ask(request, sender)
-        self._inputs.append(Asked(sender, request))
+        self._inputs.append(ClientRequest(sender, request))
 
     def connected(self) -> None:
         """Note that the server has (again) accepted the name."""
-        self._inputs.append(Registered())
+        self._inputs.append(NameAccepted())
         self._simr.connected()
 
     def receive(self, message: TextMessage) -> None:
         """Take a message to SimR."""
-        self._inputs.append(Heard(message))
+        self._inputs.append(MessageForwarded(message))
 
     # The tick
 
@@ -59,7 +59,7 @@ class SimrSession:
             Exception: of a recorder that cannot write; the program must end then.
         """
         inputs, self._inputs = tuple(self._inputs), []
-        received = [item.message for item in inputs if isinstance(item, Heard)]
+        received = [item.message for item in inputs if isinstance(item, MessageForwarded)]
         sent = self._simr.step(self.tick, received)
         forwarded = tuple(Forwarded(message, True, False) for message in (*received, *sent))
         record = TickRecord(self.tick, inputs, self._simr.snapshot, forwarded, (), (), WizardState(), None)

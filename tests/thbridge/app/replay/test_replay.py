@@ -30,7 +30,16 @@ from thbridge.app.play import PLAY, HuntUnfinished, NoLog, PlayOptions, play
 from thbridge.app.programs import SIMR
 from thbridge.app.replay.replay import Replayed, ReplayOptions, replay, session_of, ticks_of
 from thbridge.app.session.broadcast import Broadcast
-from thbridge.app.session.inputs import Advanced, Asked, Backlogged, Closed, Input, Opened, Received, Said
+from thbridge.app.session.inputs import (
+    BytesReceived,
+    ClientRequest,
+    ClockAdvanced,
+    ConnectionBacklogged,
+    ConnectionClosed,
+    ConnectionOpened,
+    Input,
+    ParticipantSent,
+)
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session, TickRecord
 from thbridge.app.session.simr_session import SimrSession
@@ -122,7 +131,9 @@ def watched(bag: Path, study: Study, seconds: float, plan: Sequence[tuple[int, R
     with pytest.raises(HuntUnfinished):
         asyncio.run(whole())
     assert not waiting
-    return [type(item.request) for item in inputs(bag) if isinstance(item, Asked) and item.sender == "researcher"]
+    return [
+        type(item.request) for item in inputs(bag) if isinstance(item, ClientRequest) and item.sender == "researcher"
+    ]
 
 
 def act(bag: Path, study: Study, ticks: int, doing: Callable[[int, Session], None]) -> None:
@@ -277,7 +288,7 @@ class TestSame:
                 session.ask("/rviz", request)
 
         act(tmp_path / "asked.bag", STUDY, 400, doing)
-        taken = [item.request for item in inputs(tmp_path / "asked.bag") if isinstance(item, Asked)]
+        taken = [item.request for item in inputs(tmp_path / "asked.bag") if isinstance(item, ClientRequest)]
         assert len(taken) == sum(len(requests) for requests in asked.values())
         equal(tmp_path / "asked.bag", 400)
 
@@ -310,7 +321,14 @@ class TestSame:
 
         act(tmp_path / "noise.bag", STUDY, 450, doing)
         kinds = {type(item) for item in inputs(tmp_path / "noise.bag")}
-        assert kinds == {Opened, Received, Backlogged, Advanced, Closed, Said}
+        assert kinds == {
+            ConnectionOpened,
+            BytesReceived,
+            ConnectionBacklogged,
+            ClockAdvanced,
+            ConnectionClosed,
+            ParticipantSent,
+        }
         equal(tmp_path / "noise.bag", 450)
 
     def test_a_reader_that_lags_behind_while_it_is_sent_something(self, tmp_path: Path) -> None:
@@ -329,7 +347,9 @@ class TestSame:
                 perform(session.receive_data(ConnectionId(1), subscription("Deaf"), 0.0))
 
         act(tmp_path / "deaf.bag", STUDY, 100, doing)
-        assert [type(item) for item in inputs(tmp_path / "deaf.bag") if isinstance(item, Backlogged)] == [Backlogged]
+        assert [type(item) for item in inputs(tmp_path / "deaf.bag") if isinstance(item, ConnectionBacklogged)] == [
+            ConnectionBacklogged
+        ]
         equal(tmp_path / "deaf.bag", 100)
 
     def test_robots_by_themselves(self, tmp_path: Path) -> None:
@@ -387,7 +407,7 @@ class TestSame:
         with pytest.raises(HuntUnfinished):
             asyncio.run(both())
         assert session_of(tmp_path / "hunt.bag").participant == ""
-        opened = [item for item in inputs(tmp_path / "hunt.bag") if isinstance(item, Opened)]
+        opened = [item for item in inputs(tmp_path / "hunt.bag") if isinstance(item, ConnectionOpened)]
         assert len(opened) == 2
         equal(tmp_path / "hunt.bag", 30 * 50)
 

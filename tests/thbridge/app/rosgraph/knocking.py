@@ -14,7 +14,7 @@ from thbridge.app.play import PLAY, NoLog
 from thbridge.app.rosgraph import live
 from thbridge.app.rosgraph.live import LiveGraph
 from thbridge.app.session.broadcast import Broadcast
-from thbridge.app.session.inputs import Asked
+from thbridge.app.session.inputs import ClientRequest
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session, TickRecord
 from thbridge.roles.robot_requests import Request
@@ -118,7 +118,7 @@ class Visited:
 
 
 def asked(moment: TickRecord) -> list[Request]:
-    return [item.request for item in moment.inputs if isinstance(item, Asked)]
+    return [item.request for item in moment.inputs if isinstance(item, ClientRequest)]
 
 
 def goal_id(name: str, seconds: int = 0) -> object:

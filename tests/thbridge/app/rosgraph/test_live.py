@@ -15,7 +15,7 @@ from tests.thbridge.app.rosgraph.knocking import Visited, asked, cancel, goal
 from tests.thbridge.ros.test_clients import stamped
 from thbridge.app.compose import read_setting
 from thbridge.app.rosgraph.rate_limiter import REQUESTS_PER_TICK
-from thbridge.app.session.inputs import Framed
+from thbridge.app.session.inputs import FrameReceived
 from thbridge.app.session.mavros import frame_record
 from thbridge.roles.robot_requests import SetParameters
 from thbridge.ros.messages import pack
@@ -87,7 +87,7 @@ def test_a_frame_on_a_robots_topic_is_heard_by_that_robot_and_none_else(
         visited.say("/robot2/mavlink/to", said, "/gcs_bridge")
         visited.say("/robot2/mavlink/to", said, CALLER)  # What other links brought, which we say there.
         moment = visited.step()
-        assert moment.inputs == (Framed(LinkId(0), "ros", frame, 1),)
+        assert moment.inputs == (FrameReceived(LinkId(0), "ros", frame, 1),)
         assert [(item.robot, item.frame) for item in moment.traffic if item.heard] == [(1, frame)]
         with caplog.at_level(logging.WARNING):
             visited.say("/robot2/mavlink/to", said[:-30], "/gcs_bridge")

@@ -12,20 +12,20 @@ from sim.common.geometry import Pose2
 from sim.parameters import RobotParameters
 from sim.world.things import Thing
 from thbridge.app.session.inputs import (
-    Advanced,
-    Asked,
-    Backlogged,
-    Closed,
-    Framed,
-    Heard,
+    BytesReceived,
+    ClientRequest,
+    ClockAdvanced,
+    ConnectionBacklogged,
+    ConnectionClosed,
+    ConnectionOpened,
+    FrameReceived,
+    HeartbeatsSent,
     Input,
-    KeptAlive,
     LinkClosed,
     LinkOpened,
-    Opened,
-    Received,
-    Registered,
-    Said,
+    MessageForwarded,
+    NameAccepted,
+    ParticipantSent,
     from_record,
     to_record,
 )
@@ -58,19 +58,19 @@ REQUESTS = st.one_of(*(st.from_type(kind) for kind in get_args(Request)))
 BYTES = st.integers(0, 255)
 FRAMES = st.builds(Frame, BYTES, BYTES, BYTES, st.integers(0, 2**24 - 1), st.binary(min_size=1, max_size=255), BYTES)
 STRATEGIES = {
-    Opened: st.builds(Opened, NUMBERS, FLOATS),
-    Received: st.builds(Received, NUMBERS, WORDS, st.binary(max_size=100), FLOATS),
-    Closed: st.builds(Closed, NUMBERS, WORDS),
-    Backlogged: st.builds(Backlogged, NUMBERS, WORDS, NUMBERS),
-    Advanced: st.builds(Advanced, FLOATS),
-    Said: st.builds(Said, MESSAGES),
-    Registered: st.just(Registered()),
-    Heard: st.builds(Heard, MESSAGES),
-    Asked: st.builds(Asked, st.text(), REQUESTS),
+    ConnectionOpened: st.builds(ConnectionOpened, NUMBERS, FLOATS),
+    BytesReceived: st.builds(BytesReceived, NUMBERS, WORDS, st.binary(max_size=100), FLOATS),
+    ConnectionClosed: st.builds(ConnectionClosed, NUMBERS, WORDS),
+    ConnectionBacklogged: st.builds(ConnectionBacklogged, NUMBERS, WORDS, NUMBERS),
+    ClockAdvanced: st.builds(ClockAdvanced, FLOATS),
+    ParticipantSent: st.builds(ParticipantSent, MESSAGES),
+    NameAccepted: st.just(NameAccepted()),
+    MessageForwarded: st.builds(MessageForwarded, MESSAGES),
+    ClientRequest: st.builds(ClientRequest, st.text(), REQUESTS),
     LinkOpened: st.builds(LinkOpened, NUMBERS, WORDS),
     LinkClosed: st.builds(LinkClosed, NUMBERS, WORDS),
-    KeptAlive: st.just(KeptAlive()),
-    Framed: st.builds(Framed, NUMBERS, WORDS, FRAMES, st.none() | st.integers(0, 249)),
+    HeartbeatsSent: st.just(HeartbeatsSent()),
+    FrameReceived: st.builds(FrameReceived, NUMBERS, WORDS, FRAMES, st.none() | st.integers(0, 249)),
 }
 INPUTS = st.one_of(*(STRATEGIES[kind] for kind in get_args(Input)))
 
@@ -96,7 +96,7 @@ def test_any_input_comes_out_of_a_bag_as_it_went_in(item: Input) -> None:
 
 
 def test_people_can_read_what_came_in() -> None:
-    record = to_record(Received(3, "TabUI", b"%%goto TabUI SimR 0 4 \r\n", 12.5))
+    record = to_record(BytesReceived(3, "TabUI", b"%%goto TabUI SimR 0 4 \r\n", 12.5))
     assert (record.kind, record.sender, record.line) == ("received", "TabUI", "%%goto TabUI SimR 0 4 ")
     assert json.loads(record.json)["now"] == 12.5
 

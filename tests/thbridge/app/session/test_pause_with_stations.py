@@ -12,7 +12,7 @@ from thbridge.app.compose import read_setting
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.app.play import HuntUnfinished, PlayOptions, play
 from thbridge.app.replay.replay import ReplayOptions, replay, ticks_of
-from thbridge.app.session.inputs import KeptAlive
+from thbridge.app.session.inputs import HeartbeatsSent
 from thbridge.app.session.session import TickRecord
 from thbridge.app.session.watch_requests import request_line
 from thbridge.roles.robot_requests import PaceRequest, Pause, Resume
@@ -89,7 +89,7 @@ def test_heartbeats_go_on_in_a_pause_and_are_said_again_in_a_replay(tmp_path: Pa
     afternoon = Afternoon(tmp_path / "hunt.bag")
     asyncio.run(afternoon.pass_by())
     recorded = [item for tick in ticks_of(afternoon.bag) for item in tick.inputs]
-    assert recorded.count(KeptAlive()) >= BEATS
+    assert recorded.count(HeartbeatsSent()) >= BEATS
     done = asyncio.run(
         replay(afternoon.bag, read_setting(STUDY, Path()), ReplayOptions(0.0, 0.0, None, False), lambda moment: None)
     )

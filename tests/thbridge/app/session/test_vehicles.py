@@ -14,7 +14,7 @@ from tests.thbridge.ros.drive import snapshots
 from thbridge.app.compose import read_setting
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.session.broadcast import Broadcast
-from thbridge.app.session.inputs import Framed, KeptAlive, LinkClosed, LinkOpened, from_record, to_record
+from thbridge.app.session.inputs import FrameReceived, HeartbeatsSent, LinkClosed, LinkOpened, from_record, to_record
 from thbridge.app.session.recording import BagRecorder, TlogRecorder
 from thbridge.app.session.session import Session, TickRecord
 from thbridge.recording.tlog import TlogFile
@@ -52,7 +52,7 @@ def test_links_and_frames_are_inputs_of_the_next_tick(session: Session):
     session.close_link(link)
     session.close_link(link)
     inputs = session.step().inputs
-    assert inputs == (LinkOpened(link, "a"), Framed(link, "a", FRAME, 1), LinkClosed(link, "a"))
+    assert inputs == (LinkOpened(link, "a"), FrameReceived(link, "a", FRAME, 1), LinkClosed(link, "a"))
     assert tuple(from_record(to_record(item)) for item in inputs) == inputs
     assert session.step().inputs == ()
 
@@ -202,7 +202,7 @@ def test_between_two_ticks_that_are_long_apart_vehicles_say_that_they_are_there(
     assert {sent.frame.message_id for sent in transmitted} == {HEARTBEAT.id}
     said = [sent.frame for sent in transmitted]
     moment = session.step()
-    assert moment.inputs == (KeptAlive(), KeptAlive())
+    assert moment.inputs == (HeartbeatsSent(), HeartbeatsSent())
     assert [traffic.frame for traffic in moment.traffic][:4] == said
     sequences = [traffic.frame.sequence for traffic in moment.traffic if traffic.robot == 0]
     assert sequences == list(range(sequences[0], sequences[0] + len(sequences)))
