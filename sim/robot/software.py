@@ -42,7 +42,7 @@ class Robot:
         self._footprint = footprint
 
     def configure(self, parameters: RobotParameters) -> None:
-        """Go on with these parameters, believing what it believed, seen and meant to do."""
+        """Go on with these parameters, and with the present belief, costmaps and goal."""
         self.localizer.configure(parameters)
         self.navigator.configure(parameters)
 

@@ -333,7 +333,7 @@ class World:
         )
 
     def place(self, state: WorldState, robot: int, pose: Pose2) -> WorldState | Misplaced:
-        """The same world with one robot (index) lifted to another pose, at rest; its wheels have felt nothing."""
+        """The same world with one robot (index) lifted to another pose, at rest; its odometry stays as it is."""
         poses = state.poses.copy()
         poses[robot] = pose.x, pose.y, wrap_angle(pose.theta)
         obstacle = self._obstacle(robot, poses, state.bodies)

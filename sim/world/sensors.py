@@ -176,7 +176,7 @@ class Sensors:
         )
 
     def _scan(self, state: WorldState, robot: int, keys: _Keys) -> Scan:
-        """One sweep, taken in no time at all."""
+        """Make one sweep, all beams at the same instant."""
         laser = self._laser
         true_ranges = _sweep(
             robot,

@@ -109,7 +109,7 @@ class ThingState:
 
 
 @njit(cache=True)
-def _comes_upon(
+def _would_run_into(
     corners: FloatArray,
     here: tuple[float, float, float],
     before: tuple[float, float],
@@ -153,7 +153,7 @@ class RobotBodies:
 
     def would_meet(self, thing: Thing, here: Pose2, before: tuple[float, float]) -> bool:
         """Return True when a thing that comes from `before` would run into one of them here."""
-        met: bool = _comes_upon(
+        met: bool = _would_run_into(
             thing.corners, (here.x, here.y, here.theta), before, self.poses, self.twists, self.footprint, self.radius
         )
         return met

@@ -1,4 +1,4 @@
-"""What people, or programs in their place, can do to a robot while it runs."""
+"""Inputs: all that people, or programs in their place, can do to a robot while it runs."""
 
 from dataclasses import replace
 from pathlib import Path

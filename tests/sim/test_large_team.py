@@ -1,4 +1,4 @@
-"""What a robot more costs a team that has many."""
+"""Cost of one more robot for a team that has many."""
 
 import tracemalloc
 from pathlib import Path

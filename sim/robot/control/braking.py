@@ -29,7 +29,7 @@ from sim.robot.costmap.footprint import circumscribed_radius
 WALL_MARGIN = 0.08
 """Metres: about the largest error of localisation."""
 NEIGHBOUR_MARGIN = 0.14
-"""Metres: two robots err."""
+"""Metres: the errors of two robots' localisation add up."""
 TURNING_MARGIN = 0.08
 LATENCY = 0.02
 """Seconds from a decision to the moment it acts."""
@@ -122,7 +122,7 @@ def placed(polygon: FloatArray, x: float, y: float, theta: float) -> FloatArray:
 
 @njit(cache=True)
 def _toward(speed: float, wanted: float, step: float) -> float:
-    """The speed after a change of at most `step` toward the wanted one."""
+    """Return the speed after a change of at most `step` toward the wanted one."""
     return min(speed + step, wanted) if wanted > speed else max(speed - step, wanted)
 
 
@@ -186,7 +186,7 @@ def wall_clearance(
 def beside_obstacles(
     clearance: NDArray[np.float32], marks: Costs, frame: CostFrame, x: float, y: float
 ) -> tuple[NDArray[np.float32], CostFrame]:
-    """The clearance around a robot, with the obstacles that its laser has seen for walls.
+    """Return the clearance around a robot, counting obstacles that its laser has seen as walls.
 
     Args:
         clearance: (rows, cols) metres to the nearest wall.
@@ -294,7 +294,7 @@ def surroundings(
 
 
 def _fitted(footprint: FloatArray, corners: int) -> FloatArray:
-    """The footprint with as many corners as asked: the last one repeated, or the box around it."""
+    """Return a footprint with this number of corners: its last one repeated, or the box around it."""
     missing = corners - len(footprint)
     if missing == 0:
         return footprint

@@ -36,9 +36,9 @@ from sim.robot.control.rollout import (
 from sim.robot.costmap.costs import CostFrame, Costs
 
 EPSILON = 1e-4
-"""By how much a speed may miss its bounds."""
+"""Tolerance of speeds at their bounds, m/s and rad/s."""
 ESCAPE_VEL = -0.1
-"""Metres a second backwards, when nothing else is left, and how far; ROS's planner leaves that to move_base."""
+"""Metres a second backwards when no command leads on, for ESCAPE_DIST metres; ROS's leaves that to move_base."""
 ESCAPE_DIST = 0.12
 
 

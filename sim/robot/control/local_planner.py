@@ -33,7 +33,7 @@ MIN_ARC_RADIUS = 0.05
 
 @dataclass(frozen=True, slots=True)
 class PlannedCommand:
-    """A command, and what came of the search for it.
+    """A command, its trajectory, and whether the search for one failed.
 
     Attributes:
         command: the velocity asked for.
@@ -83,7 +83,7 @@ class PlannerLimits:
 
 @njit(cache=True)
 def _toward(path: FloatArray, x: float, y: float, lookahead: float) -> tuple[float, float]:
-    """Map heading from (x, y) to the first of (m, 2) points that is so far away, or to the last; metres to the last."""
+    """Map heading from (x, y) to the first of (m, 2) points `lookahead` metres away, or the last; metres to the last."""
     last = path.shape[0] - 1
     target = last
     for i in range(last):

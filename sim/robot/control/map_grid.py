@@ -17,7 +17,7 @@ from sim.common.kernels import njit
 from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
 
 Steps = NDArray[np.int32]
-"""Number of steps from cell to cell, sideways or along; negative where none lead, or where nobody asked."""
+"""Number of steps between cells that share a side; negative where none lead, or where the count was not asked for."""
 
 OPEN = -1
 CLOSED = -2

@@ -222,7 +222,7 @@ class CandidateCommands(NamedTuple):
 
 @njit(cache=True)
 def candidate_commands(room: int) -> CandidateCommands:
-    """Make the arrays for so many commands."""
+    """Make the arrays for `room` commands."""
     return CandidateCommands(
         np.empty((room, 2)),
         np.empty(room),

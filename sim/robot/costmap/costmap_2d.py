@@ -95,7 +95,7 @@ class Costmap2D:
         return LayeredCostmap(self._grid, layers, self._shape, self._parameters.track_unknown_space)
 
     def configure(self, parameters: CostmapParameters) -> None:
-        """Go on with these parameters, having seen what was seen; the costs are up to date at once."""
+        """Go on with these parameters and the marks made so far; the costs are up to date at once."""
         if replace(parameters, publish_frequency=self._parameters.publish_frequency) == self._parameters:
             return
         seen, window = self._obstacles, self._layered.window

@@ -92,7 +92,7 @@ class Changes:
         self._windows: list[Window] = []
 
     def add(self, window: Window) -> None:
-        """Add one more."""
+        """Add a window."""
         self._windows.append(window)
         if len(self._windows) > MAX_CHANGES:
             # Nobody has asked for long: one window around all of them is enough to know.

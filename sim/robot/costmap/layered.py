@@ -20,7 +20,7 @@ from sim.robot.costmap.costs import FREE, UNKNOWN, CostFrame, Costs, Window
 
 
 class CostmapLayer(Protocol):
-    """One kind of knowledge about costs. Windows are in cells of the static map, also outside of it."""
+    """One source of costs. Windows are in cells of the static map, also outside of it."""
 
     def bounds(self) -> tuple[Window, ...]:
         """Return the windows in which its costs differ from the last time it was asked."""
@@ -29,7 +29,7 @@ class CostmapLayer(Protocol):
         """Return the number of cells beyond another layer's change within which its own costs may change too."""
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
-        """Write its costs into a window; twice the same leaves what once leaves.
+        """Write its costs into a window; writing twice leaves the same as writing once.
 
         Args:
             costs: (rows, cols) of the whole costmap, with what the layers before this one wrote.
@@ -46,7 +46,7 @@ def _cells(window: NDArray[np.int64], reach: int) -> int:
 
 @njit(cache=True)
 def _apart(changes: NDArray[np.int64], reach: int, bounds: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Changed windows with all that they reach, those joined that are cheaper to write as one.
+    """Grow changed windows by the reach, and join those that are cheaper to write as one.
 
     Args:
         changes: (n, 4) row, col, row_end, col_end of each.

@@ -50,7 +50,7 @@ def line(row: int, col: int, row_end: int, col_end: int, longest: int) -> NDArra
 def clear_line(
     costs: Costs, row: int, col: int, row_end: int, col_end: int, longest: int, changed: NDArray[np.int64]
 ) -> None:  # fmt: skip
-    """Make free the cells that `line` lists, all of them on the costmap, in half the time.
+    """Write FREE to the cells that `line` lists, all of them on the costmap, without making the list.
 
     Args:
         costs: (rows, cols), contiguous.

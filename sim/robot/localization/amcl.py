@@ -69,7 +69,7 @@ SEARCH_SHARE = 0.2
 """The same share every time that particles are drawn until the robot is found."""
 
 RETRY_TICKS = 25
-"""Ticks until a robot whose scans are not explained weighs the next one even if it stands: lost robots do."""
+"""Ticks until a robot that is lost, or whose scans are badly explained, weighs the next one even if it stands."""
 
 
 INITIAL_AGREEMENT = ScanAgreement()
@@ -118,7 +118,7 @@ AmclState = PosePrior | UniformPrior | ParticleBelief
 
 
 def saved(parameters: AmclParameters, estimate: Estimate) -> AmclParameters:
-    """Parameters with which a new filter begins where this estimate ends: what amcl leaves on the parameter server."""
+    """Parameters with which a new filter begins where this estimate ends, as amcl writes to the parameter server."""
     pose, variances = estimate.base_in_map, np.diag(estimate.covariance)
     return replace(
         parameters,
@@ -202,7 +202,7 @@ class Amcl:
         self._state = PosePrior(base_in_map, read_only(covariance.copy()))
 
     def globalize(self) -> None:
-        """Begin anew with no idea, at the next tick: uniform over the free cells and all headings."""
+        """Begin anew at the next tick, uniformly over the free cells and all headings."""
         self._state = UniformPrior()
 
     def request_update(self) -> None:
@@ -285,7 +285,7 @@ class Amcl:
         )
 
     def _weigh(self, belief: ParticleBelief, odometry: Odometry, scan: Scan) -> ParticleBelief:
-        """One turn of the filter: move, weigh, report, and every so often resample.
+        """Do one round of the filter: move, weigh, report, and every so often resample.
 
         Raises:
             ValueError: the scan has another number of beams than the laser that the filter was made for.

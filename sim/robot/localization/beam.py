@@ -19,7 +19,7 @@ _CUT_SHORT = 0.1
 """Weight of a reading that something unmapped may have cut short, beside 1 for one that went through a wall."""
 
 _TURNS = np.array([-0.02, 0.0, 0.02])
-"""Radians by which the heading may be wrong: how far a beam that grazes a wall goes then is no evidence."""
+"""Radians by which the heading may be wrong. A beam that grazes a wall then has any of several ranges: all count."""
 
 
 @njit(cache=True)

@@ -181,7 +181,7 @@ def _summarise(
 
 
 def summarise(particles: FloatArray, weights: FloatArray, bins: ParticleBins) -> CloudSummary:
-    """The mean of the heaviest cluster, and how far the whole cloud spreads about it.
+    """Return the mean of the heaviest cluster, and the spread of the whole cloud about it.
 
     Args:
         particles: (n, 3) poses in the map, n > 0.

@@ -35,7 +35,7 @@ _LEAST_SHARE = 0.4
 _LEARNING = 0.1
 """Rate at which innovations that are greater or smaller than they should be change the motion's believed noise."""
 
-_WILDEST = 100.0
+_MAX_NOISE_SCALE = 100.0
 """Greatest factor by which the motion's noise may turn out to be more than the parameters say; the least is 1."""
 
 _DOUBTING = 1.5
@@ -155,7 +155,7 @@ class Ekf:
         variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
         self._belief: PosePrior | GaussianBelief = PosePrior(Pose2(0.0, 0.0, 0.0), read_only(np.diag(variances)))
         self._turned = 0.0
-        self._asked = False
+        self._requested = False
         self._forgotten = False
         self._anywhere = read_only(_anywhere(grid))
         self._particles = np.empty((0, 3))
@@ -167,12 +167,12 @@ class Ekf:
     @property
     def state(self) -> EkfState:
         """Everything the next estimate depends on, besides the arguments of `update`."""
-        return EkfState(self._belief, self._turned, self._asked, self._forgotten)
+        return EkfState(self._belief, self._turned, self._requested, self._forgotten)
 
     def restore(self, state: EkfState) -> None:
         """Go on from a state that `state` once gave."""
         self._belief, self._turned = state.belief, state.turned
-        self._asked, self._forgotten = state.requested, state.forgotten
+        self._requested, self._forgotten = state.requested, state.forgotten
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
         """Begin anew around this pose, at the next tick; the first scan from then on is weighed at once."""
@@ -185,7 +185,7 @@ class Ekf:
 
     def request_update(self) -> None:
         """Match the next scan even if the robot has not moved."""
-        self._asked = True
+        self._requested = True
 
     def configure(self, parameters: RobotParameters) -> None:
         """Go on with these parameters, believing what it believed."""
@@ -215,8 +215,8 @@ class Ekf:
                 belief = self._predict(belief, odometry)
                 self._turned = 0.0
         updated = False
-        if scan is not None and self._parameters.vo_used and (self._forgotten or self._asked or self._due(belief)):
-            self._asked = False
+        if scan is not None and self._parameters.vo_used and (self._forgotten or self._requested or self._due(belief)):
+            self._requested = False
             if not self._forgotten:
                 belief, updated = self._correct(belief, scan)
             if self._forgotten or (belief.lost and belief.refused % _LOST_AFTER == 0) or belief.poor >= _LOST_AFTER:
@@ -303,10 +303,10 @@ class Ekf:
         innovation = _residual(measured, belief.base_in_map.array())
         surprise = float(innovation @ np.linalg.solve(belief.covariance + noise, innovation))
         lesson = _LEARNING * (min(surprise, GATE) / 3.0 - 1.0)
-        wildness = min(max(belief.motion_noise_scale * math.exp(lesson), 1.0), _WILDEST)
+        scale = min(max(belief.motion_noise_scale * math.exp(lesson), 1.0), _MAX_NOISE_SCALE)
         if surprise > GATE:
             doubting = read_only(_DOUBTING * belief.covariance)
-            return replace(belief, covariance=doubting, motion_noise_scale=wildness, refused=belief.refused + 1), False
+            return replace(belief, covariance=doubting, motion_noise_scale=scale, refused=belief.refused + 1), False
         algebra = self._algebra
         algebra.x, algebra.P = belief.base_in_map.array(), belief.covariance
         algebra.update(measured, _direct, _itself, R=noise, residual=_residual)
@@ -319,7 +319,7 @@ class Ekf:
                 shared=read_only(_SHARED * noise),
                 odom_in_map=mean.compose(belief.base_in_odom.inverse()),
                 matched=belief.base_in_odom,
-                motion_noise_scale=wildness,
+                motion_noise_scale=scale,
                 refused=0,
             ),
             True,

@@ -43,7 +43,7 @@ class FakeLocalization:
         """Do nothing: none of its parameters can change while it runs, as in ROS."""
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
-        """The true pose now; `odom_in_map` is whatever makes the odometry agree with it."""
+        """Return the true pose now, and with it the `odom_in_map` that makes the odometry agree."""
         base_in_map = self._world_in_map.compose(self._base_in_world())
         odom_in_map = base_in_map.compose(odometry.base_in_odom.inverse())
         return Estimate(odometry.tick, base_in_map, odom_in_map, self._covariance, self._particles, updated=True)

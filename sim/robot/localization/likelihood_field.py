@@ -43,7 +43,7 @@ def facing_distance(grid: OccupancyGrid, max_distance: float) -> NDArray[np.floa
 
 
 def _shifted(mask: NDArray[np.bool_], rows: int, cols: int) -> NDArray[np.bool_]:
-    """The mask moved so many rows and columns on, with False in from the edge."""
+    """Shift a mask by rows and columns; False comes in from the edge."""
     padded = np.pad(mask, 1)
     moved: NDArray[np.bool_] = padded[1 - rows : padded.shape[0] - 1 - rows, 1 - cols : padded.shape[1] - 1 - cols]
     return moved

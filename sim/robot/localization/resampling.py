@@ -64,7 +64,7 @@ def tempered(logs: FloatArray, share: float) -> FloatArray:
 
 @njit(cache=True)
 def sample_limit(bins: int, error: float, quantile: float, least: int, most: int) -> int:
-    """Number of particles that a cloud needs which fills so many bins.
+    """Number of particles that a cloud over this number of bins needs.
 
     With this many the Kullback-Leibler distance between the cloud and the true distribution stays below `error`, with
     the probability whose normal quantile is `quantile`.

@@ -112,7 +112,7 @@ def fill_around(potential: Potential, costs: CellCosts, cols: int, cell: int, re
 
 
 class GlobalPlanner:
-    """The method of global_planner.
+    """The part of global_planner that is its own; see `PotentialMethod`.
 
     Args:
         parameters: global_planner's.
@@ -217,5 +217,5 @@ def orientations(points: FloatArray, mode: int, window: int, start: float, goal:
 
 
 def wrapped(angles: FloatArray) -> FloatArray:
-    """In [-pi, pi)."""
+    """Wrap angles to [-pi, pi)."""
     return (angles + math.pi) % math.tau - math.pi

@@ -82,7 +82,7 @@ def itineraries_of(neighbours: Sequence[Neighbour]) -> OtherItineraries:
 
 
 def relevant_neighbours(neighbours: Sequence[Neighbour], x: float, y: float, distance: float) -> list[Neighbour]:
-    """Those neighbours that may come within `distance` metres of a place: all but those that stand farther away."""
+    """Return the neighbours that may come within `distance` metres of a place: all but those standing farther away."""
     # A hair more than that: none is left out because of rounding.
     reach = distance + 1e-6
     return [
@@ -120,7 +120,7 @@ def _shares(counts: NDArray[np.int64]) -> FloatArray:
 
 @njit(cache=True)
 def start_time(now: float, x: float, y: float, others: OtherItineraries, separation: float) -> float:
-    """The time from which a robot that stands at (x, y) may number its points.
+    """Time at which the itinerary of a robot that stands at (x, y) may begin.
 
     It is now, unless another robot that is late has yet to come by: to that one, the robot has been here before.
     """

@@ -28,7 +28,7 @@ def passage_costs(allow_unknown: bool) -> CellCosts:
 
 
 class Navfn:
-    """The method of navfn.
+    """The part of navfn that is its own; see `PotentialMethod`.
 
     Args:
         parameters: navfn's.

@@ -47,7 +47,7 @@ class Path:
 
 @dataclass(frozen=True, slots=True)
 class PlanRefusal:
-    """There is no path.
+    """Refusal of a plan: there is no path.
 
     Attributes:
         code: the cause, stable for programs.

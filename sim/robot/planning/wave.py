@@ -277,7 +277,7 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
     col, row = round(x), round(y)
     cell = row * cols + col
     dx, dy = np.float32(x - col), np.float32(y - row)
-    best, since_best, afoot = potential[cell], 0, False
+    best, since_best, by_cells = potential[cell], 0, False
     n = 0
     while True:
         here_x, here_y = np.float32(cell % cols + dx), np.float32(cell // cols + dy)
@@ -290,16 +290,16 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
         path[n, 0], path[n, 1] = here_x, here_y
         n += 1
         if potential[cell] < best:
-            best, since_best, afoot = potential[cell], 0, False
+            best, since_best, by_cells = potential[cell], 0, False
         else:
             since_best += 1
             # Going round in circles: down from cell to cell until lower than ever.
-            afoot = afoot or since_best > MAX_STEPS_WITHOUT_DESCENT
+            by_cells = by_cells or since_best > MAX_STEPS_WITHOUT_DESCENT
         lowest, inside = _lowest_beside(potential, cell, cols)
         # Interpolated slopes may lead to and fro between two positions: that is left like a place without slope.
         swings = n > 2 and path[n - 1, 0] == path[n - 3, 0] and path[n - 1, 1] == path[n - 3, 1]
         step_x = step_y = np.float32(0.0)
-        if inside and not swings and not afoot:
+        if inside and not swings and not by_cells:
             ax, ay = _slope(potential, cell, cols)
             bx, by = _slope(potential, cell + 1, cols)
             cx, cy = _slope(potential, cell + cols, cols)

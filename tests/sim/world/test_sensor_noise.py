@@ -126,7 +126,7 @@ def test_a_body_does_not_change_while_it_runs() -> None:
 
 
 def test_only_magnitudes_of_noise_are_live() -> None:
-    assert [knob.path for knob in live_parameters(WorldParameters, "world")] == [
+    assert [parameter.path for parameter in live_parameters(WorldParameters, "world")] == [
         "world.gyro_noise",
         *(f"world.odometry.{name}" for name in ("alpha1", "alpha2", "alpha3", "alpha4")),
         "world.odometry.linear_scale",

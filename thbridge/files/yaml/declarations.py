@@ -1,6 +1,6 @@
 """Declarations in classes of parameters: ranges, choices, units and old names of their fields.
 
-The fields are declared with `sim.parameters.knob`, or plain.
+The fields are declared with `sim.parameters.param`, or plain.
 """
 
 import dataclasses

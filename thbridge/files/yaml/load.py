@@ -62,7 +62,7 @@ class Loaded(Generic[T]):
 
 
 def load(path: Path, into: type[T]) -> Loaded[T]:
-    """Read a YAML file into a dataclass whose fields are declared with `sim.parameters.knob` or plain.
+    """Read a YAML file into a dataclass whose fields are declared with `sim.parameters.param` or plain.
 
     A section whose field has a dataclass as default takes from it what the file leaves out. The names in a class's
     `ros_only` are accepted, with a notice; those in its `renamed` are read as their present names.

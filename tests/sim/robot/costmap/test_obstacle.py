@@ -1,4 +1,4 @@
-"""What the laser marks, and what it clears."""
+"""The obstacle layer: marking and clearing by the laser."""
 
 import math
 

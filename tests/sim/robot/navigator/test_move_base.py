@@ -148,7 +148,7 @@ def everybody_arrived(rig):
 
 
 def hunt(rig, legs, seed, places=ROOMS, patience=150):
-    """Everybody drives to one free place after the other; returns how many goals were reached."""
+    """Drive all robots to one free place after the other; return the number of goals reached."""
     chance = random.Random(seed)
     bound, begun = {}, {}
     reached = 0

@@ -9,7 +9,7 @@ MOUNT = LaserMount(Pose2(0.1, 0.0, 0.0), -2.35619449, 4.71238898 / 180, 181, 0.0
 
 
 def wall_behind(distance):
-    """What the laser sees of an endless wall so far behind the base: its outermost beams alone end on it."""
+    """Scan of an endless wall this far behind the base: the outermost beams alone end on it."""
     along = np.cos(MOUNT.angles())
     with np.errstate(divide="ignore"):
         ranges = np.where(along < 0, (distance + 0.1) / np.maximum(-along, 1e-9), np.inf)

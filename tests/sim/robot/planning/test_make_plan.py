@@ -23,7 +23,7 @@ def planner_of(name):
 
 
 def in_the_order_of_ros(goal, tolerance):
-    """Where move_base's make_plan looks for a goal that it can reach, written down as its five loops."""
+    """Places at which move_base's make_plan looks for a goal that it can reach, written down as its five loops."""
     step = min(3 * FRAME.resolution, tolerance)
     tried = [(0.0, 0.0)]
     ring = 1

@@ -56,7 +56,7 @@ def test_there_is_no_way_past_a_robot_that_stands_in_a_corridor():
     assert between((1.5, 1.5), (12.5, 1.5), [standing(1, 9.0, 1.5)]) is None
 
 
-def test_a_refuge_is_off_the_path_that_is_wished_for():
+def test_a_refuge_is_off_the_wanted_path():
     wish = np.column_stack([np.linspace(1.5, 12.5, 111), np.full(111, 1.5)])
     away = refuge(
         CORRIDOR, CORRIDOR.free, np.array([5.5, 1.5]), wish, 0.0, itineraries_of([standing(0, 1.5, 1.5)]), NEAR
