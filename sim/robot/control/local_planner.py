@@ -83,7 +83,7 @@ class PlannerLimits:
 
 @njit(cache=True)
 def _toward(path: FloatArray, x: float, y: float, lookahead: float) -> tuple[float, float]:
-    """Map heading from (x, y) to the first of (m, 2) points `lookahead` metres away, or the last; metres to the last."""
+    """Map heading from (x, y) to the first of (m, 2) points `lookahead` metres off, or the last; metres to the last."""
     last = path.shape[0] - 1
     target = last
     for i in range(last):
