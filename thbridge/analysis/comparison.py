@@ -65,6 +65,6 @@ def _robot(track: Track) -> RobotFigures:
         float(errors.mean()) if len(errors) else None,
         float(np.quantile(errors, 0.95)) if len(errors) else None,
         track.distance,
-        tuple(leg.end for leg in track.attempts if leg.outcome == OUTCOMES[GoalStatusCode.SUCCEEDED]),
+        tuple(attempt.end for attempt in track.attempts if attempt.outcome == OUTCOMES[GoalStatusCode.SUCCEEDED]),
         float(track.energy[-1, 1]) if len(track.energy) else None,
     )

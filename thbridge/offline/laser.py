@@ -29,23 +29,23 @@ class Laser:
     upside_down: bool
 
     @classmethod
-    def of(cls, first: LaserScan, seat: PlanarMount) -> "Laser":
+    def of(cls, first: LaserScan, mounting: PlanarMount) -> "Laser":
         """The laser with this first usable scan (see `usable`) and this mounting."""
-        sign = -1.0 if seat.upside_down else 1.0
+        sign = -1.0 if mounting.upside_down else 1.0
         range_min = first.range_min if first.range_min > 0.0 else 0.0
         range_max = first.range_max
         if not (math.isfinite(range_max) and range_max > range_min):
             finite = first.ranges[np.isfinite(first.ranges)]
             range_max = max(FAR, float(finite.max(initial=0.0)))
         mount = LaserMount(
-            seat.laser_in_base,
+            mounting.laser_in_base,
             sign * first.angle_min,
             sign * increment_of(first),
             len(first.ranges),
             range_min,
             range_max,
         )
-        return cls(mount, first, seat.upside_down)
+        return cls(mount, first, mounting.upside_down)
 
     def scan(self, tick: int, read: LaserScan) -> Scan:
         """Convert a scan message of this laser.

@@ -112,8 +112,8 @@ def localize(
         if last.updated:
             fixes.append(FilterUpdate(read.stamp_ns, last.base_in_map, last.covariance, last.lost))
     if last is None:
-        told = ", ".join(f"{count} {reason}" for reason, count in skipped.items())
-        return RequestRefused("no-usable-scan", f"No scan could be used: {told or 'there are none'}.")
+        reasons = ", ".join(f"{count} {reason}" for reason, count in skipped.items())
+        return RequestRefused("no-usable-scan", f"No scan could be used: {reasons or 'there are none'}.")
     return LocalizationResult(tuple(fixes), last, given, dict(skipped), cpu_seconds)
 
 

@@ -71,7 +71,8 @@ def odometry_spread(noise: OdometryNoise, course: CourseShape, speed: float, tur
     """
     movements = _movements(course, speed, turn)
     stride = max(1, len(movements) // _KEPT)
-    return _fan(_poses(movements)[:, :2], _reported(movements, _draws(len(movements)), wheel_noise_of(noise), stride))
+    paths = _reported(movements, _draws(len(movements)), wheel_noise_of(noise), stride)
+    return _spread(_poses(movements)[:, :2], paths)
 
 
 def belief_spread(amcl: AmclParameters, course: CourseShape, speed: float, turn: float) -> PathSpread:
@@ -89,7 +90,7 @@ def belief_spread(amcl: AmclParameters, course: CourseShape, speed: float, turn:
     noise = NoiseStream.named(SEED, "fan", "believed")
     particles = np.zeros((PATHS, 3))
     before = Pose2(0.0, 0.0, 0.0)
-    ways, reported = [particles[:, :2].copy()], [(0.0, 0.0)]
+    positions, reported = [particles[:, :2].copy()], [(0.0, 0.0)]
     for tick, (x, y, theta) in enumerate(driven.tolist()):
         here = Pose2(x, y, theta)
         moved = math.hypot(x - before.x, y - before.y), abs(math.remainder(theta - before.theta, math.tau))
@@ -97,9 +98,9 @@ def belief_spread(amcl: AmclParameters, course: CourseShape, speed: float, turn:
             continue
         particles = model.move(particles, before, here, noise.normals(tick, 3 * PATHS))
         before = here
-        ways.append(particles[:, :2].copy())
+        positions.append(particles[:, :2].copy())
         reported.append((x, y))
-    return _fan(np.array(reported), np.stack(ways, axis=1))
+    return _spread(np.array(reported), np.stack(positions, axis=1))
 
 
 def _movements(course: CourseShape, speed: float, turn: float) -> FloatArray:
@@ -163,7 +164,7 @@ def _poses(movements: FloatArray) -> FloatArray:
     return poses
 
 
-def _fan(driven: FloatArray, paths: FloatArray) -> PathSpread:
+def _spread(driven: FloatArray, paths: FloatArray) -> PathSpread:
     ends = paths[:, -1]
     centre: FloatArray = ends.mean(axis=0)
     lengths, axes = np.linalg.eigh(np.cov(ends.T))
@@ -204,13 +205,13 @@ def room_scan(world: WorldParameters) -> RoomScan:
     seen, true = _sweep(world), _sweep(replace(world, laser=exact))
     x, y, theta = _LASER_STANDS
     laser = np.array([x + world.laser.x * math.cos(theta), y + world.laser.x * math.sin(theta)])
-    hit, told = np.isfinite(true.ranges), np.isfinite(seen.ranges)
+    hit, returned = np.isfinite(true.ranges), np.isfinite(seen.ranges)
     return RoomScan(
         walls=np.array(_WALLS),
         laser=laser,
         true=_ends(laser, theta, true)[hit],
-        seen=_ends(laser, theta, seen)[told],
-        lost=int(np.count_nonzero(hit & ~told)),
+        seen=_ends(laser, theta, seen)[returned],
+        lost=int(np.count_nonzero(hit & ~returned)),
         beams=world.laser.beams,
     )
 

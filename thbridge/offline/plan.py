@@ -89,9 +89,9 @@ def plan(
     frame = CostFrame(0.0, 0.0, grid.resolution)
     # Compilation and first allocations are not part of the planning times.
     planner.plan(np.zeros((9, 9), np.uint8), CostFrame(0.0, 0.0, 1.0), Pose2(2.5, 2.5, 0.0), Pose2(6.5, 6.5, 0.0))
-    asked = [(Pose2(x, y, 0.0), Pose2(u, v, 0.0)) for x, y, u, v in ends]
-    planner.plan(costs, frame, *asked[0])
-    return [_answer(planner, costs, frame, start, goal, seconds) for start, goal in asked]
+    ends_in_grid = [(Pose2(x, y, 0.0), Pose2(u, v, 0.0)) for x, y, u, v in ends]
+    planner.plan(costs, frame, *ends_in_grid[0])
+    return [_answer(planner, costs, frame, start, goal, seconds) for start, goal in ends_in_grid]
 
 
 def _answer(

@@ -106,7 +106,7 @@ def open_recording(
         source = odometry.name
         bases = _base_names(child, first.frame)
         if laser_in_base is None:
-            tree = _frames(path, tf_topics, lambda tree: _seat(tree, first.frame, bases) is not None)
+            tree = _frames(path, tf_topics, lambda tree: _mount(tree, first.frame, bases) is not None)
     else:
         tree = _frames(path, tf_topics, lambda tree: _odom_edge(tree, first.frame, certain=True) is not None)
         edge = _odom_edge(tree, first.frame, certain=False)
@@ -124,19 +124,19 @@ def open_recording(
         notices.append(f"The stamps of {source} go back {track.clock_set_back} times: the clock was set anew.")
 
     if laser_in_base is None:
-        seat = _seat(tree, first.frame, bases)
-        if seat is None:
+        mount = _mount(tree, first.frame, bases)
+        if mount is None:
             frame = frame_name(first.frame)
             problem = f"tf does not say where the laser {frame!r} sits on {' or '.join(bases)}"
             raise BadFile(path, None, None, problem, "give it by --laser-pose X Y YAW")
-        if seat.tilt > LEVEL:
-            degrees = round(math.degrees(seat.tilt))
+        if mount.tilt > LEVEL:
+            degrees = round(math.degrees(mount.tilt))
             notices.append(f"The laser is tilted by {degrees} degrees; its scans are taken as if it were level.")
-        if seat.upside_down:
+        if mount.upside_down:
             notices.append("The laser hangs upside down.")
     else:
-        seat = PlanarMount(laser_in_base, upside_down=False, tilt=0.0)
-    laser = Laser.of(first, seat)
+        mount = PlanarMount(laser_in_base, upside_down=False, tilt=0.0)
+    laser = Laser.of(first, mount)
     if laser.mount.range_max != first.range_max:
         notices.append(f"range_max of the scans is {first.range_max}; {laser.mount.range_max:g} m is taken.")
     return LocalizationBag(path, scans.name, scans.messages, laser, track, source, tuple(notices))
@@ -220,8 +220,8 @@ def _frames(path: Path, topics: list[str], enough: Callable[[FrameTree], bool]) 
     """The frame tree of a bag, read until it is sufficient."""
     tree = FrameTree()
     for raw in messages(path, topics):
-        news = [tree.add(transform) for transform in _decoded(raw, unpack.spatial_transforms, path)]
-        if any(news) and enough(tree):
+        added = [tree.add(transform) for transform in _decoded(raw, unpack.spatial_transforms, path)]
+        if any(added) and enough(tree):
             break
     return tree
 
@@ -233,7 +233,7 @@ def _base_names(child: str, laser: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for name in (frame_name(child), *usual) if name))
 
 
-def _seat(tree: FrameTree, laser: str, bases: tuple[str, ...]) -> PlanarMount | None:
+def _mount(tree: FrameTree, laser: str, bases: tuple[str, ...]) -> PlanarMount | None:
     poses = (tree.pose(laser, base) for base in bases)
     return next((PlanarMount.of(pose) for pose in poses if pose is not None), None)
 

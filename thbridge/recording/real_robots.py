@@ -17,7 +17,7 @@ from thbridge.ros.topics import INPUTS, SESSION, RosMessage
 from thbridge.wire.rosgraph import links
 
 
-class _Came(NamedTuple):
+class _ForeignMessage(NamedTuple):
     source: ForeignTopic
     stamp_ns: int
     data: bytes
@@ -34,13 +34,13 @@ class FleetRecorder:
     def __init__(self, writer: BagWriter, session: SessionRecord) -> None:
         self._writer = writer
         self._session: SessionRecord | None = session
-        self._waiting: list[_Came | RosMessage] = []
+        self._waiting: list[_ForeignMessage | RosMessage] = []
         self._last_ns = 0
 
     def heard(self, topic: links.TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
         """Keep a message until it is written."""
         source = ForeignTopic(topic.name, topic.type, topic.md5, topic.definition, publisher, topic.latched)
-        self._waiting.append(_Came(source, stamp_ns, data))
+        self._waiting.append(_ForeignMessage(source, stamp_ns, data))
 
     def said(self, message: RosMessage) -> None:
         """Keep a message until it is written."""
@@ -66,13 +66,13 @@ class FleetRecorder:
             self._write(item)
         self._writer.sync_if_due()
 
-    def _write(self, item: _Came | RosMessage) -> None:
+    def _write(self, item: _ForeignMessage | RosMessage) -> None:
         if self._session is not None:
             session, self._session = self._session, None
             self._write(RosMessage(SESSION, item.stamp_ns, pack.session(tick_of(item.stamp_ns), session)))
         # A tick begins up to 20 ms before the messages received in it, but stamps in a bag must not go back.
         self._last_ns = max(self._last_ns, item.stamp_ns)
-        if isinstance(item, _Came):
+        if isinstance(item, _ForeignMessage):
             self._writer.write_foreign(item.source, self._last_ns, item.data)
         else:
             self._writer.write(item._replace(stamp_ns=self._last_ns))

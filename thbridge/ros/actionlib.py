@@ -99,10 +99,10 @@ class _Entry:
     left_ns: int | None = None
 
     @property
-    def under_way(self) -> bool:
+    def is_active(self) -> bool:
         return self.status in {GoalStatusCode.ACTIVE, GoalStatusCode.PREEMPTING}
 
-    def told(self) -> GoalStatus:
+    def report(self) -> GoalStatus:
         return GoalStatus(self.goal, self.status, self.text)
 
 
@@ -125,7 +125,7 @@ class MoveBaseServer:
         self._driven: Goal | None = None
         self._halted: _Entry | None = None
         self._dead = False
-        self._said: list[ActionServerMessage] = []
+        self._outgoing: list[ActionServerMessage] = []
 
     def take(self, tick: int, requests: Iterable[ActionRequest]) -> list[Go | Halt]:
         """Read the requests of clients, before the robots' tick.
@@ -143,14 +143,14 @@ class MoveBaseServer:
         for request in requests:
             match request:
                 case GoalRequest(_, goal_id, stamp, base, number, refusal):
-                    self._hear_goal(GoalId(goal_id, stamp), base, number, refusal)
+                    self._receive_goal(GoalId(goal_id, stamp), base, number, refusal)
                 case SimpleGoal(_, base, number, refusal):
                     goal = GoalId(self._new_name(), self._now)
                     if base is not None:
-                        self._said.append(GoalSet(goal, base))
-                    self._hear_goal(goal, base, number, refusal)
+                        self._outgoing.append(GoalSet(goal, base))
+                    self._receive_goal(goal, base, number, refusal)
                 case CancelRequest(_, goal_id, stamp):
-                    self._hear_cancel(GoalId(goal_id, stamp))
+                    self._receive_cancel(GoalId(goal_id, stamp))
                 case _:
                     assert_never(request)
         return self._execute()
@@ -174,16 +174,16 @@ class MoveBaseServer:
         if navigation.goal is not None and navigation.goal != self._driven:
             self._adopt(navigation.goal)
         self._driven = navigation.goal
-        if tick % FEEDBACK_PERIOD == 0 and self._current is not None and self._current.under_way:
-            self._said.append(Feedback(self._current.told(), base_in_map))
+        if tick % FEEDBACK_PERIOD == 0 and self._current is not None and self._current.is_active:
+            self._outgoing.append(Feedback(self._current.report(), base_in_map))
         if tick % STATUS_PERIOD == 0:
-            self._say_status()
-        said, self._said = self._said, []
-        return said
+            self._publish_status()
+        outgoing, self._outgoing = self._outgoing, []
+        return outgoing
 
     # Requests of clients
 
-    def _hear_goal(self, goal: GoalId, base: Pose2 | None, number: int, refusal: str) -> None:
+    def _receive_goal(self, goal: GoalId, base: Pose2 | None, number: int, refusal: str) -> None:
         known = next((entry for entry in self._listed if entry.goal.id == goal.id), None)
         if known is not None:
             if known.status is GoalStatusCode.RECALLING:
@@ -206,27 +206,27 @@ class MoveBaseServer:
                 self._end(waiting, GoalStatusCode.RECALLED, _REPLACED)
             self._next = entry
 
-    def _hear_cancel(self, asked: GoalId) -> None:
-        everything = not asked.id and asked.stamp_ns == 0
+    def _receive_cancel(self, cancelled: GoalId) -> None:
+        everything = not cancelled.id and cancelled.stamp_ns == 0
         found = False
         for entry in self._listed:
-            named = entry.goal.id == asked.id
+            named = entry.goal.id == cancelled.id
             found = found or named
-            older = asked.stamp_ns > 0 and entry.goal.stamp_ns <= asked.stamp_ns
+            older = cancelled.stamp_ns > 0 and entry.goal.stamp_ns <= cancelled.stamp_ns
             if not (everything or named or older):
                 continue
             if not entry.came:
                 entry.left_ns = self._now
             elif entry.status is GoalStatusCode.PENDING:
                 entry.status = GoalStatusCode.RECALLING
-                self._say_status()
+                self._publish_status()
             elif entry.status is GoalStatusCode.ACTIVE:
                 entry.status = GoalStatusCode.PREEMPTING
-                self._say_status()
-        if asked.id and not found:
+                self._publish_status()
+        if cancelled.id and not found:
             # A cancel request can overtake its goal.
-            self._listed.append(_Entry(asked, GoalStatusCode.RECALLING, came=False, left_ns=self._now))
-        self._last_cancel_ns = max(self._last_cancel_ns, asked.stamp_ns)
+            self._listed.append(_Entry(cancelled, GoalStatusCode.RECALLING, came=False, left_ns=self._now))
+        self._last_cancel_ns = max(self._last_cancel_ns, cancelled.stamp_ns)
 
     def _new_name(self) -> str:
         self._named += 1
@@ -243,11 +243,11 @@ class MoveBaseServer:
                 self._halted = current
                 return [Halt(self._robot)]
             return []
-        drives = current is not None and current.under_way
+        drives = current is not None and current.is_active
         self._replace_current(entry)
         entry.status = GoalStatusCode.ACTIVE if entry.status is GoalStatusCode.PENDING else GoalStatusCode.PREEMPTING
         entry.text = _ACCEPTED
-        self._say_status()
+        self._publish_status()
         if entry.target is None:
             self._end(entry, GoalStatusCode.ABORTED, entry.refusal)
         elif entry.status is GoalStatusCode.PREEMPTING:
@@ -257,14 +257,14 @@ class MoveBaseServer:
         return [Halt(self._robot)] if drives else []
 
     def _replace_current(self, entry: _Entry) -> None:
-        if self._current is not None and self._current.under_way:
+        if self._current is not None and self._current.is_active:
             self._end(self._current, GoalStatusCode.PREEMPTED, _REPLACED)
         self._current = self._next = entry
 
     def _end_driven(self, result: GoalResult) -> None:
         """Take in the navigator's result of a goal."""
         known = [entry for entry in self._listed if entry.target == result.goal]
-        entry = next((entry for entry in known if entry.under_way), None)
+        entry = next((entry for entry in known if entry.is_active), None)
         if entry is None and not known:
             entry = self._adopt(result.goal)  # set and given up within one tick
         self._driven = None
@@ -282,7 +282,7 @@ class MoveBaseServer:
 
     def _adopt(self, goal: Goal) -> _Entry | None:
         """Add a goal that the navigator took from the game; None when it is a known goal of a client."""
-        if any(entry.target == goal and entry.under_way for entry in self._listed):
+        if any(entry.target == goal and entry.is_active for entry in self._listed):
             return None
         named = GoalId(f"{self._names.namespace[1:]}-{goal.id}", self._now)
         # The game may set the same goal again.
@@ -290,24 +290,24 @@ class MoveBaseServer:
         entry = _Entry(named, GoalStatusCode.ACTIVE, _ACCEPTED, goal)
         self._replace_current(entry)
         self._listed.append(entry)
-        self._said.append(GoalSet(named, goal.base_in_map))
-        self._say_status()
+        self._outgoing.append(GoalSet(named, goal.base_in_map))
+        self._publish_status()
         return entry
 
     def _revive(self) -> None:
         self._dead = False
         self._driven = None
         for entry in list(self._listed):
-            if entry.under_way:
+            if entry.is_active:
                 self._end(entry, GoalStatusCode.PREEMPTED, _DIED)
 
     def _end(self, entry: _Entry, status: GoalStatusCode, text: str) -> None:
         entry.status, entry.text, entry.left_ns = status, text, self._now
-        self._said.append(GoalEnded(entry.told()))
-        self._say_status()
+        self._outgoing.append(GoalEnded(entry.report()))
+        self._publish_status()
 
-    def _say_status(self) -> None:
+    def _publish_status(self) -> None:
         left = [entry for entry in self._listed if entry.left_ns is not None]
         dropped = {entry for entry in left if (entry.left_ns or 0) + LISTED_NS < self._now} | {*left[:-LISTED]}
         self._listed = [entry for entry in self._listed if entry not in dropped]
-        self._said.append(StatusList(tuple(entry.told() for entry in self._listed)))
+        self._outgoing.append(StatusList(tuple(entry.report() for entry in self._listed)))

@@ -79,8 +79,8 @@ class RobotDiagnostics:
         if clears and not self._clears:
             yield LogLine(LogLevel.WARN, self._navigator, "no way on: the robot tries to get free")
         self._clears = clears
-        for said in goals:
-            yield from self._goal(said)
+        for message in goals:
+            yield from self._goal(message)
 
     def log_request(self, request: ActionRequest) -> Iterator[LogLine]:
         """Yield a line for a client's request; none for a dead robot, which does not receive it."""
@@ -92,8 +92,8 @@ class RobotDiagnostics:
             case CancelRequest() if not self._dead:
                 yield LogLine(LogLevel.INFO, self._navigator, "a client takes goals back")
 
-    def _goal(self, said: ActionServerMessage) -> Iterator[LogLine]:
-        match said:
+    def _goal(self, message: ActionServerMessage) -> Iterator[LogLine]:
+        match message:
             case GoalSet(goal, base):
                 self._given_up = ""
                 yield LogLine(LogLevel.INFO, self._navigator, f"goal {goal.id}: ({base.x:.2f}, {base.y:.2f})")

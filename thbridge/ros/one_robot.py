@@ -126,13 +126,13 @@ class RobotPublisher:
         if tick % TICKS_PER_SECOND == 0 or charge != self._charge:
             self._charge = charge
             yield topics.battery, pack.battery_state(observations.battery, self.names.namespace[1:])
-        for said in goals:
-            yield self._packed(tick, said)
+        for message in goals:
+            yield self._packed(tick, message)
         yield from self._navigation(tick, command, output.navigation)
         yield from self._footprints(tick, estimate.base_in_map, output.neighbour.footprint)
 
-    def _packed(self, tick: int, said: ActionServerMessage) -> tuple[Topic, bytes]:
-        match said:
+    def _packed(self, tick: int, message: ActionServerMessage) -> tuple[Topic, bytes]:
+        match message:
             case GoalSet(goal, base):
                 return self.topics.goal, pack.move_base_goal(tick, goal, MAP_FRAME, base)
             case StatusList(entries):
@@ -142,7 +142,7 @@ class RobotPublisher:
             case GoalEnded(entry):
                 return self.topics.result, pack.move_base_result(tick, entry)
             case _:
-                assert_never(said)
+                assert_never(message)
 
     def _navigation(self, tick: int, command: Twist, navigation: Navigation) -> Iterator[tuple[Topic, bytes]]:
         topics = self.topics

@@ -157,8 +157,8 @@ class TeamPublisher:
             topic, data = robot.truth(tick, Pose2(*poses[index]), Twist(*twists[index]))
             messages.append(RosMessage(topic, stamp, data))
             if not dead:
-                said = robot.tick(tick, Twist(*commands[index].tolist()), output, goals)
-                messages.extend(RosMessage(topic, stamp, data) for topic, data in said)
+                outgoing = robot.tick(tick, Twist(*commands[index].tolist()), output, goals)
+                messages.extend(RosMessage(topic, stamp, data) for topic, data in outgoing)
             lines += self._watches[index].log_lines(snapshot, output, goals)
         messages.extend(RosMessage(topic, stamp, data) for topic, data in self._things(snapshot))
         messages.extend(RosMessage(ROSOUT, stamp, pack.log(tick, line)) for line in lines)
@@ -176,9 +176,9 @@ class TeamPublisher:
         match record:
             case VehicleState():
                 return RosMessage(topics.state, stamp, pack.vehicle_state(tick, record))
-            case VehicleFrame(_, heard, frame):
+            case VehicleFrame(_, received, frame):
                 data = pack.mavlink(tick, frame)
-                if heard:
+                if received:
                     return RosMessage(topics.received, stamp, data, foreign=frame.link == GRAPH_LINK)
                 return RosMessage(topics.sent, stamp, data)
 

@@ -112,26 +112,26 @@ class ReconfigureServer:
 def reconfigure_servers() -> tuple[ReconfigureServer, ...]:
     """All servers of a robot."""
     found: dict[str, list[DescribedParameter]] = {}
-    for knob in live_parameters():
-        found.setdefault(knob.path.rpartition(".")[0], []).append(_parameter(knob))
+    for declared in live_parameters():
+        found.setdefault(declared.path.rpartition(".")[0], []).append(_parameter(declared))
     return tuple(ReconfigureServer(path, tuple(parameters)) for path, parameters in found.items())
 
 
-def _parameter(knob: LiveParameter) -> DescribedParameter:
-    name = knob.path.rpartition(".")[2]
-    kind = _kind(knob.types)
-    minimum, maximum = _bounds(kind, knob.minimum, knob.maximum)
+def _parameter(declared: LiveParameter) -> DescribedParameter:
+    name = declared.path.rpartition(".")[2]
+    kind = _kind(declared.types)
+    minimum, maximum = _bounds(kind, declared.minimum, declared.maximum)
     return DescribedParameter(
         name,
-        knob.path,
+        declared.path,
         kind,
-        knob.help
-        + (f" [{knob.unit}]" if knob.unit else "")
-        + (" (null is told as 0)" if NoneType in knob.types else ""),
-        _edit_method(kind, knob.help, _choices(name, knob.choices)),
+        declared.help
+        + (f" [{declared.unit}]" if declared.unit else "")
+        + (" (null is told as 0)" if NoneType in declared.types else ""),
+        _edit_method(kind, declared.help, _choices(name, declared.choices)),
         minimum,
         maximum,
-        knob.default if isinstance(knob.default, bool | int | float | str) else json.dumps(knob.default),
+        declared.default if isinstance(declared.default, bool | int | float | str) else json.dumps(declared.default),
     )
 
 

@@ -123,7 +123,7 @@ def clean() -> Planted:
 
 @dataclass
 class Form:
-    """How the file is written, faults included."""
+    """Options of the written file, faults included."""
 
     chunk_bytes: int = 4000
     padded_to: int = 4096
@@ -238,7 +238,7 @@ def write(path: Path, planted: Planted, **form: object) -> Path:
 
 
 def judged(folder: Path, planted: Planted, **form: object) -> Judgement:
-    """What the judge says of them."""
+    """The findings for them."""
     return judge(scan(write(folder / "planted.bag", planted, **form)))
 
 

@@ -96,7 +96,7 @@ def test_a_goal_without_end_is_under_way() -> None:
 
 
 def test_moments_are_for_people(report: Report) -> None:
-    arrived, identified, ended, said = report.moments[:4]
+    arrived, identified, ended, said = report.timeline[:4]
     assert (arrived.kind, arrived.who, arrived.room, arrived.text) == ("arrived", "robot1", 1, "")
     assert (identified.text, identified.points) == ("name Blue <Bottle>", -20)
     assert (ended.who, ended.room, ended.text) == ("", None, "reason all-visited")
@@ -164,13 +164,13 @@ def test_types_of_another_release_and_broken_messages_are_left_out_and_told() ->
 
 def test_a_bag_of_nothing_is_a_report_of_what_is_missing() -> None:
     report = read_report([])
-    assert (report.duration, report.tracks, report.moments) == (0.0, (), ())
+    assert (report.duration, report.tracks, report.timeline) == (0.0, (), ())
     assert len(report.missing) == 4
 
 
 def test_why_a_robot_did_not_get_there_is_told_in_words() -> None:
     failed = Failed(1, Room(3), "Robot 2 is stuck and cannot get free.", 27.76007947445022, Room(0))
     data = pack.game_event(0, GameEvent("failed", 1, 3, to_json(failed)))
-    (moment,) = read_report([recorded("/hunt/events", types.GAME_EVENT, 1.0, data)]).moments
+    (moment,) = read_report([recorded("/hunt/events", types.GAME_EVENT, 1.0, data)]).timeline
     assert (moment.who, moment.room) == ("robot2", 3)
     assert moment.text == "reason Robot 2 is stuck and cannot get free, refund 27.7601, at 0"

@@ -123,7 +123,7 @@ def grid_of_image(folder: Path, name: str, mode: str = "trinary") -> list[list[i
 
 
 EXPECTED = [[FREE, UNKNOWN, FREE], [OCCUPIED, FREE, UNKNOWN]]
-"""Of the pixels 0 254 205 (top) and 254 205 254 (bottom)."""
+"""Cells of the pixels 0 254 205 (top) and 254 205 254 (bottom)."""
 
 
 class TestImages:

@@ -53,7 +53,7 @@ def quaternion(roll: float, yaw: float) -> tuple[float, float, float, float]:
 
 @dataclass
 class Robot:
-    """What the robot of a bag is like, and how it is recorded."""
+    """The robot of a bag, and the way it is recorded."""
 
     laser: Pose2 = LASER
     roll: float = 0.0
@@ -79,7 +79,7 @@ class Robot:
 
 
 def ranges_at(grid: OccupancyGrid, robot: Robot, base: Pose2, angles: FloatArray) -> FloatArray:
-    """What the laser reads; a laser upside down turns the other way."""
+    """Ranges of the laser; a laser upside down turns the other way."""
     seen = -angles if math.cos(robot.roll) < 0 else angles
     laser = base.compose(robot.laser).array()[np.newaxis]
     return Raycaster.of(grid).ranges(laser, seen, robot.range_max)[0]

@@ -52,7 +52,7 @@ def arena() -> OccupancyGrid:
 
 
 def truth(robot: int, tick: int) -> Pose2:
-    """Where a robot is: on its circle, driven only in the legs."""
+    """Pose of a robot on its circle, which it drives only while it has a goal."""
     driven = (tick // (LEG + LEG // 2)) * LEG + min(tick % (LEG + LEG // 2), LEG)
     radius = 1.0 + 0.3 * robot
     angle = SPEED * driven / 50 / radius

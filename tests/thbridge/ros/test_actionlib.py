@@ -35,7 +35,7 @@ class Robot:
         self.tick = 0
         self.goal: Goal | None = None
         self.results: list[GoalResult] = []
-        self.told: list[Go | Halt] = []
+        self.inputs: list[Go | Halt] = []
 
     def go(self, goal: Goal) -> None:
         self.halt()
@@ -52,18 +52,18 @@ class Robot:
         self.goal = None
 
     def step(self, *requests: ActionRequest, dead: bool = False) -> list[ActionServerMessage]:
-        self.told = self.server.take(self.tick, requests)
-        for item in self.told:
+        self.inputs = self.server.take(self.tick, requests)
+        for item in self.inputs:
             self.go(item.goal) if isinstance(item, Go) else self.halt()
         if dead:
             self.goal, self.results = None, []
         result = self.results.pop(0) if self.results else None
-        said = self.server.follow(self.tick, None if dead else navigation(self.goal, result), HERE)
+        messages = self.server.follow(self.tick, None if dead else navigation(self.goal, result), HERE)
         self.tick += 1
-        return said
+        return messages
 
     def wait(self, ticks: int) -> list[ActionServerMessage]:
-        return [said for _ in range(ticks) for said in self.step()]
+        return [messages for _ in range(ticks) for messages in self.step()]
 
 
 def navigation(goal: Goal | None, result: GoalResult | None) -> Navigation:
@@ -75,24 +75,24 @@ def goal(name: str, number: int, stamp_ns: int = 0) -> GoalRequest:
     return GoalRequest(0, name, stamp_ns, Pose2(float(number), 0.0, 0.0), number)
 
 
-def ends(said: Sequence[ActionServerMessage]) -> list[tuple[str, GoalStatusCode]]:
-    return [(item.entry.goal.id, item.entry.status) for item in said if isinstance(item, GoalEnded)]
+def ends(messages: Sequence[ActionServerMessage]) -> list[tuple[str, GoalStatusCode]]:
+    return [(item.entry.goal.id, item.entry.status) for item in messages if isinstance(item, GoalEnded)]
 
 
-def lists(said: Sequence[ActionServerMessage]) -> list[list[tuple[str, GoalStatusCode]]]:
-    return [[(e.goal.id, e.status) for e in item.entries] for item in said if isinstance(item, StatusList)]
+def lists(messages: Sequence[ActionServerMessage]) -> list[list[tuple[str, GoalStatusCode]]]:
+    return [[(e.goal.id, e.status) for e in item.entries] for item in messages if isinstance(item, StatusList)]
 
 
 def test_a_goal_becomes_active_and_its_end_a_result() -> None:
     robot = Robot()
     robot.step()
-    said = robot.step(goal("a", 7))
-    assert robot.told == [Go(0, Goal(7, Pose2(7.0, 0.0, 0.0)))]
-    assert lists(said) == [[("a", GoalStatusCode.ACTIVE)]]
+    messages = robot.step(goal("a", 7))
+    assert robot.inputs == [Go(0, Goal(7, Pose2(7.0, 0.0, 0.0)))]
+    assert lists(messages) == [[("a", GoalStatusCode.ACTIVE)]]
     robot.end(GoalReached)
-    said = robot.step()
-    assert ends(said) == [("a", GoalStatusCode.SUCCEEDED)]
-    assert lists(said)[-1] == [("a", GoalStatusCode.SUCCEEDED)]
+    messages = robot.step()
+    assert ends(messages) == [("a", GoalStatusCode.SUCCEEDED)]
+    assert lists(messages)[-1] == [("a", GoalStatusCode.SUCCEEDED)]
 
 
 def test_a_goal_that_is_given_up_is_aborted_with_the_reason() -> None:
@@ -107,26 +107,26 @@ def test_a_goal_that_is_given_up_is_aborted_with_the_reason() -> None:
 def test_a_newer_goal_preempts() -> None:
     robot = Robot()
     robot.step(goal("a", 1))
-    said = robot.step(goal("b", 2))
-    assert robot.told == [Go(0, Goal(2, Pose2(2.0, 0.0, 0.0)))]
-    assert ends(said) == [("a", GoalStatusCode.PREEMPTED)]
-    assert lists(said)[-1] == [("a", GoalStatusCode.PREEMPTED), ("b", GoalStatusCode.ACTIVE)]
+    messages = robot.step(goal("b", 2))
+    assert robot.inputs == [Go(0, Goal(2, Pose2(2.0, 0.0, 0.0)))]
+    assert ends(messages) == [("a", GoalStatusCode.PREEMPTED)]
+    assert lists(messages)[-1] == [("a", GoalStatusCode.PREEMPTED), ("b", GoalStatusCode.ACTIVE)]
     assert ends(robot.wait(20)) == []
 
 
 def test_of_two_goals_in_one_tick_the_first_is_recalled() -> None:
     robot = Robot()
-    said = robot.step(goal("a", 1), goal("b", 2))
-    assert ends(said) == [("a", GoalStatusCode.RECALLED)]
-    assert [item.goal.id for item in robot.told if isinstance(item, Go)] == [2]
+    messages = robot.step(goal("a", 1), goal("b", 2))
+    assert ends(messages) == [("a", GoalStatusCode.RECALLED)]
+    assert [item.goal.id for item in robot.inputs if isinstance(item, Go)] == [2]
 
 
 def test_an_older_goal_than_the_one_under_way_is_recalled() -> None:
     robot = Robot()
     robot.step(goal("a", 1, 5 * SECOND))
-    said = robot.step(goal("b", 2, 4 * SECOND))
-    assert ends(said) == [("b", GoalStatusCode.RECALLED)]
-    assert robot.told == []
+    messages = robot.step(goal("b", 2, 4 * SECOND))
+    assert ends(messages) == [("b", GoalStatusCode.RECALLED)]
+    assert robot.inputs == []
 
 
 @pytest.mark.parametrize(
@@ -135,10 +135,10 @@ def test_an_older_goal_than_the_one_under_way_is_recalled() -> None:
 def test_a_goal_is_taken_back_by_name_by_time_and_with_all(cancel: CancelRequest) -> None:
     robot = Robot()
     robot.step(goal("a", 1, 2 * SECOND))
-    said = robot.step(cancel)
-    assert robot.told == [Halt(0)]
-    assert [dict(entries)["a"] for entries in lists(said)] == [GoalStatusCode.PREEMPTING, GoalStatusCode.PREEMPTED]
-    assert ends(said) == [("a", GoalStatusCode.PREEMPTED)]
+    messages = robot.step(cancel)
+    assert robot.inputs == [Halt(0)]
+    assert [dict(entries)["a"] for entries in lists(messages)] == [GoalStatusCode.PREEMPTING, GoalStatusCode.PREEMPTED]
+    assert ends(messages) == [("a", GoalStatusCode.PREEMPTED)]
 
 
 @pytest.mark.parametrize("cancel", [CancelRequest(0, "b", 0), CancelRequest(0, "", 1 * SECOND)])
@@ -146,14 +146,14 @@ def test_other_goals_go_on(cancel: CancelRequest) -> None:
     robot = Robot()
     robot.step(goal("a", 1, 2 * SECOND))
     assert ends(robot.step(cancel)) == []
-    assert robot.told == []
+    assert robot.inputs == []
 
 
 def test_a_goal_that_was_taken_back_before_it_came_is_recalled() -> None:
     robot = Robot()
     assert lists(robot.step(CancelRequest(0, "a", 0)))[-1] == [("a", GoalStatusCode.RECALLING)]
     assert ends(robot.step(goal("a", 1))) == [("a", GoalStatusCode.RECALLED)]
-    assert robot.told == []
+    assert robot.inputs == []
 
 
 def test_goals_of_before_the_last_cancel_are_recalled_and_those_without_a_time_are_not() -> None:
@@ -167,49 +167,49 @@ def test_goals_of_before_the_last_cancel_are_recalled_and_those_without_a_time_a
 def test_a_goal_that_is_taken_back_in_its_own_tick_never_moves_the_robot() -> None:
     robot = Robot()
     assert ends(robot.step(goal("a", 1), CancelRequest(0, "a", 0))) == [("a", GoalStatusCode.PREEMPTED)]
-    assert robot.told == []
+    assert robot.inputs == []
 
 
 def test_the_same_goal_twice_is_one() -> None:
     robot = Robot()
     robot.step(goal("a", 1))
-    said = robot.step(goal("a", 2))
-    assert (robot.told, ends(said)) == ([], [])
+    messages = robot.step(goal("a", 2))
+    assert (robot.inputs, ends(messages)) == ([], [])
 
 
 def test_a_goal_without_name_or_time_gets_both() -> None:
     robot = Robot()
     robot.wait(25)
-    said = robot.step(goal("", 1))
-    (entry,) = next(item for item in said if isinstance(item, StatusList)).entries
+    messages = robot.step(goal("", 1))
+    (entry,) = next(item for item in messages if isinstance(item, StatusList)).entries
     assert entry.goal == ("/robot1/move_base-1-1.500000000", 1_500_000_000)
 
 
 def test_a_goal_that_cannot_be_used_is_aborted_and_stops_the_robot() -> None:
     robot = Robot()
     robot.step(goal("a", 1))
-    said = robot.step(GoalRequest(0, "b", 0, None, 2, "its quaternion is none"))
-    assert ends(said) == [("a", GoalStatusCode.PREEMPTED), ("b", GoalStatusCode.ABORTED)]
-    assert robot.told == [Halt(0)]
-    last = [item for item in said if isinstance(item, GoalEnded)][-1]
+    messages = robot.step(GoalRequest(0, "b", 0, None, 2, "its quaternion is none"))
+    assert ends(messages) == [("a", GoalStatusCode.PREEMPTED), ("b", GoalStatusCode.ABORTED)]
+    assert robot.inputs == [Halt(0)]
+    last = [item for item in messages if isinstance(item, GoalEnded)][-1]
     assert last.entry.text == "its quaternion is none"
 
 
 def test_a_place_that_was_pointed_at_becomes_a_goal_with_a_name() -> None:
     robot = Robot()
-    said = robot.step(SimpleGoal(0, Pose2(1.0, 1.0, 0.0), 4))
-    (set_goal,) = [item for item in said if isinstance(item, GoalSet)]
-    assert lists(said)[-1] == [(set_goal.goal.id, GoalStatusCode.ACTIVE)]
-    assert robot.told == [Go(0, Goal(4, Pose2(1.0, 1.0, 0.0)))]
+    messages = robot.step(SimpleGoal(0, Pose2(1.0, 1.0, 0.0), 4))
+    (set_goal,) = [item for item in messages if isinstance(item, GoalSet)]
+    assert lists(messages)[-1] == [(set_goal.goal.id, GoalStatusCode.ACTIVE)]
+    assert robot.inputs == [Go(0, Goal(4, Pose2(1.0, 1.0, 0.0)))]
 
 
 def test_the_game_is_a_client_whose_goals_always_count() -> None:
     robot = Robot()
     robot.step(goal("a", 1, 10**18))  # a client that takes the time from the wall
     robot.go(Goal(5, HERE))
-    said = robot.step()
-    assert [item.goal.id for item in said if isinstance(item, GoalSet)] == ["robot1-5"]
-    assert ends(said) == [("a", GoalStatusCode.PREEMPTED)]
+    messages = robot.step()
+    assert [item.goal.id for item in messages if isinstance(item, GoalSet)] == ["robot1-5"]
+    assert ends(messages) == [("a", GoalStatusCode.PREEMPTED)]
     robot.end(GoalReached)
     assert ends(robot.step()) == [("robot1-5", GoalStatusCode.SUCCEEDED)]
 
@@ -228,9 +228,9 @@ def test_a_goal_of_the_game_that_ends_in_its_first_tick_is_told_whole() -> None:
     robot = Robot()
     robot.go(Goal(5, HERE))
     robot.halt()
-    said = robot.step()
-    assert [type(item) for item in said if not isinstance(item, StatusList)] == [GoalSet, GoalEnded]
-    assert ends(said) == [("robot1-5", GoalStatusCode.PREEMPTED)]
+    messages = robot.step()
+    assert [type(item) for item in messages if not isinstance(item, StatusList)] == [GoalSet, GoalEnded]
+    assert ends(messages) == [("robot1-5", GoalStatusCode.PREEMPTED)]
 
 
 def test_a_client_and_the_game_in_one_tick_end_each_goal_once() -> None:
@@ -240,20 +240,20 @@ def test_a_client_and_the_game_in_one_tick_end_each_goal_once() -> None:
     robot.server.take(robot.tick, [goal("a", 100)])
     robot.go(Goal(100, Pose2(100.0, 0.0, 0.0)))
     robot.go(Goal(6, HERE))
-    said = robot.step() + robot.wait(5)
-    assert ends(said) == [("robot1-5", GoalStatusCode.PREEMPTED), ("a", GoalStatusCode.PREEMPTED)]
-    assert lists(said)[-1][-1] == ("robot1-6", GoalStatusCode.ACTIVE)
+    messages = robot.step() + robot.wait(5)
+    assert ends(messages) == [("robot1-5", GoalStatusCode.PREEMPTED), ("a", GoalStatusCode.PREEMPTED)]
+    assert lists(messages)[-1][-1] == ("robot1-6", GoalStatusCode.ACTIVE)
 
 
 def test_status_comes_five_times_a_second_and_feedback_ten_times_while_under_way() -> None:
     robot = Robot()
-    said = robot.wait(50)
-    assert len(lists(said)) == 5
-    assert not any(isinstance(item, Feedback) for item in said)
+    messages = robot.wait(50)
+    assert len(lists(messages)) == 5
+    assert not any(isinstance(item, Feedback) for item in messages)
     robot.step(goal("a", 1))
-    told = [item for item in robot.wait(50) if isinstance(item, Feedback)]
-    assert len(told) == 10
-    assert (told[0].entry.goal.id, told[0].base_in_map) == ("a", HERE)
+    inputs = [item for item in robot.wait(50) if isinstance(item, Feedback)]
+    assert len(inputs) == 10
+    assert (inputs[0].entry.goal.id, inputs[0].base_in_map) == ("a", HERE)
 
 
 def test_goals_stay_listed_for_five_seconds_after_their_end() -> None:
@@ -281,10 +281,10 @@ def test_a_dead_robot_hears_and_says_nothing_and_ends_its_goal_when_it_revives()
     robot.step(goal("a", 1))
     assert robot.step(dead=True) == []
     assert robot.step(goal("b", 2), ALL, dead=True) == []
-    said = robot.step()
-    assert ends(said) == [("a", GoalStatusCode.PREEMPTED)]
+    messages = robot.step()
+    assert ends(messages) == [("a", GoalStatusCode.PREEMPTED)]
     robot.step(goal("c", 3))
-    assert robot.told == [Go(0, Goal(3, Pose2(3.0, 0.0, 0.0)))]
+    assert robot.inputs == [Go(0, Goal(3, Pose2(3.0, 0.0, 0.0)))]
 
 
 def test_two_accounts_of_the_same_requests_are_alike() -> None:

@@ -1,4 +1,4 @@
-"""What dynamic_reconfigure's servers say, against rosbags' serialiser, and what they make of what clients ask."""
+"""Messages of dynamic_reconfigure's servers, against rosbags' serialiser, and their reading of clients' requests."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""When robots' heartbeats are kept up beside their time."""
+"""Heartbeats of robots while their time is paused or slow."""
 
 import pytest
 

@@ -19,69 +19,72 @@ _PART = re.compile(r"^={40,}\r?\nMSG: *(\S+)\r?$", re.MULTILINE)
 
 def definition_missing(bag: BagStructure) -> Iterator[Finding]:
     """Find definitions that are empty, incomplete or unreadable: without one a message cannot be decoded."""
-    for source in _used(bag):
+    for connection in _used(bag):
         try:
-            fields_of(source.msgtype, source.definition)
-            problem = None if source.definition.strip() or _is_empty(source) else "its definition is empty"
+            fields_of(connection.msgtype, connection.definition)
+            problem = None if connection.definition.strip() or _is_empty(connection) else "its definition is empty"
         except ValueError as error:
             problem = str(error)
         if problem:
-            what = f"{source.msgtype}: {problem}"
+            what = f"{connection.msgtype}: {problem}"
             remedy = "record it anew with the definitions of all nested types"
-            yield Finding("definition-missing", FindingSeverity.ERROR, READERS, source.topic, what, remedy)
+            yield Finding("definition-missing", FindingSeverity.ERROR, READERS, connection.topic, what, remedy)
 
 
 def definition_twice(bag: BagStructure) -> Iterator[Finding]:
     """Find definitions that define one type in two different ways: Foxglove refuses the whole bag."""
-    for source in _used(bag):
-        parts = _PART.split(source.definition)[1:]
+    for connection in _used(bag):
+        parts = _PART.split(connection.definition)[1:]
         texts: dict[str, set[str]] = {}
         for name, text in zip(parts[::2], parts[1::2], strict=True):
             texts.setdefault(name, set()).add(text.strip())
-        twice = sorted(name for name, said in texts.items() if len(said) > 1)
+        twice = sorted(name for name, found in texts.items() if len(found) > 1)
         if twice:
             what = f"the definition says different things of {', '.join(twice)}"
             remedy = "record it anew with one definition for each type"
-            yield Finding("definition-twice", FindingSeverity.ERROR, (BagTool.FOXGLOVE,), source.topic, what, remedy)
+            yield Finding(
+                "definition-twice", FindingSeverity.ERROR, (BagTool.FOXGLOVE,), connection.topic, what, remedy
+            )
 
 
 def md5_wrong(bag: BagStructure) -> Iterator[Finding]:
     """Find wrong md5 sums, and types of other ROS releases: subscribers compare the sums and refuse both."""
-    for source in _used(bag):
-        given = md5_of(source.msgtype, source.definition) if source.definition.strip() else None
-        if given is not None and source.md5 not in (given, "*"):
-            what = f"the md5 of {source.msgtype} is {source.md5}, and its definition gives {given}"
+    for connection in _used(bag):
+        given = md5_of(connection.msgtype, connection.definition) if connection.definition.strip() else None
+        if given is not None and connection.md5 not in (given, "*"):
+            what = f"the md5 of {connection.msgtype} is {connection.md5}, and its definition gives {given}"
             remedy = "mend it by `rosrun rosbag fix_msg_defs.py`, or record it anew"
-            yield Finding("md5-wrong", FindingSeverity.ERROR, LIVE, source.topic, what, remedy)
+            yield Finding("md5-wrong", FindingSeverity.ERROR, LIVE, connection.topic, what, remedy)
             continue
         try:
-            ours = plain_definition(source.msgtype).md5
+            ours = plain_definition(connection.msgtype).md5
         except KeyError:
             continue
         # Our own types may change between our releases: that does not concern ROS's tools.
-        if source.msgtype not in OWN_TYPES and source.md5 not in (ours, "*") and given is not None:
-            what = f"{source.msgtype} has other fields than in ROS Noetic"
+        if connection.msgtype not in OWN_TYPES and connection.md5 not in (ours, "*") and given is not None:
+            what = f"{connection.msgtype} has other fields than in ROS Noetic"
             remedy = "migrate it by `rosbag fix`"
-            tools = bag.tools_of(source.topic, (BagTool.RVIZ, BagTool.EVO))
-            yield Finding("other-release", FindingSeverity.WARNING, tools, source.topic, what, remedy)
+            tools = bag.tools_of(connection.topic, (BagTool.RVIZ, BagTool.EVO))
+            yield Finding("other-release", FindingSeverity.WARNING, tools, connection.topic, what, remedy)
 
 
 def latching_word(bag: BagStructure) -> Iterator[Finding]:
     """Find values of latching other than 0 and 1: rosbag latches only for 1; evo (rosbags) fails without a number."""
-    for source in _used(bag):
-        if source.latching not in (None, "", "0", "1"):
-            what = f"latching is {source.latching!r}: `rosbag play` does not latch it, and rosbags refuses the bag"
+    for connection in _used(bag):
+        if connection.latching not in (None, "", "0", "1"):
+            what = f"latching is {connection.latching!r}: `rosbag play` does not latch it, and rosbags refuses the bag"
             tools = (BagTool.ROSBAG, BagTool.EVO)
             remedy = "run `thbridge bag reindex`, which writes 0 for it"
-            yield Finding("latching-word", FindingSeverity.ERROR, tools, source.topic, what, remedy)
+            yield Finding("latching-word", FindingSeverity.ERROR, tools, connection.topic, what, remedy)
 
 
 def unlatched(bag: BagStructure) -> Iterator[Finding]:
     """Find maps and static transforms that are not latched: subscribers that come later miss them."""
-    for topic, sources in bag.connections_by_topic().items():
-        latched = all(source.latched for source in sources)
-        types = {source.msgtype for source in sources}
-        rare = sum(bag.counts[source.number] for source in sources) * MAP_PERIOD <= max(bag.seconds, MAP_PERIOD)
+    for topic, connections in bag.connections_by_topic().items():
+        latched = all(connection.latched for connection in connections)
+        types = {connection.msgtype for connection in connections}
+        messages = sum(bag.counts[connection.number] for connection in connections)
+        rare = messages * MAP_PERIOD <= max(bag.seconds, MAP_PERIOD)
         is_static = topic.endswith("tf_static") and not types.isdisjoint(TF_TYPES)
         if latched or not (is_static or (OCCUPANCY_GRID in types and rare)):
             continue
@@ -97,15 +100,15 @@ def two_latched(bag: BagStructure) -> Iterator[Finding]:
     Source: ros_comm 1.15 (Noetic) latches each publisher; roscpp before it latches each topic of a node, and
     `rosbag play` is one node. Foxglove reads one message of each topic after a seek (BagIterableSource.ts).
     """
-    for topic, sources in bag.connections_by_topic().items():
+    for topic, connections in bag.connections_by_topic().items():
         # All nodes latch /rosout; losing old log lines does no harm.
-        if sources[0].msgtype == "rosgraph_msgs/Log" or len(sources) < 2:
+        if connections[0].msgtype == "rosgraph_msgs/Log" or len(connections) < 2:
             continue
-        if topic.endswith("tf_static") or any(source.latched for source in sources):
+        if topic.endswith("tf_static") or any(connection.latched for connection in connections):
             severity = FindingSeverity.ERROR if topic.endswith("tf_static") else FindingSeverity.WARNING
-            names = ", ".join(source.caller or "?" for source in sources)
+            names = ", ".join(connection.caller or "?" for connection in connections)
             what = (
-                f"{len(sources)} publishers latch it ({names}): each one's message replaces the others' "
+                f"{len(connections)} publishers latch it ({names}): each one's message replaces the others' "
                 "in `rosbag play` before Noetic, and in Foxglove after a seek"
             )
             remedy = "let one publisher say all of it in one message"
@@ -115,8 +118,8 @@ def two_latched(bag: BagStructure) -> Iterator[Finding]:
 
 def two_types(bag: BagStructure) -> Iterator[Finding]:
     """Find topics with more than one type."""
-    for topic, sources in bag.connections_by_topic().items():
-        kinds = sorted({f"{source.msgtype} {source.md5[:8]}" for source in sources})
+    for topic, connections in bag.connections_by_topic().items():
+        kinds = sorted({f"{connection.msgtype} {connection.md5[:8]}" for connection in connections})
         if len(kinds) > 1:
             what = f"its publishers disagree on the type: {', '.join(kinds)}"
             tools = (BagTool.ROSBAG, BagTool.RVIZ, BagTool.FOXGLOVE, BagTool.EVO)
@@ -125,11 +128,11 @@ def two_types(bag: BagStructure) -> Iterator[Finding]:
 
 def unused(bag: BagStructure) -> Iterator[Finding]:
     """Find connections without a message: `rosbag info` may give a negative duration for such a bag."""
-    for source in bag.connections.values():
-        if not bag.counts.get(source.number) and not bag.unreadable:
+    for connection in bag.connections.values():
+        if not bag.counts.get(connection.number) and not bag.unreadable:
             what = "it has a connection and no message"
             remedy = "register a topic with its first message; `thbridge bag cut` leaves it out"
-            yield Finding("unused", FindingSeverity.WARNING, (BagTool.ROSBAG,), source.topic, what, remedy)
+            yield Finding("unused", FindingSeverity.WARNING, (BagTool.ROSBAG,), connection.topic, what, remedy)
 
 
 def unknown_connection(bag: BagStructure) -> Iterator[Finding]:
@@ -153,7 +156,7 @@ def clock_recorded(bag: BagStructure) -> Iterator[Finding]:
 
 def no_trajectory(bag: BagStructure) -> Iterator[Finding]:
     """Find bags without poses, which evo cannot use."""
-    types = {source.msgtype for sources in bag.connections_by_topic().values() for source in sources}
+    types = {connection.msgtype for connections in bag.connections_by_topic().values() for connection in connections}
     if types and types.isdisjoint(EVO_TYPES):
         what = f"there is no topic to make a trajectory of: evo reads {', '.join(EVO_TYPES)}"
         yield Finding(
@@ -164,16 +167,16 @@ def no_trajectory(bag: BagStructure) -> Iterator[Finding]:
 def _used(bag: BagStructure) -> Iterator[ConnectionRecord]:
     """Yield the connections that have messages; of connections with equal contents only one."""
     seen = set()
-    for source in bag.connections.values():
-        kind = (source.topic, source.msgtype, source.md5, source.definition, source.latching)
-        if bag.counts.get(source.number) and kind not in seen:
+    for connection in bag.connections.values():
+        kind = (connection.topic, connection.msgtype, connection.md5, connection.definition, connection.latching)
+        if bag.counts.get(connection.number) and kind not in seen:
             seen.add(kind)
-            yield source
+            yield connection
 
 
-def _is_empty(source: ConnectionRecord) -> bool:
+def _is_empty(connection: ConnectionRecord) -> bool:
     """True when the type has no fields: this is the md5 sum of an empty text."""
-    return source.md5 == "d41d8cd98f00b204e9800998ecf8427e"
+    return connection.md5 == "d41d8cd98f00b204e9800998ecf8427e"
 
 
 RULES = (

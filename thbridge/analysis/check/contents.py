@@ -37,11 +37,11 @@ class MessageSizes:
         """Listen to every topic."""
         topic = source.topic
 
-        def hear(heard: CheckedMessage) -> None:
-            if heard.fault is not None:
-                self._off.add((topic, heard.fault), heard.stamp_ns)
+        def check(message: CheckedMessage) -> None:
+            if message.fault is not None:
+                self._off.add((topic, message.fault), message.stamp_ns)
 
-        return hear
+        return check
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for each topic and fault."""
@@ -68,17 +68,17 @@ class UnitQuaternions:
         if source.msgtype in TF_TYPES:
             self._tf.add(topic)
 
-        def hear(heard: CheckedMessage) -> None:
-            for quaternion in heard.reading.quaternions:
+        def check(message: CheckedMessage) -> None:
+            for quaternion in message.reading.quaternions:
                 x, y, z, w = quaternion
                 # Written so that NaN fails it.
                 if not abs(x * x + y * y + z * z + w * w - 1.0) <= UNIT_TOLERANCE:
                     fault = _fault(quaternion)
                     if not (imu and fault == ALL_ZERO):
-                        self._off.add((topic, fault), heard.stamp_ns)
+                        self._off.add((topic, fault), message.stamp_ns)
                     return
 
-        return hear
+        return check
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for each topic and kind of fault."""
@@ -110,11 +110,11 @@ class FinitePositions:
         """Listen to every topic."""
         topic = source.topic
 
-        def hear(heard: CheckedMessage) -> None:
-            if not heard.reading.finite:
-                self._off.add(topic, heard.stamp_ns)
+        def check(message: CheckedMessage) -> None:
+            if not message.reading.finite:
+                self._off.add(topic, message.stamp_ns)
 
-        return hear
+        return check
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for each topic."""
@@ -139,14 +139,14 @@ class FilledCovariances:
         if source.msgtype not in (ODOMETRY, POSE_WITH_COVARIANCE) or topic.endswith(_GROUND_TRUTH):
             return None
 
-        def hear(heard: CheckedMessage) -> None:
+        def check(message: CheckedMessage) -> None:
             if not self._filled.get(topic, False):
-                self._first_ns.setdefault(topic, heard.stamp_ns)
+                self._first_ns.setdefault(topic, message.stamp_ns)
                 self._count[topic] = self._count.get(topic, 0) + 1
                 # The pose's comes first, in either type.
-                self._filled[topic] = heard.reading.covariances[:1] == [True]
+                self._filled[topic] = message.reading.covariances[:1] == [True]
 
-        return hear
+        return check
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for each topic."""
@@ -216,14 +216,14 @@ class ArrayLengths:
         names, fault_of = _AGREEMENTS[source.msgtype]
         topic = source.topic
 
-        def hear(heard: CheckedMessage) -> None:
+        def check(message: CheckedMessage) -> None:
             # A type of this name with other fields, from another release, is not checked.
-            if all(name in heard.reading.numbers for name in names):
-                fault = fault_of(heard.reading.numbers)
+            if all(name in message.reading.numbers for name in names):
+                fault = fault_of(message.reading.numbers)
                 if fault is not None:
-                    self._off.add((topic, fault), heard.stamp_ns)
+                    self._off.add((topic, fault), message.stamp_ns)
 
-        return hear
+        return check
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for each topic and fault."""
@@ -243,11 +243,11 @@ class LongArrays:
         """Listen to every topic."""
         topic = source.topic
 
-        def hear(heard: CheckedMessage) -> None:
-            if heard.reading.longest > PLOTTED_ARRAY:
-                self._longest[topic] = max(self._longest.get(topic, 0), heard.reading.longest)
+        def check(message: CheckedMessage) -> None:
+            if message.reading.longest > PLOTTED_ARRAY:
+                self._longest[topic] = max(self._longest.get(topic, 0), message.reading.longest)
 
-        return hear
+        return check
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for all topics."""

@@ -56,15 +56,15 @@ class SlashedFrames:
         if source.msgtype in TF_TYPES:
             self._tf.add(topic)
 
-        def hear(heard: CheckedMessage) -> None:
-            for _, frame in heard.reading.headers:
+        def check(message: CheckedMessage) -> None:
+            for _, frame in message.reading.headers:
                 if frame.startswith("/"):
-                    self._slashed.add((topic, frame), heard.stamp_ns)
-            for frame in heard.reading.children:
+                    self._slashed.add((topic, frame), message.stamp_ns)
+            for frame in message.reading.children:
                 if frame.startswith("/"):
-                    self._slashed.add((topic, frame), heard.stamp_ns)
+                    self._slashed.add((topic, frame), message.stamp_ns)
 
-        return hear
+        return check
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for each topic and frame."""
@@ -122,43 +122,43 @@ class TransformTree:
     def _transforms(self, source: ConnectionRecord) -> MessageHandler:
         topic, static = source.topic, source.topic.endswith("tf_static")
 
-        def hear(heard: CheckedMessage) -> None:
-            for (stamp_ns, parent), child in zip(heard.reading.headers, heard.reading.children, strict=False):
+        def check(message: CheckedMessage) -> None:
+            for (stamp_ns, parent), child in zip(message.reading.headers, message.reading.children, strict=False):
                 above, below = frame_name(parent), frame_name(child)
                 if not above or not below or above == below:
-                    self._bad.add((topic, f"{parent!r} -> {child!r}"), heard.stamp_ns)
+                    self._bad.add((topic, f"{parent!r} -> {child!r}"), message.stamp_ns)
                     continue
                 parents = self._edges.setdefault(below, {})
                 edge = parents.get(above)
                 if edge is None:
-                    parents[above] = _Edge(topic, stamp_ns, static, heard.stamp_ns)
+                    parents[above] = _Edge(topic, stamp_ns, static, message.stamp_ns)
                 elif stamp_ns < edge.first_ns:
                     edge.first_ns = stamp_ns
                 if self._above.get(below, above) != above:
-                    self._switches.add(below, heard.stamp_ns)
+                    self._switches.add(below, message.stamp_ns)
                 self._above[below] = above
 
-        return hear
+        return check
 
     def _users(self, source: ConnectionRecord) -> MessageHandler:
         topic = source.topic
         shown = source.msgtype in SHOWN_TYPES
 
-        def hear(heard: CheckedMessage) -> None:
-            headers = heard.reading.headers
+        def check(message: CheckedMessage) -> None:
+            headers = message.reading.headers
             if not headers:
                 return
             if shown and not headers[0][1]:
-                self._unnamed.add(topic, heard.stamp_ns)
+                self._unnamed.add(topic, message.stamp_ns)
             for stamp_ns, frame in headers if len(headers) < 3 else set(headers):
                 if not frame:
                     continue
                 use = self._uses.get((topic, frame))
                 if use is None:
-                    use = self._uses[(topic, frame)] = _Use(heard.stamp_ns, stamp_ns or heard.stamp_ns, shown)
+                    use = self._uses[(topic, frame)] = _Use(message.stamp_ns, stamp_ns or message.stamp_ns, shown)
                 use.count += 1
 
-        return hear
+        return check
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield faults of the tree, and frames of messages that are not connected to it."""
@@ -260,26 +260,26 @@ class CompleteStaticTransforms:
     """Finds static transforms missing in the last message of /tf_static, the only one that late subscribers get."""
 
     def __init__(self) -> None:
-        self._said: dict[int, set[str]] = {}
+        self._children: dict[int, set[str]] = {}
         self._last: dict[int, tuple[int, set[str]]] = {}
 
     def listen(self, source: ConnectionRecord) -> MessageHandler | None:
         """Listen to the topics of static transforms."""
         if source.msgtype not in TF_TYPES or not source.topic.endswith("tf_static"):
             return None
-        said = self._said.setdefault(source.number, set())
+        children_of = self._children.setdefault(source.number, set())
 
-        def hear(heard: CheckedMessage) -> None:
-            children = set(heard.reading.children)
-            said.update(children)
-            self._last[source.number] = (heard.stamp_ns, children)
+        def check(message: CheckedMessage) -> None:
+            children = set(message.reading.children)
+            children_of.update(children)
+            self._last[source.number] = (message.stamp_ns, children)
 
-        return hear
+        return check
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for each publisher."""
         for number, (stamp_ns, last) in self._last.items():
-            lacking = sorted(self._said[number] - last)
+            lacking = sorted(self._children[number] - last)
             if lacking:
                 what = f"its last message lacks {', '.join(lacking)}, and replaces the one that had them"
                 remedy = "say all static transforms in one message"

@@ -58,36 +58,37 @@ class Judgement:
 
 def judge(records: Iterable[BagRecord]) -> Judgement:
     """Check a bag by its records, as `scan` reads them."""
-    hearing = _Hearing()
+    reader = _BagReader()
     for record in records:
-        hearing.take(record)
-    bag = hearing.structure()
+        reader.take(record)
+    bag = reader.structure()
     findings = [finding for rule in (*structure.RULES, *connections.RULES) for finding in rule(bag)]
-    for message_rule in hearing.rules:
+    for message_rule in reader.rules:
         findings.extend(message_rule.findings(bag))
     findings.sort(key=lambda finding: (_ORDER.index(finding.severity), finding.topic or "", finding.rule))
     return Judgement(tuple(findings), sum(bag.counts.values()), bag.seconds, bag.start_ns)
 
 
-class _Line:
+class _ConnectionReader:
     """One connection: reads its messages and passes them to the rules."""
 
     def __init__(self, source: ConnectionRecord, rules: Iterable[MessageRule]) -> None:
-        self._listeners = [hear for rule in rules if (hear := rule.listen(source)) is not None]
+        self._handlers = [handle for rule in rules if (handle := rule.listen(source)) is not None]
         self._layout: MessageReader | None = None
         with suppress(ValueError):  # the rule `definition_missing` reports it
             self._layout = MessageReader(source.msgtype, source.definition, contents.numbers_of(source.msgtype))
 
-    def hear(self, said: MessageRecord) -> None:
+    def handle(self, record: MessageRecord) -> None:
         try:
-            heard = CheckedMessage(said.stamp_ns, Reading() if self._layout is None else self._layout.read(said.data))
+            reading = Reading() if self._layout is None else self._layout.read(record.data)
+            message = CheckedMessage(record.stamp_ns, reading)
         except UnreadableMessage as fault:
-            heard = CheckedMessage(said.stamp_ns, Reading(), str(fault))
-        for hear in self._listeners:
-            hear(heard)
+            message = CheckedMessage(record.stamp_ns, Reading(), str(fault))
+        for handle in self._handlers:
+            handle(message)
 
 
-class _Hearing:
+class _BagReader:
     """Collects the structure of a bag from its records, and passes messages to the rules."""
 
     def __init__(self) -> None:
@@ -95,7 +96,7 @@ class _Hearing:
         self.rules: tuple[MessageRule, ...] = tuple(rule() for rule in rules)
         self._header: BagHeaderRecord | None = None
         self._sources: dict[int, ConnectionRecord] = {}
-        self._lines: dict[int, _Line] = {}
+        self._readers: dict[int, _ConnectionReader] = {}
         self._counts: dict[int, int] = {}
         self._chunks: list[ScannedChunk] = []
         self._index: list[ChunkInfoRecord] = []
@@ -106,7 +107,7 @@ class _Hearing:
         """Take in the next record of the file."""
         match record:
             case MessageRecord():
-                self._said(record)
+                self._take_message(record)
             case IndexDataRecord(number, count):
                 self._indexed_sources.clear()
                 if self._chunks:
@@ -115,7 +116,7 @@ class _Hearing:
             case ConnectionRecord(number):
                 if number not in self._sources:
                     self._sources[number] = record
-                    self._lines[number] = _Line(record, self.rules)
+                    self._readers[number] = _ConnectionReader(record, self.rules)
                 # Connection records after the last chunk and its index data belong to the index at the file's end.
                 self._indexed_sources.add(number)
             case ChunkRecord():
@@ -128,18 +129,18 @@ class _Hearing:
             case UnreadableSpan():
                 self._tears.append(record)
 
-    def _said(self, said: MessageRecord) -> None:
-        self._counts[said.number] = self._counts.get(said.number, 0) + 1
+    def _take_message(self, record: MessageRecord) -> None:
+        self._counts[record.number] = self._counts.get(record.number, 0) + 1
         if self._chunks:
             known = self._chunks[-1]
-            known.counts[said.number] = known.counts.get(said.number, 0) + 1
-            if known.start_ns is None or said.stamp_ns < known.start_ns:
-                known.start_ns = said.stamp_ns
-            if known.end_ns is None or said.stamp_ns > known.end_ns:
-                known.end_ns = said.stamp_ns
-        line = self._lines.get(said.number)
-        if line is not None:
-            line.hear(said)
+            known.counts[record.number] = known.counts.get(record.number, 0) + 1
+            if known.start_ns is None or record.stamp_ns < known.start_ns:
+                known.start_ns = record.stamp_ns
+            if known.end_ns is None or record.stamp_ns > known.end_ns:
+                known.end_ns = record.stamp_ns
+        reader = self._readers.get(record.number)
+        if reader is not None:
+            reader.handle(record)
 
     def structure(self) -> BagStructure:
         """The structure, after the last record."""

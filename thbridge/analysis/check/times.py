@@ -29,11 +29,11 @@ class StampZero:
         """Listen to every topic."""
         topic = source.topic
 
-        def hear(heard: CheckedMessage) -> None:
-            if heard.stamp_ns == 0:
+        def check(message: CheckedMessage) -> None:
+            if message.stamp_ns == 0:
                 self._zero.add(topic, 0)
 
-        return hear
+        return check
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for each topic."""
@@ -56,17 +56,17 @@ class BackInTime:
 
     def listen(self, source: ConnectionRecord) -> MessageHandler:
         """Listen to every topic; the order counts over all of them."""
-        return self._hear
+        return self._check
 
-    def _hear(self, heard: CheckedMessage) -> None:
-        back = self._latest_ns - heard.stamp_ns
+    def _check(self, message: CheckedMessage) -> None:
+        back = self._latest_ns - message.stamp_ns
         if back <= 0:
-            self._latest_ns = heard.stamp_ns
+            self._latest_ns = message.stamp_ns
             return
         self._count += 1
         self._worst_ns = max(self._worst_ns, back)
         if self._first_ns is None:
-            self._first_ns = heard.stamp_ns
+            self._first_ns = message.stamp_ns
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for the bag."""
@@ -92,16 +92,16 @@ class HeaderStampOffset:
             return None
         topic = source.topic
 
-        def hear(heard: CheckedMessage) -> None:
-            headers = heard.reading.headers
+        def check(message: CheckedMessage) -> None:
+            headers = message.reading.headers
             if not headers or headers[0][0] == 0:
                 return
-            off = headers[0][0] - heard.stamp_ns
+            off = headers[0][0] - message.stamp_ns
             if abs(off) > TF_CACHE * 1e9:
-                self._far.add(topic, heard.stamp_ns)
+                self._far.add(topic, message.stamp_ns)
                 self._worst_ns[topic] = max(self._worst_ns.get(topic, 0), off, key=abs)
 
-        return hear
+        return check
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for each topic."""
@@ -131,20 +131,20 @@ class TrajectoryStamps:
             return None
         topic = source.topic
 
-        def hear(heard: CheckedMessage) -> None:
-            if not heard.reading.headers:
+        def check(message: CheckedMessage) -> None:
+            if not message.reading.headers:
                 return
-            stamp_ns, _ = heard.reading.headers[0]
+            stamp_ns, _ = message.reading.headers[0]
             if stamp_ns == 0:
-                self._zero.add(topic, heard.stamp_ns)
+                self._zero.add(topic, message.stamp_ns)
             elif stamp_ns < self._latest_ns.get(topic, 0):
-                self._back.add(topic, heard.stamp_ns)
+                self._back.add(topic, message.stamp_ns)
             elif stamp_ns == self._latest_ns.get(topic):
-                self._again.add(topic, heard.stamp_ns)
+                self._again.add(topic, message.stamp_ns)
             else:
                 self._latest_ns[topic] = stamp_ns
 
-        return hear
+        return check
 
     def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """Yield one finding for each topic and fault."""

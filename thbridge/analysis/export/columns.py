@@ -94,7 +94,7 @@ class ColumnReader:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Draft:
+class _NewColumn:
     """A column whose name is not chosen yet.
 
     Attributes:
@@ -171,7 +171,7 @@ def _frame_column(path: Path, frames: dict[tuple[Path, bool], str], outer: str) 
     return outer
 
 
-def _drafts(index: int, part: LayoutPart) -> Iterator[_Draft]:
+def _drafts(index: int, part: LayoutPart) -> Iterator[_NewColumn]:
     """Yield the columns of the part at an index."""
     match part:
         case FixedBlock(leaves):
@@ -193,11 +193,11 @@ def _drafts(index: int, part: LayoutPart) -> Iterator[_Draft]:
             assert_never(part)
 
 
-def _plain(path: Path, kind: str, values: Callable[[GatheredRows], Values], ending: tuple[str, ...] = ()) -> _Draft:
-    return _Draft(path, ending, kind, words.unit_of(path), words.meaning_of(path), values)
+def _plain(path: Path, kind: str, values: Callable[[GatheredRows], Values], ending: tuple[str, ...] = ()) -> _NewColumn:
+    return _NewColumn(path, ending, kind, words.unit_of(path), words.meaning_of(path), values)
 
 
-def _of_leaf(index: int, run: FixedBlock, position: int, leaf: FixedValue) -> Iterator[_Draft]:
+def _of_leaf(index: int, run: FixedBlock, position: int, leaf: FixedValue) -> Iterator[_NewColumn]:
     name = str(position)
 
     def whole(rows: GatheredRows) -> Array:
@@ -205,7 +205,7 @@ def _of_leaf(index: int, run: FixedBlock, position: int, leaf: FixedValue) -> It
 
     if leaf.kind in {TIME, DURATION}:
         meaning = words.meaning_of(leaf.path)
-        yield _Draft(leaf.path, (), "int64", "ns", meaning, lambda rows: _nanoseconds(rows.run(index, run)[name]))
+        yield _NewColumn(leaf.path, (), "int64", "ns", meaning, lambda rows: _nanoseconds(rows.run(index, run)[name]))
     elif leaf.count is None:
         axis = leaf.path[-1]
         ending = (f"q{axis.field}",) if axis.msgtype == _QUATERNION else ()
@@ -228,18 +228,18 @@ def _element(whole: Callable[[GatheredRows], Array], element: int) -> Callable[[
     return lambda rows: np.ascontiguousarray(whole(rows)[:, element])
 
 
-def _covariance(leaf: FixedValue, whole: Callable[[GatheredRows], Array]) -> Iterator[_Draft]:
+def _covariance(leaf: FixedValue, whole: Callable[[GatheredRows], Array]) -> Iterator[_NewColumn]:
     """Yield columns of the standard deviations of x, y and yaw, then of all 36 covariances."""
     units = words.axis_units(_COVARIANCES[leaf.path[-1].msgtype])
     for axis in (0, 1, 5):
         meaning = f"standard deviation of {AXES[axis]}"
-        yield _Draft(leaf.path, ("std", AXES[axis]), "float64", units[axis], meaning, _deviation(whole, axis))
+        yield _NewColumn(leaf.path, ("std", AXES[axis]), "float64", units[axis], meaning, _deviation(whole, axis))
     for row in range(6):
         for column in range(6):
             unit = f"{units[row]} {units[column]}" if row != column else _squared(units[row])
             meaning = f"covariance of {AXES[row]} and {AXES[column]}"
             ending = ("cov", AXES[row], AXES[column])
-            yield _Draft(leaf.path, ending, "float64", unit, meaning, _element(whole, 6 * row + column))
+            yield _NewColumn(leaf.path, ending, "float64", unit, meaning, _element(whole, 6 * row + column))
 
 
 def _squared(unit: str) -> str:
@@ -255,7 +255,7 @@ def _deviation(whole: Callable[[GatheredRows], Array], axis: int) -> Callable[[G
     return values
 
 
-def _yaw(index: int, run: FixedBlock, position: int) -> _Draft:
+def _yaw(index: int, run: FixedBlock, position: int) -> _NewColumn:
     """The column of the yaw of a quaternion, whose w is at a position of the block."""
 
     def values(rows: GatheredRows) -> Values:
@@ -266,10 +266,10 @@ def _yaw(index: int, run: FixedBlock, position: int) -> _Draft:
 
     path = run.leaves[position].path
     meaning = ": ".join(filter(None, (words.meaning_of(path[:-1]), "heading, counterclockwise from x")))
-    return _Draft(path, ("yaw",), "float64", "rad", meaning, values)
+    return _NewColumn(path, ("yaw",), "float64", "rad", meaning, values)
 
 
-def _nanoseconds(moments: NDArray[np.void]) -> NDArray[np.int64]:
-    seconds: NDArray[np.int64] = moments["sec"].astype(np.int64)
-    nanoseconds: NDArray[np.int64] = moments["nsec"].astype(np.int64)
+def _nanoseconds(times: NDArray[np.void]) -> NDArray[np.int64]:
+    seconds: NDArray[np.int64] = times["sec"].astype(np.int64)
+    nanoseconds: NDArray[np.int64] = times["nsec"].astype(np.int64)
     return seconds * 1_000_000_000 + nanoseconds

@@ -24,7 +24,7 @@ def dictionary_csv(exported: ExportSummary) -> str:
 def session_json(exported: ExportSummary, bag: str, start_ns: int, duration: float) -> str:
     """The text of session.json: seed, study and versions of the session; null for recordings of others."""
     session = exported.session
-    told = {
+    values = {
         "bag": bag,
         "start_ns": start_ns,
         "duration_s": duration,
@@ -35,7 +35,7 @@ def session_json(exported: ExportSummary, bag: str, start_ns: int, duration: flo
         "participant": None if session is None else session.participant,
         "study": None if session is None else session.study,
     }
-    return json.dumps(told, indent=2, ensure_ascii=False) + "\n"
+    return json.dumps(values, indent=2, ensure_ascii=False) + "\n"
 
 
 def readme(exported: ExportSummary, bag: str, start_ns: int, duration: float) -> str:

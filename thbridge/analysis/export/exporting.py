@@ -106,7 +106,7 @@ def _file_name(topic: str, taken: set[str]) -> str:
 
 def _counted(pieces: Iterable[TableRows], together: poses.PosesTable, exported: ExportSummary) -> Iterator[TableRows]:
     for piece in pieces:
-        together.see(piece)
+        together.add(piece)
         _, before = exported.tables.get(piece.table.name, (piece.table, 0))
         exported.tables[piece.table.name] = (piece.table, before + piece.rows)
         yield piece

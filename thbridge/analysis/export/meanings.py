@@ -22,7 +22,7 @@ _VECTOR = {axis: FieldMeaning("", axis) for axis in "xyz"}
 _STATUS = FieldMeaning("", "0 pending, 1 active, 2 preempted, 3 succeeded, 4 aborted, 5 rejected, 8 recalled, 9 lost")
 
 
-def _said(text: str) -> Iterator[tuple[str, FieldMeaning]]:
+def _comments_of(text: str) -> Iterator[tuple[str, FieldMeaning]]:
     """Yield the fields of a definition with their comments as meanings."""
     for line in text.splitlines():
         declared, _, comment = line.partition("#")
@@ -206,7 +206,7 @@ MEANINGS: Mapping[str, Mapping[str, FieldMeaning]] = {
         "mesh_use_embedded_materials": FieldMeaning("", "whether the mesh brings its colours"),
         "scale": FieldMeaning("m", "size"),
     },
-    **{msgtype: dict(_said(text)) for msgtype, text in OWN_TEXTS.items()},
+    **{msgtype: dict(_comments_of(text)) for msgtype, text in OWN_TEXTS.items()},
 }
 
 TOPICS: Mapping[str, str] = {
@@ -257,15 +257,15 @@ _SUFFIXES = {
 def unit_of(path: Path) -> str:
     """Unit of the value at the end of a path: that of the nearest field with a unit; "" without one."""
     for step in reversed(path):
-        if (word := MEANINGS.get(step.msgtype, {}).get(step.field)) and word.unit:
-            return word.unit
+        if (meaning := MEANINGS.get(step.msgtype, {}).get(step.field)) and meaning.unit:
+            return meaning.unit
     return ""
 
 
 def meaning_of(path: Path) -> str:
     """Meaning of a value, from the outermost field to the innermost: "speeds of the base: turning speed: about z"."""
-    told = (MEANINGS.get(step.msgtype, {}).get(step.field) for step in path)
-    return ": ".join(dict.fromkeys(word.meaning for word in told if word is not None))
+    meanings = (MEANINGS.get(step.msgtype, {}).get(step.field) for step in path)
+    return ": ".join(dict.fromkeys(meaning.meaning for meaning in meanings if meaning is not None))
 
 
 def topic_meaning(topic: str) -> str:

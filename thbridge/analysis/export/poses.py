@@ -42,9 +42,9 @@ class PosesTable:
     """Collects poses from the rows of other tables for a table of all robots."""
 
     def __init__(self) -> None:
-        self._heard = SeriesByTopic()
+        self._series = SeriesByTopic()
 
-    def see(self, piece: TableRows) -> None:
+    def add(self, piece: TableRows) -> None:
         """Keep the poses in some rows of a table, if there are any."""
         table = piece.table
         if table.msgtype not in {ODOMETRY, POSE_WITH_COVARIANCE, POSE_STAMPED, _TRANSFORM} or not piece.rows:
@@ -55,26 +55,26 @@ class PosesTable:
         rows = np.column_stack([np.asarray(named[name]) for name in ("t_s", "x_m", "y_m", "yaw_rad")])
         frames, children = _texts(named["frame_id"]), _texts(named.get("child_frame_id", []))
         if table.msgtype == _TRANSFORM:
-            self._see_frames(table.source.partition(":")[0], frames, children, rows)
+            self._add_frames(table.source.partition(":")[0], frames, children, rows)
         elif table.msgtype == ODOMETRY:
-            poses = self._heard.odometry.setdefault(table.source, PoseSeries(frames[0], children[0]))
+            poses = self._series.odometry.setdefault(table.source, PoseSeries(frames[0], children[0]))
             poses.rows.frombytes(rows.tobytes())
         else:
-            poses = self._heard.poses.setdefault(table.source, PoseSeries(frames[0], ""))
+            poses = self._series.poses.setdefault(table.source, PoseSeries(frames[0], ""))
             poses.rows.frombytes(rows.tobytes())
 
-    def _see_frames(self, topic: str, parents: list[str], children: list[str], rows: FloatArray) -> None:
-        said = np.array([f"{parent}\n{child}" for parent, child in zip(parents, children, strict=True)])
-        for pair in dict.fromkeys(said.tolist()):
+    def _add_frames(self, topic: str, parents: list[str], children: list[str], rows: FloatArray) -> None:
+        pairs = np.array([f"{parent}\n{child}" for parent, child in zip(parents, children, strict=True)])
+        for pair in dict.fromkeys(pairs.tolist()):
             parent, child = (frame.lstrip("/") for frame in pair.split("\n"))
             if is_map_frame(parent) or is_odom_frame(parent):
                 key = (topic.strip("/").rpartition("/")[0], parent, child)
-                edge = self._heard.edges.setdefault(key, PoseSeries(parent, child))
-                edge.rows.frombytes(rows[said == pair].tobytes())
+                edge = self._series.edges.setdefault(key, PoseSeries(parent, child))
+                edge.rows.frombytes(rows[pairs == pair].tobytes())
 
     def pieces(self) -> list[TableRows]:
         """The table's rows, robot by robot; empty when there were no poses."""
-        return [piece for track in self._heard.tracks(0.0) if (piece := _piece(track)).rows]
+        return [piece for track in self._series.tracks(0.0) if (piece := _piece(track)).rows]
 
 
 def _texts(values: Values) -> list[str]:

@@ -73,7 +73,7 @@ class TopicTables:
         self._stamps: list[int] = []
         self._start_ns = start_ns
         self._open_ended = record.msgtype == GAME_EVENT
-        self._top = _Shape(name, topic, words.topic_meaning(topic), record, top=True)
+        self._top = _TableNode(name, topic, words.topic_meaning(topic), record, top=True)
 
     @property
     def size(self) -> int:
@@ -100,7 +100,7 @@ class TopicTables:
 
 
 @dataclass(slots=True, eq=False)
-class _Shape:
+class _TableNode:
     """The tables of a message layout. A message that is only one array has no table; its elements are the rows.
 
     Attributes:
@@ -121,21 +121,23 @@ class _Shape:
     outer: str = ""
     done: int = 0
     fields: tuple[ColumnReader, ...] = field(init=False)
-    inner: tuple[tuple[MessageArray, "_Shape"], ...] = field(init=False)
-    said: dict[str, set[str]] = field(init=False, default_factory=dict)
+    inner: tuple[tuple[MessageArray, "_TableNode"], ...] = field(init=False)
+    seen_frames: dict[str, set[str]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self.fields = fields_of(self.record, {"t_s", "recorded_ns", "row", "index"}, self.outer)
         own_frame = next((f.column.name for f in self.fields if f.column.name == "frame_id"), self.outer)
         self.inner = tuple((items, self._within(items, own_frame)) for items in self.record.items())
 
-    def _within(self, items: MessageArray, own_frame: str) -> "_Shape":
+    def _within(self, items: MessageArray, own_frame: str) -> "_TableNode":
         path = ".".join(step.field for step in items.path)
         meaning = words.meaning_of(items.path)
         if self._only_array:
-            return _Shape(self.name, f"{self.source}: {path}", self.meaning or meaning, items.record, True, own_frame)
+            return _TableNode(
+                self.name, f"{self.source}: {path}", self.meaning or meaning, items.record, True, own_frame
+            )
         name, source = f"{self.name}.{path}", f"{self.source}: {path}"
-        return _Shape(name, source, meaning or self.meaning, items.record, False, own_frame)
+        return _TableNode(name, source, meaning or self.meaning, items.record, False, own_frame)
 
     @property
     def _only_array(self) -> bool:
@@ -179,7 +181,7 @@ class _Shape:
         for each in self.fields:
             taken = each.values(rows)
             if isinstance(taken, list) and each.column.name.endswith("frame_id"):
-                self._see(each.column.name, taken)
+                self._note_frames(each.column.name, taken)
             own.append(taken)
         table = Table(
             self.name,
@@ -190,18 +192,18 @@ class _Shape:
         )
         return TableRows(table, rows.count, (*values, *own))
 
-    def _see(self, column: str, frames: list[str] | list[str | None] | list[bytes]) -> None:
-        self.said.setdefault(column, set()).update(str(frame) for frame in frames)
+    def _note_frames(self, column: str, frames: list[str] | list[str | None] | list[bytes]) -> None:
+        self.seen_frames.setdefault(column, set()).update(str(frame) for frame in frames)
 
     def frames(self, above: Mapping[str, set[str]]) -> Iterator[tuple[tuple[str, str], str]]:
         """Yield what `TopicTables.frames` returns; `above`: the frames in the parent table, by column."""
-        said = {**above, **self.said}
+        seen_frames = {**above, **self.seen_frames}
         for each in self.fields:
-            if (source := each.column.frame_column) and (found := said.get(source)):
+            if (source := each.column.frame_column) and (found := seen_frames.get(source)):
                 few = len(found) <= MOST_FRAMES
                 yield (self.name, each.column.name), " or ".join(sorted(found)) if few else f"see {source}"
         for _, shape in self.inner:
-            yield from shape.frames(said)
+            yield from shape.frames(seen_frames)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -222,14 +224,14 @@ def _with_events(piece: TableRows) -> TableRows:
     """Rows of events with the plain values of their JSON as further columns, in order of first appearance."""
     table = piece.table
     texts = next(v for column, v in zip(table.columns, piece.values, strict=True) if column.name == "json")
-    told = [_object(text) for text in texts] if isinstance(texts, list) else []
+    objects = [_object(text) for text in texts] if isinstance(texts, list) else []
     names = dict.fromkeys(
-        name for each in told for name, value in each.items() if _is_plain(value) and name not in HAS_COLUMNS
+        name for each in objects for name, value in each.items() if _is_plain(value) and name not in HAS_COLUMNS
     )
     added: list[Column] = []
     found: list[Values] = []
     for name in names:
-        plain = [each.get(name) for each in told]
+        plain = [each.get(name) for each in objects]
         kind, converted = _column([value if _is_plain(value) else None for value in plain])
         added.append(Column(f"{EVENT}{name}", kind, "", f"{name.replace('_', ' ')}, of the events that have it"))
         found.append(converted)

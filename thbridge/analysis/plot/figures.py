@@ -36,19 +36,19 @@ class FigureKind(StrEnum):
     TIMELINE = "timeline"
 
 
-def draw(what: FigureKind, report: Report, look: FigureStyle) -> Figure | RequestRefused:
+def draw(what: FigureKind, report: Report, style: FigureStyle) -> Figure | RequestRefused:
     """Draw a figure; or return what is missing in the recording for it."""
-    with look.style():
-        drawn = _FIGURES[what](report, look)
+    with style.settings():
+        drawn = _FIGURES[what](report, style)
     return RequestRefused("nothing-to-plot", f"There is nothing to plot: {_MISSING[what]}.") if drawn is None else drawn
 
 
-def error(report: Report, look: FigureStyle) -> Figure | None:
+def error(report: Report, style: FigureStyle) -> Figure | None:
     """Error of the estimated pose, over the standard deviation that the localiser reports; one row for each robot."""
     shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.errors)]
     if not shown:
         return None
-    figure, rows = _panels(look, len(shown), ("position error, cm", "heading error, °"))
+    figure, rows = _panels(style, len(shown), ("position error, cm", "heading error, °"))
     for (index, track), panels in zip(shown, rows, strict=True):
         for axes, column, scale, least in zip(panels, (1, 2), (100.0, 180.0 / np.pi), (1.0, 0.5), strict=True):
             curve = peaks(track.errors[:, (0, column)])
@@ -61,20 +61,20 @@ def error(report: Report, look: FigureStyle) -> Figure | None:
                 )
             # The axis begins at zero, and is not so fine that rounding looks like an error.
             axes.set_ylim(0.0, max(least, axes.get_ylim()[1]))
-    _time_below(rows, report.duration, look)
+    _time_below(rows, report.duration, style)
     handles: list[object] = robot_handles(report.tracks, [index for index, _ in shown])
     if any(len(track.deviations) for _, track in shown):
         handles.append(Patch(color=FAINT, alpha=2 * _BAND_ALPHA, lw=0, label=f"{SIGMAS:g}σ admitted"))
-    label_above(rows[0][0], handles, 3 if look.narrow else 10)
+    label_above(rows[0][0], handles, 3 if style.narrow else 10)
     return figure
 
 
-def covariance(report: Report, look: FigureStyle) -> Figure | None:
+def covariance(report: Report, style: FigureStyle) -> Figure | None:
     """Standard deviations that the localiser reports."""
     shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.deviations)]
     if not shown:
         return None
-    figure, rows = _panels(look, 1, ("position σ, cm", "heading σ, °"))
+    figure, rows = _panels(style, 1, ("position σ, cm", "heading σ, °"))
     for index, track in shown:
         admitted = _until(track.deviations, track.estimate[-1, 0] if len(track.estimate) else report.duration)
         for axes, column, scale in zip(rows[0], (1, 2), (100.0, 180.0 / np.pi), strict=True):
@@ -85,64 +85,65 @@ def covariance(report: Report, look: FigureStyle) -> Figure | None:
         axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axes.yaxis.set_minor_formatter(NullFormatter())
-    _time_below(rows, report.duration, look)
-    label_above(rows[0][0], robot_handles(report.tracks, [index for index, _ in shown]), 3 if look.narrow else 10)
+    _time_below(rows, report.duration, style)
+    label_above(rows[0][0], robot_handles(report.tracks, [index for index, _ in shown]), 3 if style.narrow else 10)
     return figure
 
 
-def energy(report: Report, look: FigureStyle) -> Figure | None:
+def energy(report: Report, style: FigureStyle) -> Figure | None:
     """Energy left of each robot."""
     shown = [index for index, track in enumerate(report.tracks) if len(track.energy)]
     if not shown:
         return None
-    figure, ((axes,),) = look.figure((0.6 if look.narrow else 0.3) * look.width)
+    figure, ((axes,),) = style.figure((0.6 if style.narrow else 0.3) * style.width)
     for index in shown:
         left = changes(report.tracks[index].energy)
-        axes.step(left[:, 0], left[:, 1], where="post", color=colour(index), lw=1.5 * look.line)
+        axes.step(left[:, 0], left[:, 1], where="post", color=colour(index), lw=1.5 * style.line)
     axes.axhline(0.0, color=FAINT, lw=0.8)
     axes.set_ylabel("energy left")
-    _time_below([[axes]], report.duration, look)
-    label_above(axes, robot_handles(report.tracks, shown), 3 if look.narrow else 10)
+    _time_below([[axes]], report.duration, style)
+    label_above(axes, robot_handles(report.tracks, shown), 3 if style.narrow else 10)
     return figure
 
 
-def velocity(report: Report, look: FigureStyle) -> Figure | None:
+def velocity(report: Report, style: FigureStyle) -> Figure | None:
     """Speeds by odometry, and commanded speeds over them; one row for each robot."""
     shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.speeds) or len(track.commands)]
     if not shown:
         return None
-    figure, rows = _panels(look, len(shown), ("speed, m/s", "turning, rad/s"))
+    figure, rows = _panels(style, len(shown), ("speed, m/s", "turning, rad/s"))
     for (index, track), panels in zip(shown, rows, strict=True):
         for axes, column in zip(panels, (1, 2), strict=True):
             if len(track.speeds):
                 measured = track.speeds
-                axes.plot(measured[:, 0], measured[:, column], color=colour(index), alpha=0.55, lw=0.7 * look.line)
+                axes.plot(measured[:, 0], measured[:, column], color=colour(index), alpha=0.55, lw=0.7 * style.line)
             if len(track.commands):
-                told = track.commands
-                axes.step(told[:, 0], told[:, column], where="post", color=INK, lw=0.7 * look.line)
-    _time_below(rows, report.duration, look)
-    commanded = [Line2D([], [], color=INK, lw=look.line, label="commanded")]
+                commands = track.commands
+                axes.step(commands[:, 0], commands[:, column], where="post", color=INK, lw=0.7 * style.line)
+    _time_below(rows, report.duration, style)
+    commanded = [Line2D([], [], color=INK, lw=style.line, label="commanded")]
     label_above(rows[0][0], [*robot_handles(report.tracks, [index for index, _ in shown]), *commanded], 4)
     return figure
 
 
-def timeline(report: Report, look: FigureStyle) -> Figure | None:
+def timeline(report: Report, style: FigureStyle) -> Figure | None:
     """Drives to goals with their rooms, events of the game, and utterances."""
-    if not report.moments and not any(track.attempts for track in report.tracks):
+    if not report.timeline and not any(track.attempts for track in report.tracks):
         return None
     names = [track.name for track in report.tracks]
-    talk = [moment for moment in report.moments if moment.kind == "said"]
-    events = [moment for moment in report.moments if moment.kind != "said"]
-    labels = [*names, *(["game"] if any(e.who not in names for e in events) else []), *(["talk"] if talk else [])]
-    line = 3.0 * look.font / 72.0
-    figure, ((axes,),) = look.figure(4.5 * look.font / 72.0 + line * max(len(labels), 2))
+    utterances = [entry for entry in report.timeline if entry.kind == "said"]
+    events = [entry for entry in report.timeline if entry.kind != "said"]
+    labels = [*names, *(["game"] if any(e.who not in names for e in events) else []), *(["talk"] if utterances else [])]
+    line = 3.0 * style.font / 72.0
+    figure, ((axes,),) = style.figure(4.5 * style.font / 72.0 + line * max(len(labels), 2))
     for index, track in enumerate(report.tracks):
-        _draw_legs(axes, index, track.attempts, events, track.name, report.duration, look)
+        _draw_attempts(axes, index, track.attempts, events, track.name, report.duration, style)
     for event in events:
         row = names.index(event.who) if event.who in names else len(names)
-        axes.plot(event.time, row, "D", ms=0.45 * look.font, color=INK, mec="white", mew=0.5, zorder=3)
-    if talk:
-        axes.vlines([said.time for said in talk], len(labels) - 1.3, len(labels) - 0.7, color="#52606d", lw=look.line)
+        axes.plot(event.time, row, "D", ms=0.45 * style.font, color=INK, mec="white", mew=0.5, zorder=3)
+    if utterances:
+        times = [utterance.time for utterance in utterances]
+        axes.vlines(times, len(labels) - 1.3, len(labels) - 0.7, color="#52606d", lw=style.line)
     axes.set_yticks(range(len(labels)), labels)
     axes.set_ylim(len(labels) - 0.4, -0.6)
     axes.grid(visible=False, axis="y")
@@ -157,12 +158,12 @@ def timeline(report: Report, look: FigureStyle) -> Figure | None:
                 else []
             ),
             *([Patch(color=colour(0), alpha=0.3, lw=0, label="not reached")] if _failed(report) else []),
-            *([Line2D([], [], color=INK, marker="D", ms=0.45 * look.font, lw=0, label="event")] if events else []),
-            *([Line2D([], [], color="#52606d", marker="|", ms=look.font, lw=0, label="said")] if talk else []),
+            *([Line2D([], [], color=INK, marker="D", ms=0.45 * style.font, lw=0, label="event")] if events else []),
+            *([Line2D([], [], color="#52606d", marker="|", ms=style.font, lw=0, label="said")] if utterances else []),
         ],
-        2 if look.narrow else 4,
+        2 if style.narrow else 4,
     )
-    _time_below([[axes]], report.duration, look)
+    _time_below([[axes]], report.duration, style)
     return figure
 
 
@@ -185,32 +186,32 @@ _MISSING: Mapping[FigureKind, str] = {
 
 
 def _failed(report: Report) -> bool:
-    return any(leg.outcome in {"no path", "cancelled"} for track in report.tracks for leg in track.attempts)
+    return any(attempt.outcome in {"no path", "cancelled"} for track in report.tracks for attempt in track.attempts)
 
 
-def _panels(look: FigureStyle, robots: int, labels: tuple[str, str]) -> tuple[Figure, list[list[Axes]]]:
+def _panels(style: FigureStyle, robots: int, labels: tuple[str, str]) -> tuple[Figure, list[list[Axes]]]:
     """A pair of panels for each robot: side by side, or one below the other in narrow figures."""
-    height = 3.0 * look.font / 72.0
-    if not look.narrow:
-        figure, rows = look.figure(height + robots * max(1.1, 0.19 * look.width), robots, 2)
+    height = 3.0 * style.font / 72.0
+    if not style.narrow:
+        figure, rows = style.figure(height + robots * max(1.1, 0.19 * style.width), robots, 2)
         pairs = rows
     else:
-        figure, rows = look.figure(height + 2 * robots * 0.85, 2 * robots)
+        figure, rows = style.figure(height + 2 * robots * 0.85, 2 * robots)
         pairs = [[rows[2 * robot][0], rows[2 * robot + 1][0]] for robot in range(robots)]
     for pair in pairs:
         for axes, label in zip(pair, labels, strict=True):
-            axes.set_ylabel(label.replace(" ", "\n", 1) if look.narrow else label)
+            axes.set_ylabel(label.replace(" ", "\n", 1) if style.narrow else label)
     figure.align_ylabels()
     return figure, pairs
 
 
-def _time_below(rows: Sequence[Sequence[Axes]], duration: float, look: FigureStyle) -> None:
+def _time_below(rows: Sequence[Sequence[Axes]], duration: float, style: FigureStyle) -> None:
     """Label the time axis of the lowest panels with minutes and seconds."""
     for axes in (axes for row in rows for axes in row):
         axes.set_xlim(0.0, max(duration, 1e-3))
-        axes.xaxis.set_major_locator(MultipleLocator(_tick(duration, 5 if look.narrow else 7)))
+        axes.xaxis.set_major_locator(MultipleLocator(_tick(duration, 5 if style.narrow else 7)))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda seconds, _: clock(seconds)))
-    for axes in rows[-1] if not look.narrow else rows[-1][-1:]:
+    for axes in rows[-1] if not style.narrow else rows[-1][-1:]:
         axes.set_xlabel("time, min:s")
 
 
@@ -224,31 +225,39 @@ def _until(series: FloatArray, end: float) -> FloatArray:
     return np.vstack((series, [[end, *series[-1, 1:]]]))
 
 
-def _draw_legs(
+def _draw_attempts(
     axes: Axes,
     row: int,
-    legs: Sequence[GoalAttempt],
+    attempts: Sequence[GoalAttempt],
     events: Sequence[TimelineEntry],
     name: str,
     duration: float,
-    look: FigureStyle,
+    style: FigureStyle,
 ) -> None:
-    for leg in legs:
-        alpha = _OUTCOME_ALPHA.get(leg.outcome, 0.6)
+    for attempt in attempts:
+        alpha = _OUTCOME_ALPHA.get(attempt.outcome, 0.6)
         axes.barh(
-            row, leg.end - leg.start, left=leg.start, height=0.46, color=colour(row), alpha=alpha, ec="white", lw=0.8
+            row,
+            attempt.end - attempt.start,
+            left=attempt.start,
+            height=0.46,
+            color=colour(row),
+            alpha=alpha,
+            ec="white",
+            lw=0.8,
         )
         room = next(
-            (e.room for e in events if e.who == name and e.kind == "departed" and abs(e.time - leg.start) < 1.0), None
+            (e.room for e in events if e.who == name and e.kind == "departed" and abs(e.time - attempt.start) < 1.0),
+            None,
         )
         # The number is left out where it does not fit into its bar.
-        if room is not None and leg.end - leg.start > duration * look.font / 72.0 / look.width:
-            middle = 0.5 * (leg.start + leg.end)
+        if room is not None and attempt.end - attempt.start > duration * style.font / 72.0 / style.width:
+            middle = 0.5 * (attempt.start + attempt.end)
             axes.annotate(
                 str(room),
                 (middle, row),
                 color="white" if alpha > 0.7 else INK,
-                fontsize=look.font - 1,
+                fontsize=style.font - 1,
                 ha="center",
                 va="center_baseline",
             )

@@ -19,7 +19,7 @@ from thbridge.analysis.report.values import Report
 _THING = "#f0b429"
 
 
-def paths(report: Report, look: FigureStyle) -> Figure | None:
+def paths(report: Report, style: FigureStyle) -> Figure | None:
     """The map with things and paths: true paths are broad, estimated ones narrow.
 
     Where no pose on the map is known, the paths of odometry, without the map, since each begins at its own origin.
@@ -27,14 +27,14 @@ def paths(report: Report, look: FigureStyle) -> Figure | None:
     placed = any(len(track.truth) or len(track.estimate) for track in report.tracks)
     counted = not placed and any(len(track.odometry) for track in report.tracks)
     grid = None if counted else report.grid
-    ways = [(track.odometry,) if counted else (track.truth, track.estimate) for track in report.tracks]
-    seen = [path[:, 1:3] for way in ways for path in way if len(path)]
+    robot_paths = [(track.odometry,) if counted else (track.truth, track.estimate) for track in report.tracks]
+    seen = [path[:, 1:3] for own_paths in robot_paths for path in own_paths if len(path)]
     if not seen and grid is None:
         return None
     left, right, bottom, top = _extent(grid, seen)
     # A legend of robots needs a line, the axes' labels another.
-    height = look.width * (top - bottom) / (right - left) + 6.0 * look.font / 72.0
-    figure, ((axes,),) = look.figure(min(max(height, 0.3 * look.width), 1.4 * look.width))
+    height = style.width * (top - bottom) / (right - left) + 6.0 * style.font / 72.0
+    figure, ((axes,),) = style.figure(min(max(height, 0.3 * style.width), 1.4 * style.width))
     axes.grid(visible=False)
     if grid is not None:
         _draw_grid(axes, grid)
@@ -42,21 +42,21 @@ def paths(report: Report, look: FigureStyle) -> Figure | None:
         axes.fill(thing.outline[:, 0], thing.outline[:, 1], fc=_THING, ec=INK, lw=0.6, alpha=0.8, zorder=1)
         walk = simplified(thing.path)
         axes.plot(walk[:, 0], walk[:, 1], ":", color=INK, lw=0.8, zorder=1)
-        axes.annotate(thing.name, thing.outline[:, :2].max(axis=0), color=INK, fontsize=look.font - 2, zorder=4)
+        axes.annotate(thing.name, thing.outline[:, :2].max(axis=0), color=INK, fontsize=style.font - 2, zorder=4)
     styles = (
-        (("odometry", look.line, 1.0, "--"),)
+        (("odometry", style.line, 1.0, "--"),)
         if counted
-        else (("true", 4.0 * look.line, 0.35, "-"), ("estimated", look.line, 1.0, "-"))
+        else (("true", 4.0 * style.line, 0.35, "-"), ("estimated", style.line, 1.0, "-"))
     )
-    mark = 0.75 * look.font
-    for index, way in enumerate(ways):
+    mark = 0.75 * style.font
+    for index, own_paths in enumerate(robot_paths):
         tint = colour(index)
-        for path, (_, width, alpha, line) in zip(way, styles, strict=True):
+        for path, (_, width, alpha, line) in zip(own_paths, styles, strict=True):
             points = simplified(path[:, 1:3])
             axes.plot(
                 points[:, 0], points[:, 1], line, color=tint, lw=width, alpha=alpha, solid_capstyle="round", zorder=2
             )
-        best = next((path for path in way if len(path)), None)
+        best = next((path for path in own_paths if len(path)), None)
         if best is not None:
             axes.plot(*best[0, 1:3], "o", ms=mark, mfc="white", mec=tint, mew=1.2, zorder=3)
             axes.plot(*best[-1, 1:3], "o", ms=mark, color=tint, mec="white", zorder=3)
@@ -64,15 +64,15 @@ def paths(report: Report, look: FigureStyle) -> Figure | None:
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, top)
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(MaxNLocator(5 if look.narrow else 9, integer=True))
+        axis.set_major_locator(MaxNLocator(5 if style.narrow else 9, integer=True))
     axes.set_xlabel("x, m")
     axes.set_ylabel("y, m")
     kinds = [
         Line2D([], [], color=FAINT, lw=width, alpha=max(alpha, 0.6), label=name, ls=line)
         for kind, (name, width, alpha, line) in enumerate(styles)
-        if any(len(way[kind]) for way in ways)
+        if any(len(own_paths[kind]) for own_paths in robot_paths)
     ]
-    label_above(axes, [*robot_handles(report.tracks), *kinds], 3 if look.narrow else 8)
+    label_above(axes, [*robot_handles(report.tracks), *kinds], 3 if style.narrow else 8)
     return figure
 
 

@@ -57,7 +57,7 @@ class FigureStyle:
         """True when two panels do not fit side by side."""
         return self.width < 5.0
 
-    def style(self, salt: str = "") -> AbstractContextManager[None]:
+    def settings(self, salt: str = "") -> AbstractContextManager[None]:
         """Matplotlib's settings. Ids within SVG files are hashes, made with this salt."""
         return mpl.rc_context(
             {
@@ -91,7 +91,7 @@ class FigureStyle:
         )
 
     def figure(self, height: float, rows: int = 1, columns: int = 1) -> tuple[Figure, list[list[Axes]]]:
-        """An empty figure with panels that share one time axis; height in inches. Call it within `style`."""
+        """An empty figure with panels that share one time axis; height in inches. Call it within `settings`."""
         figure = Figure(figsize=(self.width, height), layout="constrained")
         axes = figure.subplots(rows, columns, sharex=True, squeeze=False)
         return figure, [list(row) for row in axes]
@@ -99,7 +99,7 @@ class FigureStyle:
     def rendered(self, figure: Figure, kind: FigureFormat, salt: str = "", transparent: bool = False) -> bytes:
         """The bytes of the figure's file; PNG with 300 dots per inch."""
         file = BytesIO()
-        with self.style(salt):
+        with self.settings(salt):
             figure.savefig(file, format=kind.value, metadata=dict(_METADATA[kind]), dpi=300, transparent=transparent)
         return file.getvalue()
 

@@ -66,27 +66,27 @@ def read_report(messages: Iterable[RecordedMessage], grid: OccupancyGrid | None 
         messages: the messages of the bag.
         grid: the map, in place of the bag's own.
     """
-    gathered = _Gathered()
+    builder = _ReportBuilder()
     for message in messages:
-        gathered.take(message)
-    return gathered.report(grid)
+        builder.take(message)
+    return builder.report(grid)
 
 
-class _Gathered:
+class _ReportBuilder:
     """Collects the contents of messages by type."""
 
     def __init__(self) -> None:
         self._first_ns: int | None = None
         self._last_ns = 0
-        self._heard = SeriesByTopic()
+        self._series = SeriesByTopic()
         self._session: SessionRecord | None = None
         self._grids: dict[str, OccupancyGrid] = {}
         self._score: ScoreRecord | None = None
-        self._moments: list[TimelineEntry] = []
+        self._timeline: list[TimelineEntry] = []
         self._inputs = 0
         self._outlines: defaultdict[str, list[FloatArray]] = defaultdict(list)
         self._unread: dict[str, str] = {}
-        self._takers: dict[str, Callable[[float, str, bytes], None]] = {
+        self._handlers: dict[str, Callable[[float, str, bytes], None]] = {
             types.ODOMETRY: self._odometry,
             types.TFMESSAGE: self._transforms,
             types.POSE_WITH_COVARIANCE: self._pose_with_covariance,
@@ -109,20 +109,20 @@ class _Gathered:
             self._first_ns = message.stamp_ns
         self._last_ns = max(self._last_ns, message.stamp_ns)
         msgtype = types.TFMESSAGE if message.msgtype == _TF_OLD else message.msgtype
-        taker = self._takers.get(msgtype)
-        if taker is None:
+        handler = self._handlers.get(msgtype)
+        if handler is None:
             return
         if message.md5 != types.plain_definition(msgtype).md5:
             self._unread[message.topic] = f"{message.topic} holds another release's {message.msgtype}"
             return
         try:
-            taker((message.stamp_ns - self._first_ns) / 1e9, message.topic, message.data)
+            handler((message.stamp_ns - self._first_ns) / 1e9, message.topic, message.data)
         except ValueError as error:
             self._unread[message.topic] = f"{message.topic} holds a message that cannot be read: {error}"
 
     def report(self, grid: OccupancyGrid | None) -> Report:
         duration = 0.0 if self._first_ns is None else (self._last_ns - self._first_ns) / 1e9
-        tracks = self._heard.tracks(duration)
+        tracks = self._series.tracks(duration)
         grid = grid or next((self._grids[name] for name in usual_first(self._grids, (MAP.strip("/"),))), None)
         return Report(
             duration,
@@ -130,13 +130,13 @@ class _Gathered:
             grid,
             tracks,
             tuple(_thing(name, outlines) for name, outlines in self._outlines.items()),
-            tuple(self._moments),
+            tuple(self._timeline),
             self._score,
             self._inputs,
-            (*self._unread.values(), *self._absent(tracks, grid)),
+            (*self._unread.values(), *self._missing(tracks, grid)),
         )
 
-    def _absent(self, tracks: tuple[Track, ...], grid: OccupancyGrid | None) -> Iterable[str]:
+    def _missing(self, tracks: tuple[Track, ...], grid: OccupancyGrid | None) -> Iterable[str]:
         if grid is None:
             yield "There is no map: nobody published /map (nav_msgs/OccupancyGrid)."
         if not tracks:
@@ -148,22 +148,22 @@ class _Gathered:
             yield f"No estimated path of {names}: neither map -> odom in /tf nor a topic amcl_pose."
         if names := without(lambda track: track.energy):
             yield f"No energy of {names}: no topic of type sensor_msgs/BatteryState."
-        if not self._moments:
+        if not self._timeline:
             yield "No events and no talk: neither /hunt/events nor /dialogue/utterances."
         if self._score is None:
             yield "No score: nobody published /hunt/score."
 
     def _odometry(self, time: float, topic: str, data: bytes) -> None:
-        said = unpack.odometry(data)
-        poses = self._heard.odometry.setdefault(topic, PoseSeries(said.frame, said.child_frame))
-        poses.add(time, said.pose)
-        poses.speeds.extend((time, said.twist.linear, said.twist.angular))
+        message = unpack.odometry(data)
+        poses = self._series.odometry.setdefault(topic, PoseSeries(message.frame, message.child_frame))
+        poses.add(time, message.pose)
+        poses.speeds.extend((time, message.twist.linear, message.twist.angular))
 
     def _transforms(self, time: float, topic: str, data: bytes) -> None:
         for _, (parent, child, pose) in unpack.transforms(data):
             if is_map_frame(parent) or is_odom_frame(parent):
                 key = (topic.strip("/").rpartition("/")[0], frame_name(parent), frame_name(child))
-                self._heard.edges.setdefault(key, PoseSeries(key[1], key[2])).add(time, pose)
+                self._series.edges.setdefault(key, PoseSeries(key[1], key[2])).add(time, pose)
 
     def _pose_with_covariance(self, time: float, topic: str, data: bytes) -> None:
         self._add_pose(time, topic, unpack.pose_with_covariance(data))
@@ -171,31 +171,31 @@ class _Gathered:
     def _pose(self, time: float, topic: str, data: bytes) -> None:
         self._add_pose(time, topic, unpack.pose_stamped(data))
 
-    def _add_pose(self, time: float, topic: str, said: PoseInFrame) -> None:
-        poses = self._heard.poses.setdefault(topic, PoseSeries(said.frame, ""))
-        poses.add(time, said.pose)
-        if (row := deviations(time, said.covariance)) is not None:
+    def _add_pose(self, time: float, topic: str, message: PoseInFrame) -> None:
+        poses = self._series.poses.setdefault(topic, PoseSeries(message.frame, ""))
+        poses.add(time, message.pose)
+        if (row := deviations(time, message.covariance)) is not None:
             poses.deviations.extend(row)
 
     def _command(self, time: float, topic: str, data: bytes) -> None:
-        said = unpack.twist(data)
-        self._heard.commands[topic].extend((time, said.linear, said.angular))
+        message = unpack.twist(data)
+        self._series.commands[topic].extend((time, message.linear, message.angular))
 
     def _battery(self, time: float, topic: str, data: bytes) -> None:
-        said = unpack.battery_state(data)
-        left = said.charge if math.isfinite(said.charge) else 100.0 * said.percentage
+        message = unpack.battery_state(data)
+        left = message.charge if math.isfinite(message.charge) else 100.0 * message.percentage
         if math.isfinite(left):
-            self._heard.energy[topic].extend((time, left))
+            self._series.energy[topic].extend((time, left))
 
     def _goal(self, time: float, topic: str, data: bytes) -> None:
-        self._heard.goals[_action(topic)][unpack.move_base_goal(data).goal_id] = time
+        self._series.goals[_action(topic)][unpack.move_base_goal(data).goal_id] = time
 
     def _result(self, time: float, topic: str, data: bytes) -> None:
-        said = unpack.move_base_result(data)
-        start = self._heard.goals[_action(topic)].pop(said.goal_id, None)
+        message = unpack.move_base_result(data)
+        start = self._series.goals[_action(topic)].pop(message.goal_id, None)
         if start is not None:
-            outcome = OUTCOMES.get(said.status, f"status {said.status}")
-            self._heard.attempts[_action(topic)].append(GoalAttempt(start, time, outcome, said.text))
+            outcome = OUTCOMES.get(message.status, f"status {message.status}")
+            self._series.attempts[_action(topic)].append(GoalAttempt(start, time, outcome, message.text))
 
     def _map(self, time: float, topic: str, data: bytes) -> None:
         if "costmap" not in topic:
@@ -215,14 +215,14 @@ class _Gathered:
     def _event(self, time: float, topic: str, data: bytes) -> None:
         event = unpack.game_event(data)
         who = "" if event.robot is None else f"robot{event.robot + 1}"
-        text, points = _told(event)
-        self._moments.append(TimelineEntry(time, event.kind, who, event.room, text, points))
+        text, points = _event_text(event)
+        self._timeline.append(TimelineEntry(time, event.kind, who, event.room, text, points))
 
     def _utterance(self, time: float, topic: str, data: bytes) -> None:
-        said: UtteranceRecord = unpack.utterance(data)
-        who = f"robot{said.robot + 1}" if said.speaker == "robot" else f"participant to robot{said.robot + 1}"
-        who += " (by a wizard)" if said.author == "wizard" else ""
-        self._moments.append(TimelineEntry(time, "said", who, said.room, said.text or said.move))
+        message: UtteranceRecord = unpack.utterance(data)
+        who = f"robot{message.robot + 1}" if message.speaker == "robot" else f"participant to robot{message.robot + 1}"
+        who += " (by a wizard)" if message.author == "wizard" else ""
+        self._timeline.append(TimelineEntry(time, "said", who, message.room, message.text or message.move))
 
     def _input(self, time: float, topic: str, data: bytes) -> None:
         self._inputs += unpack.outside_input(data).kind in {"said", "received", "asked"}
@@ -243,7 +243,7 @@ def _thing(name: str, outlines: list[FloatArray]) -> ObstacleTrack:
     return ObstacleTrack(name, outlines[0], middles[np.concatenate(([True], moved))])
 
 
-def _told(event: GameEvent) -> tuple[str, int | None]:
+def _event_text(event: GameEvent) -> tuple[str, int | None]:
     """An event's plain JSON values as text for people, and its points."""
     try:
         fields = json.loads(event.json)
@@ -251,13 +251,13 @@ def _told(event: GameEvent) -> tuple[str, int | None]:
         return event.json, None
     if not isinstance(fields, dict):
         return event.json, None
-    told = (
+    parts = (
         f"{name.replace('_', ' ')} {_plain(value)}"
         for name, value in fields.items()
-        if name not in _SAID_ELSEWHERE and _is_plain(value)
+        if name not in _SHOWN_ELSEWHERE and _is_plain(value)
     )
     points = fields.get("points")
-    return ", ".join(told), points if isinstance(points, int) else None
+    return ", ".join(parts), points if isinstance(points, int) else None
 
 
 def _is_plain(value: object) -> TypeGuard[str | int | float]:
@@ -269,4 +269,4 @@ def _plain(value: str | int | float) -> str:
     return value.rstrip(".") if isinstance(value, str) else f"{value:g}"
 
 
-_SAID_ELSEWHERE = frozenset({"v", "event", "robot", "room", "points"})
+_SHOWN_ELSEWHERE = frozenset({"v", "event", "robot", "room", "points"})

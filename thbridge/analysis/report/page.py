@@ -38,7 +38,7 @@ def render(report: Report, name: str) -> str:
         report: the data to show.
         name: name of the bag, for the title.
     """
-    with PAGE.style():
+    with PAGE.settings():
         drawn = [(title, caption, make(report, PAGE)) for title, caption, make in _FIGURES]
     figures = [(title, caption, figure) for title, caption, figure in drawn if figure is not None]
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
@@ -51,7 +51,7 @@ def render(report: Report, name: str) -> str:
         ],
         summary=_summary(report),
         robots=[_robot_row(index, track) for index, track in enumerate(report.tracks)],
-        points=[moment for moment in report.moments if moment.points is not None],
+        points=[entry for entry in report.timeline if entry.points is not None],
         clock=clock,
     )
 
@@ -102,7 +102,7 @@ def _rms(values: FloatArray) -> float:
 def _robot_row(index: int, track: Track) -> dict[str, str]:
     unknown = "–"
     errors, energy = track.errors, track.energy
-    arrived = sum(leg.outcome == "arrived" for leg in track.attempts)
+    arrived = sum(attempt.outcome == "arrived" for attempt in track.attempts)
     return {
         "name": track.name,
         "colour": colour(index),

@@ -100,8 +100,8 @@ class SeriesByTopic:
         truth, odometry = sources.truth(), sources.odometry()
         estimate = sources.estimate(odometry)
         true_path, driven = table(truth.rows, 4), table(odometry.rows, 4)
-        legs = [leg for topic in sources.own(self.attempts) for leg in self.attempts[topic]]
-        legs += [
+        attempts = [attempt for topic in sources.own(self.attempts) for attempt in self.attempts[topic]]
+        attempts += [
             GoalAttempt(start, duration, UNDER_WAY, "")
             for topic in sources.own(self.goals)
             for start in self.goals[topic].values()
@@ -112,13 +112,13 @@ class SeriesByTopic:
             estimate=estimate,
             errors=errors(estimate, true_path),
             energy=table(_first(self.energy, sources.own(self.energy), BATTERIES), 2),
-            attempts=tuple(sorted(legs, key=lambda leg: leg.start)),
+            attempts=tuple(sorted(attempts, key=lambda attempt: attempt.start)),
             distance=distance(next((path for path in (true_path, estimate, driven) if len(path)), true_path)),
             odometry=driven,
             speeds=table(odometry.speeds, 3),
             commands=table(_first(self.commands, sources.own(self.commands), COMMANDS), 3),
             deviations=table(sources.admitted(), 3),
-            sources=tuple(sources.told),
+            sources=tuple(sources.notes),
         )
 
 
@@ -129,14 +129,14 @@ class _Sources:
         told: sentences on the topics that were chosen, for people.
     """
 
-    def __init__(self, heard: SeriesByTopic, robot: str, robots: frozenset[str]) -> None:
-        self.told: list[str] = []
+    def __init__(self, by_topic: SeriesByTopic, robot: str, robots: frozenset[str]) -> None:
+        self.notes: list[str] = []
         self._robot, self._robots = robot, robots
-        self._odometry = self._own_poses(heard.odometry)
-        self._poses = self._own_poses(heard.poses)
+        self._odometry = self._own_poses(by_topic.odometry)
+        self._poses = self._own_poses(by_topic.poses)
         self._edges = {
             f"tf {poses.frame} -> {poses.child}": poses
-            for key, poses in heard.edges.items()
+            for key, poses in by_topic.edges.items()
             if owner_of_edge(key) == robot or len(robots) == 1
         }
 
@@ -152,25 +152,25 @@ class _Sources:
 
         truth = self._take("truth", (_chosen(self._odometry, known), ()), (_chosen(self._poses, known), ()))
         if truth.frame and not is_map_frame(truth.frame):
-            self.told.append(f"the truth is in the frame {frame_name(truth.frame)}, and is taken as places on the map")
+            self.notes.append(f"the truth is in the frame {frame_name(truth.frame)}, and is taken as places on the map")
         return truth
 
     def odometry(self) -> PoseSeries:
         """Its odometry; without rows if there is none."""
-        topics = _chosen(self._odometry, lambda topic, said: not is_truth(topic) and not is_map_frame(said.frame))
-        edges = _chosen(self._edges, lambda _, said: is_odom_frame(said.frame))
+        topics = _chosen(self._odometry, lambda topic, series: not is_truth(topic) and not is_map_frame(series.frame))
+        edges = _chosen(self._edges, lambda _, series: is_odom_frame(series.frame))
         return self._take("odometry", (topics, (ODOM_FRAME,)), (edges, ()))
 
     def estimate(self, odometry: PoseSeries) -> FloatArray:
         """(n, 4) time, x, y, theta of its estimated pose; preferably odometry with the corrections of map -> odom."""
         corrections = _chosen(
             self._edges,
-            lambda _, said: is_map_frame(said.frame) and frame_name(said.child) == frame_name(odometry.frame),
+            lambda _, series: is_map_frame(series.frame) and frame_name(series.child) == frame_name(odometry.frame),
         )
         if odometry.rows and corrections:
             return corrected(table(odometry.rows, 4), table(self._take("estimate", (corrections, ())).rows, 4))
-        fused = _chosen(self._odometry, lambda topic, said: not is_truth(topic) and is_map_frame(said.frame))
-        direct = _chosen(self._edges, lambda _, said: is_map_frame(said.frame) and last_word(said.child) in BASES)
+        fused = _chosen(self._odometry, lambda topic, series: not is_truth(topic) and is_map_frame(series.frame))
+        direct = _chosen(self._edges, lambda _, series: is_map_frame(series.frame) and last_word(series.child) in BASES)
         found = self._take("estimate", (_estimates(self._poses), ESTIMATES), (fused, ()), (direct, ()))
         return table(found.rows, 4)
 
@@ -179,12 +179,12 @@ class _Sources:
         names = usual_first(_estimates(self._poses), ESTIMATES)
         return self._poses[names[0]].deviations if names else numbers()
 
-    def _own_poses(self, heard: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
+    def _own_poses(self, by_topic: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
         """The poses of the robot: by the prefix of their frame if it is a robot's, else by the namespace."""
         named = self._robots - {""}
         return {
             topic: poses
-            for topic, poses in heard.items()
+            for topic, poses in by_topic.items()
             if (prefix if (prefix := prefix_of(poses.child)) in named else owner_of(topic, self._robots)) == self._robot
         }
 
@@ -193,26 +193,28 @@ class _Sources:
         for candidates, usual in choices:
             if names := usual_first(candidates, usual):
                 others = f"; there is also {', '.join(names[1:])}" if len(names) > 1 else ""
-                self.told.append(f"{what} from {names[0]}{others}")
+                self.notes.append(f"{what} from {names[0]}{others}")
                 return candidates[names[0]]
         return PoseSeries("", "")
 
 
-def _first(heard: Mapping[str, "array[float]"], topics: Iterable[str], usual: tuple[str, ...]) -> "array[float]":
+def _first(by_topic: Mapping[str, "array[float]"], topics: Iterable[str], usual: tuple[str, ...]) -> "array[float]":
     """The rows of the topic with the most usual name; none without a topic."""
     names = usual_first(topics, usual)
-    return heard[names[0]] if names else numbers()
+    return by_topic[names[0]] if names else numbers()
 
 
-def _chosen(heard: Mapping[str, PoseSeries], wanted: Callable[[str, PoseSeries], bool]) -> dict[str, PoseSeries]:
-    return {name: poses for name, poses in heard.items() if wanted(name, poses)}
+def _chosen(by_topic: Mapping[str, PoseSeries], wanted: Callable[[str, PoseSeries], bool]) -> dict[str, PoseSeries]:
+    return {name: poses for name, poses in by_topic.items() if wanted(name, poses)}
 
 
 def _estimates(poses: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
     """Poses on the map that may come from a localiser."""
     return _chosen(
         poses,
-        lambda topic, said: is_map_frame(said.frame) and not is_truth(topic) and last_word(topic) not in NO_ESTIMATES,
+        lambda topic, series: (
+            is_map_frame(series.frame) and not is_truth(topic) and last_word(topic) not in NO_ESTIMATES
+        ),
     )
 
 

@@ -103,7 +103,7 @@ class Report:
         grid: the map, or None.
         tracks: data of each robot, by name.
         things: the things, in the order of their appearance.
-        moments: events and utterances, in order of time.
+        timeline: events and utterances, in order of time.
         score: the last score, or None.
         inputs: number of inputs of people that were recorded.
         missing: sentences on data that are missing, and why.
@@ -114,7 +114,7 @@ class Report:
     grid: OccupancyGrid | None
     tracks: tuple[Track, ...]
     things: tuple[ObstacleTrack, ...]
-    moments: tuple[TimelineEntry, ...]
+    timeline: tuple[TimelineEntry, ...]
     score: ScoreRecord | None
     inputs: int
     missing: tuple[str, ...]

@@ -58,8 +58,8 @@ class RosYamlNormalizer:
                         known.entries.extend(inner.entries)
                         continue
                     if known is not None:
-                        told = f"{name.text} stands twice, first in line {before.line}; the later holds, as in ROS"
-                        self.notices.append(f"{self.path}, line {name.line}: {told}")
+                        notice = f"{name.text} stands twice, first in line {before.line}; the later holds, as in ROS"
+                        self.notices.append(f"{self.path}, line {name.line}: {notice}")
                     written[name.text] = name, inner
                 return Section(line, list(written.values()))
 

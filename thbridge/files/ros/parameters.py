@@ -89,9 +89,9 @@ def read_ros_parameters(paths: Sequence[Path], start: RobotParameters) -> RosPar
     value = start
     listed: dict[str, set[str]] = {}
     for path, tree in trees:
-        router = _Router(path, layers, notices)
-        shaped = router.shaped(tree)
-        listed |= router.listed
+        sorter = _Sorter(path, layers, notices)
+        shaped = sorter.shaped(tree)
+        listed |= sorter.listed
         try:
             loaded = load_tree(path, shaped, RobotParameters, value)
         except BadFiles as found:
@@ -104,13 +104,13 @@ def read_ros_parameters(paths: Sequence[Path], start: RobotParameters) -> RosPar
     return RosParameters(_with_layers(value, listed), tuple(_once(notices)))
 
 
-def _once(told: Sequence[T]) -> list[T]:
+def _once(notice: Sequence[T]) -> list[T]:
     """Items without those that are repeated for the second costmap."""
-    return list({str(thing).replace(COSTMAPS[1], COSTMAPS[0]): thing for thing in reversed(told)}.values())[::-1]
+    return list({str(thing).replace(COSTMAPS[1], COSTMAPS[0]): thing for thing in reversed(notice)}.values())[::-1]
 
 
 @dataclass(slots=True)
-class _Router:
+class _Sorter:
     """Moves the entries of one file to the sections of `RobotParameters`.
 
     Attributes:
@@ -190,8 +190,8 @@ class _Router:
             if meaning is None:
                 yield key, child
             else:
-                told = f"{section}.{key.text} has no effect here: {meaning}"
-                self.notices.append(f"{self.path}, line {key.line}: {told}")
+                notice = f"{section}.{key.text} has no effect here: {meaning}"
+                self.notices.append(f"{self.path}, line {key.line}: {notice}")
 
     def layer_of(self, name: str) -> str | None:
         return self.layers[name] if name in self.layers else _layer_like(name)
@@ -211,14 +211,14 @@ class _Router:
             if key.text == "plugins":
                 self.listed[section] = set(_plugins(child).values())
             elif layer == "":
-                told = f"{section}.{key.text} has no effect here: there is no such kind of layer"
-                self.notices.append(f"{self.path}, line {key.line}: {told}")
+                notice = f"{section}.{key.text} has no effect here: there is no such kind of layer"
+                self.notices.append(f"{self.path}, line {key.line}: {notice}")
             elif layer is None or not isinstance(child, Section):
                 shaped.append((key, child))
             elif layer in layers:
                 layers[layer] = _joined(layers[layer], child.entries)
-                told = f"{section}.{key.text} is taken into the one {layer} that there is here"
-                self.notices.append(f"{self.path}, line {key.line}: {told}")
+                notice = f"{section}.{key.text} is taken into the one {layer} that there is here"
+                self.notices.append(f"{self.path}, line {key.line}: {notice}")
             else:
                 layers[layer] = child.entries
         for layer, inner in layers.items():

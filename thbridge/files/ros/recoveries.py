@@ -39,8 +39,8 @@ def with_our_behaviours(entries: list[Entry], where: str, notices: list[str]) ->
                     if "conservative_reset_dist" not in written:
                         shaped.append((Scalar("conservative_reset_dist", plain=True, line=name.line), value))
                     continue
-                told = f"move_base.{key.text}.{name.text} has no effect here: the behaviours do as they do by default"
-                notices.append(f"{where}, line {name.line}: {told}")
+                notice = f"move_base.{key.text}.{name.text} has no effect here: the behaviours do as they do by default"
+                notices.append(f"{where}, line {name.line}: {notice}")
         else:
             shaped.append((key, child))
     return shaped
@@ -87,6 +87,6 @@ def _listed(node: Listing, ours: dict[str, str], where: str, notices: list[str])
             if here != name.text:
                 notices.append(f"{where}, line {name.line}: recovery behaviour {name.text} is taken as {here}")
         else:
-            told = f"recovery behaviour {name.text} has no effect here: there is none of its type"
-            notices.append(f"{where}, line {name.line}: {told}")
+            notice = f"recovery behaviour {name.text} has no effect here: there is none of its type"
+            notices.append(f"{where}, line {name.line}: {notice}")
     return Listing(node.line, items)

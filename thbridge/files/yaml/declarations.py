@@ -24,9 +24,9 @@ def ros_only_of(section: type) -> Mapping[str, str]:
     return cast(Mapping[str, str], getattr(section, "ros_only", {}))
 
 
-def model_of(knob: "dataclasses.Field[object] | None") -> str | None:
+def model_of(field: "dataclasses.Field[object] | None") -> str | None:
     """Name of the field from which this one's entries take their defaults; None without one."""
-    return None if knob is None else cast("str | None", knob.metadata.get("like"))
+    return None if field is None else cast("str | None", field.metadata.get("like"))
 
 
 def sections_named_in(section: type) -> str:
@@ -34,9 +34,9 @@ def sections_named_in(section: type) -> str:
     return cast(str, getattr(section, "sections_named_in", ""))
 
 
-def required(knob: "dataclasses.Field[object]") -> bool:
+def required(field: "dataclasses.Field[object]") -> bool:
     """Return True when files must have the field, because it has no default."""
-    return knob.default is dataclasses.MISSING and knob.default_factory is dataclasses.MISSING
+    return field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
 
 
 def bounds(metadata: Metadata) -> tuple[float, float]:
@@ -92,7 +92,7 @@ def wanted(hint: object, metadata: Metadata) -> str:
 
 def keys_of(into: type) -> str:
     """The keys of a section, as a sentence."""
-    return f"Its keys are {', '.join(knob.name for knob in dataclasses.fields(into))}"
+    return f"Its keys are {', '.join(field.name for field in dataclasses.fields(into))}"
 
 
 def paths(into: type, key: str = "") -> Iterator[str]:

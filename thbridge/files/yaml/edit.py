@@ -156,17 +156,17 @@ class _Edit:
         """Lines of nested keys, the last of them with the value."""
         lines = []
         for depth, step in enumerate(steps):
-            told = "-" if isinstance(step, int) else f"{_key(step)}:"
+            prefix = "-" if isinstance(step, int) else f"{_key(step)}:"
             last = f" {value}" if depth == len(steps) - 1 else ""
-            lines.append(" " * (column + _INDENT * depth) + told + last)
+            lines.append(" " * (column + _INDENT * depth) + prefix + last)
         return lines
 
     def _flow(self, steps: Sequence[Step], value: str, bare: bool) -> str:
         """Nested keys on one line; `bare` without the outermost brackets."""
         for depth, step in reversed(list(enumerate(steps))):
-            told = value if isinstance(step, int) else f"{_key(step)}: {value}"
+            inner = value if isinstance(step, int) else f"{_key(step)}: {value}"
             brackets = "[]" if isinstance(step, int) else "{}"
-            value = told if depth == 0 and bare else f"{brackets[0]}{told}{brackets[1]}"
+            value = inner if depth == 0 and bare else f"{brackets[0]}{inner}{brackets[1]}"
         return value
 
     def drop(self, steps: Sequence[Step]) -> str:
@@ -335,13 +335,13 @@ def _verified(text: str, wanted: list[Leaf], steps: tuple[Step, ...]) -> str | R
     """The text, if it has the wanted values; else a refusal. An empty section counts as a missing one."""
     above = {path_of(steps[:depth]) for depth in range(len(steps))}
 
-    def told(leaves: list[Leaf]) -> list[Leaf]:
+    def comparable(leaves: list[Leaf]) -> list[Leaf]:
         kept = (leaf for leaf in leaves if not (leaf[0] in above and leaf[1] is None))
         # A duplicate key may have a value in one place and none in the other.
         return sorted(kept, key=lambda leaf: (leaf[0], leaf[1] is not None, leaf[1] or "", leaf[2]))
 
     try:
-        sound = told(_leaves(parse(_SCRATCH, text))) == told(wanted)
+        sound = comparable(_leaves(parse(_SCRATCH, text))) == comparable(wanted)
     except BadFile:
         sound = False
     if sound:

@@ -218,8 +218,8 @@ class _Reader:
                 yield dataclasses.replace(name, text=present), child
             else:
                 place = f"{key}.{name.text}" if key else name.text
-                told = f"{place} has no effect here: it is an old name of {present}, which stands there, too"
-                self.notices.append(f"{self.path}, line {name.line}: {told}")
+                notice = f"{place} has no effect here: it is an old name of {present}, which stands there, too"
+                self.notices.append(f"{self.path}, line {name.line}: {notice}")
 
     def section(self, node: Node, into: type, key: str, defaults: "DataclassInstance | None" = None) -> object:
         if isinstance(node, Scalar) and node.absent:
@@ -228,7 +228,7 @@ class _Reader:
             return self.wrong(node.line, key, "a section of 'key: value' lines is needed", keys_of(into))
         node = _handed_down(node, into)
         hints = cast(Mapping[str, object], get_type_hints(into))
-        known = {knob.name: knob for knob in dataclasses.fields(into)}
+        known = {field.name: field for field in dataclasses.fields(into)}
         listed = sections_named_in(into)
         named = _named(node, into, defaults)
         values: dict[str, object] = {}
@@ -255,20 +255,20 @@ class _Reader:
                 self.unknown(name, place, into)
                 continue
             self.lines[place] = name.line
-            knob, hint = known[name.text], hints[name.text]
+            field, hint = known[name.text], hints[name.text]
             if get_origin(hint) is Mapping:
-                model = model_of(knob) or ""
+                model = model_of(field) or ""
                 like = values.get(model, cast(object, getattr(defaults, model, None)))
                 values[name.text] = self.numbered(child, get_args(hint)[1], place, like)
             else:
-                own = knob.default if defaults is None else cast(object, getattr(defaults, knob.name))
-                values[name.text] = self.field(child, hint, knob, place, own)
+                own = field.default if defaults is None else cast(object, getattr(defaults, field.name))
+                values[name.text] = self.field(child, hint, field, place, own)
         if listed and (listed in first_lines or any(name in first_lines for name in named)):
             values[listed] = self.named_sections(node, listed, named, get_args(hints[listed])[0], key)
-        missing = [knob for knob in known.values() if required(knob) and knob.name not in first_lines]
-        for knob in missing:
-            remedy = f"Add the line '{knob.name}: ...'. {wanted(hints[knob.name], knob.metadata)} there"
-            self.wrong(node.line, f"{key}.{knob.name}" if key else knob.name, "missing", remedy)
+        missing = [field for field in known.values() if required(field) and field.name not in first_lines]
+        for field in missing:
+            remedy = f"Add the line '{field.name}: ...'. {wanted(hints[field.name], field.metadata)} there"
+            self.wrong(node.line, f"{key}.{field.name}" if key else field.name, "missing", remedy)
         if missing or _WRONG in values.values():
             return _WRONG
         return cast(object, into(**values) if defaults is None else dataclasses.replace(defaults, **values))
@@ -291,10 +291,12 @@ class _Reader:
             )
         return _WRONG if _WRONG in values else tuple(values)
 
-    def field(self, node: Node, hint: object, knob: "dataclasses.Field[object]", place: str, default: object) -> object:
+    def field(
+        self, node: Node, hint: object, field: "dataclasses.Field[object]", place: str, default: object
+    ) -> object:
         if dataclasses.is_dataclass(default) and not isinstance(default, type):
             return self.section(node, type(default), place, default)
-        return self.value(node, hint, knob.metadata, place)
+        return self.value(node, hint, field.metadata, place)
 
     def numbered(self, node: Node, into: type, key: str, like: object) -> object:
         if isinstance(node, Scalar) and node.absent:
@@ -318,7 +320,7 @@ class _Reader:
         return _WRONG if _WRONG in values.values() else values
 
     def unknown(self, name: Scalar, place: str, into: type) -> None:
-        names = [knob.name for knob in dataclasses.fields(into)]
+        names = [field.name for field in dataclasses.fields(into)]
         nearest = difflib.get_close_matches(name.text, names, n=1)
         elsewhere = [path for path in paths(self.root) if path.rpartition(".")[2] == name.text]
         if nearest:
@@ -360,7 +362,7 @@ def _handed_down(node: Section, into: type) -> Section:
             named = _words(node, key.text)
             entries.extend(entry for entry in node.entries if entry[0].text in named)
             gone.update(named)
-        if key.text not in {knob.name for knob in dataclasses.fields(into)}:
+        if key.text not in {field.name for field in dataclasses.fields(into)}:
             gone.add(key.text)
     result = [entry for entry in node.entries if entry[0].text not in gone | set(parts)]
     for part, entries in parts.items():

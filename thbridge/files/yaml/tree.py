@@ -148,9 +148,9 @@ def parse(path: Path, text: str, ros: bool = False) -> Node:
                     raise BadFile(path, node.line, None, f"nested deeper than {DEEPEST}", "Take brackets away")
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        told = " ".join(part for part in (error.context, error.problem) if part)
+        problem = " ".join(part for part in (error.context, error.problem) if part)
         remedy = "Check the indentation, the colons and the brackets here and in the line before"
-        raise BadFile(path, None if mark is None else mark.line + 1, None, f"not YAML: {told}", remedy) from None
+        raise BadFile(path, None if mark is None else mark.line + 1, None, f"not YAML: {problem}", remedy) from None
     except ReaderError as error:
         line = text.count("\n", 0, error.position) + 1
         raise BadFile(path, line, None, "an invisible control character", "Delete it") from None

@@ -67,7 +67,7 @@ class MessageLocation(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Where:
+class _TopicChunks:
     """The chunks with messages of one topic: indices, first stamps, and running maximum of the last stamps."""
 
     chunks: list[int]
@@ -75,7 +75,7 @@ class _Where:
     reach: list[int]
 
     @classmethod
-    def of(cls, chunks: list[int], all_chunks: list[ChunkInfo]) -> "_Where":
+    def of(cls, chunks: list[int], all_chunks: list[ChunkInfo]) -> "_TopicChunks":
         ends = accumulate((all_chunks[chunk].end_ns for chunk in chunks), max)
         return cls(chunks, [all_chunks[chunk].start_ns for chunk in chunks], list(ends))
 
@@ -127,11 +127,11 @@ class BagIndex:
         self._chunks = sorted(chunks, key=lambda chunk: (chunk.start_ns, chunk.file, chunk.position))
         self.start_ns = self._chunks[0].start_ns if chunks else 0
         self.end_ns = max((chunk.end_ns for chunk in chunks), default=0)
-        self._where: dict[str, _Where] = {}
-        self._speaking: dict[tuple[int, int], list[int]] = {}
+        self._topic_chunks: dict[str, _TopicChunks] = {}
+        self._chunks_by_connection: dict[tuple[int, int], list[int]] = {}
         for index, chunk in enumerate(self._chunks):
             for number in chunk.counts:
-                self._speaking.setdefault((chunk.file, number), []).append(index)
+                self._chunks_by_connection.setdefault((chunk.file, number), []).append(index)
         self._inner: OrderedDict[int, dict[int, bytes | _Entries]] = OrderedDict()
 
     @property
@@ -151,44 +151,44 @@ class BagIndex:
     def last(self, topic: str, at_ns: int) -> MessageLocation | None:
         """Location of the last message of a topic up to and including a time; None without one."""
         best: MessageLocation | None = None
-        where = self._whereabouts(topic)
-        for turn in range(bisect_right(where.starts, at_ns) - 1, -1, -1):
-            if best is not None and where.reach[turn] < best.stamp_ns:
+        topic_chunks = self._chunks_of(topic)
+        for turn in range(bisect_right(topic_chunks.starts, at_ns) - 1, -1, -1):
+            if best is not None and topic_chunks.reach[turn] < best.stamp_ns:
                 break
-            index = where.chunks[turn]
+            index = topic_chunks.chunks[turn]
             for entries in self._entries_of(index, topic):
                 row = int(np.searchsorted(entries.stamps_ns, at_ns, side="right")) - 1
                 if row >= 0:
-                    found = self._place(index, entries, row)
+                    found = self._location(index, entries, row)
                     best = found if best is None else max(best, found)
         return best
 
     def next(self, topic: str, after_ns: int) -> MessageLocation | None:
         """Location of the first message of a topic later than a time; None without one."""
         best: MessageLocation | None = None
-        where = self._whereabouts(topic)
-        for turn in range(bisect_right(where.reach, after_ns), len(where.chunks)):
-            if best is not None and where.starts[turn] > best.stamp_ns:
+        topic_chunks = self._chunks_of(topic)
+        for turn in range(bisect_right(topic_chunks.reach, after_ns), len(topic_chunks.chunks)):
+            if best is not None and topic_chunks.starts[turn] > best.stamp_ns:
                 break
-            index = where.chunks[turn]
+            index = topic_chunks.chunks[turn]
             for entries in self._entries_of(index, topic):
                 row = int(np.searchsorted(entries.stamps_ns, after_ns, side="right"))
                 if row < len(entries.stamps_ns):
-                    found = self._place(index, entries, row)
+                    found = self._location(index, entries, row)
                     best = found if best is None else min(best, found)
         return best
 
     def chunks_back(self, topic: str, at_ns: int, until_ns: int) -> Iterator[int]:
         """Yield the chunks, last first, that may have messages of a topic from a time back to another, inclusive."""
-        where = self._whereabouts(topic)
-        for turn in range(bisect_right(where.starts, at_ns) - 1, -1, -1):
-            if where.reach[turn] < until_ns:
+        topic_chunks = self._chunks_of(topic)
+        for turn in range(bisect_right(topic_chunks.starts, at_ns) - 1, -1, -1):
+            if topic_chunks.reach[turn] < until_ns:
                 return
-            yield where.chunks[turn]
+            yield topic_chunks.chunks[turn]
 
     def locations(self, topic: str, chunk: int) -> list[MessageLocation]:
         """Locations of the messages of a topic in a chunk, in order of time."""
-        return sorted(place for entries in self._entries_of(chunk, topic) for place in self._places(chunk, entries))
+        return sorted(each for entries in self._entries_of(chunk, topic) for each in self._locations(chunk, entries))
 
     def walk(self, topics: Collection[str]) -> Iterator[list[MessageLocation]]:
         """Yield locations of all messages of some topics in order of time; a list for each chunk, to pause between."""
@@ -198,40 +198,40 @@ class BagIndex:
             numbers = [number for number in chunk.counts if (chunk.file, number) in wanted]
             if numbers:
                 for entries in self._entries(index, numbers):
-                    pending.extend(self._places(index, entries))
+                    pending.extend(self._locations(index, entries))
             # Chunks are ordered by their first stamps: nothing in later chunks is before the start of the next one.
             horizon = self._chunks[index + 1].start_ns if index + 1 < len(self._chunks) else None
             pending.sort()
-            ready = pending if horizon is None else [place for place in pending if place.stamp_ns < horizon]
+            ready = pending if horizon is None else [location for location in pending if location.stamp_ns < horizon]
             pending = pending[len(ready) :]
             yield ready
 
-    def read(self, place: MessageLocation) -> RawMessage:
+    def read(self, location: MessageLocation) -> RawMessage:
         """The message at a location."""
-        publisher, data = place.publisher, self._reader.message(self._chunks[place.chunk], place.offset)
-        return RawMessage(publisher.topic, publisher.msgtype, publisher.md5, place.stamp_ns, data)
+        publisher, data = location.publisher, self._reader.message(self._chunks[location.chunk], location.offset)
+        return RawMessage(publisher.topic, publisher.msgtype, publisher.md5, location.stamp_ns, data)
 
-    def _place(self, index: int, entries: _Entries, row: int) -> MessageLocation:
+    def _location(self, index: int, entries: _Entries, row: int) -> MessageLocation:
         chunk = self._chunks[index]
         stamp_ns, offset = int(entries.stamps_ns[row]), int(entries.offsets[row])
         return MessageLocation(stamp_ns, chunk.file, chunk.position, offset, index, entries.publisher)
 
-    def _places(self, index: int, entries: _Entries) -> Iterator[MessageLocation]:
+    def _locations(self, index: int, entries: _Entries) -> Iterator[MessageLocation]:
         chunk, publisher = self._chunks[index], entries.publisher
         for stamp_ns, offset in zip(entries.stamps_ns.tolist(), entries.offsets.tolist(), strict=True):
             yield MessageLocation(stamp_ns, chunk.file, chunk.position, offset, index, publisher)
 
-    def _whereabouts(self, topic: str) -> _Where:
-        known = self._where.get(topic)
+    def _chunks_of(self, topic: str) -> _TopicChunks:
+        known = self._topic_chunks.get(topic)
         if known is None:
-            speaking = (self._speaking.get(who, ()) for who in self._of_topic.get(topic, ()))
-            chunks = sorted(set[int]().union(*speaking))
-            known = self._where[topic] = _Where.of(chunks, self._chunks)
+            chunk_lists = (self._chunks_by_connection.get(key, ()) for key in self._of_topic.get(topic, ()))
+            chunks = sorted(set[int]().union(*chunk_lists))
+            known = self._topic_chunks[topic] = _TopicChunks.of(chunks, self._chunks)
         return known
 
     def _entries_of(self, index: int, topic: str) -> list[_Entries]:
         file = self._chunks[index].file
-        return self._entries(index, (number for said_in, number in self._of_topic[topic] if said_in == file))
+        return self._entries(index, (number for part, number in self._of_topic[topic] if part == file))
 
     def _entries(self, index: int, numbers: Iterable[int]) -> list[_Entries]:
         """Messages of some connections in a chunk."""

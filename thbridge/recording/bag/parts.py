@@ -68,8 +68,8 @@ class SplitBagWriter:
         """Add a chunk. Raises OSError; then all before it is kept."""
         self._turn_to(piece)
         self._file.append(piece.chunk)
-        said = self._file.size - self._repeated
-        self._full = self._splitting.size is not None and said > self._splitting.size
+        own_size = self._file.size - self._repeated
+        self._full = self._splitting.size is not None and own_size > self._splitting.size
         self._end_ns = piece.chunk.end_ns
 
     def preview(self, piece: QueuedChunk) -> None:

@@ -179,10 +179,10 @@ def recorded(path: Path, topics: Collection[str] | None = None) -> Iterator[tupl
                 yield publisher, stamp, data
 
 
-def _publisher(said: ConnectionInIndex, known: dict[tuple[str | bool | None, ...], BagConnection]) -> BagConnection:
-    caller = getattr(said.ext, "callerid", None)
-    latching = None if getattr(said.ext, "latching", None) is None else _latched(said.ext)
-    topic, msgtype, md5, definition = said.topic, denormalize_msgtype(said.msgtype), said.digest, said.msgdef.data
+def _publisher(found: ConnectionInIndex, known: dict[tuple[str | bool | None, ...], BagConnection]) -> BagConnection:
+    caller = getattr(found.ext, "callerid", None)
+    latching = None if getattr(found.ext, "latching", None) is None else _latched(found.ext)
+    topic, msgtype, md5, definition = found.topic, denormalize_msgtype(found.msgtype), found.digest, found.msgdef.data
     key = (topic, msgtype, md5, definition, caller, latching)
     return known.setdefault(key, BagConnection(len(known), topic, msgtype, md5, definition, caller, latching))
 

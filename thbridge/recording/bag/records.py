@@ -67,17 +67,17 @@ def bag_header(index_pos: int, connections: int, chunks: int) -> bytes:
 
 def connection_record(connection: BagConnection) -> bytes:
     """A connection record."""
-    said = {
+    values = {
         "topic": connection.topic,
         "type": connection.msgtype,
         "md5sum": connection.md5,
         "message_definition": connection.definition,
     }
     if connection.caller is not None:
-        said["callerid"] = connection.caller
+        values["callerid"] = connection.caller
     if connection.latching is not None:
-        said["latching"] = str(int(connection.latching))
-    fields = {name: value.encode() for name, value in said.items()}
+        values["latching"] = str(int(connection.latching))
+    fields = {name: value.encode() for name, value in values.items()}
     head = _header(RecordType.CONNECTION, conn=U32.pack(connection.number), topic=fields["topic"])
     return head + _fields(fields)
 

@@ -40,7 +40,7 @@ class RepairResult:
 
 
 @dataclass(frozen=True, slots=True)
-class _Said:
+class _MessageRecord:
     """A message record."""
 
     number: int
@@ -87,7 +87,7 @@ def _copy(path: Path, fresh: Path) -> tuple[int, int | None, int]:
             match record:
                 case BagConnection(number):
                     connections.setdefault(number, record)
-                case _Said(number, stamp_ns, data):
+                case _MessageRecord(number, stamp_ns, data):
                     if number in connections:
                         target.write(connections[number], stamp_ns, data)
                         count += 1
@@ -120,7 +120,7 @@ class _Scan:
             pass
         return Compression.NONE
 
-    def records(self) -> Iterator[BagConnection | _Said]:
+    def records(self) -> Iterator[BagConnection | _MessageRecord]:
         """Yield connections and messages in the file's order, up to the end or the first unreadable record."""
         end = self._source.seek(0, SEEK_END)
         at = self._source.seek(len(MAGIC))
@@ -143,7 +143,7 @@ class _Scan:
     def _inside(self, header: Header, data: bytes) -> BytesIO:
         return BytesIO(decompressors[header.get_string("compression")](data))
 
-    def _chunk(self, inner: BytesIO) -> Iterator[BagConnection | _Said]:
+    def _chunk(self, inner: BytesIO) -> Iterator[BagConnection | _MessageRecord]:
         end = len(inner.getbuffer())
         at = 0
         while at < end:
@@ -156,22 +156,22 @@ class _Scan:
             at = inner.tell()
 
 
-def _inner_record(source: BinaryIO) -> BagConnection | _Said:
+def _inner_record(source: BinaryIO) -> BagConnection | _MessageRecord:
     header = Header.read(source)
     kind = header.get_uint8("op")
     if kind == RecordType.MSGDATA:
         data = read_bytes(source, read_uint32(source))
-        return _Said(header.get_uint32("conn"), header.get_time("time"), data)
+        return _MessageRecord(header.get_uint32("conn"), header.get_time("time"), data)
     if kind != RecordType.CONNECTION:
         raise ReaderError(f"no record of kind {kind} belongs into a chunk")
     number, topic = header.get_uint32("conn"), header.get_string("topic")
-    said = Header.read(source)
+    fields = Header.read(source)
     return BagConnection(
         number,
         topic,
-        said.get_string("type"),
-        said.get_string("md5sum"),
-        said.get_string("message_definition"),
-        said.get_string("callerid") if "callerid" in said else None,
-        said["latching"] == b"1" if said.get("latching") else None,
+        fields.get_string("type"),
+        fields.get_string("md5sum"),
+        fields.get_string("message_definition"),
+        fields.get_string("callerid") if "callerid" in fields else None,
+        fields["latching"] == b"1" if fields.get("latching") else None,
     )

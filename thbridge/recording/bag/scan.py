@@ -216,7 +216,7 @@ def _outer(at: int, fields: dict[bytes, bytes], data: bytes, size: int) -> Itera
             counts = dict(_PAIR.iter_unpack(data[: len(data) // 8 * 8]))
             yield ChunkInfoRecord(_unpack(_UINT64, fields, b"chunk_pos"), start, end, counts)
         case RecordType.CONNECTION:
-            yield _source(fields, data)
+            yield _connection(fields, data)
         case RecordType.MSGDATA:
             yield MessageRecord(_unpack(_UINT32, fields, b"conn"), _time(fields, b"time"), data)
         case RecordType.IDXDATA:
@@ -236,8 +236,8 @@ def _chunk(at: int, compression: str, packed: bytes, size: int) -> Iterator[BagR
         while place < len(data):
             usual = _usual_message(data, place)
             if usual is not None:
-                said, place = usual
-                yield said
+                message, place = usual
+                yield message
                 continue
             head, after = _sized(data, place)
             body, place_after = _sized(data, after)
@@ -246,7 +246,7 @@ def _chunk(at: int, compression: str, packed: bytes, size: int) -> Iterator[BagR
                 case RecordType.MSGDATA:
                     yield MessageRecord(_unpack(_UINT32, fields, b"conn"), _time(fields, b"time"), body)
                 case RecordType.CONNECTION:
-                    yield _source(fields, body)
+                    yield _connection(fields, body)
                 case kind:
                     raise _Torn(f"no record of kind {kind} belongs into a chunk")
             place = place_after
@@ -283,16 +283,16 @@ def _unpacked(compression: str, packed: bytes, size: int) -> bytes:
             raise ValueError(f"compression {other!r} is not known")
 
 
-def _source(fields: dict[bytes, bytes], data: bytes) -> ConnectionRecord:
-    said = _fields(data)
+def _connection(fields: dict[bytes, bytes], data: bytes) -> ConnectionRecord:
+    inner = _fields(data)
     return ConnectionRecord(
         _unpack(_UINT32, fields, b"conn"),
         _word(fields, b"topic"),
-        _word(said, b"type"),
-        _word(said, b"md5sum"),
-        _word(said, b"message_definition"),
-        _word(said, b"callerid") if b"callerid" in said else None,
-        _word(said, b"latching") if b"latching" in said else None,
+        _word(inner, b"type"),
+        _word(inner, b"md5sum"),
+        _word(inner, b"message_definition"),
+        _word(inner, b"callerid") if b"callerid" in inner else None,
+        _word(inner, b"latching") if b"latching" in inner else None,
     )
 
 

@@ -115,7 +115,7 @@ class BagWriter:
         try:
             self._parts = SplitBagWriter(path, compression, splitting, self._syncing)
         except OSError as error:
-            self._end_lanes()
+            self._stop_queues()
             raise BagNotWritten(path, _reason(error), "name a folder that exists and may be written to") from error
         self._synced = clock()
 
@@ -181,7 +181,7 @@ class BagWriter:
         if not in_time:
             raise self._stuck()
         self._open = False
-        self._end_lanes()
+        self._stop_queues()
 
     def __enter__(self) -> Self:
         return self
@@ -251,21 +251,21 @@ class BagWriter:
             if not in_time:
                 raise self._stuck()
             self._open = False
-            self._end_lanes()
+            self._stop_queues()
             problem = f"the disk is too slow: it was {behind:.0f} s behind"
             raise BagNotWritten(self._parts.last, problem, "it holds everything up to here; record onto a faster disk")
 
     def _check_failures(self) -> None:
-        for lane in (self._writing, self._syncing):
-            if lane.failure is not None:
-                raise self._saved(lane.failure)
+        for queue in (self._writing, self._syncing):
+            if queue.failure is not None:
+                raise self._saved(queue.failure)
 
     def _saved(self, failure: Exception) -> Exception:
         """Save what can be saved, and return the error to raise."""
         self._give_chunk()  # the file may be intact: perhaps only its folder is gone, or its name is taken
         in_time = self._writing.wait(0, CLOSE_SECONDS)
         self._open = False
-        self._end_lanes()
+        self._stop_queues()
         if not (in_time and self._syncing.wait(0, CLOSE_SECONDS)):
             return self._stuck()
         if not isinstance(failure, OSError):
@@ -281,7 +281,7 @@ class BagWriter:
     def _stuck(self) -> BagNotWritten:
         """Leave the threads of a disk that does not answer, and return the error to raise."""
         self._open = False
-        self._end_lanes()
+        self._stop_queues()
         problem = f"the disk does not answer, not even within {CLOSE_SECONDS:.0f} s"
         return self._left(problem, "it holds what reached the disk: when that works again,")
 
@@ -292,7 +292,7 @@ class BagWriter:
             return BagNotWritten(self.path, problem, "record again, into a folder that stays")
         return BagNotWritten(active, problem, f"{remedy} run `thbridge bag reindex {active}`")
 
-    def _end_lanes(self) -> None:
+    def _stop_queues(self) -> None:
         self._writing.end()
         self._syncing.end()
 

@@ -18,23 +18,23 @@ class RosClock:
         self._simulated = simulated
         self._shift_ns = 0
         self._last_ns = 0
-        self._said: tuple[int, int] | None = None
+        self._last_clock: tuple[int, int] | None = None
 
     @property
     def runs(self) -> bool:
         """True when the time is known."""
-        return not self._simulated or self._said is not None
+        return not self._simulated or self._last_clock is not None
 
     def receive(self, ros_ns: int, wall_ns: int) -> None:
         """Take in a message of `/clock` that came at a wall time."""
-        self._said = ros_ns, wall_ns
+        self._last_clock = ros_ns, wall_ns
 
     def now(self, wall_ns: int) -> int:
         """Nanoseconds of ROS time at a wall time; at least 1 ns, because 0 means "no time" in ROS."""
         source_ns = wall_ns
-        if self._simulated and self._said is not None:
-            ros_ns, heard_ns = self._said
-            source_ns = ros_ns + max(0, wall_ns - heard_ns - CLOCK_TIMEOUT_NS)
+        if self._simulated and self._last_clock is not None:
+            ros_ns, received_ns = self._last_clock
+            source_ns = ros_ns + max(0, wall_ns - received_ns - CLOCK_TIMEOUT_NS)
         if self._last_ns - (source_ns + self._shift_ns) > SET_BACK_NS:
             self._shift_ns = self._last_ns - source_ns
         self._last_ns = max(self._last_ns, source_ns + self._shift_ns, 1)

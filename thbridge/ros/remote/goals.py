@@ -54,7 +54,7 @@ class CancelGoal:
 
 
 @dataclass(slots=True, eq=False)
-class _Pursuit:
+class _ActiveGoal:
     """The present goal.
 
     Attributes:
@@ -94,13 +94,13 @@ class MoveBaseClient:
         self.outgoing: list[SetGoal | CancelGoal] = []
         self.results: list[GoalResult] = []
         self._prefix = prefix
-        self._silence_ns = stale_ns
+        self._stale_ns = stale_ns
         self._sent = 0
         self._stamp_ns = 0
-        self._pursuit: _Pursuit | None = None
+        self._current: _ActiveGoal | None = None
         self._status_ns: int | None = None
         self._listed: dict[str, GoalStatusCode] = {}
-        self._others: dict[str, tuple[Pose2, int]] = {}
+        self._foreign: dict[str, tuple[Pose2, int]] = {}
         self._last_cancel_ns: dict[str, int] = {}
         self._lost_ns: int | None = None
 
@@ -112,71 +112,71 @@ class MoveBaseClient:
     @property
     def active(self) -> bool:
         """True when the server works on our goal."""
-        return self._pursuit is not None and self._pursuit.active
+        return self._current is not None and self._current.active
 
     @property
     def sent_ns(self) -> int:
         """Time when the present goal was sent; 0 without one."""
-        return 0 if self._pursuit is None else self._pursuit.sent_ns
+        return 0 if self._current is None else self._current.sent_ns
 
     def goal(self, now_ns: int, here: Pose2) -> Goal | None:
         """The present goal, ours or another client's; `here` replaces the pose of a goal whose pose is unknown."""
-        if self._pursuit is not None:
-            return self._pursuit.goal
-        name = self._other(now_ns)
-        return None if name is None else Goal(FOREIGN_GOAL, self._others[name][0] if name in self._others else here)
+        if self._current is not None:
+            return self._current.goal
+        name = self._foreign_goal(now_ns)
+        return None if name is None else Goal(FOREIGN_GOAL, self._foreign[name][0] if name in self._foreign else here)
 
     def go(self, goal: Goal, now_ns: int) -> None:
         """Send the robot to a goal; the goal before it ends as cancelled."""
-        if self._pursuit is not None:
-            self._finish(Cancelled(self._pursuit.goal))
+        if self._current is not None:
+            self._finish(Cancelled(self._current.goal))
         self._send(goal, now_ns, again=False)
 
     def halt(self, now_ns: int) -> None:
         """Cancel our goal; goals of other clients stay."""
-        pursuit = self._pursuit
-        if pursuit is not None and pursuit.cancelled_ns is None:
-            pursuit.cancelled_ns = now_ns
-            self.outgoing.append(CancelGoal(pursuit.goal_id.id))
+        current = self._current
+        if current is not None and current.cancelled_ns is None:
+            current.cancelled_ns = now_ns
+            self.outgoing.append(CancelGoal(current.goal_id.id))
 
     def receive_goal(self, name: str, base_in_map: Pose2, now_ns: int) -> None:
         """Take in a goal of another client."""
-        self._others[name] = (base_in_map, now_ns)
+        self._foreign[name] = (base_in_map, now_ns)
 
     def receive_status(self, entries: Sequence[GoalStatus], now_ns: int) -> None:
         """Take in a status list of the server."""
         self._status_ns = now_ns
         self._listed = {entry.goal.id: entry.status for entry in entries}
-        self._others = {
-            name: (pose, heard_ns)
-            for name, (pose, heard_ns) in self._others.items()
-            if name in self._listed or now_ns - heard_ns < PREEMPTION_WINDOW_NS
+        self._foreign = {
+            name: (pose, received_ns)
+            for name, (pose, received_ns) in self._foreign.items()
+            if name in self._listed or now_ns - received_ns < PREEMPTION_WINDOW_NS
         }
-        pursuit = self._pursuit
-        if pursuit is not None and pursuit.withdrawn_ns is None:
-            entry = next((entry for entry in entries if entry.goal.id == pursuit.goal_id.id), None)
+        current = self._current
+        if current is not None and current.withdrawn_ns is None:
+            entry = next((entry for entry in entries if entry.goal.id == current.goal_id.id), None)
             if entry is None:
-                pursuit.unlisted_ns = now_ns if pursuit.unlisted_ns is None else pursuit.unlisted_ns
+                current.unlisted_ns = now_ns if current.unlisted_ns is None else current.unlisted_ns
             else:
-                pursuit.unlisted_ns = None
-                pursuit.active = entry.status in {GoalStatusCode.ACTIVE, GoalStatusCode.PREEMPTING}
+                current.unlisted_ns = None
+                current.active = entry.status in {GoalStatusCode.ACTIVE, GoalStatusCode.PREEMPTING}
                 self.receive_result(entry, now_ns)
         self._cancel_strays(now_ns)
 
     def receive_result(self, entry: GoalStatus, now_ns: int) -> None:
         """Take in the status of our goal from a result or a status list; other goals are ignored."""
-        pursuit = self._pursuit
-        if pursuit is None or entry.goal.id != pursuit.goal_id.id or entry.status not in ENDED:
+        current = self._current
+        if current is None or entry.goal.id != current.goal_id.id or entry.status not in ENDED:
             return
         if entry.status is GoalStatusCode.SUCCEEDED:
-            self._finish(GoalReached(pursuit.goal))
+            self._finish(GoalReached(current.goal))
         elif entry.status not in {GoalStatusCode.PREEMPTED, GoalStatusCode.RECALLED}:
             text = entry.text or f"the goal was {entry.status.name.lower()}, without a reason"
-            self._finish(NoPath(pursuit.goal, reason_of(entry.text), text))
-        elif pursuit.cancelled_ns is not None:
-            self._finish(Cancelled(pursuit.goal))
-        elif pursuit.withdrawn_ns is None:
-            pursuit.withdrawn_ns, pursuit.active = now_ns, False
+            self._finish(NoPath(current.goal, reason_of(entry.text), text))
+        elif current.cancelled_ns is not None:
+            self._finish(Cancelled(current.goal))
+        elif current.withdrawn_ns is None:
+            current.withdrawn_ns, current.active = now_ns, False
 
     def step(self, now_ns: int, *, lost: bool, stale: bool) -> None:
         """End goals that will not end by themselves: timeouts, lost robots, dead servers.
@@ -187,35 +187,35 @@ class MoveBaseClient:
             stale: True when its odometry has not been received for a long time.
         """
         self._lost_ns = None if not lost else now_ns if self._lost_ns is None else self._lost_ns
-        pursuit = self._pursuit
-        if pursuit is None:
+        current = self._current
+        if current is None:
             return
-        goal = pursuit.goal
-        if pursuit.withdrawn_ns is not None:
-            if self._other(now_ns) is not None:
+        goal = current.goal
+        if current.withdrawn_ns is not None:
+            if self._foreign_goal(now_ns) is not None:
                 self._finish(Cancelled(goal))
-            elif now_ns - pursuit.withdrawn_ns >= PREEMPTION_WINDOW_NS:
+            elif now_ns - current.withdrawn_ns >= PREEMPTION_WINDOW_NS:
                 self._finish(NoPath(goal, "called_off", "somebody else took the goal back"))
         elif stale:
             self._finish(NoPath(goal, "unanswered", "the robot says nothing any more"))
-        elif now_ns - max(pursuit.sent_ns, self._status_ns or 0) > self._silence_ns:
+        elif now_ns - max(current.sent_ns, self._status_ns or 0) > self._stale_ns:
             self._finish(NoPath(goal, "unanswered", "the action server says nothing any more"))
-        elif pursuit.cancelled_ns is not None and now_ns - pursuit.cancelled_ns > CANCEL_TIMEOUT_NS:
+        elif current.cancelled_ns is not None and now_ns - current.cancelled_ns > CANCEL_TIMEOUT_NS:
             self._finish(Cancelled(goal))
-        elif pursuit.unlisted_ns is not None and now_ns - pursuit.unlisted_ns > UNLISTED_TIMEOUT_NS:
-            self._forgotten(pursuit, now_ns)
-        elif self._lost_ns is not None and now_ns - max(self._lost_ns, pursuit.sent_ns) > LOST_TIMEOUT_NS:
+        elif current.unlisted_ns is not None and now_ns - current.unlisted_ns > UNLISTED_TIMEOUT_NS:
+            self._resend_or_give_up(current, now_ns)
+        elif self._lost_ns is not None and now_ns - max(self._lost_ns, current.sent_ns) > LOST_TIMEOUT_NS:
             self.halt(now_ns)
             self._finish(NoPath(goal, "lost", "the robot does not know where it is"))
 
-    def _forgotten(self, pursuit: _Pursuit, now_ns: int) -> None:
+    def _resend_or_give_up(self, current: _ActiveGoal, now_ns: int) -> None:
         """Send a goal that the server does not know again, once; then give it up."""
-        if pursuit.cancelled_ns is not None:
-            self._finish(Cancelled(pursuit.goal))
-        elif pursuit.again:
-            self._finish(NoPath(pursuit.goal, "unanswered", "the action server does not take the goal"))
+        if current.cancelled_ns is not None:
+            self._finish(Cancelled(current.goal))
+        elif current.again:
+            self._finish(NoPath(current.goal, "unanswered", "the action server does not take the goal"))
         else:
-            self._send(pursuit.goal, now_ns, again=True)
+            self._send(current.goal, now_ns, again=True)
 
     def _send(self, goal: Goal, now_ns: int, *, again: bool) -> None:
         self._sent += 1
@@ -223,24 +223,26 @@ class MoveBaseClient:
         self._stamp_ns = max(now_ns, self._stamp_ns + 1)
         seconds, nanoseconds = divmod(self._stamp_ns, 1_000_000_000)
         goal_id = GoalId(f"{self._prefix}{self._sent}-{seconds}.{nanoseconds:09d}", self._stamp_ns)
-        self._pursuit = _Pursuit(goal, goal_id, now_ns, again)
+        self._current = _ActiveGoal(goal, goal_id, now_ns, again)
         self.outgoing.append(SetGoal(goal_id, goal.base_in_map))
 
     def _finish(self, result: GoalResult) -> None:
-        self._pursuit = None
+        self._current = None
         self.results.append(result)
 
-    def _other(self, now_ns: int) -> str | None:
+    def _foreign_goal(self, now_ns: int) -> str | None:
         """Id of another client's goal that is active, or about to be; None without one."""
-        if self._status_ns is not None and now_ns - self._status_ns <= self._silence_ns:
+        if self._status_ns is not None and now_ns - self._status_ns <= self._stale_ns:
             for name, status in self._listed.items():
                 if status not in ENDED and not name.startswith(self._prefix):
                     return name
-        fresh = (name for name, (_, heard_ns) in self._others.items() if now_ns - heard_ns < PREEMPTION_WINDOW_NS)
+        fresh = (
+            name for name, (_, received_ns) in self._foreign.items() if now_ns - received_ns < PREEMPTION_WINDOW_NS
+        )
         return next((name for name in fresh if self._listed.get(name) not in ENDED), None)
 
     def _cancel_strays(self, now_ns: int) -> None:
-        current = None if self._pursuit is None else self._pursuit.goal_id.id
+        current = None if self._current is None else self._current.goal_id.id
         waiting = {name: at for name, at in self._last_cancel_ns.items() if name in self._listed}
         for name, status in self._listed.items():
             if (

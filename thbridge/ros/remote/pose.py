@@ -52,7 +52,7 @@ class RemotePose:
 
     def __init__(self, names: RemoteNames, stale_ns: int = STALE_NS) -> None:
         self._names = names
-        self._silence_ns = stale_ns
+        self._stale_ns = stale_ns
         self.received_ns: int | None = None
         self.base_in_odom = Pose2(0.0, 0.0, 0.0)
         self.twist = STANDSTILL
@@ -72,46 +72,46 @@ class RemotePose:
         """True when its pose on the map is known, or once was."""
         return self._odom_in_map is not None
 
-    def receive_odometry(self, said: OdometryMessage, now_ns: int) -> InvalidMessage | None:
+    def receive_odometry(self, message: OdometryMessage, now_ns: int) -> InvalidMessage | None:
         """Take in odometry; returns a reason when it cannot be used."""
-        if frame_name(said.frame) != self._names.odom_frame:
+        if frame_name(message.frame) != self._names.odom_frame:
             return InvalidMessage(
-                f"its frame is {said.frame!r}, not {self._names.odom_frame!r}: see odom_frame in the study"
+                f"its frame is {message.frame!r}, not {self._names.odom_frame!r}: see odom_frame in the study"
             )
         self._from_topic_ns = now_ns
-        return self._moved(said.stamp_ns, said.pose, said.twist, now_ns)
+        return self._moved(message.stamp_ns, message.pose, message.twist, now_ns)
 
-    def receive_pose(self, said: PoseInFrame) -> InvalidMessage | None:
+    def receive_pose(self, message: PoseInFrame) -> InvalidMessage | None:
         """Take in a pose of the localisation (amcl_pose); returns a reason when it cannot be used."""
-        if frame_name(said.frame) != self._names.map_frame:
+        if frame_name(message.frame) != self._names.map_frame:
             return InvalidMessage(
-                f"its frame is {said.frame!r}, not {self._names.map_frame!r}: see map_frame in the study"
+                f"its frame is {message.frame!r}, not {self._names.map_frame!r}: see map_frame in the study"
             )
-        if not _is_finite(said.pose):
+        if not _is_finite(message.pose):
             return InvalidMessage("its pose is not finite")
-        if said.stamp_ns < self._amcl_stamp_ns and self._amcl_stamp_ns - said.stamp_ns < SET_BACK_NS:
+        if message.stamp_ns < self._amcl_stamp_ns and self._amcl_stamp_ns - message.stamp_ns < SET_BACK_NS:
             return None  # late; if it is much older, the robot's clock was set back
-        self._amcl_stamp_ns = said.stamp_ns
-        self._covariance = said.covariance
+        self._amcl_stamp_ns = message.stamp_ns
+        self._covariance = message.covariance
         self._updated = True
         if self._tf_ns is None and self._odometry:
-            stamp_ns, base_in_odom = min(self._odometry, key=lambda entry: abs(entry[0] - said.stamp_ns))
+            stamp_ns, base_in_odom = min(self._odometry, key=lambda entry: abs(entry[0] - message.stamp_ns))
             # A latched pose from before our start still holds: amcl publishes another as soon as the robot moves.
-            if self._odom_in_map is None or abs(stamp_ns - said.stamp_ns) <= _APART_NS:
-                self._correct(said.pose.compose(base_in_odom.inverse()))
+            if self._odom_in_map is None or abs(stamp_ns - message.stamp_ns) <= _APART_NS:
+                self._correct(message.pose.compose(base_in_odom.inverse()))
         return None
 
-    def receive_transforms(self, said: Iterable[tuple[int, Transform]], now_ns: int) -> None:
+    def receive_transforms(self, message: Iterable[tuple[int, Transform]], now_ns: int) -> None:
         """Take in a message of /tf; transforms of other robots in it are ignored."""
         names = self._names
-        for stamp_ns, transform in said:
+        for stamp_ns, transform in message:
             parent, child = frame_name(transform.parent), frame_name(transform.child)
             if not _is_finite(transform.pose):
                 continue
             if (parent, child) == (names.map_frame, names.odom_frame):
                 self._tf_ns = now_ns
                 self._correct(transform.pose)
-            elif (parent, child) == (names.odom_frame, names.base_frame) and self._speaks_on_tf_only(now_ns):
+            elif (parent, child) == (names.odom_frame, names.base_frame) and self._odometry_is_on_tf_only(now_ns):
                 self._moved(stamp_ns, transform.pose, self._twist_to(stamp_ns, transform.pose), now_ns)
 
     def estimate(self, tick: int, now_ns: int) -> Estimate | None:
@@ -127,15 +127,15 @@ class RemotePose:
     def _is_lost(self, now_ns: int) -> bool:
         if self._restarted:
             return True
-        return self._blind > UNLOCALIZED_DISTANCE if self._tf_ns is None else now_ns - self._tf_ns > self._silence_ns
+        return self._blind > UNLOCALIZED_DISTANCE if self._tf_ns is None else now_ns - self._tf_ns > self._stale_ns
 
     def _correct(self, odom_in_map: Pose2) -> None:
         self._odom_in_map = odom_in_map
         self._restarted = False
         self._blind = 0.0
 
-    def _speaks_on_tf_only(self, now_ns: int) -> bool:
-        return self._from_topic_ns is None or now_ns - self._from_topic_ns > self._silence_ns
+    def _odometry_is_on_tf_only(self, now_ns: int) -> bool:
+        return self._from_topic_ns is None or now_ns - self._from_topic_ns > self._stale_ns
 
     def _twist_to(self, stamp_ns: int, base_in_odom: Pose2) -> Twist:
         seconds = (stamp_ns - self._stamp_ns) / 1e9
@@ -151,11 +151,11 @@ class RemotePose:
         if self.received_ns is not None:
             if 0 < late_ns < SET_BACK_NS:
                 return None
-            way = self.base_in_odom.distance(base_in_odom)
-            if (way > _JUMP and now_ns - self.received_ns < SET_BACK_NS) or late_ns > 0:
+            distance = self.base_in_odom.distance(base_in_odom)
+            if (distance > _JUMP and now_ns - self.received_ns < SET_BACK_NS) or late_ns > 0:
                 self._odometry.clear()
                 self._restarted = True
-            self._blind += way
+            self._blind += distance
         self.received_ns, self._stamp_ns = now_ns, stamp_ns
         self.base_in_odom, self.twist = base_in_odom, twist
         self._odometry.append((stamp_ns, base_in_odom))

@@ -72,7 +72,7 @@ class RemoteRobot:
         self.outgoing: list[RosMessage] = []
         self._number = number
         self.names = named
-        self._silence_ns = stale_ns
+        self._stale_ns = stale_ns
         self._footprint = footprint
         self._pose = RemotePose(named, stale_ns)
         self._goals = MoveBaseClient(f"{caller}-robot{number + 1}-", stale_ns)
@@ -81,20 +81,20 @@ class RemoteRobot:
         self._cmd_vel = Topic(named.cmd_vel, types.TWIST)
         self._initialpose = Topic(named.initialpose, types.POSE_WITH_COVARIANCE)
         self.publications = (self._set_goal, self._cancel, self._cmd_vel, self._initialpose)
-        self._ears: dict[str, tuple[str, Callable[[bytes, int], InvalidMessage | None]]] = {
-            names.TF: (types.TFMESSAGE, self._hear_tf),
-            names.TF_STATIC: (types.TFMESSAGE, self._hear_static),
-            named.odom: (types.ODOMETRY, self._hear_odometry),
-            named.amcl_pose: (types.POSE_WITH_COVARIANCE, self._hear_pose),
-            named.scan: (types.LASER_SCAN, self._hear_scan),
-            named.battery: (types.BATTERY_STATE, self._hear_battery),
-            named.cmd_vel: (types.TWIST, self._hear_command),
-            named.plan: (types.PATH, self._hear_plan),
-            named.action("goal"): (types.MOVE_BASE_GOAL, self._hear_goal),
-            named.action("status"): (types.GOAL_STATUS_ARRAY, self._hear_status),
-            named.action("result"): (types.MOVE_BASE_RESULT, self._hear_result),
+        self._handlers: dict[str, tuple[str, Callable[[bytes, int], InvalidMessage | None]]] = {
+            names.TF: (types.TFMESSAGE, self._receive_tf),
+            names.TF_STATIC: (types.TFMESSAGE, self._receive_static),
+            named.odom: (types.ODOMETRY, self._receive_odometry),
+            named.amcl_pose: (types.POSE_WITH_COVARIANCE, self._receive_pose),
+            named.scan: (types.LASER_SCAN, self._receive_scan),
+            named.battery: (types.BATTERY_STATE, self._receive_battery),
+            named.cmd_vel: (types.TWIST, self._receive_command),
+            named.plan: (types.PATH, self._receive_plan),
+            named.action("goal"): (types.MOVE_BASE_GOAL, self._receive_goal),
+            named.action("status"): (types.GOAL_STATUS_ARRAY, self._receive_status),
+            named.action("result"): (types.MOVE_BASE_RESULT, self._receive_result),
         }
-        self.subscriptions = {topic: kind for topic, (kind, _) in self._ears.items()}
+        self.subscriptions = {topic: kind for topic, (kind, _) in self._handlers.items()}
         self._frames = FrameTree()
         self._scan: tuple[unpack.LaserScan, int] | None = None
         self._battery = (math.nan, math.nan, 0)
@@ -119,7 +119,7 @@ class RemoteRobot:
     def receive(self, topic: str, data: bytes, now_ns: int) -> InvalidMessage | None:
         """Take in a message of a topic and type in `subscriptions`; returns a reason when it cannot be used."""
         try:
-            return self._ears[topic][1](data, now_ns)
+            return self._handlers[topic][1](data, now_ns)
         except ValueError as error:
             return InvalidMessage(str(error))
 
@@ -138,7 +138,7 @@ class RemoteRobot:
                 self._driven_ns = now_ns - COMMAND_NS
             case Localize(_, base_in_map, covariance):
                 data = pack.pose_with_covariance(tick_of(now_ns), self.names.map_frame, base_in_map, covariance)
-                self._say(self._initialpose, data, now_ns)
+                self._publish(self._initialpose, data, now_ns)
             case _:
                 assert_never(item)
 
@@ -146,22 +146,22 @@ class RemoteRobot:
         """Stop the robot, because nothing will be sent to it any more."""
         self._stop_driving(now_ns)
         self._goals.halt(now_ns)
-        self._say_goals(now_ns)
+        self._publish_goals(now_ns)
 
     def step(self, now_ns: int) -> RobotOutput | None:
         """Return its present output; None while messages are missing (see `missing`)."""
         tick = tick_of(now_ns)
-        estimate, heard_ns = self._pose.estimate(tick, now_ns), self._pose.received_ns
-        if estimate is None or heard_ns is None:
+        estimate, received_ns = self._pose.estimate(tick, now_ns), self._pose.received_ns
+        if estimate is None or received_ns is None:
             return None
-        self._goals.step(now_ns, lost=estimate.lost, stale=now_ns - heard_ns > self._silence_ns)
-        self._drive_on(now_ns)
+        self._goals.step(now_ns, lost=estimate.lost, stale=now_ns - received_ns > self._stale_ns)
+        self._repeat_command(now_ns)
         navigation = self._navigation(estimate.base_in_map, now_ns)
-        self._say_goals(now_ns)
+        self._publish_goals(now_ns)
         observations = Observations(
-            tick_of(heard_ns),
-            Odometry(tick_of(heard_ns), self._pose.base_in_odom, self._pose.twist),
-            Imu(tick_of(heard_ns), self._pose.twist.angular),
+            tick_of(received_ns),
+            Odometry(tick_of(received_ns), self._pose.base_in_odom, self._pose.twist),
+            Imu(tick_of(received_ns), self._pose.twist.angular),
             self._new_scan(),
             Battery(tick_of(self._battery[2]), self._battery[0], self._battery[1]),
         )
@@ -172,48 +172,48 @@ class RemoteRobot:
 
     # Received messages
 
-    def _hear_tf(self, data: bytes, now_ns: int) -> None:
+    def _receive_tf(self, data: bytes, now_ns: int) -> None:
         self._pose.receive_transforms(_transforms(data), now_ns)
 
-    def _hear_static(self, data: bytes, now_ns: int) -> None:
+    def _receive_static(self, data: bytes, now_ns: int) -> None:
         for transform in unpack.spatial_transforms(data):
             self._frames.add(transform)
 
-    def _hear_odometry(self, data: bytes, now_ns: int) -> InvalidMessage | None:
+    def _receive_odometry(self, data: bytes, now_ns: int) -> InvalidMessage | None:
         return self._pose.receive_odometry(unpack.odometry(data), now_ns)
 
-    def _hear_pose(self, data: bytes, now_ns: int) -> InvalidMessage | None:
+    def _receive_pose(self, data: bytes, now_ns: int) -> InvalidMessage | None:
         return self._pose.receive_pose(unpack.pose_with_covariance(data))
 
-    def _hear_scan(self, data: bytes, now_ns: int) -> None:
+    def _receive_scan(self, data: bytes, now_ns: int) -> None:
         self._scan = unpack.laser_scan(data), now_ns
 
-    def _hear_battery(self, data: bytes, now_ns: int) -> None:
-        said = unpack.battery_state(data)
-        self._battery = said.charge, said.charge / said.percentage if said.percentage else math.nan, now_ns
+    def _receive_battery(self, data: bytes, now_ns: int) -> None:
+        message = unpack.battery_state(data)
+        self._battery = message.charge, message.charge / message.percentage if message.percentage else math.nan, now_ns
 
-    def _hear_command(self, data: bytes, now_ns: int) -> InvalidMessage | None:
+    def _receive_command(self, data: bytes, now_ns: int) -> InvalidMessage | None:
         command = clients.velocity(data)
         if isinstance(command, InvalidMessage):
             return command
         self._command = command, now_ns
         return None
 
-    def _hear_plan(self, data: bytes, now_ns: int) -> InvalidMessage | None:
+    def _receive_plan(self, data: bytes, now_ns: int) -> InvalidMessage | None:
         plan = unpack.path(data)
         if not np.isfinite(plan).all():
             return InvalidMessage("its poses are not finite")
         self._plan, self._plan_ns = plan, now_ns
         return None
 
-    def _hear_goal(self, data: bytes, now_ns: int) -> None:
-        said = unpack.move_base_goal(data)
-        self._goals.receive_goal(said.goal_id, said.pose, now_ns)
+    def _receive_goal(self, data: bytes, now_ns: int) -> None:
+        message = unpack.move_base_goal(data)
+        self._goals.receive_goal(message.goal_id, message.pose, now_ns)
 
-    def _hear_status(self, data: bytes, now_ns: int) -> None:
+    def _receive_status(self, data: bytes, now_ns: int) -> None:
         self._goals.receive_status(unpack.goal_status_array(data), now_ns)
 
-    def _hear_result(self, data: bytes, now_ns: int) -> None:
+    def _receive_result(self, data: bytes, now_ns: int) -> None:
         self._goals.receive_result(unpack.goal_result(data), now_ns)
 
     # Output
@@ -226,9 +226,9 @@ class RemoteRobot:
             remaining = float(np.hypot(*np.diff(plan[:, :2], axis=0).T).sum())
         elif goal is not None:
             remaining = here.distance(goal.base_in_map)
-        told, told_ns = self._command
+        commanded, commanded_ns = self._command
         return Navigation(
-            command=told if now_ns - told_ns <= COMMAND_LASTS_NS else STANDSTILL,
+            command=commanded if now_ns - commanded_ns <= COMMAND_LASTS_NS else STANDSTILL,
             goal=goal,
             state="idle" if goal is None else "controlling" if self._goals.active else "planning",
             plan=plan,
@@ -252,11 +252,11 @@ class RemoteRobot:
         """The newest scan, returned once; None while the laser's mounting is unknown."""
         if self._scan is None:
             return None
-        (read, heard_ns), self._scan = self._scan, None
-        seat = self._frames.pose(frame_name(read.frame), self.names.base_frame)
-        if seat is None:
+        (read, received_ns), self._scan = self._scan, None
+        laser_in_base = self._frames.pose(frame_name(read.frame), self.names.base_frame)
+        if laser_in_base is None:
             return None
-        mount = PlanarMount.of(seat)
+        mount = PlanarMount.of(laser_in_base)
         sign = -1.0 if mount.upside_down else 1.0
         beams = len(read.ranges)
         increment = (read.angle_max - read.angle_min) / (beams - 1) if beams > 1 else 0.0
@@ -264,11 +264,11 @@ class RemoteRobot:
             mount.laser_in_base, sign * read.angle_min, sign * increment, beams, read.range_min, read.range_max
         )
         nothing = (read.ranges >= read.range_max) | (read.ranges <= read.range_min)
-        return Scan(tick_of(heard_ns), laser, np.where(nothing, np.float32(np.inf), read.ranges))
+        return Scan(tick_of(received_ns), laser, np.where(nothing, np.float32(np.inf), read.ranges))
 
     # Sent messages
 
-    def _drive_on(self, now_ns: int) -> None:
+    def _repeat_command(self, now_ns: int) -> None:
         if self._drive is None:
             return
         command, until_ns = self._drive
@@ -276,28 +276,28 @@ class RemoteRobot:
             self._stop_driving(now_ns)
         elif now_ns - self._driven_ns >= COMMAND_NS:
             self._driven_ns = now_ns
-            self._say(self._cmd_vel, pack.command(command), now_ns)
+            self._publish(self._cmd_vel, pack.command(command), now_ns)
             self._command = command, now_ns
 
     def _stop_driving(self, now_ns: int) -> None:
         if self._drive is not None:
             self._drive = None
-            self._say(self._cmd_vel, pack.command(STANDSTILL), now_ns)
+            self._publish(self._cmd_vel, pack.command(STANDSTILL), now_ns)
             self._command = STANDSTILL, now_ns
 
-    def _say_goals(self, now_ns: int) -> None:
-        said, self._goals.outgoing = self._goals.outgoing, []
-        for item in said:
+    def _publish_goals(self, now_ns: int) -> None:
+        message, self._goals.outgoing = self._goals.outgoing, []
+        for item in message:
             match item:
                 case SetGoal(goal_id, base_in_map):
                     data = pack.move_base_goal(tick_of(now_ns), goal_id, self.names.map_frame, base_in_map)
-                    self._say(self._set_goal, data, now_ns)
+                    self._publish(self._set_goal, data, now_ns)
                 case CancelGoal(name):
-                    self._say(self._cancel, pack.goal_id(GoalId(name, 0)), now_ns)
+                    self._publish(self._cancel, pack.goal_id(GoalId(name, 0)), now_ns)
                 case _:
                     assert_never(item)
 
-    def _say(self, topic: Topic, data: bytes, now_ns: int) -> None:
+    def _publish(self, topic: Topic, data: bytes, now_ns: int) -> None:
         self.outgoing.append(RosMessage(topic, now_ns, data))
 
 

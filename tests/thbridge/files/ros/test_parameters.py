@@ -138,7 +138,7 @@ def test_layers_of_any_name(tmp_path: Path) -> None:
 
 
 def test_layers_named_in_another_file(tmp_path: Path) -> None:
-    """Where the list comes in a later file, as in costmap_common and then local_costmap."""
+    """The list comes in a later file, as with costmap_common and then local_costmap."""
     common = "seen: {raytrace_range: 4.0}\nsoftened: {inflation_radius: 0.4}\nfootprint_padding: 0.02\n"
     value = read(tmp_path, common, "local_costmap:\n" + "".join(f"  {line}\n" for line in NEW_FORM.splitlines())).value
     assert value.global_costmap.obstacle_layer.raytrace_range == 4.0

@@ -36,9 +36,9 @@ class Server:
         self.client.receive_status([], self.now)
 
     def sent(self) -> list[str]:
-        said, self.client.outgoing = self.client.outgoing, []
-        self.cancels = [item.name for item in said if isinstance(item, CancelGoal)]
-        return [item.goal_id.id for item in said if isinstance(item, SetGoal)]
+        outgoing, self.client.outgoing = self.client.outgoing, []
+        self.cancels = [item.name for item in outgoing if isinstance(item, CancelGoal)]
+        return [item.goal_id.id for item in outgoing if isinstance(item, SetGoal)]
 
     def go(self, goal: Goal = GOAL) -> str:
         self.client.go(goal, self.now)

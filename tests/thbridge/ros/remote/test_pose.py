@@ -1,4 +1,4 @@
-"""Where a real robot is, by what it says itself: late, twice, or not at all."""
+"""Pose of a real robot from its own messages: late, duplicate, or missing."""
 
 import math
 

@@ -37,14 +37,14 @@ class Rig:
     def now(self) -> int:
         return stamp_ns(self.tick)
 
-    def hear(self, topic: str, data: bytes) -> None:
+    def receive(self, topic: str, data: bytes) -> None:
         assert self.robot.receive(topic, data, self.now) is None
 
     def place(self, x: float) -> None:
-        self.hear(NAMED.odom, pack.odometry(self.tick, NAMED.odom_frame, "", Pose2(x, 0, 0), Twist(0.4, 0.1)))
+        self.receive(NAMED.odom, pack.odometry(self.tick, NAMED.odom_frame, "", Pose2(x, 0, 0), Twist(0.4, 0.1)))
 
     def status(self, *entries: GoalStatus) -> None:
-        self.hear(NAMED.action("status"), pack.goal_status_array(self.tick, entries))
+        self.receive(NAMED.action("status"), pack.goal_status_array(self.tick, entries))
 
     def step(self, ticks: int = 1):
         for _ in range(ticks):
@@ -52,16 +52,16 @@ class Rig:
             output = self.robot.step(self.now)
         return output
 
-    def said(self) -> list[tuple[str, bytes]]:
-        said, self.robot.outgoing = self.robot.outgoing, []
-        return [(message.topic.name, message.data) for message in said]
+    def sent(self) -> list[tuple[str, bytes]]:
+        sent, self.robot.outgoing = self.robot.outgoing, []
+        return [(message.topic.name, message.data) for message in sent]
 
 
 @pytest.fixture
 def rig() -> Rig:
     made = Rig()
     made.place(0.0)
-    made.hear(NAMED.amcl_pose, pack.pose_with_covariance(made.tick, "map", Pose2(1, 0, 0), np.eye(3)))
+    made.receive(NAMED.amcl_pose, pack.pose_with_covariance(made.tick, "map", Pose2(1, 0, 0), np.eye(3)))
     made.status()
     return made
 
@@ -93,7 +93,7 @@ def test_what_was_heard_is_told_as_a_simulation_tells_it(rig):
     assert math.isnan(output.observations.battery.charge)
     assert output.navigation.goal is None
     assert output.neighbour.robot == 1
-    rig.hear(NAMED.battery, pack.battery_state(Battery(0, 30.0, 120.0), "robot2"))
+    rig.receive(NAMED.battery, pack.battery_state(Battery(0, 30.0, 120.0), "robot2"))
     battery = rig.step().observations.battery
     assert (battery.charge, battery.capacity) == pytest.approx((30.0, 120.0))
 
@@ -101,7 +101,7 @@ def test_what_was_heard_is_told_as_a_simulation_tells_it(rig):
 def test_a_goal_goes_out_with_a_name_and_comes_to_its_end(rig):
     rig.robot.take(Go(1, GOAL), rig.now)
     assert rig.step().navigation.goal == GOAL
-    ((topic, data),) = rig.said()
+    ((topic, data),) = rig.sent()
     goal = unpack.move_base_goal(data)
     assert (topic, goal.frame, goal.pose) == ("/robot2/move_base/goal", "map", GOAL.base_in_map)
     assert goal.goal_id.startswith("/us-robot2-")
@@ -109,54 +109,56 @@ def test_a_goal_goes_out_with_a_name_and_comes_to_its_end(rig):
     rig.status(entry)
     navigation = rig.step().navigation
     assert (navigation.state, navigation.remaining) == ("controlling", 3.0)
-    rig.hear(NAMED.action("result"), pack.move_base_result(rig.tick, entry._replace(status=GoalStatusCode.SUCCEEDED)))
+    rig.receive(
+        NAMED.action("result"), pack.move_base_result(rig.tick, entry._replace(status=GoalStatusCode.SUCCEEDED))
+    )
     assert rig.step().navigation.result == GoalReached(GOAL)
     assert rig.step().navigation.result is None
 
 
 def test_what_is_left_is_measured_along_the_plan_to_this_goal(rig):
     corner = np.array([[1.0, 0, 0], [1.0, 2, 0], [4.0, 2, 0], [4.0, 0, 0]])
-    rig.hear(NAMED.plan, pack.path(rig.tick, "map", corner))
+    rig.receive(NAMED.plan, pack.path(rig.tick, "map", corner))
     rig.tick += 1
     rig.robot.take(Go(1, GOAL), rig.now)
     assert rig.step().navigation.remaining == 3.0  # the plan is older than the goal
-    rig.hear(NAMED.plan, pack.path(rig.tick, "map", corner))
+    rig.receive(NAMED.plan, pack.path(rig.tick, "map", corner))
     navigation = rig.step().navigation
     assert navigation.remaining == pytest.approx(7.0)
     assert navigation.plan[0].tolist() == [1.0, 0.0, 0.0]
-    rig.hear(NAMED.plan, pack.path(rig.tick, "map", corner[:2]))
+    rig.receive(NAMED.plan, pack.path(rig.tick, "map", corner[:2]))
     assert rig.step().navigation.remaining == 3.0  # a plan to another place
 
 
 def test_driving_by_hand_repeats_the_command_and_ends_with_a_stop(rig):
     rig.robot.take(Drive(1, Twist(0.3, -0.2), 25), rig.now)
     rig.step(40)
-    said = [(topic, unpack.twist(data)) for topic, data in rig.said()]
-    assert {topic for topic, _ in said} == {"/robot2/cmd_vel"}
-    assert [twist for _, twist in said] == [Twist(0.3, -0.2)] * 5 + [STANDSTILL]
+    sent = [(topic, unpack.twist(data)) for topic, data in rig.sent()]
+    assert {topic for topic, _ in sent} == {"/robot2/cmd_vel"}
+    assert [twist for _, twist in sent] == [Twist(0.3, -0.2)] * 5 + [STANDSTILL]
 
 
 def test_a_halt_stops_driving_at_once_and_the_end_of_the_program_stops_everything(rig):
     rig.robot.take(Drive(1, Twist(0.3, 0.0), 100), rig.now)
     rig.step(3)
-    rig.said()
+    rig.sent()
     rig.robot.take(Halt(1), rig.now)
-    ((topic, data),) = rig.said()
+    ((topic, data),) = rig.sent()
     assert (topic, unpack.twist(data)) == ("/robot2/cmd_vel", STANDSTILL)
     rig.robot.take(Go(1, GOAL), rig.now)
     rig.step()
-    rig.said()
+    rig.sent()
     rig.robot.stop(rig.now)
-    assert [topic for topic, _ in rig.said()] == ["/robot2/move_base/cancel"]
+    assert [topic for topic, _ in rig.sent()] == ["/robot2/move_base/cancel"]
 
 
 def test_it_can_be_told_where_it_is(rig):
     rig.robot.take(Localize(1, Pose2(7, 8, 1), np.diag([0.1, 0.2, 0.3])), rig.now)
-    ((topic, data),) = rig.said()
-    said = unpack.pose_with_covariance(data)
-    assert (topic, said.frame, said.pose.x) == ("/robot2/initialpose", "map", 7)
-    assert said.covariance.diagonal().tolist() == [0.1, 0.2, 0.3]
-    assert tick_of(said.stamp_ns) == rig.tick
+    ((topic, data),) = rig.sent()
+    sent = unpack.pose_with_covariance(data)
+    assert (topic, sent.frame, sent.pose.x) == ("/robot2/initialpose", "map", 7)
+    assert sent.covariance.diagonal().tolist() == [0.1, 0.2, 0.3]
+    assert tick_of(sent.stamp_ns) == rig.tick
 
 
 @pytest.mark.parametrize("roll", [0.0, math.pi])
@@ -164,13 +166,13 @@ def test_a_scan_is_seen_where_the_laser_is_known_to_sit_and_once(rig, roll):
     mount = LaserMount(Pose2(0, 0, 0), -1.0, 0.5, 5, 0.1, 10.0)
     ranges = np.array([1, 2, 3, 4, 10], dtype=np.float32)
     data = pack.laser_scan(Scan(rig.tick, mount, ranges), "robot2/laser", 0.1)
-    rig.hear(NAMED.scan, data)
+    rig.receive(NAMED.scan, data)
     assert rig.step().observations.scan is None
     static = bytearray(pack.transforms(rig.tick, [Transform(NAMED.base_frame, "robot2/laser", Pose2(0.1, 0, 0))]))
     if roll:
         static[-32:] = np.array([1.0, 0.0, 0.0, 0.0]).tobytes()
-    rig.hear(names.TF_STATIC, bytes(static))
-    rig.hear(NAMED.scan, data)
+    rig.receive(names.TF_STATIC, bytes(static))
+    rig.receive(NAMED.scan, data)
     scan = rig.step().observations.scan
     assert scan.mount.laser_in_base.x == 0.1
     assert scan.mount.angles() == pytest.approx((-1 if roll else 1) * mount.angles(), abs=1e-6)
@@ -189,7 +191,7 @@ def test_a_network_that_breaks_for_less_than_the_silence_costs_no_goal(rig):
     patient.robot = RemoteRobot(1, NAMED, "/us", FOOTPRINT, stale_ns=20_000_000_000)
     for each in (patient, rig):
         each.place(0.0)
-        each.hear(NAMED.amcl_pose, pack.pose_with_covariance(each.tick, "map", Pose2(1, 0, 0), np.eye(3)))
+        each.receive(NAMED.amcl_pose, pack.pose_with_covariance(each.tick, "map", Pose2(1, 0, 0), np.eye(3)))
         each.status()
         each.robot.take(Go(1, GOAL), each.now)
         each.step(15 * 50)

@@ -16,10 +16,10 @@ def session(data: bytes) -> SessionRecord:
     versions = json.loads(cursor.string())
     if not isinstance(versions, dict):
         raise ValueError("the versions are not a JSON object")
-    told = {str(name): str(version) for name, version in versions.items()}
+    texts = {str(name): str(version) for name, version in versions.items()}
     program = cursor.string()
     roles = tuple(cursor.string() for _ in range(cursor.integer(UINT32)))
-    return SessionRecord(study, seed, told, program, roles, cursor.string())
+    return SessionRecord(study, seed, texts, program, roles, cursor.string())
 
 
 def game_event(data: bytes) -> GameEvent:
