@@ -52,7 +52,7 @@ def arena() -> OccupancyGrid:
 
 
 def truth(robot: int, tick: int) -> Pose2:
-    """Pose of a robot on its circle, which it drives only while it has a goal."""
+    """Pose of a robot on its circle: it drives for LEG ticks, then stands for half as many."""
     driven = (tick // (LEG + LEG // 2)) * LEG + min(tick % (LEG + LEG // 2), LEG)
     radius = 1.0 + 0.3 * robot
     angle = SPEED * driven / 50 / radius
