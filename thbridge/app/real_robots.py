@@ -26,10 +26,10 @@ from thbridge.wire.rosgraph.links import TopicHeader
 class _NoRecorder:
     """The recorder of a session that is not recorded."""
 
-    def heard(self, topic: TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
+    def received(self, topic: TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
         """Take no notice."""
 
-    def said(self, message: RosMessage) -> None:
+    def sent(self, message: RosMessage) -> None:
         """Take no notice."""
 
 

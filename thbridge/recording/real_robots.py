@@ -24,7 +24,7 @@ class _ForeignMessage(NamedTuple):
 
 
 class FleetRecorder:
-    """Writes a bag of a `Fleet`; an `Ear` of it, and a recorder of the session's ticks.
+    """Writes a bag of a `Fleet`: its `TrafficRecorder`, and the recorder of the session's ticks.
 
     Args:
         writer: an empty bag; the caller closes it.
@@ -37,13 +37,13 @@ class FleetRecorder:
         self._waiting: list[_ForeignMessage | RosMessage] = []
         self._last_ns = 0
 
-    def heard(self, topic: links.TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
-        """Keep a message until it is written."""
+    def received(self, topic: links.TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
+        """Keep a message of a robot until it is written."""
         source = ForeignTopic(topic.name, topic.type, topic.md5, topic.definition, publisher, topic.latched)
         self._waiting.append(_ForeignMessage(source, stamp_ns, data))
 
-    def said(self, message: RosMessage) -> None:
-        """Keep a message until it is written."""
+    def sent(self, message: RosMessage) -> None:
+        """Keep a message to a robot until it is written."""
         self._waiting.append(message)
 
     def record(self, snapshot: TeamSnapshot, records: Iterable[Record]) -> None:

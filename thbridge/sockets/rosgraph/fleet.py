@@ -40,10 +40,10 @@ _log = logging.getLogger(__name__)
 class TrafficRecorder(Protocol):
     """Recorder of the messages from and to the robots; it must not raise."""
 
-    def heard(self, topic: links.TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
+    def received(self, topic: links.TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
         """Record a received message, byte for byte, at this ROS time."""
 
-    def said(self, message: RosMessage) -> None:
+    def sent(self, message: RosMessage) -> None:
         """Record a message that was sent to a robot."""
 
 
@@ -61,12 +61,12 @@ class Fleet:
         self,
         graph: GraphAddress,
         robots: Sequence[RemoteRobot],
-        ear: TrafficRecorder,
+        recorder: TrafficRecorder,
         wall: Callable[[], int] = time.time_ns,
     ) -> None:
         self._node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._told_to_go)
         self._robots = tuple(robots)
-        self._ear = ear
+        self._recorder = recorder
         self._wall = wall
         self._clock: RosClock | None = None
         self._definitions = Definitions()
@@ -216,7 +216,7 @@ class Fleet:
                 return
             now_ns = self._clock.now(self._wall())
             said = self._met[topic, publisher]
-            self._ear.heard(said, publisher, now_ns, data)
+            self._recorder.received(said, publisher, now_ns, data)
             for robot, md5 in wanted.items():
                 if said.md5 == md5 and isinstance(refused := robot.receive(topic, data, now_ns), InvalidMessage):
                     self._complaints.warn(f"{topic}: what {publisher} says is of no use: {refused.sentence}")
@@ -231,7 +231,7 @@ class Fleet:
         said, robot.outgoing = robot.outgoing, []
         for message in said:
             self._publications[message.topic.name].publish(message.data)
-            self._ear.said(message)
+            self._recorder.sent(message)
 
     def _told_to_go(self, reason: str) -> None:
         _log.error("the robots are out of reach: this program must leave the ROS graph (%s)", reason)

@@ -93,16 +93,16 @@ class Actor:
 
 
 class Notes:
-    """An ear that remembers."""
+    """A recorder that keeps names of topics and publishers."""
 
     def __init__(self) -> None:
         self.came: list[tuple[str, str]] = []
         self.went: list[str] = []
 
-    def heard(self, topic, publisher, stamp_ns, data):
+    def received(self, topic, publisher, stamp_ns, data):
         self.came.append((topic.name, publisher))
 
-    def said(self, message):
+    def sent(self, message):
         self.went.append(message.topic.name)
 
 
@@ -146,8 +146,8 @@ async def alive(actor: Actor) -> AsyncIterator[Actor]:
 
 
 @asynccontextmanager
-async def fleet_at(uri: str, ear: object) -> AsyncIterator[Fleet]:
-    fleet = Fleet(GraphAddress(uri), [RemoteRobot(0, NAMED, CALLER, np.zeros((0, 2)))], ear)
+async def fleet_at(uri: str, recorder: object) -> AsyncIterator[Fleet]:
+    fleet = Fleet(GraphAddress(uri), [RemoteRobot(0, NAMED, CALLER, np.zeros((0, 2)))], recorder)
     assert isinstance(await fleet.start(), NodeStarted)
     try:
         yield fleet
