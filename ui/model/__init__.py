@@ -1,1 +1,1 @@
-"""What windows show and what people may do in them, without any Qt: values in, values out."""
+"""View models of all windows: what they show and what people may do in them, as values and without Qt."""

@@ -1,4 +1,4 @@
-"""Which key does what: the one table, from which buttons get their labels and the help sheet its lines.
+"""Table of keys: buttons get their labels from it, and the help sheet its lines.
 
 Keys are named as on the keyboard: "Tab", "Shift+Tab", "Enter", "Esc", "Up", "Down", "F1", a digit, a capital letter,
 "?". Letters are free while a list has the focus; see `typed_name`.
@@ -38,12 +38,12 @@ from ui.model.screen import (
 
 @dataclass(frozen=True, slots=True)
 class KeyBinding:
-    """Keys that do the same.
+    """Keys that do one act.
 
     Attributes:
         keys: the first is the one printed on the button.
-        act: what they do.
-        does: the same in words, for the help sheet.
+        act: the act.
+        does: the act in words, for the help sheet.
     """
 
     keys: tuple[str, ...]
@@ -65,7 +65,7 @@ PLAYING = (
     KeyBinding(("M",), FitMap(), "Show the whole map"),
     KeyBinding(("E",), EndGame(), "End the game"),
 )
-"""While the game goes on."""
+"""Keys while the game goes on."""
 
 CONSENT = (KeyBinding(("A",), AgreeToTakePart(), "Agree to take part"),)
 OVER = (KeyBinding(("A",), AnotherGame(), "Play another game"),)
@@ -73,7 +73,7 @@ QUESTION = (
     KeyBinding(("Y",), Confirm(), "Yes, to a question of the program"),
     KeyBinding(("N", "Esc"), Cancel(), "No, to a question of the program"),
 )
-"""While the program asks whether something is meant; nothing else is heard then."""
+"""Keys while the program asks for confirmation; all others are ignored then."""
 
 HELP = KeyBinding(("F1", "H"), ShowHelp(), "Open or close this sheet")
 
@@ -99,11 +99,11 @@ def choice_keys(choices: Sequence[str]) -> tuple[str, ...]:
 
 
 def act_for(key: str, screen: Screen) -> Act | None:
-    """What a key does while this is shown; None if nothing.
+    """The act of a key while a screen is shown; None if it has none.
 
     Args:
         key: as the module names keys.
-        screen: what the participant sees.
+        screen: the screen that the participant sees.
     """
     if key in HELP.keys or (screen.help and key == "Esc"):
         return HELP.act

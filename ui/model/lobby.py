@@ -1,4 +1,4 @@
-"""What the program that runs the games and the participant's window tell each other before and after a game.
+"""Messages between the program that runs the games (host) and the participant's window, before and after a game.
 
 The window is a process of its own, so that nothing of a game can be in it that the game has not told. One JSON object a
 line: the host's at the window's standard input, the window's at its standard output.
@@ -13,9 +13,9 @@ class Offer(msgspec.Struct, frozen=True, tag=True):
     """Host: show the start page.
 
     Attributes:
-        least: robots that may be chosen at the least.
-        most: and at the most.
-        usual: what the study plays with.
+        least: smallest number of robots that may be chosen.
+        most: largest number.
+        usual: number in the study.
     """
 
     least: int
@@ -24,7 +24,7 @@ class Offer(msgspec.Struct, frozen=True, tag=True):
 
 
 class Preparing(msgspec.Struct, frozen=True, tag=True):
-    """Host: what was asked for is being made ready; `sentence` says so to people."""
+    """Host: the requested game is being prepared; `sentence` tells people so."""
 
     sentence: str
 
@@ -33,10 +33,10 @@ class Join(msgspec.Struct, frozen=True, tag=True):
     """Host: the game waits at this address.
 
     Attributes:
-        host: of its text server.
-        port: of its text server.
-        token: by which the server knows this participant again.
-        practice: it is the practice game.
+        host: host of its text server.
+        port: port of its text server.
+        token: secret by which the server recognises this participant.
+        practice: True for the practice game.
     """
 
     host: str
@@ -56,11 +56,11 @@ class Practise(msgspec.Struct, frozen=True, tag=True):
 
 
 class Back(msgspec.Struct, frozen=True, tag=True):
-    """Window: this game is left; back to the start page."""
+    """Window: leave this game and show the start page."""
 
 
-class WindowClosed(msgspec.Struct, frozen=True, tag=True):
-    """Window: it was closed on purpose."""
+class WindowClosed(msgspec.Struct, frozen=True, tag="Leave"):
+    """Window: the participant closed it on purpose."""
 
 
 FromHost: TypeAlias = Offer | Preparing | Join
@@ -70,16 +70,24 @@ _from_host: msgspec.json.Decoder[FromHost] = msgspec.json.Decoder(FromHost)
 _from_window: msgspec.json.Decoder[FromWindow] = msgspec.json.Decoder(FromWindow)
 
 
-def encode(said: FromHost | FromWindow) -> bytes:
-    """A line that says this."""
-    return msgspec.json.encode(said) + b"\n"
+def encode(message: FromHost | FromWindow) -> bytes:
+    """Return the line of a message."""
+    return msgspec.json.encode(message) + b"\n"
 
 
 def decode_from_host(text: bytes) -> FromHost:
-    """What a line of the host says. Raises msgspec.DecodeError."""
+    """Return the message in a line of the host.
+
+    Raises:
+        msgspec.DecodeError: it is none.
+    """
     return _from_host.decode(text)
 
 
 def decode_from_window(text: bytes) -> FromWindow:
-    """What a line of the window says. Raises msgspec.DecodeError."""
+    """Return the message in a line of the window.
+
+    Raises:
+        msgspec.DecodeError: it is none.
+    """
     return _from_window.decode(text)

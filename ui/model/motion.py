@@ -1,8 +1,8 @@
-"""Where robots are drawn between what is told of them: smooth, a little behind, and never jumping back.
+"""Poses of robots between two messages of pose telemetry: smooth, a little behind, and never jumping back.
 
-A simulation tells many times a second where its robots are; each telling travels by a network, comes late, early or not
-at all, and the simulation itself may run at another rate, stand still or begin anew. `Motions` plays all that back: it
-keeps the last tellings, runs a clock of simulated time a little behind the newest, and reads the poses at that clock.
+A simulation tells many times a second where its robots are. Each message travels by a network and comes late, early or
+not at all; the simulation itself may run at another rate, stand still or begin anew. `MotionPlayback` keeps the last
+messages as samples, runs a clock of simulated time a little behind the newest, and reads the poses at that clock.
 """
 
 import math
@@ -21,46 +21,46 @@ TICK = 0.02
 """Simulated seconds a tick."""
 
 KEPT_SAMPLES = 64
-"""Tellings kept: 2.5 s of them at 25 Hz."""
+"""Samples kept: 2.5 s of them at 25 Hz."""
 
 JUMP = 0.5
 """A robot that is found this far, in metres, from where it should be was carried: it moves at once."""
 
 MAX_SPEED = 1.5
-"""What robots drive at most, metres a second: tellings that are far apart may be so much farther apart in space."""
+"""Greatest speed of robots, m/s: samples that are far apart in time may be so much farther apart in space."""
 
 MAX_ACCELERATION = 10.0
-"""Robots change their speed so fast, m/s²; one that seems twice as fast in that has corrected where it is."""
+"""Greatest acceleration of robots, m/s²; a robot that seems to exceed it twice has corrected its estimate instead."""
 
 MAX_TURN_ACCELERATION = 25.0
-"""The same for turning, rad/s²."""
+"""Greatest acceleration of turning, rad/s²."""
 
 GAP = 2.0
-"""A telling so much later than the one before, in simulated seconds, begins anew: a seek, or a lost connection."""
+"""A sample so much later than the one before, in simulated seconds, begins anew: a seek, or a lost connection."""
 
 MAX_EXTRAPOLATION = 0.1
-"""Robots are driven on for so long without news, simulated seconds, slower and slower."""
+"""Robots are driven on for so long without a new sample, simulated seconds, slower and slower."""
 
 BLEND = 0.07
 """Time constant of blending, seconds: 95 % in 0.2 s."""
 
 MAX_HELD_CORRECTION = 0.2
-"""A correction by less than this, in metres, does not move a robot back that drives on."""
+"""A correction by less than this, in metres, does not move a driving robot backwards."""
 
 MOVING_SPEED = 0.03
-"""A robot drives when it is faster than this, m/s."""
+"""A robot counts as driving when it is faster than this, m/s."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DisplayedRobot:
-    """A robot at one moment, map frame, metres and radians.
+    """One robot at the moment shown; map frame, metres and radians.
 
     Attributes:
-        pose: where it believes it is.
-        trail: (k, 2) where it was shown, oldest first; its own place is not in it.
-        way: (m, 2) what lies ahead, its own place first; (0, 2) when nothing does.
-        ellipse: how sure it is of its place, if that is told.
-        truth: where it really is, if that is told.
+        pose: its estimated pose.
+        trail: (k, 2) places where it was shown, oldest first; its own place is not in it.
+        path: (m, 2) rest of its planned path, its own place first; (0, 2) without one.
+        ellipse: uncertainty of its place, if that is told.
+        truth: its true pose, if that is told.
     """
 
     pose: Pose2
@@ -72,7 +72,7 @@ class DisplayedRobot:
 
 @dataclass(slots=True, eq=False)
 class _Sample:
-    """One telling: simulated time, (n, 3) poses, and what else was told then."""
+    """One message of pose telemetry: simulated time, (n, 3) poses, and the rest of it."""
 
     time: float
     poses: FloatArray
@@ -81,14 +81,14 @@ class _Sample:
 
 
 class MotionPlayback:
-    """All robots' poses at any moment, out of what is told of them.
+    """Interpolates all robots' poses from pose telemetry.
 
-    Times called `now` are monotonic seconds of this program. What came before robots were last looked at may be heard
-    after that; otherwise times must not run backwards.
+    Times called `now` are monotonic seconds of this program. A message that came before the last look at the robots may
+    be received after that look; otherwise times must not run backwards.
 
-    The past is always told in the frame of the newest estimate: when a robot corrects where it believes it is, the
-    correction is added to what is kept of its past, and an offset as large, which fades within 0.2 s, keeps what is
-    shown from jumping. The same offset takes up what driving on without news got wrong.
+    The past is always kept in the frame of the newest estimate: when a robot corrects its estimate, the correction is
+    added to its past samples, and an offset as large, which fades within 0.2 s, keeps the robot on the screen from
+    jumping. The same offset takes up the error of extrapolation.
     """
 
     def __init__(self) -> None:
@@ -103,18 +103,18 @@ class MotionPlayback:
         self._newest_at: float | None = None
 
     def receive(self, notice: PoseTelemetry | PlannedPaths, now: float) -> None:
-        """Take what was told at this moment."""
+        """Take pose telemetry or planned paths that came at this moment."""
         if isinstance(notice, PlannedPaths):
             before = self._paths
             self._paths = [
-                before[robot] if robot < len(before) and before[robot].planned == told else PathAhead(told)
-                for robot, told in enumerate(notice.ways)
+                before[robot] if robot < len(before) and before[robot].planned == planned else PathAhead(planned)
+                for robot, planned in enumerate(notice.ways)
             ]
         elif all(math.isfinite(number) for pose in notice.poses for number in pose):
             self._receive_poses(notice, now)
 
     def at(self, now: float) -> tuple[DisplayedRobot, ...]:
-        """Every robot at this moment, in the team's order; none before anything was told."""
+        """Every robot at this moment, in the team's order; none before the first telemetry."""
         if not self._samples:
             return ()
         self._fade(now)
@@ -125,10 +125,10 @@ class MotionPlayback:
         return tuple(self._moving(robot, pose, truth, ellipses) for robot, pose in enumerate(shown.tolist()))
 
     def stale_for(self, now: float) -> float:
-        """Seconds for which nothing new came: simulated time stands still, or nobody tells; infinite at first."""
+        """Seconds since simulated time last went on: it stands still, or no telemetry comes; infinite at first."""
         return math.inf if self._newest_at is None else max(now - self._newest_at, 0.0)
 
-    # What comes -------------------------------------------------------------------------------------------------------
+    # Messages ---------------------------------------------------------------------------------------------------------
 
     def _receive_poses(self, notice: PoseTelemetry, now: float) -> None:
         poses = np.array(notice.poses, dtype=np.float64).reshape(-1, 3)
@@ -163,10 +163,11 @@ class MotionPlayback:
         self._faded = self._newest_at = now
 
     def _correct(self, sample: _Sample, newest: _Sample) -> NDArray[np.bool_]:
-        """Bring what is kept into the frame of a new telling; (n,) whether each robot was carried off.
+        """Move the kept samples into the frame of a new one; return (n,) True for each robot that was carried off.
 
-        A robot that does not move as it did has either changed its speed or its mind about where it is. The harder the
-        change, the more of it is of the mind; unless its last step was just as odd, for speed lasts.
+        A robot whose motion changes has either changed its speed or corrected its estimate. The larger the change
+        beyond what motors can do, the larger the share of it that counts as a correction; unless the step before was
+        just as odd, because a speed lasts and a correction does not.
         """
         passed = sample.time - newest.time
         moved = sample.poses - newest.poses
@@ -188,7 +189,7 @@ class MotionPlayback:
             self._trails[robot].cut()
         return carried
 
-    # What is read -----------------------------------------------------------------------------------------------------
+    # Poses ------------------------------------------------------------------------------------------------------------
 
     def _moving(
         self, robot: int, pose: list[float], truth: FloatArray | None, ellipses: tuple[Ellipse, ...] | None
@@ -205,7 +206,7 @@ class MotionPlayback:
         )
 
     def _bracket(self, time: float) -> tuple[_Sample, _Sample]:
-        """The tellings before and after a simulated time; twice the same at an end."""
+        """The samples before and after a simulated time; twice the same at an end."""
         later = self._samples[-1]
         if time >= later.time:
             return later, later
@@ -216,7 +217,7 @@ class MotionPlayback:
         return later, later
 
     def _read(self, time: float) -> FloatArray:
-        """(n, 3) poses at a simulated time: between two tellings, or driven on from the last."""
+        """(n, 3) poses at a simulated time: between two samples, or extrapolated from the last."""
         one, other = self._bracket(time)
         if one is not other:
             return _between(one.poses, other.poses, (time - one.time) / (other.time - one.time))
@@ -226,7 +227,7 @@ class MotionPlayback:
     def _read_truth(self, time: float) -> FloatArray | None:
         one, other = self._bracket(time)
         if one is other and len(self._samples) > 1:
-            # Past the last telling it goes on as it did between the last two.
+            # Past the last sample it goes on as between the last two.
             one = self._samples[-2]
             time = other.time + _driven_on(time - other.time)
         if one.truth is None or other.truth is None or one.time == other.time or len(one.truth) != len(other.truth):
@@ -237,9 +238,9 @@ class MotionPlayback:
         return read
 
     def _fade(self, now: float) -> None:
-        """Take off the offsets what fades until now.
+        """Reduce the offsets by what fades until now.
 
-        A robot that drives, and corrects its place a little back along its way, is held where it is until the
+        A robot that drives, and corrects its place a little back along its path, is held where it is until the
         correction is made up for: nobody sees it drive backwards.
         """
         passed = max(now - self._faded, 0.0)
@@ -259,13 +260,13 @@ class MotionPlayback:
 
 
 def _driven_on(late: float) -> float:
-    """For how long at full speed robots are driven on that have been without news for so long, seconds."""
+    """Seconds at full speed by which robots are extrapolated after so many seconds without a sample."""
     late = min(max(late, 0.0), MAX_EXTRAPOLATION)
     return late - late * late / (2.0 * MAX_EXTRAPOLATION)
 
 
 def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:
-    """Poses at a share of the way from one to the other, angles the short way."""
+    """Poses at a share of the way from one to the other, angles by the shorter turn."""
     change = other - one
     change[:, 2] = _wrapped(change[:, 2])
     between: FloatArray = one + share * change
@@ -273,7 +274,7 @@ def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:
 
 
 def _oddity(speeds: FloatArray, others: FloatArray, passed: float) -> FloatArray:
-    """(n,) from 0, where robots can have made (n, 3) speeds of others in so many seconds, to 1, where none ever can."""
+    """(n,) implausibility of a change between (n, 3) speeds in so many seconds: 0 possible, 1 impossible."""
     change = np.abs(speeds - others)
     moves, turns = np.hypot(change[:, 0], change[:, 1]) / MAX_ACCELERATION, change[:, 2] / MAX_TURN_ACCELERATION
     odd: FloatArray = np.clip(np.maximum(moves, turns) / passed - 1.0, 0.0, 1.0)

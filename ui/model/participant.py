@@ -1,4 +1,4 @@
-"""The participant's side of the game, without a window: what is heard becomes a screen, and acts become wishes."""
+"""View model of the participant's window: messages of the game become a screen, and acts become requests."""
 
 import math
 from dataclasses import replace
@@ -20,9 +20,9 @@ from ui.model.screen import Act, RoomTile, Screen
 class Participant:
     """The view model of the participant's window.
 
-    It is told what the game says and what the participant does, and says what to show and what to ask the game for.
-    Times called `now` are monotonic seconds that never run backwards, but for this: what came in, came a little before
-    somebody looks at it.
+    It takes messages of the game and acts of the participant, and gives the screen to show and the requests to send.
+    Times called `now` are monotonic seconds that never run backwards, with one exception: a message may have come a
+    little before the last look at the screen.
     """
 
     def __init__(self) -> None:
@@ -31,14 +31,14 @@ class Participant:
         self._marks: MapMarks | None = None
         self._screen: Screen | None = None
         self._rooms: tuple[RoomMark, ...] = ()
-        # What the marks of the rooms were made of.
+        # Tiles and shapes of the last marks of the rooms.
         self._marked: tuple[tuple[RoomTile, ...], MapMarks | None] = ((), None)
-        # When the screen is to be made anew at the latest; at once after something came in.
+        # Time by which the screen is made anew; at once after a message or an act.
         self._due = -math.inf
 
     @property
     def floor_plan(self) -> FloorPlan | None:
-        """Where all this happens; None until it is told."""
+        """Floor plan of the game; None until it has come."""
         return self._memory.floor_plan
 
     @property
@@ -47,7 +47,7 @@ class Participant:
         return self._memory.followed
 
     def receive(self, level: View | FloorPlan | PoseTelemetry | PlannedPaths | PicturePiece, now: float) -> None:
-        """Take in what the game says."""
+        """Take a message of the game."""
         memory = self._memory
         match level:
             case View():
@@ -68,12 +68,12 @@ class Participant:
         self._due = -math.inf
 
     def connected(self, now: float) -> None:
-        """The game is reached, for the first time or again."""
+        """Note that the game is reached, for the first time or again."""
         self._memory.connection.connected(now)
         self._due = -math.inf
 
     def lost(self, sentence: str, now: float) -> None:
-        """The game is not reached, or not any more.
+        """Note that the game is not reached, or not any more.
 
         Args:
             sentence: why, for people; may be empty.
@@ -86,10 +86,10 @@ class Participant:
         self._due = -math.inf
 
     def do(self, act: Act, now: float) -> None:
-        """The participant does this, looking at the screen as it was made last.
+        """Do an act of the participant, who looks at the last screen.
 
-        What is not offered there, or is meant for something that has gone since, does nothing; what is offered but not
-        possible just now says why.
+        An act that this screen does not offer, or whose object has gone since, does nothing; an act that is offered but
+        not possible just now shows the reason.
         """
         offered = None if self._screen is None else offer(self._screen, act)
         if offered is not None and offered.pending:
@@ -98,7 +98,7 @@ class Participant:
         self._due = -math.inf
 
     def screen(self, now: float) -> Screen:
-        """What to show now: the very same object while nothing changed."""
+        """The screen to show now: the very same object while nothing changed."""
         memory = self._memory
         if self._screen is not None and now < self._due:
             return self._screen
@@ -133,11 +133,11 @@ class Participant:
         return self._marks.robots(self._playback.at(now), hunt.view, self._memory.selected)
 
     def requests(self) -> tuple[ParticipantRequest, ...]:
-        """Everything wanted of the game as of now, oldest first; to be said again until it is not wanted any more."""
+        """All requests to the game, oldest first; each is to be sent again until it is not in here any more."""
         return () if self._memory.hunt is None else open_requests(self._memory.hunt)
 
     def _receive_motions(self, motions: tuple[RobotMotion, ...], now: float) -> bool:
-        """Whether anything on the screen changes by it; this comes many times a second."""
+        """Take the robots' progress; return True when it changes the screen. This comes many times a second."""
         memory = self._memory
         was_still = memory.connection.trouble(now) is not None
         memory.connection.receive(now)
@@ -145,7 +145,7 @@ class Participant:
         return was_still or _shown(before) != _shown(memory.motions)
 
     def _until_arrived(self, motions: tuple[RobotMotion, ...]) -> tuple[RobotMotion, ...]:
-        """The motions; but a robot that came to rest is at the end of its way until the game says where it stands."""
+        """The motions, but a robot that came to rest is at the end of its path until the view shows it at its goal."""
         hunt, before = self._memory.hunt, self._memory.motions
         if hunt is None or not len(motions) == len(before) == len(hunt.view.robots):
             return motions
@@ -155,11 +155,11 @@ class Participant:
         )
 
     def _announcing(self, fresh: Screen) -> Screen:
-        """A screen with what is to be read out now, or else what was read out last."""
-        news = self._memory.history.take_announcements()
-        told = ("", 0) if self._screen is None else (self._screen.announcement, self._screen.announcement_number)
-        announcement, announced = (news, told[1] + 1) if news else told
-        return replace(fresh, announcement=announcement, announcement_number=announced)
+        """Return the screen with the newest announcement, or else with the last one."""
+        announcement = self._memory.history.take_announcements()
+        before = ("", 0) if self._screen is None else (self._screen.announcement, self._screen.announcement_number)
+        announcement, number = (announcement, before[1] + 1) if announcement else before
+        return replace(fresh, announcement=announcement, announcement_number=number)
 
     def _drawn(self) -> DrawnState:
         hunt = self._memory.hunt

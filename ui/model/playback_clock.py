@@ -1,35 +1,35 @@
-"""The clock by which what was told of a simulation is played back, a little behind the newest that is known."""
+"""Clock that plays back a simulation's telemetry a little behind the newest sample."""
 
 import math
 from collections import deque
 
 WINDOW = 1.0
-"""The past over which rate and lateness are judged, seconds."""
+"""Seconds of the past by which rate and lateness are judged."""
 
 MIN_RATE_WINDOW = 0.2
-"""A rate is believed when it was watched for so long, seconds."""
+"""A rate is believed once samples span so many seconds."""
 
 FIRST_DELAY = 0.05
-"""By how much to stay behind while nothing is known of the network, seconds."""
+"""Seconds to stay behind while nothing is known of the network."""
 
 CATCH_UP_BURST = 0.1
-"""After a standstill, what comes within so many seconds may have been held up on its way."""
+"""After a standstill, samples that come within so many seconds may have been held up by the network."""
 
 MAX_SAMPLES = 128
-"""Tellings kept at most, however fast they come."""
+"""Samples kept at most, however fast they come."""
 
 MAX_DELAY = 0.06
-"""The clock stays at most this far behind, seconds: with the way through a network it is still less than 0.1 s."""
+"""The clock stays at most this far behind, seconds: with the latency of a network it is still less than 0.1 s."""
 
 EXTRAPOLATED_SHARE = 0.5
-"""Share of the time between two tellings for which robots are driven on without the next: at 25 a second that puts them
-off by millimetres, and draws them 20 ms earlier."""
+"""Share of the time between two samples for which robots are extrapolated without the next: at 25 a second that puts
+them off by millimetres, and draws them 20 ms earlier."""
 
 STANDSTILL = 0.25
-"""Nothing told for so long, in seconds: simulated time stood still, or the network did; that says nothing of a rate."""
+"""Seconds without a sample: simulated time, or the network, stood still. Such a gap says nothing of a rate."""
 
 HORIZON = 0.25
-"""How far simulated time is believed to have gone on without news, seconds of this program."""
+"""Seconds of this program for which simulated time is believed to have gone on without a sample."""
 
 CATCH_UP = 0.15
 """Time constant of following a changed estimate, seconds."""
@@ -38,9 +38,9 @@ CATCH_UP = 0.15
 class PlaybackClock:
     """Simulated time to be shown at a moment: monotonic, smooth, and as little behind as the network's jitter allows.
 
-    Each telling says "simulated time s, heard at moment a". The lines s + rate (now - a) of those that travelled
-    fastest say how far the simulation is now; how late the slowest of the last second came, and how long they are
-    apart, says how far behind the clock must stay so that robots are not driven on for long without the next telling.
+    Each sample says "simulated time s, received at moment a". The lines s + rate (now - a) of the samples that
+    travelled fastest tell how far the simulation is now. The lateness of the slowest sample of the last second, and the
+    time between samples, tell how far behind the clock must stay so that robots are not extrapolated for long.
     """
 
     def __init__(self) -> None:
@@ -57,7 +57,7 @@ class PlaybackClock:
         return self._rate
 
     def receive(self, time: float, now: float) -> None:
-        """A telling of this simulated time came now; each must be later than the one before."""
+        """Take a sample of this simulated time that came now; each must be later than the one before."""
         if self._samples and now - self._samples[-1][1] > STANDSTILL:
             self._stood_until = now
         if now < self._stood_until + CATCH_UP_BURST:
@@ -90,7 +90,7 @@ class PlaybackClock:
         return self._time
 
     def _front(self, now: float) -> float:
-        """How far the simulation is by now, by the tellings that travelled fastest."""
+        """Simulated time reached by now, judged by the samples that travelled fastest."""
         front = max(time + self._rate * (now - at) for time, at in self._samples)
         newest = self._samples[-1][0]
         return min(front, newest + self._rate * HORIZON)

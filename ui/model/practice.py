@@ -1,4 +1,4 @@
-"""What to do next, told to somebody who plays for the first time."""
+"""Advice for a participant in the practice game."""
 
 from ui.model.screen import DialoguePopup, Phase, Screen, TreasurePopup
 

@@ -1,4 +1,4 @@
-"""What is drawn on a map, as values: a map view draws these and knows nothing else."""
+"""Marks that a map view draws, as values; the view knows nothing else."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -10,17 +10,17 @@ RoomState = Literal["unvisited", "reserved", "visited"]
 
 @dataclass(frozen=True, slots=True)
 class RoomMark:
-    """A room as it is drawn now.
+    """Room as it is drawn now.
 
     Attributes:
         room: its number as people count, from 1.
-        name: what people call it.
+        name: name for people.
         region: (n, 2) corners of its floor, map frame, metres.
         state: told apart by a sign and a pattern, not by colour alone.
-        choosable: a click on it would be a choice just now.
-        considered: the participant looks at it, by mouse or keyboard.
-        found: what is known of the treasure in it, in a word or two; empty when nothing is.
-        robot: who visited it, or is under way to it; index in the team.
+        choosable: True when a click on it would be a choice just now.
+        considered: True when the participant looks at it, by mouse or keyboard.
+        found: its treasure as far as it is known, in a word or two; empty when nothing is known.
+        robot: index of the robot that visited it or drives to it.
     """
 
     room: int
@@ -35,7 +35,7 @@ class RoomMark:
 
 @dataclass(frozen=True, slots=True)
 class EllipseMark:
-    """An uncertainty: half axes in metres, the longer one turned by `angle` from the map's x axis."""
+    """Ellipse of an uncertainty: half axes in metres; `angle` of the longer one in radians from the map's x axis."""
 
     major: float
     minor: float
@@ -44,20 +44,20 @@ class EllipseMark:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotMark:
-    """A robot as it is drawn in one frame. All in the map frame, metres and radians.
+    """Robot as it is drawn in one frame. All in the map frame, metres and radians.
 
     Attributes:
         robot: index in the team; its colour follows from it.
         label: its name on the map, short.
-        pose: where it believes it is.
+        pose: its estimated pose.
         footprint: (n, 2) corners of its body in its own frame.
-        selected: the one that the participant commands.
-        trouble: it is lost, silent or has no energy left; drawn so that it shows without colour.
-        trail: (k, 2) where it has been, oldest first.
-        way: (m, 2) where it means to go, its own place first.
-        ellipse: how sure it is of its place, where that is shown.
-        truth: where it really is, where that is shown.
-        taken: who else than the participant commands it, in words; empty when nobody does.
+        selected: True for the robot that the participant commands.
+        trouble: True when it is lost, silent or has no energy left; drawn so that it shows without colour.
+        trail: (k, 2) past places, oldest first.
+        path: (m, 2) planned path, its own place first.
+        ellipse: uncertainty of its place, where that is shown.
+        truth: its true pose, where that is shown.
+        commander: the other party that commands it, in words; empty where the participant does.
     """
 
     robot: int

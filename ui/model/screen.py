@@ -1,7 +1,7 @@
-"""What the participant's window shows at one moment, and what may be done in it, as values.
+"""Values that describe the participant's window: the `Screen` to draw, and the `Act`s that a participant can do.
 
-The window draws a `Screen` and gives back `Act`s; it decides nothing. Whatever can be done carries its label, its key
-and, when it cannot be done just now, the reason in words.
+The window draws a `Screen` and gives back `Act`s; it decides nothing. Each offered act carries its label, its key and,
+when it is not possible just now, the reason in words.
 """
 
 from dataclasses import dataclass
@@ -10,17 +10,17 @@ from typing import Literal
 
 
 class Phase(StrEnum):
-    """Which page is shown."""
+    """Page that the window shows."""
 
     CONNECTING = "connecting"
-    """There was never a view: the game's server is not reached yet, or its robots are not ready."""
+    """No view has come yet: the game's server is not reached, or its robots are not ready."""
     CONSENT = "consent"
     """The participant is asked to take part."""
     PLAYING = "playing"
     OVER = "over"
 
 
-# What may be done -----------------------------------------------------------------------------------------------------
+# Acts -----------------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,21 +51,21 @@ class ConsiderRoom:
 
 @dataclass(frozen=True, slots=True)
 class ChooseRoom:
-    """Ask the selected robot to go there; one that is under way is called back first."""
+    """Ask the selected robot to go to a room; a robot that is driving is called back first."""
 
     room: int
 
 
 @dataclass(frozen=True, slots=True)
 class TypeDigit:
-    """A digit key: with ten rooms or more the number is complete after two digits, or by `FinishNumber`."""
+    """Type a digit of a room number; with ten rooms or more it is complete after two digits, or by `FinishNumber`."""
 
     digit: int
 
 
 @dataclass(frozen=True, slots=True)
 class FinishNumber:
-    """The number typed so far is meant as it is (Enter)."""
+    """Take the number typed so far as complete (Enter)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +75,7 @@ class AskAdvice:
 
 @dataclass(frozen=True, slots=True)
 class StopRobot:
-    """Call back a robot that is under way; None: the selected one."""
+    """Call back a robot that is driving; None: the selected one."""
 
     robot: int | None = None
 
@@ -101,14 +101,14 @@ class TakeThePicture:
 
 @dataclass(frozen=True, slots=True)
 class PickName:
-    """Say what the treasure shown may be, without being held to it; None takes that back."""
+    """Pick a name for the treasure shown, without committing to it; None clears the choice."""
 
     name: str | None
 
 
 @dataclass(frozen=True, slots=True)
 class SubmitName:
-    """Be held to the name picked."""
+    """Name the treasure shown as picked; this counts for the score."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,15 +118,15 @@ class LeaveTreasure:
 
 @dataclass(frozen=True, slots=True)
 class ShowNext:
-    """Put the pop-up aside and show what waits behind it, if anything does; what was put aside waits.
+    """Put the pop-up aside and show the next one that waits; the one put aside goes on waiting.
 
-    Without a pop-up it shows what waits longest.
+    Without a pop-up, show the one that has waited longest.
     """
 
 
 @dataclass(frozen=True, slots=True)
 class ShowWaiting:
-    """Show what waits for this robot: what it found in this room, or without one whatever waits longest."""
+    """Show a pop-up that waits for this robot: its find in this room, or else the one waiting longest."""
 
     robot: int
     room: int | None = None
@@ -134,17 +134,17 @@ class ShowWaiting:
 
 @dataclass(frozen=True, slots=True)
 class EndGame:
-    """End this game although robots could still do something; asks once whether that is meant."""
+    """End this game although robots could still do something; asks for confirmation first."""
 
 
 @dataclass(frozen=True, slots=True)
 class Confirm:
-    """Yes, what a question asks is meant (`Question`); an act of its own, so that no double click says yes unread."""
+    """Answer yes to a `Confirmation`; an act of its own, so that a double click never says yes unread."""
 
 
 @dataclass(frozen=True, slots=True)
 class Cancel:
-    """Take back what a question asked (`Question`), or else the digits typed so far."""
+    """Answer no to a `Confirmation`; without one, clear the digits typed so far."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,15 +197,15 @@ Act = (
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """Something to do, as a button shows it.
+    """An act as a button offers it.
 
     Attributes:
-        act: what it does.
-        label: on the button.
-        key: that does the same, as printed on the button ("4", "Tab", "F1"); empty when there is none.
-        enabled: whether it can be done just now.
-        hint: what it costs or brings; why not, when it cannot be done.
-        busy: it was asked for and has not happened yet.
+        act: the act that the button does.
+        label: text on the button.
+        key: shortcut printed on the button ("4", "Tab", "F1"); empty when there is none.
+        enabled: True when it can be done just now.
+        hint: its cost or gain; the reason when it cannot be done.
+        pending: True when it was requested and has not happened yet.
     """
 
     act: Act
@@ -216,30 +216,30 @@ class Action:
     pending: bool = False
 
 
-# What is shown --------------------------------------------------------------------------------------------------------
+# The screen -----------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class RobotCard:
-    """A robot beside the map.
+    """Card of a robot, beside the map.
 
     Attributes:
         robot: index in the team.
         name: for people.
-        selected: it is the one commanded.
-        energy: what it has left.
-        energy_at_start: what it, or the richest of the team, had when the game began; the bar's full length.
-        cost: of the move being considered, for the selected robot; None when none is.
-        affordable: whether it can pay that.
-        place: where it stands, in words; where it set out from while it moves.
-        state: what it does, in words: "travelling to room 4", "waiting for robot 2", "lost", "no energy left".
-        trouble: the state is one to worry about.
-        progress: share of its way that is driven, 0 to 1; None at rest.
-        waits: how many things wait for the participant because of it: an answer, a treasure.
-        select: selects it.
+        selected: True for the robot that the participant commands.
+        energy: energy left.
+        energy_at_start: most energy that any robot of the team had so far; the bar's full length.
+        cost: energy that the considered move costs; None where no move is considered.
+        affordable: True when its energy covers the cost.
+        place: place where it stands, in words; while it drives, the place that it left.
+        state: its activity in words: "travelling to room 4", "waiting for robot 2", "lost", "no energy left".
+        trouble: True when the state is one to worry about.
+        progress: driven share of its path, 0 to 1; None at rest.
+        waits: number of its pop-ups that wait for the participant: an answer, a treasure.
+        select: selects the robot.
         stop: calls it back; None at rest, and where somebody else commands it.
-        commander: who else commands it, "ground station 255"; empty where the participant does.
-        ask_back: asks them to give it back; None where the participant commands it, and once the game is over.
+        commander: the other party that commands it, "ground station 255"; empty where the participant does.
+        ask_back: asks the commander to give it back; None where the participant commands it, and once the game is over.
     """
 
     robot: int
@@ -261,24 +261,24 @@ class RobotCard:
 
     @property
     def commanded(self) -> str:
-        """Who else commands it, as a part of a sentence; empty where the participant does."""
+        """The other commander as part of a sentence; empty where the participant commands the robot."""
         return f"commanded by {self.commander}" if self.commander else ""
 
 
 @dataclass(frozen=True, slots=True)
 class RoomTile:
-    """A room's button, and what its mark on the map shows.
+    """Button of a room, with the state that its mark on the map shows.
 
     Attributes:
         room: its number.
-        name: what people call it.
+        name: name for people.
         state: "unvisited", "reserved" or "visited".
-        robot: who visited it or is under way to it.
-        cost: for the selected robot; None where there is no way for it, or somebody has been or is on the way there.
-        considered: it is being looked at.
-        found: what is known of its treasure, in a word or two.
+        robot: index of the robot that visited it or drives to it.
+        cost: energy for the selected robot; None where it has no path, or the room is visited or reserved.
+        considered: True when the participant looks at it.
+        found: its treasure as far as it is known, in a word or two.
         choose: sends the selected robot.
-        warning: what to mind before choosing: enough energy to get there, but not to name what is there.
+        warning: caution before choosing: enough energy to get there, but not to name the treasure.
     """
 
     room: int
@@ -294,15 +294,15 @@ class RoomTile:
 
 @dataclass(frozen=True, slots=True)
 class DialoguePopup:
-    """A robot talks with the participant.
+    """Pop-up of a dialogue between a robot and the participant.
 
     Attributes:
-        robot: who.
-        title: what about, in words.
-        said: (speaker, sentence), oldest first; speaker is "robot" or "you".
-        choices: what may be answered; none while the robot thinks.
-        aside: puts it aside.
-        warning: what to mind before answering: enough energy to get there, but not to name what is there.
+        robot: index of the robot.
+        title: subject, in words.
+        sentences: (speaker, sentence), oldest first; speaker is "robot" or "you".
+        choices: possible answers; none while the robot thinks.
+        aside: puts the pop-up aside.
+        warning: caution before answering: enough energy to get there, but not to name the treasure.
     """
 
     robot: int
@@ -315,24 +315,24 @@ class DialoguePopup:
 
 @dataclass(frozen=True, slots=True)
 class TreasurePopup:
-    """A robot found something.
+    """Pop-up of a treasure that a robot found.
 
     Attributes:
-        robot: who.
-        room: where.
-        title: in words.
+        robot: index of the robot.
+        room: number of the room.
+        title: heading, in words.
         colour: as sensed; empty while the robot still looks.
         footprint: likewise.
         take_picture: with its cost in the hint; None once there is a picture.
         picture: bytes of the image file; None before, or while it arrives.
-        names: what it may be, in alphabetical order.
-        picked: the name picked so far; nothing is picked at first.
+        names: possible names, in alphabetical order.
+        picked: name picked so far; None at first.
         name_it: enabled once a name is picked.
-        leave: gives it up.
-        verdict: what came of the name, in words; None before.
-        points: of the verdict.
-        aside: puts it aside, or closes it when all is decided.
-        picture_note: what to say in the picture's place: that it is on its way, or why it cannot be shown.
+        leave: leaves the treasure, for good.
+        verdict: result of naming it, in words; None before.
+        points: points of the verdict.
+        aside: puts the pop-up aside, or closes it when all is decided.
+        picture_note: text in the picture's place: that it is on its way, or why it cannot be shown.
     """
 
     robot: int
@@ -354,7 +354,7 @@ class TreasurePopup:
 
 @dataclass(frozen=True, slots=True)
 class Confirmation:
-    """Is that meant? Asked before what cannot be taken back."""
+    """Question that asks for confirmation before a step that cannot be undone."""
 
     title: str
     text: str
@@ -364,12 +364,12 @@ class Confirmation:
 
 @dataclass(frozen=True, slots=True)
 class WaitingItem:
-    """One thing that waits for the participant: the visible queue of arrivals and questions.
+    """Entry of the visible queue: a pop-up that waits for the participant.
 
     Attributes:
-        robot: because of whom.
-        text: "Robot 2 is in room 4 and found something".
-        show: shows it.
+        robot: index of the robot that it concerns.
+        text: a sentence such as "Robot 2 is in room 4 and found something".
+        show: shows the pop-up.
     """
 
     robot: int
@@ -379,11 +379,11 @@ class WaitingItem:
 
 @dataclass(frozen=True, slots=True)
 class HistoryLine:
-    """A line of what happened and was said, for the history.
+    """Line of the history: an event, or a sentence of a dialogue.
 
     Attributes:
         speaker: "robot", "you" or "game".
-        robot: which one speaks or is spoken to; None for the game.
+        robot: index of the robot that speaks or is spoken to; None for the game.
         text: the sentence.
     """
 
@@ -394,7 +394,7 @@ class HistoryLine:
 
 @dataclass(frozen=True, slots=True)
 class Banner:
-    """A line across the top: connection lost, a wish refused, a game that stands still.
+    """Line across the top: connection lost, a request refused, a game that stands still.
 
     Attributes:
         text: in plain words.
@@ -407,7 +407,7 @@ class Banner:
 
 @dataclass(frozen=True, slots=True)
 class GameOverPage:
-    """The game is over: why, and what came of it, in words."""
+    """Page after the game: the reason of its end and its results, in words."""
 
     title: str
     lines: tuple[str, ...]
@@ -416,31 +416,31 @@ class GameOverPage:
 
 @dataclass(frozen=True, slots=True)
 class Screen:
-    """All that is shown beside the moving map.
+    """Everything that is shown beside the moving map.
 
     Attributes:
-        phase: which page.
-        waiting_for: what it waits for while connecting, in words.
+        phase: page to show.
+        waiting_for: while connecting, the thing waited for, in words.
         consent: the text to agree to.
-        agree: agrees.
-        banner: across the top.
+        agree: agrees to take part.
+        banner: line across the top.
         game: number of the game.
-        score: so far.
-        gained: what the last identification brought, for the moving score; None before the first.
-        cards: one a robot.
-        tiles: one a room.
-        dont_know: asks the selected robot for advice.
+        score: score so far.
+        last_points: points of the last identification, for the animated score; None before the first.
+        cards: one per robot.
+        tiles: one per room.
+        ask_advice: asks the selected robot for advice.
         end: ends the game.
         tools: follow, fit, help.
-        pop: in the middle of the window; at most one.
-        question: above everything.
-        waiting: what waits behind the pop-up, oldest first.
+        popup: in the middle of the window; at most one.
+        confirmation: question drawn above everything else.
+        waiting: pop-ups that wait behind the one shown, oldest first.
         history: oldest first.
-        ending: when the game is over.
-        help: the sheet of keys as (key, what it does); empty while closed.
+        ending: page after the game; None before its end.
+        help: the sheet of keys as (key, effect); empty while closed.
         typed: the digits of a room number typed so far.
-        announcement: the last thing a blind participant has to be told, and
-        announced: its number, so that the same words twice are told twice.
+        announcement: last sentence for a screen reader.
+        announcement_number: its number, so that the same sentence twice is read out twice.
     """
 
     phase: Phase

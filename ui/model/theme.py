@@ -10,23 +10,23 @@ class Palette:
     """Colours as "#rrggbb".
 
     Attributes:
-        window: behind everything.
-        panel: behind cards and pop-ups.
-        track: what a panel is where it is pressed, pointed at, or where a bar is empty.
+        window: background of windows.
+        panel: background of cards and pop-ups.
+        track: panels while pressed or pointed at, and the empty part of bars.
         line: edges of panels and buttons that matter for use.
         text: on window and panel.
         muted: text of less weight, on window and panel.
-        accent: what can be chosen, and what has the focus.
+        accent: things that can be chosen, and the focus.
         on_accent: text on the accent.
-        good: of points won.
-        bad: of points lost, trouble, a broken connection.
+        good: points won.
+        bad: points lost, trouble, a broken connection.
         wall: walls on the map.
         floor: free floor on the map.
-        unknown: what the map does not know.
+        unknown: cells of the map that are neither.
         unvisited: floor of a room not visited yet.
-        reserved: floor of a room that a robot is under way to.
+        reserved: floor of a room that a robot drives to.
         visited: floor of a room visited.
-        robots: of robot 1, 2, ...; from the tenth on they repeat, and the number tells.
+        robots: of robot 1, 2, ...; from the eleventh on they repeat, and the number tells.
     """
 
     window: str
@@ -82,7 +82,7 @@ LIGHT = Palette(
         "#700030",
     ),
 )
-"""By day."""
+"""Colours by day."""
 
 DARK = Palette(
     window="#14181e",
@@ -114,7 +114,7 @@ DARK = Palette(
         "#a0f0e0",
     ),
 )
-"""By night."""
+"""Colours by night."""
 
 
 Rgb = tuple[float, float, float]
@@ -134,7 +134,7 @@ def contrast(one: str, other: str) -> float:
 
 
 Vision = Literal["normal", "protan", "deutan", "tritan"]
-"""How colours are seen: by all three kinds of cones, or without those for red, green, or blue."""
+"""Colour vision: with all three kinds of cones, or without those for red, green, or blue."""
 
 SIMULATED: dict[Vision, tuple[Rgb, Rgb, Rgb]] = {
     "normal": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
@@ -150,7 +150,7 @@ severity 1.0.
 
 
 def difference(one: str, other: str, vision: Vision = "normal") -> float:
-    """How far apart two colours look: the distance in CIE L*a*b*, where 2.3 is just noticed (CIE76, white D65)."""
+    """Perceived distance of two colours in CIE L*a*b*, where 2.3 is just noticed (CIE76, white D65)."""
     return dist(_lab(_seen(one, vision)), _lab(_seen(other, vision)))
 
 

@@ -1,4 +1,4 @@
-"""Where a robot was shown, and what of its way still lies ahead of it."""
+"""Trail of a robot, and the part of its planned path that still lies ahead."""
 
 import math
 from collections import deque
@@ -14,18 +14,18 @@ TRAIL_POINTS = 44
 """Points of a trail: 5 m."""
 
 PATH_SEARCH = 1.5
-"""How far along its way, in metres, a robot may be found ahead of where it was last."""
+"""Metres along its path in which a robot is looked for, ahead of its last place on it."""
 
 
 class Trail:
-    """Where one robot was shown, thinned and bounded."""
+    """Past places of one robot as shown, thinned and bounded."""
 
     def __init__(self) -> None:
         self._points: deque[tuple[float, float]] = deque(maxlen=TRAIL_POINTS)
         self._array: FloatArray | None = None
 
     def add(self, x: float, y: float) -> None:
-        """It is shown here now; told only where that is some way from the point before."""
+        """Add the place where the robot is shown now; kept only at some distance from the point before."""
         if self._points:
             last_x, last_y = self._points[-1]
             if math.hypot(x - last_x, y - last_y) < TRAIL_STEP:
@@ -34,7 +34,7 @@ class Trail:
         self._array = None
 
     def cut(self) -> None:
-        """Forget where it was."""
+        """Forget all points."""
         self._points.clear()
         self._array = None
 
@@ -46,11 +46,11 @@ class Trail:
 
 
 class PathAhead:
-    """What lies ahead of one robot: what it has driven of its way is taken off, and does not come back."""
+    """Rest of one robot's planned path: the driven part is taken off, and does not come back."""
 
-    def __init__(self, told: tuple[tuple[float, float], ...]) -> None:
-        self.planned = told
-        self._points = np.array(told, dtype=np.float64).reshape(-1, 2)
+    def __init__(self, planned: tuple[tuple[float, float], ...]) -> None:
+        self.planned = planned
+        self._points = np.array(planned, dtype=np.float64).reshape(-1, 2)
         steps = np.diff(self._points, axis=0)
         self._steps = steps
         self._lengths = np.hypot(steps[:, 0], steps[:, 1])
@@ -58,7 +58,7 @@ class PathAhead:
         self._driven: float | None = None
 
     def remaining_from(self, x: float, y: float) -> FloatArray:
-        """(m, 2) the way from a place on."""
+        """(m, 2) path from a place on."""
         if len(self._points) < 2:
             return np.empty((0, 2))
         driven = self._driven = self._nearest(x, y)
@@ -68,7 +68,11 @@ class PathAhead:
         return np.concatenate((np.array([[x, y]]), rest))
 
     def _nearest(self, x: float, y: float) -> float:
-        """Metres along the way of its point nearest to a place: at first anywhere, then from where it was found on."""
+        """Metres along the path of its point nearest to a place.
+
+        The first search takes the whole path. Later ones look only a little ahead of the last result: where a path
+        passes one place twice, the nearest point of all would jump.
+        """
         if self._driven is None:
             reach = slice(0, len(self._steps))
         else:

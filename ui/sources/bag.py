@@ -1,4 +1,4 @@
-"""A recording as the researcher's window shows it: any moment of it, at once, and what happened in all of it."""
+"""A recording as the researcher's window shows it: any moment of it, and the log of all of it."""
 
 from bisect import bisect_right
 from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
@@ -20,26 +20,26 @@ from ui.model.watching.session_log import SessionLog, is_logged
 from ui.sources.rooms import rooms_of
 
 TICK_NS = 20_000_000
-"""A step, where robots are not ours either."""
+"""A step of time, for recordings of other robots too."""
 _FIRST_FRAMES = 50
-"""Messages of tf by which robots are told apart that publish no odometry."""
+"""Messages of tf that are read to find robots that publish no odometry."""
 _STATIC_MOST = 1000
-"""Messages of frames that never move that are read."""
+"""Messages of static frames that are read, at most."""
 _CHUNKS_KEPT = 512
-"""Chunks of which is remembered where frames are told in them."""
+"""Chunks whose places of tf messages are remembered."""
 _MESSAGES_KEPT = 512
 """Messages that are remembered."""
 _PIECE = 100
 """Messages in a piece of a scan, at most: some milliseconds."""
-_STORY_SHARE = 0.1
-"""Of the work of a scan."""
+_LOG_SHARE = 0.1
+"""Share of the log in the work of a scan."""
 
 
 def open_bag(path: Path) -> Generator[float, None, "BagSource"]:
     """Open a recording; yields the share that is done, so that whoever waits can be told, or give up.
 
-    All of it takes half a second or more, the last piece most of that: a window lets a thread do it. What takes long
-    when it is done for the first time is done then, too.
+    All of it takes half a second or more, the last piece most of that: a window lets a thread do it. Work that takes
+    long only the first time is done here, too.
 
     Args:
         path: a bag, or the name of a split recording.
@@ -61,8 +61,8 @@ class BagSource:
     All methods that read raise BadFile where the file is damaged, or gone.
 
     Attributes:
-        session: what it says of its session; None unless it is a recording of ours.
-        story: what happened, as far as `scan` has come.
+        session: its description of its session; None unless it is a recording of ours.
+        log: events, dialogue, lines and inputs, as far as `scan` has come.
         series: numbers over time, likewise.
         rooms: of its map, where that is known.
         unreadable: sentences on topics that cannot be read.
@@ -74,18 +74,18 @@ class BagSource:
         self.unreadable, self._topics = _readable(index)
         self.session = self._session()
         self.rooms: tuple[MapRoom, ...] = ()
-        introductions = self._introduced()
-        self._robots, self._mapped = introductions.robots(), introductions.mapped
+        discovery = self._discover()
+        self._robots, self._mapped = discovery.robots(), discovery.mapped
         self.log = SessionLog()
         self.series = Series(index.start_ns)
         self.series.follow(self._robots, self._mapped)
         self._statics = [self._index.read(place) for place in self._static_places()]
-        self._words: dict[tuple[str, int], dict[bytes, list[MessageLocation]]] = {}
+        self._frame_places: dict[tuple[str, int], dict[bytes, list[MessageLocation]]] = {}
         self._messages: dict[tuple[int, int], RawMessage] = {}
 
     @property
     def path(self) -> Path:
-        """As it was named."""
+        """Path as given to `open_bag`."""
         return self._index.path
 
     @property
@@ -108,19 +108,19 @@ class BagSource:
         self._index.close()
 
     def scene(self, at_ns: int, shown: ShownLayers) -> Scene:
-        """How things stood at a time; before the first message as at the first, after the last as at the last."""
+        """The scene at a time; before the first message as at the first, after the last as at the last."""
         at_ns = min(max(at_ns, self.start_ns), self.end_ns)
         watched = SceneInputs(
             self._robots, self._mapped, self.series, self.log, self.rooms, self.start_ns, self.unreadable
         )
-        return self._scenes.build(_Moment(self, at_ns), watched, shown)
+        return self._scenes.build(_Snapshot(self, at_ns), watched, shown)
 
     def step(self, at_ns: int, steps: int, topic: str | None = None) -> int:
-        """The time so many steps later, or earlier where they are negative; at most the beginning or the end.
+        """Return the time so many steps later, or earlier where they are negative; at most the beginning or the end.
 
         Args:
-            at_ns: from when.
-            steps: how many.
+            at_ns: time to start from.
+            steps: number of steps.
             topic: a step is from message to message of this topic; None: from tick to tick, 20 ms.
         """
         if topic is None:
@@ -133,16 +133,16 @@ class BagSource:
         return at_ns
 
     def scan(self) -> Iterator[float]:
-        """Read what is told of all of the recording: first the story, then the series; yields the share that is done.
+        """Read all messages of the log, then those of the series; yields the share that is done.
 
-        A piece takes some milliseconds. Whoever asks for all of it has `story` and `series` whole.
+        A piece takes some milliseconds. At the end `log` and `series` are complete.
         """
-        told = [topic for topic, msgtype in self._topics.items() if is_logged(topic, msgtype)]
-        yield from self._tell(told, self.log.take, 0.0, _STORY_SHARE)
+        logged = [topic for topic, msgtype in self._topics.items() if is_logged(topic, msgtype)]
+        yield from self._hand_over(logged, self.log.take, 0.0, _LOG_SHARE)
         moving = [topic for topic, msgtype in self._topics.items() if msgtype in TF_TYPES]
-        yield from self._tell([*moving, *self.series.topics], self.series.take, _STORY_SHARE, 1.0)
+        yield from self._hand_over([*moving, *self.series.topics], self.series.take, _LOG_SHARE, 1.0)
 
-    def _tell(
+    def _hand_over(
         self, topics: Collection[str], take: Callable[[WatchedMessage], None], start: float, end: float
     ) -> Iterator[float]:
         """Hand over all messages of these topics, in order of time; shares go from start to end."""
@@ -161,9 +161,9 @@ class BagSource:
         except ValueError:
             return None
 
-    def _introduced(self) -> RobotDiscovery:
-        """Everybody who speaks in the recording, by the first words of each."""
-        introductions = RobotDiscovery(dict(self._topics))
+    def _discover(self) -> RobotDiscovery:
+        """Find all robots of the recording by the first messages of each topic."""
+        discovery = RobotDiscovery(dict(self._topics))
         for topic, msgtype in self._topics.items():
             if msgtype in {types.ODOMETRY, types.OCCUPANCY_GRID} or msgtype in TF_TYPES:
                 after_ns = -1
@@ -171,9 +171,9 @@ class BagSource:
                     place = self._index.next(topic, after_ns)
                     if place is None:
                         break
-                    introductions.take(self._index.read(place))
+                    discovery.take(self._index.read(place))
                     after_ns = place.stamp_ns
-        return introductions
+        return discovery
 
     def _static_places(self) -> list[MessageLocation]:
         statics = [topic for topic, msgtype in self._topics.items() if msgtype in TF_TYPES and is_static(topic)]
@@ -186,7 +186,7 @@ class BagSource:
         return None if place is None else self._read(place)
 
     def frames(self, at_ns: int) -> list[WatchedMessage]:
-        """Of the frames that held at a time, messages that say them, oldest first."""
+        """Messages that tell the frames that held at a time, oldest first."""
         held: dict[tuple[str, bytes], RawMessage] = {}
         for message in self._statics:
             if message.stamp_ns <= at_ns:
@@ -197,29 +197,29 @@ class BagSource:
         return sorted(held.values(), key=lambda message: message.stamp_ns)
 
     def _moving_at(self, topic: str, at_ns: int) -> dict[bytes, RawMessage]:
-        """The last words on each of the frames that move, by what they are about."""
+        """The last messages of a topic of tf about each of the moving frames, by their children."""
         held: dict[bytes, MessageLocation] = {}
         for chunk in self._index.chunks_back(topic, at_ns, at_ns - HORIZON_NS):
-            for key, places in self._words_in(topic, chunk).items():
+            for key, places in self._frame_places_in(topic, chunk).items():
                 row = bisect_right(places, at_ns, key=_stamp) - 1
                 if row >= 0 and places[row].stamp_ns >= at_ns - HORIZON_NS:
                     held[key] = max(places[row], held.get(key, places[row]))
         return {key: self._read(place) for key, place in held.items()}
 
-    def _words_in(self, topic: str, chunk: int) -> dict[bytes, list[MessageLocation]]:
-        """Where in a chunk the messages of a topic of tf are, by what they are about."""
-        known = self._words.get((topic, chunk))
+    def _frame_places_in(self, topic: str, chunk: int) -> dict[bytes, list[MessageLocation]]:
+        """Places in a chunk of the messages of a topic of tf, by their children."""
+        known = self._frame_places.get((topic, chunk))
         if known is None:
             known = {}
             for place in self._index.locations(topic, chunk):
                 known.setdefault(_children(self._index.read(place)), []).append(place)
-            if len(self._words) >= _CHUNKS_KEPT:
-                self._words.pop(next(iter(self._words)))
-            self._words[topic, chunk] = known
+            if len(self._frame_places) >= _CHUNKS_KEPT:
+                self._frame_places.pop(next(iter(self._frame_places)))
+            self._frame_places[topic, chunk] = known
         return known
 
     def _read(self, place: MessageLocation) -> RawMessage:
-        """A message that holds for some time: again and again the same object, so that it is unpacked once."""
+        """Read a message that holds for some time: again and again the same object, so that it is decoded once."""
         key = (place.chunk, place.offset)
         known = self._messages.pop(key, None) or self._index.read(place)
         self._messages[key] = known
@@ -229,7 +229,7 @@ class BagSource:
 
 
 class _Unread:
-    """A message that is read when somebody wants its bytes: of most the stamp will do."""
+    """A message whose bytes are read on demand: of most, the stamp is enough."""
 
     __slots__ = ("_index", "_place", "msgtype", "stamp_ns", "topic")
 
@@ -243,8 +243,8 @@ class _Unread:
         return self._index.read(self._place).data
 
 
-class _Moment:
-    """How things stood in a recording at one moment."""
+class _Snapshot:
+    """The last messages of a recording at one moment."""
 
     def __init__(self, source: BagSource, at_ns: int) -> None:
         self._source = source
@@ -271,7 +271,7 @@ def _readable(index: BagIndex) -> tuple[tuple[str, ...], dict[str, str]]:
             problems[publisher.topic] = f"{publisher.topic} holds another release's {publisher.msgtype}."
         else:
             topics[publisher.topic] = publisher.msgtype
-    return tuple(problems.values()), {topic: said for topic, said in sorted(topics.items()) if topic not in problems}
+    return tuple(problems.values()), {topic: topics[topic] for topic in sorted(topics) if topic not in problems}
 
 
 def _children(message: RawMessage) -> bytes:
@@ -286,5 +286,5 @@ def _stamp(place: MessageLocation) -> int:
 
 
 def is_static(topic: str) -> bool:
-    """Whether a topic of tf says frames that never move."""
+    """Return True when a topic of tf tells static frames."""
     return topic.endswith("tf_static")

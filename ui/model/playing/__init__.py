@@ -1,1 +1,1 @@
-"""What the participant's view model is made of, one concern a module."""
+"""Parts of the participant's view model, one concern a module."""

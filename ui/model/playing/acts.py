@@ -1,4 +1,4 @@
-"""What the participant's acts do. Each is judged against what was on the screen when it was done."""
+"""Effects of the participant's acts. Each act is judged against the screen that the participant saw."""
 
 from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import (
@@ -61,7 +61,7 @@ TYPING = 4.0
 
 
 def do(memory: ParticipantMemory, act: Act, now: float) -> None:
-    """Do what the participant asked for."""
+    """Do an act of the participant."""
     match act:
         case ShowHelp():
             memory.help_open = not memory.help_open
@@ -96,9 +96,9 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
     match act:
         case Confirm():
             if hunt.pending_step is not None and hunt.pending_step == memory.last_drawn.pending_step:
-                _meant(memory, hunt, hunt.pending_step)
+                _carry_out(memory, hunt, hunt.pending_step)
         case Cancel():
-            _take_back(memory, hunt)
+            _cancel(memory, hunt)
         case _ if hunt.pending_step is not None:
             note(memory, "Please answer the question first.", now)
         case ChooseRoom(room):
@@ -125,7 +125,7 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
 
 
 def _in_popup(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) -> None:
-    """What is meant for the pop-up that was on the screen, if it is still the same."""
+    """Do an act meant for the pop-up that was on the screen, if it is still the same."""
     item = memory.last_drawn.item
     if item is None or item != hunt.popups.shown:
         return
@@ -164,10 +164,10 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
             pass
 
 
-def _discuss(hunt: HuntMemory, wish: Discuss) -> None:
-    """Talk it over, unless that is agreed on already."""
-    if all((consent.matter, consent.room) != (wish.matter, wish.room) for consent in hunt.view.consents):
-        hunt.pending.ask(wish, hunt.view)
+def _discuss(hunt: HuntMemory, request: Discuss) -> None:
+    """Open a dialogue about it, unless that is agreed on already."""
+    if all((consent.matter, consent.room) != (request.matter, request.room) for consent in hunt.view.consents):
+        hunt.pending.ask(request, hunt.view)
 
 
 def _answer(memory: ParticipantMemory, hunt: HuntMemory, choice: int) -> None:
@@ -177,7 +177,7 @@ def _answer(memory: ParticipantMemory, hunt: HuntMemory, choice: int) -> None:
     if not is_open(hunt.view, answer) or hunt.pending.answer(answer.dialogue, answer.turn) is not None:
         return
     hunt.pending.ask(answer, hunt.view)
-    dialogue = next(talk for talk in hunt.view.dialogues if talk.dialogue == answer.dialogue)
+    dialogue = next(each for each in hunt.view.dialogues if each.dialogue == answer.dialogue)
     memory.history.add_answer(dialogue, choice)
 
 
@@ -213,29 +213,29 @@ def _ask_advice(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None
         _ask_to_go(memory, hunt, Unsure(robot))
 
 
-def _ask_to_go(memory: ParticipantMemory, hunt: HuntMemory, wish: Select | Unsure) -> None:
-    """Talk about where to go, unless the robot would leave something behind that it can still name."""
-    view, robot = hunt.view, wish.robot
+def _ask_to_go(memory: ParticipantMemory, hunt: HuntMemory, request: Select | Unsure) -> None:
+    """Ask a robot to go, unless it would leave something behind that it can still name: then ask for confirmation."""
+    view, robot = hunt.view, request.robot
     room = undecided_beside(view, robot)
     if room is not None and view.room(room).sensed and why_not_name(view, robot, room) is None:
-        hunt.pending_step = LeaveUndecided(wish, room)
+        hunt.pending_step = LeaveUndecided(request, room)
     else:
-        memory.history.add_request(robot, hunt.ask_to_go(wish))
+        memory.history.add_request(robot, hunt.ask_to_go(request))
 
 
-def _meant(memory: ParticipantMemory, hunt: HuntMemory, doubt: PendingStep) -> None:
+def _carry_out(memory: ParticipantMemory, hunt: HuntMemory, step: PendingStep) -> None:
     hunt.pending_step = None
-    match doubt:
+    match step:
         case Reroute(robot, room):
             hunt.reroutes[robot] = room
             hunt.pending.ask(CallBack(robot), hunt.view)
-        case LeaveUndecided(wish, _):
-            memory.history.add_request(wish.robot, hunt.ask_to_go(wish))
+        case LeaveUndecided(request, _):
+            memory.history.add_request(request.robot, hunt.ask_to_go(request))
         case EndGameEarly():
             hunt.pending.ask(GiveUp(hunt.view.game), hunt.view)
 
 
-def _take_back(memory: ParticipantMemory, hunt: HuntMemory) -> None:
+def _cancel(memory: ParticipantMemory, hunt: HuntMemory) -> None:
     if hunt.pending_step is not None:
         if hunt.pending_step == memory.last_drawn.pending_step:
             hunt.pending_step = None
@@ -305,7 +305,7 @@ def _show(hunt: HuntMemory, robot: int, room: int | None) -> None:
 
 
 def _refused(memory: ParticipantMemory, reason: str | None, now: float) -> bool:
-    """Say why something is not possible just now; whether it is not."""
+    """Show the reason why something is not possible just now; return True if there is one."""
     if reason is None:
         return False
     note(memory, reason, now)

@@ -1,4 +1,4 @@
-"""The robots' cards, and the sentences that say what a robot does."""
+"""Cards of the robots, and the sentences that describe a robot's activity."""
 
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
@@ -13,17 +13,17 @@ from ui.model.screen import Action, AskForRobot, ChooseRobot, NextRobot, RobotCa
 
 
 def cards(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RobotCard, ...]:
-    """One card a robot, in the team's order."""
+    """One card per robot, in the team's order."""
     return tuple(_card(memory, hunt, robot) for robot in hunt.view.robots)
 
 
 def is_in_trouble(robot: RobotView) -> bool:
-    """Whether something is wrong with a robot that people should worry about."""
+    """Return True when something is wrong with a robot that people should worry about."""
     return robot.blocked or robot.condition is not Condition.WELL
 
 
 def card_sentence(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> str:
-    """A robot's card as one would read it out."""
+    """The card of a robot as a sentence to be read out."""
     card = _card(memory, hunt, hunt.view.robots[robot])
     commanded = f", {card.commanded}" if card.commanded else ""
     return f"{card.name}: {card.place}, {card.state}, {energy_text(card.energy)} energy{commanded}."
@@ -150,7 +150,7 @@ def _resting(hunt: HuntMemory, robot: RobotView) -> str:
 
 
 def _is_stranded(hunt: HuntMemory, robot: RobotView) -> bool:
-    """Whether rooms are left, and this robot at rest can reach none of them for want of energy alone."""
+    """Return True when rooms are left, and this robot at rest can reach none of them for want of energy alone."""
     view = hunt.view
     free = [room.room for room in view.rooms if room.state == "unvisited"]
     if not free or robot.moving_to is not None or is_in_trouble(robot) or view.over is not None:

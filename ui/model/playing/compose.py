@@ -1,4 +1,4 @@
-"""The whole screen, out of what is remembered."""
+"""The whole screen, made from the participant's memory."""
 
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rules import robot_name
@@ -36,7 +36,7 @@ WAITING_KEY = "W"
 
 
 def compose(memory: ParticipantMemory, now: float) -> Screen:
-    """What is shown at this moment; what is to be read out is not in it yet."""
+    """The screen at this moment; announcements are not in it yet."""
     hunt = memory.hunt
     phase = phase_of(memory)
     playing = hunt if phase is Phase.PLAYING else None
@@ -54,7 +54,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         ask_advice=_not_now(AskAdvice(), "Don't know") if playing is None else dont_know(memory, playing),
         end=_not_now(EndGame(), "End the game") if playing is None else end(playing),
         tools=_tools(memory, phase),
-        popup=None if playing is None else _pop(memory, playing, now),
+        popup=None if playing is None else _popup(memory, playing, now),
         confirmation=None if playing is None else confirmation(memory, playing),
         waiting=() if playing is None else _waiting(playing),
         history=memory.history.lines,
@@ -67,7 +67,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
 
 
 def phase_of(memory: ParticipantMemory) -> Phase:
-    """Which page is to be shown."""
+    """The page to be shown."""
     if memory.hunt is None:
         return Phase.CONNECTING
     if memory.hunt.view.consent is not None:
@@ -76,7 +76,7 @@ def phase_of(memory: ParticipantMemory) -> Phase:
 
 
 def next_change(memory: ParticipantMemory, now: float) -> float:
-    """When the screen will be another if nothing happens until then."""
+    """Time at which the screen changes if nothing happens until then; infinite if never."""
     due = [memory.connection.next_change(now), memory.typed_until]
     if memory.note is not None:
         due.append(memory.note[1])
@@ -138,12 +138,12 @@ def _tools(memory: ParticipantMemory, phase: Phase) -> tuple[Action, ...]:
     )
 
 
-def _pop(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> DialoguePopup | TreasurePopup | None:
+def _popup(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> DialoguePopup | TreasurePopup | None:
     match hunt.popups.shown:
-        case DestinationItem() as talk:
-            return destination_popup(hunt, talk)
-        case TreasureItem() as found:
-            return treasure_popup(hunt, memory.pictures, found, now)
+        case DestinationItem() as item:
+            return destination_popup(hunt, item)
+        case TreasureItem() as find:
+            return treasure_popup(hunt, memory.pictures, find, now)
         case None:
             return None
 

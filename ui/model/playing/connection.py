@@ -1,15 +1,15 @@
-"""Whether the game is reached, and whether it moves, in words."""
+"""State of the connection to the game, in words."""
 
 import math
 
 from ui.model.playing.words import as_sentence
 
 STALE_AFTER = 1.5
-"""Seconds without news of the robots after which the game stands still; they come 25 times a second."""
+"""Seconds without telemetry of the robots after which the game counts as standing still; it comes 25 times a second."""
 
 
 class ConnectionStatus:
-    """What is known of the connection; `now` is monotonic seconds."""
+    """Connection to the game, and the age of its telemetry; `now` is monotonic seconds."""
 
     def __init__(self) -> None:
         self._lost: tuple[str, float] | None = None
@@ -18,30 +18,30 @@ class ConnectionStatus:
 
     @property
     def is_lost(self) -> bool:
-        """Whether it is cut off, after it had been there or before."""
+        """True when it is cut off, or could not be made."""
         return self._lost is not None
 
     @property
     def is_there(self) -> bool:
-        """Whether it is there now."""
+        """True when the game is reached."""
         return self._was_there and self._lost is None
 
     def connected(self, now: float) -> None:
-        """It is there."""
+        """Note that the game is reached."""
         self._lost, self._was_there = None, True
-        # A program whose robots tell where they are does so again at once.
+        # A program that sends pose telemetry sends it again at once: a new connection is not stale yet.
         self._heard = None if self._heard is None else now
 
     def lose(self, sentence: str, now: float) -> None:
-        """It is not there, for the reason in this sentence; how long is counted from the first time."""
+        """Note that the game is not reached, for the reason in this sentence; time counts from the first call."""
         self._lost = (sentence, self._lost[1] if self._lost else now)
 
     def receive(self, now: float) -> None:
-        """News of the robots came."""
+        """Note that telemetry of the robots came."""
         self._heard = now
 
     def trouble(self, now: float) -> str | None:
-        """What the participant should know, or None while all is well."""
+        """A sentence for the participant, or None while all is well."""
         if self._lost is not None:
             sentence, since = self._lost
             seconds = int(now - since)
@@ -57,7 +57,7 @@ class ConnectionStatus:
         return None
 
     def next_change(self, now: float) -> float:
-        """When `trouble` will say something else if nothing is heard until then."""
+        """Time at which `trouble` changes if nothing is received until then."""
         if self._lost is not None:
             since = self._lost[1]
             return since + math.floor(now - since) + 1.0
@@ -65,5 +65,5 @@ class ConnectionStatus:
         return due if due > now else math.inf
 
     def _last_received(self) -> float:
-        """When there was last news of the robots; a connection that never had any is not waited for."""
+        """Time of the last telemetry; infinite for a connection that never had any, which is not waited for."""
         return math.inf if self._heard is None else self._heard

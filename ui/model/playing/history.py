@@ -1,4 +1,4 @@
-"""What happened and what was said, in sentences: for the history, and for those who listen instead of looking."""
+"""Events and dialogues of a game in sentences, for the history and for screen readers."""
 
 from collections import deque
 from collections.abc import Iterator
@@ -22,11 +22,11 @@ _CONDITIONS = {
 
 
 class GameHistory:
-    """The lines so far, and what is to be announced."""
+    """Lines of one game so far, and the sentences still to be announced."""
 
     def __init__(self) -> None:
         self._lines: deque[HistoryLine] = deque(maxlen=MAX_LINES)
-        # How many lines of each open dialogue are told already.
+        # Number of sentences of each open dialogue that are in the history.
         self._known_sentences: dict[int, int] = {}
         self._announcements: list[str] = []
 
@@ -36,39 +36,39 @@ class GameHistory:
         return tuple(self._lines)
 
     def take_announcements(self) -> str:
-        """What is to be announced since the last call; empty when nothing is."""
+        """Return the sentences added since the last call; empty when there is none."""
         news = " ".join(self._announcements)
         self._announcements.clear()
         return news
 
     def announce(self, sentence: str) -> None:
-        """Something to hear that is no part of the history."""
+        """Add a sentence for screen readers that is no part of the history."""
         self._announcements.append(sentence)
 
     def add_event(self, sentence: str, robot: int | None = None) -> None:
-        """Something happened in the game."""
+        """Add an event of the game."""
         self._append("game", robot, sentence)
         self._announcements.append(sentence)
 
     def add_request(self, robot: int, sentence: str) -> None:
-        """The participant said this to a robot, to open a talk."""
+        """Add the sentence with which the participant opened a dialogue."""
         self._append("you", robot, sentence)
 
     def add_answer(self, dialogue: DialogueView, choice: int) -> None:
-        """The participant made a choice; once the dialogue is over, nobody says it again."""
+        """Add the participant's choice now: once the dialogue is over, no view shows it again."""
         self._append("you", dialogue.robot, dialogue.choices[choice])
         self._known_sentences[dialogue.dialogue] = len(dialogue.said) + 1
 
     def receive(self, before: View | None, view: View) -> None:
-        """Tell what is new in a view; `before` is None when the game is new to this program."""
+        """Add the news of a view; `before` is None when the game is new to this program."""
         if before is None:
             self._begin(view)
         else:
             for was, now in zip(before.robots, view.robots, strict=True):
-                for sentence in _robot_news(was, now, view):
+                for sentence in _robot_changes(was, now, view):
                     self.add_event(sentence, now.robot)
             for old, new in zip(before.rooms, view.rooms, strict=True):
-                for sentence in _room_news(old, new):
+                for sentence in _room_changes(old, new):
                     self.add_event(sentence, new.robot)
         for dialogue in view.dialogues:
             self._receive_dialogue(dialogue)
@@ -101,11 +101,11 @@ class GameHistory:
 
 
 def speaker_of(index: int) -> Literal["robot", "you"]:
-    """Who says the sentence of this index in a dialogue: the robot begins, then turns alternate."""
+    """Speaker of the sentence of this index in a dialogue: the robot begins, then turns alternate."""
     return "robot" if index % 2 == 0 else "you"
 
 
-def _robot_news(was: RobotView, now: RobotView, view: View) -> Iterator[str]:
+def _robot_changes(was: RobotView, now: RobotView, view: View) -> Iterator[str]:
     name = titled(now.robot)
     if was.moving_to is not None and was.moving_to != now.moving_to:
         if view.room(was.moving_to).state == "visited":
@@ -122,7 +122,7 @@ def _robot_news(was: RobotView, now: RobotView, view: View) -> Iterator[str]:
         yield f"{name} has no energy left."
 
 
-def _room_news(old: RoomView, new: RoomView) -> Iterator[str]:
+def _room_changes(old: RoomView, new: RoomView) -> Iterator[str]:
     if new.colour is not None and new.footprint is not None and not old.sensed:
         yield f"In room {new.room} is {seen_words(new.colour, new.footprint)}."
     if new.picture is not None and old.picture is None:

@@ -1,4 +1,4 @@
-"""What the map shows of rooms and robots."""
+"""Marks of rooms and robots on the participant's map."""
 
 import numpy as np
 
@@ -12,18 +12,18 @@ from ui.model.screen import RoomTile
 
 
 class MapMarks:
-    """The shapes in a house, as arrays.
+    """Makes marks from the shapes in a floor plan.
 
     Args:
-        house: the house.
+        floor_plan: the rooms, and the robots' footprint.
     """
 
-    def __init__(self, house: FloorPlan) -> None:
-        self._rooms = {room.room: _corners(room.region) for room in house.rooms}
-        self._footprint = _corners(house.footprint)
+    def __init__(self, floor_plan: FloorPlan) -> None:
+        self._rooms = {room.room: _corners(room.region) for room in floor_plan.rooms}
+        self._footprint = _corners(floor_plan.footprint)
 
     def rooms(self, tiles: tuple[RoomTile, ...]) -> tuple[RoomMark, ...]:
-        """The rooms as their tiles show them; those that the house does not have are left out."""
+        """Marks of the rooms as their tiles show them; rooms that the floor plan does not have are left out."""
         return tuple(
             RoomMark(
                 room=tile.room,
@@ -40,7 +40,7 @@ class MapMarks:
         )
 
     def robots(self, moving: tuple[DisplayedRobot, ...], view: View, selected: int) -> tuple[RobotMark, ...]:
-        """The robots where they are in this frame."""
+        """Marks of the robots where they are in this frame."""
         return tuple(
             RobotMark(
                 robot=robot.robot,

@@ -1,4 +1,4 @@
-"""Everything that a screen offers to do."""
+"""All acts that a screen offers."""
 
 from collections.abc import Iterator
 
@@ -32,9 +32,9 @@ def offers(screen: Screen) -> Iterator[Action]:
 
 
 def offer(screen: Screen, act: Act) -> Action | None:
-    """What offers this act, if anything does; the keys that stop a robot, or ask for it, mean the one selected.
+    """The action that offers this act, if any. Acts that stop a robot, or ask for it, mean the selected one by default.
 
-    What waits for a robot may be asked for without saying what.
+    A request for the pop-ups of a robot need not name a room.
     """
     if act == StopRobot():
         return next((card.stop for card in screen.cards if card.selected), None)
@@ -61,12 +61,12 @@ def _playing(screen: Screen) -> Iterator[Action]:
     yield from (tile.choose for tile in screen.tiles)
     yield from (waiting.show for waiting in screen.waiting)
     match screen.popup:
-        case DialoguePopup() as talk:
-            yield from talk.choices
-            yield talk.aside
-        case TreasurePopup() as found:
-            if found.take_picture is not None:
-                yield found.take_picture
-            yield from (found.name_it, found.leave, found.aside)
+        case DialoguePopup() as dialogue:
+            yield from dialogue.choices
+            yield dialogue.aside
+        case TreasurePopup() as treasure:
+            if treasure.take_picture is not None:
+                yield treasure.take_picture
+            yield from (treasure.name_it, treasure.leave, treasure.aside)
         case None:
             pass

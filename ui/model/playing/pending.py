@@ -1,4 +1,4 @@
-"""What the participant asked for and the view does not show yet."""
+"""Requests of the participant that the view does not show as granted yet."""
 
 from thbridge.roles.view import (
     Agree,
@@ -26,91 +26,92 @@ from ui.model.playing.possible import (
 
 
 class PendingRequests:
-    """Wishes that were said and are neither granted nor refused nor moot; each is there once, oldest first.
+    """Requests that are neither granted nor refused nor obsolete; each is there once, oldest first.
 
-    They are kept while the connection is lost, for the view that comes after it tells what became of them.
+    They are kept while the connection is lost, because the view that comes after it tells their outcome.
     """
 
     def __init__(self) -> None:
-        # With each, the dialogue that its robot already held: the one asked for is another.
+        # With each request for advice, its robot's dialogue at that time: the one requested is another.
         self._requests: dict[ParticipantRequest, int | None] = {}
 
-    def __contains__(self, wish: ParticipantRequest) -> bool:
-        return wish in self._requests
+    def __contains__(self, request: ParticipantRequest) -> bool:
+        return request in self._requests
 
     @property
     def requests(self) -> tuple[ParticipantRequest, ...]:
-        """All of them."""
+        """All of them, oldest first."""
         return tuple(self._requests)
 
-    def ask(self, wish: ParticipantRequest, view: View) -> None:
-        """One more wish; a robot is asked to go to one place at a time."""
-        if isinstance(wish, Select | Unsure):
-            self.forget_destination(wish.robot)
-        self._requests[wish] = _talking(view, wish.robot) if isinstance(wish, Unsure) else None
+    def ask(self, request: ParticipantRequest, view: View) -> None:
+        """Add a request; a robot is asked to go to one place at a time."""
+        if isinstance(request, Select | Unsure):
+            self.forget_destination(request.robot)
+        self._requests[request] = _open_dialogue(view, request.robot) if isinstance(request, Unsure) else None
 
     def forget_destination(self, robot: int) -> None:
-        """Ask this robot to go nowhere any more."""
-        for wish in self.requests:
-            if isinstance(wish, Select | Unsure) and wish.robot == robot:
-                del self._requests[wish]
+        """Drop the requests to this robot to go somewhere."""
+        for request in self.requests:
+            if isinstance(request, Select | Unsure) and request.robot == robot:
+                del self._requests[request]
 
     def destination_request(self, robot: int) -> Select | Unsure | None:
-        """What was asked of this robot about where to go."""
-        return next((w for w in self._requests if isinstance(w, Select | Unsure) and w.robot == robot), None)
+        """The pending request to this robot about where to go."""
+        destinations = (request for request in self._requests if isinstance(request, Select | Unsure))
+        return next((request for request in destinations if request.robot == robot), None)
 
     def answer(self, dialogue: int, turn: int) -> int | None:
-        """The choice made at this turn of a dialogue, if the view does not show it yet."""
-        answers = (w for w in self._requests if isinstance(w, Answer) and (w.dialogue, w.turn) == (dialogue, turn))
-        return next((answer.choice for answer in answers), None)
+        """The choice made at this turn of a dialogue, while the view does not show it yet."""
+        answers = (request for request in self._requests if isinstance(request, Answer))
+        return next((each.choice for each in answers if (each.dialogue, each.turn) == (dialogue, turn)), None)
 
     def drop_refused(self, refusal: RefusalView) -> None:
-        """Drop the oldest wish that this refusal may be about, for it does not say which."""
-        found = next((wish for wish in self._requests if refusal.wish in _kinds(wish)), None)
+        """Drop the oldest request that this refusal may be about; a refusal names only the kind."""
+        found = next((request for request in self._requests if refusal.wish in _kinds(request)), None)
         if found is not None:
             del self._requests[found]
 
     def receive(self, view: View) -> tuple[str, ...]:
-        """Drop what this view grants or makes moot; why it is moot, in words, where the participant should know."""
+        """Drop the requests that this view grants or makes obsolete; return reasons to be told."""
         reasons = []
-        for wish, before in list(self._requests.items()):
-            if isinstance(wish, Unsure) and _talking(view, wish.robot) is None:
-                self._requests[wish] = None
-            if _granted(wish, view, before):
-                del self._requests[wish]
-            elif (reason := _moot(wish, view)) is not None:
-                del self._requests[wish]
+        for request, before in list(self._requests.items()):
+            if isinstance(request, Unsure) and _open_dialogue(view, request.robot) is None:
+                self._requests[request] = None
+            if _granted(request, view, before):
+                del self._requests[request]
+            elif (reason := _moot(request, view)) is not None:
+                del self._requests[request]
                 reasons.append(reason)
         return tuple(reasons)
 
 
-def _kinds(wish: ParticipantRequest) -> tuple[str, ...]:
-    """How a refusal of this wish may name it: what opens a dialogue is refused by what the dialogue is about."""
-    match wish:
+def _kinds(request: ParticipantRequest) -> tuple[str, ...]:
+    """Names under which a refusal may mean this request: a request for a dialogue is also refused by its matter."""
+    match request:
         case Select() | Unsure():
-            return ("select-room", type(wish).__name__)
+            return ("select-room", type(request).__name__)
         case Discuss(matter=matter):
             return (matter, Discuss.__name__)
         case _:
-            return (type(wish).__name__,)
+            return (type(request).__name__,)
 
 
-def _talking(view: View, robot: int) -> int | None:
+def _open_dialogue(view: View, robot: int) -> int | None:
     return next((dialogue.dialogue for dialogue in view.dialogues if dialogue.robot == robot), None)
 
 
-def _granted(wish: ParticipantRequest, view: View, before: int | None) -> bool:
-    match wish:
+def _granted(request: ParticipantRequest, view: View, before: int | None) -> bool:
+    match request:
         case Agree():
             return view.consent is None
         case Select(robot, room):
             return (robot, "select-room", room) in discussed_matters(view) or view.robots[robot].moving_to == room
         case Unsure(robot):
-            fresh = _talking(view, robot) not in (None, before)
+            fresh = _open_dialogue(view, robot) not in (None, before)
             agreed = any(consent.robot == robot and consent.matter == "select-room" for consent in view.consents)
             return fresh or agreed or view.robots[robot].moving_to is not None
         case Answer(dialogue, turn, _):
-            return not any((talk.dialogue, talk.turn) == (dialogue, turn) for talk in view.dialogues)
+            return not any((each.dialogue, each.turn) == (dialogue, turn) for each in view.dialogues)
         case CallBack(robot):
             return view.robots[robot].moving_to is None
         case AskBack(robot):
@@ -128,11 +129,11 @@ def _granted(wish: ParticipantRequest, view: View, before: int | None) -> bool:
             return False
 
 
-def _moot(wish: ParticipantRequest, view: View) -> str | None:
-    """Why a wish cannot come true any more; empty where that goes without saying."""
+def _moot(request: ParticipantRequest, view: View) -> str | None:
+    """The reason why a request cannot come true any more; empty where it goes without saying, None while it can."""
     if view.over is not None:
-        return None if isinstance(wish, PlayAgain) else ""
-    match wish:
+        return None if isinstance(request, PlayAgain) else ""
+    match request:
         case Select(robot, room):
             return why_not_go(view, robot, room)
         case Unsure(robot):
@@ -140,7 +141,7 @@ def _moot(wish: ParticipantRequest, view: View) -> str | None:
         case CallBack(robot):
             return why_not_command(view, robot)
         case AskBack(robot):
-            # That it is theirs again they are told anyway.
+            # A robot that came back is announced anyway.
             return None if view.robots[robot].other_commander else ""
         case Discuss(robot, matter, room) if robot != _worker(view, matter, room):
             return why_not_work(view, robot) or ""
@@ -149,5 +150,5 @@ def _moot(wish: ParticipantRequest, view: View) -> str | None:
 
 
 def _worker(view: View, matter: str, room: int) -> int | None:
-    """The robot with which this can be talked over."""
+    """The robot with which this can be discussed."""
     return deciding_robot(view, room) if matter == "take-treasure" else robot_in_room(view, room)

@@ -1,4 +1,4 @@
-"""Pictures, put together from the pieces in which they arrive."""
+"""Pictures, assembled from the pieces in which they arrive."""
 
 import binascii
 from base64 import b64decode
@@ -7,7 +7,7 @@ from thbridge.roles.notices import PicturePiece
 
 
 class Pictures:
-    """The pictures of the game that was last heard of; they may come before the first view of it."""
+    """Pictures of the game whose pieces came last; they may come before the first view of it."""
 
     def __init__(self) -> None:
         self._game = 0
@@ -15,7 +15,7 @@ class Pictures:
         self._whole: dict[int, bytes] = {}
 
     def receive(self, piece: PicturePiece) -> None:
-        """Take a piece. Those that are none are passed over."""
+        """Take a piece; a malformed piece is ignored."""
         if piece.game != self._game:
             self.forget()
             self._game = piece.game
@@ -32,7 +32,7 @@ class Pictures:
             del self._pieces[piece.room]
 
     def forget(self) -> None:
-        """Drop them all: another game goes by the same number."""
+        """Drop all pictures: another game has the same number."""
         self._pieces.clear()
         self._whole.clear()
 

@@ -1,4 +1,4 @@
-"""What wants to be looked at in the middle of the window, one thing at a time."""
+"""Queue of pop-ups: one is shown in the middle of the window, the others wait."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class DestinationItem:
-    """A robot talks, or is about to, about where to go."""
+    """A dialogue with a robot, open or requested, about where to go."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
 class TreasureItem:
-    """A robot stands beside a treasure: what to do with it, what is said about that, and what came of it."""
+    """A robot beside a treasure: possible acts, the dialogue about it, and the verdict."""
 
     robot: int
     room: int
@@ -23,9 +23,9 @@ PopupItem = DestinationItem | TreasureItem
 
 
 class PopupQueue:
-    """The thing shown and the things that wait, oldest first.
+    """The pop-up shown and those that wait, oldest first.
 
-    Nothing takes the place of what is shown but by the participant's own doing.
+    Only an act of the participant replaces the pop-up shown.
     """
 
     def __init__(self) -> None:
@@ -35,17 +35,17 @@ class PopupQueue:
 
     @property
     def waiting(self) -> tuple[PopupItem, ...]:
-        """What waits behind the thing shown, or was put aside."""
+        """The items that wait behind the one shown, or were put aside."""
         return tuple(item for item in self._items if item != self.shown)
 
     @property
     def next(self) -> PopupItem | None:
-        """What `put_aside` would show."""
+        """The item that `put_aside` would show."""
         fresh = next((item for item in self.waiting if item not in self._aside), None)
         return fresh if fresh is not None or self.shown is not None else next(iter(self.waiting), None)
 
     def update(self, live: Sequence[PopupItem]) -> None:
-        """Only these want to be looked at now; new ones come last."""
+        """Keep only these items; new ones come last."""
         self._items = [item for item in self._items if item in live]
         self._items += [item for item in live if item not in self._items]
         self._aside &= set(live)
@@ -54,14 +54,14 @@ class PopupQueue:
             self.shown = next((item for item in self.waiting if item not in self._aside), None)
 
     def show(self, item: PopupItem) -> None:
-        """Show this at once, as the participant asked for it; what was shown waits."""
+        """Show this item at once, as the participant asked for it; the one shown before waits."""
         self._aside.discard(item)
         if item not in self._items:
             self._items.append(item)
         self.shown = item
 
     def put_aside(self) -> None:
-        """Let the thing shown wait until it is asked for, and show the next; without one, show what waits longest."""
+        """Let the item shown wait until it is asked for, and show `next`."""
         following = self.next
         if self.shown is not None:
             self._aside.add(self.shown)

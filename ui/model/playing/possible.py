@@ -1,7 +1,8 @@
-"""What the rules allow, as far as a view shows it, and else why not, in words for a hint.
+"""Acts that the rules allow, as far as a view shows it; for the others the reason, in words for a hint.
 
-The game's own rules (`thbridge.hunt.rules`, `thbridge.roles.keeper.participant_requests`) decide; these tell the same
-beforehand, so that nothing is offered which would be refused.
+The game's own rules (`thbridge.hunt.rules`, `thbridge.roles.keeper.participant_requests`) decide. These functions tell
+the same beforehand, so that no act is offered which would be refused. Those called `why_not_...` return the reason, or
+None where the act is possible.
 """
 
 from thbridge.hunt.costs import energy_text
@@ -12,37 +13,37 @@ from ui.model.playing.words import how_it_comes_back, place_name, titled
 
 
 def robot_in_room(view: View, room: int) -> int | None:
-    """The robot that stands in a room and is not under way."""
+    """The robot that stands in a room and is not driving."""
     return next((robot.robot for robot in view.robots if robot.place == room and robot.moving_to is None), None)
 
 
 def deciding_robot(view: View, room: int) -> int | None:
-    """The robot by which what is in a room is named: that stands there, or found it and was sent on by others."""
+    """The robot that may name a treasure: it stands in the room, or found it and was sent on by others."""
     stander, known = robot_in_room(view, room), view.room(room)
     return known.robot if stander is None and known.undecided else stander
 
 
 def undecided_beside(view: View, robot: int) -> int | None:
-    """The room in which this robot stands beside a treasure that nobody has decided on."""
+    """The room in which this robot stands beside a treasure that is neither named nor left."""
     place = view.robots[robot].place
     found = place > 0 and view.room(place).undecided and robot_in_room(view, place) == robot
     return place if found else None
 
 
 def discussed_matters(view: View) -> tuple[tuple[int, DialogueMatter, int], ...]:
-    """(robot, matter, room) of all that is talked about, or agreed and not done yet."""
+    """(robot, matter, room) of all open dialogues, and of all agreements that are not carried out yet."""
     said: list[DialogueView | Consent] = [*view.dialogues, *view.consents]
     return tuple((talk.robot, talk.matter, talk.room) for talk in said)
 
 
 def competing_robot(view: View, robot: int, room: int) -> int | None:
-    """Another robot that is talking, or agreed, with the participant about going to this room."""
+    """Another robot that is in dialogue or agreement with the participant about going to this room."""
     others = (other for other, matter, about in discussed_matters(view) if (matter, about) == ("select-room", room))
     return next((other for other in others if other != robot), None)
 
 
 def why_not_work(view: View, robot: int) -> str | None:
-    """Why a robot can do nothing at all just now, or None."""
+    """Reason why a robot can do nothing at all just now, or None."""
     if view.over is not None:
         return "The game is over."
     if view.robots[robot].condition is Condition.SILENT:
@@ -53,13 +54,13 @@ def why_not_work(view: View, robot: int) -> str | None:
 
 
 def why_not_command(view: View, robot: int) -> str | None:
-    """Why a robot is not the participant's to send or to stop just now, or None."""
+    """Reason why the participant may not send or stop a robot just now, or None."""
     other = view.robots[robot].other_commander
     return f"{titled(robot)} is commanded by {other}. {how_it_comes_back(view.robots[robot])}" if other else None
 
 
 def why_not_free(view: View, robot: int, room: int) -> str | None:
-    """Why nobody, or not this robot, may go to a room, wherever it stands and whatever it costs; or None."""
+    """Reason why no robot, or not this one, may go to a room, whatever its place and energy; or None."""
     known = view.room(room)
     if known.state == "visited":
         return "This room has been visited."
@@ -70,12 +71,12 @@ def why_not_free(view: View, robot: int, room: int) -> str | None:
 
 
 def why_not_go(view: View, robot: int, room: int) -> str | None:
-    """Why a robot cannot go to a room; one that is under way would be called back first."""
+    """Reason why a robot cannot go to a room, or None; a robot that is driving would be called back first."""
     refused = why_not_work(view, robot) or why_not_command(view, robot) or why_not_free(view, robot, room)
     if refused is not None:
         return refused
     mover = view.robots[robot]
-    # Where a robot stops under way is the corridor to the game.
+    # To the game, a robot that stops on its path stands in the corridor.
     place = mover.place if mover.moving_to is None else 0
     energy = mover.energy if mover.moving_to is None else mover.energy + energy_paid(view, mover)
     cost = view.costs[place][room]
@@ -87,7 +88,7 @@ def why_not_go(view: View, robot: int, room: int) -> str | None:
 
 
 def why_not_ask(view: View, robot: int) -> str | None:
-    """Why a robot cannot be asked for advice, or None."""
+    """Reason why a robot cannot be asked for advice, or None."""
     refused = why_not_work(view, robot) or why_not_command(view, robot)
     if refused is not None:
         return refused
@@ -100,19 +101,19 @@ def why_not_ask(view: View, robot: int) -> str | None:
 
 
 def why_not_picture(view: View, robot: int, room: int) -> str | None:
-    """Why a robot cannot take a picture of what is in the room where it stands, or None."""
+    """Reason why a robot cannot take a picture in the room where it stands, or None."""
     return _why_not_pay(view, robot, room, robot_in_room(view, room), "A picture", view.picture_cost)
 
 
 def why_not_name(view: View, robot: int, room: int) -> str | None:
-    """Why what is in the room where a robot stands cannot be named, or None."""
+    """Reason why the treasure in the room where a robot stands cannot be named, or None."""
     if view.room(room).verdict is not None or view.room(room).left:
         return "This is decided."
     return _why_not_pay(view, robot, room, deciding_robot(view, room), "Naming it", view.identify_cost)
 
 
 def why_not_end(view: View) -> str | None:
-    """Why the game cannot be ended just now, or None."""
+    """Reason why the game cannot be ended just now, or None."""
     if view.over is not None:
         return "The game is over."
     moving = next((robot for robot in view.robots if robot.moving_to is not None), None)
@@ -123,12 +124,12 @@ def why_not_end(view: View) -> str | None:
 
 
 def energy_paid(view: View, robot: RobotView) -> float:
-    """What a robot paid for the way it is on."""
+    """Energy that a robot has paid for the move it is making."""
     return 0.0 if robot.moving_to is None else view.costs[robot.place][robot.moving_to] or 0.0
 
 
 def energy_warning(view: View, robot: int, room: int) -> str:
-    """What to mind before a robot at rest goes to a room: whether its energy will do to name what is there."""
+    """Warning that a robot's energy suffices to go to a room, but not to name its treasure; or empty."""
     mover = view.robots[robot]
     cost = view.costs[mover.place][room]
     if mover.moving_to is not None or cost is None or cost > mover.energy:

@@ -1,4 +1,4 @@
-"""All that the participant's view model remembers; what is shown is worked out from it."""
+"""Memory of the participant's view model; the screen is computed from it."""
 
 import math
 from dataclasses import dataclass, field
@@ -14,7 +14,7 @@ from ui.model.playing.popup_queue import DestinationItem, PopupItem, PopupQueue,
 
 @dataclass(frozen=True, slots=True)
 class Reroute:
-    """A robot that is under way shall go to this room instead."""
+    """A driving robot is to go to this room instead."""
 
     robot: int
     room: int
@@ -22,38 +22,38 @@ class Reroute:
 
 @dataclass(frozen=True, slots=True)
 class LeaveUndecided:
-    """A robot shall go on although what it found in this room is not decided."""
+    """A robot is to go on although the treasure in its room is not decided."""
 
-    wish: Select | Unsure
+    request: Select | Unsure
     room: int
 
 
 @dataclass(frozen=True, slots=True)
 class EndGameEarly:
-    """The game shall end although robots could still do something."""
+    """The game is to end although robots could still do something."""
 
 
 PendingStep = Reroute | LeaveUndecided | EndGameEarly
-"""What the participant is asked about: is that meant?"""
+"""A step that waits for the participant's confirmation."""
 
 
 @dataclass(slots=True)
 class HuntMemory:
-    """One game: what is forgotten when another begins.
+    """Memory of one game; forgotten when another begins.
 
     Attributes:
-        view: as last heard.
-        asked: wishes without an answer yet.
-        requests: what the participant said to a robot to open the talk under way.
-        reroutes: robots that are called back, and where they shall go then.
-        picked: the name picked for what is in a room.
-        named: the name that the participant means to be held to, while it is talked over.
+        view: the newest one.
+        pending: requests without an outcome yet.
+        opening_sentences: by robot, the sentence with which the participant opened the current dialogue.
+        reroutes: by robot that is called back, the room where it is to go then.
+        picked_names: by room, the name picked for its treasure.
+        submitted_names: by room, the name that the participant has chosen to submit, while it is discussed.
         verdicts: rooms whose verdict is not closed yet, and the robot that stands there.
-        popups: what is to be looked at.
-        pictured: when the picture of a room was heard of.
-        richest: the most energy that any robot had.
-        gained: points of the last verdict.
-        doubt: what the participant is asked about.
+        popups: the pop-up shown, and those that wait.
+        picture_times: by room, when the view first showed its picture as taken.
+        most_energy: the most energy that any robot had.
+        last_points: points of the last verdict.
+        pending_step: the step that waits for confirmation.
     """
 
     view: View
@@ -69,53 +69,53 @@ class HuntMemory:
     last_points: int | None = None
     pending_step: PendingStep | None = None
 
-    def ask_to_go(self, wish: Select | Unsure) -> str:
-        """Ask a robot to go somewhere, and show the talk at once; what was said to it."""
-        said = f"Go to room {wish.room}." if isinstance(wish, Select) else "I don't know where to go."
-        self.pending.ask(wish, self.view)
-        self.opening_sentences[wish.robot] = said
-        self.popups.show(DestinationItem(wish.robot))
-        return said
+    def ask_to_go(self, request: Select | Unsure) -> str:
+        """Ask a robot to go somewhere, and show the dialogue at once; return the sentence said to the robot."""
+        sentence = f"Go to room {request.room}." if isinstance(request, Select) else "I don't know where to go."
+        self.pending.ask(request, self.view)
+        self.opening_sentences[request.robot] = sentence
+        self.popups.show(DestinationItem(request.robot))
+        return sentence
 
     def destination_dialogue(self, robot: int) -> DialogueView | None:
-        """What a robot and the participant talk about, if it is where to go."""
+        """The dialogue with a robot about where to go."""
         return next((d for d in self.view.dialogues if d.robot == robot and d.matter == "select-room"), None)
 
-    def treasure_dialogue(self, find: TreasureItem) -> DialogueView | None:
-        """What is talked about the treasure beside a robot."""
+    def treasure_dialogue(self, item: TreasureItem) -> DialogueView | None:
+        """The dialogue with a robot about the treasure beside it."""
         return next(
             (
                 dialogue
                 for dialogue in self.view.dialogues
-                if dialogue.matter != "select-room" and (dialogue.robot, dialogue.room) == (find.robot, find.room)
+                if dialogue.matter != "select-room" and (dialogue.robot, dialogue.room) == (item.robot, item.room)
             ),
             None,
         )
 
     def destination_considered(self, robot: int) -> int | None:
-        """The room that a robot is asked to go to, or talks about."""
+        """The room that a robot is asked to go to, or that its dialogue is about."""
         match self.pending_step:
             case Reroute(rerouted, room) if rerouted == robot:
                 return room
-            case LeaveUndecided(Select() as wish, _) if wish.robot == robot:
-                return wish.room
+            case LeaveUndecided(Select() as request, _) if request.robot == robot:
+                return request.room
         asked = self.pending.destination_request(robot)
         if isinstance(asked, Select):
             return asked.room
-        talk = self.destination_dialogue(robot)
+        dialogue = self.destination_dialogue(robot)
         agreed = (consent for consent in self.view.consents if consent.robot == robot)
         consent = next((consent.room for consent in agreed if consent.matter == "select-room"), None)
-        return consent if talk is None else talk.room
+        return consent if dialogue is None else dialogue.room
 
 
 @dataclass(frozen=True, slots=True)
 class DrawnState:
-    """What the last screen showed, by which the next act is judged: what came since was not meant by it.
+    """State behind the last screen. The next act is judged by it: the participant had not seen what came since.
 
     Attributes:
         item: the pop-up.
         dialogue: number and turn of the dialogue in it.
-        doubt: what was asked.
+        pending_step: the step to be confirmed.
         game: the game's number.
     """
 
@@ -127,24 +127,24 @@ class DrawnState:
 
 @dataclass(slots=True)
 class ParticipantMemory:
-    """Everything.
+    """Everything that the view model remembers.
 
     Attributes:
         hunt: the game, None before the first view that has robots.
-        house: where it is played.
-        motions: how the robots are on their way, one entry a robot; may be empty.
+        floor_plan: floor plan of the game.
+        motions: progress of the robots on their paths, one entry a robot; may be empty.
         selected: the robot commanded.
         hovered: the room looked at.
         typed: digits of a room's number.
-        typed_until: when they are forgotten.
+        typed_until: time at which they are forgotten.
         followed: the robot kept in the middle of the map.
-        helping: the sheet of keys is open.
+        help_open: True while the sheet of keys is open.
         note: a sentence shown for a while, and until when.
-        connection: to the game.
-        history: what happened in this game.
-        pictures: taken in it.
-        refusals: number of the last refusal heard of.
-        drawn: what the last screen showed.
+        connection: state of the connection to the game.
+        history: lines of this game.
+        pictures: pictures taken in this game.
+        last_refusal: number of the last refusal.
+        last_drawn: state behind the last screen.
     """
 
     hunt: HuntMemory | None = None
@@ -164,7 +164,7 @@ class ParticipantMemory:
     last_drawn: DrawnState = field(default_factory=DrawnState)
 
     def motion(self, robot: int) -> RobotMotion:
-        """How a robot is on its way, as last told; nothing is told where robots are moved by an older program."""
+        """Progress of a robot on its path, as last told; an older program that moves robots tells none."""
         return self.motions[robot] if robot < len(self.motions) else RobotMotion("driving")
 
     def considered(self) -> int | None:

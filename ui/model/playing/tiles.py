@@ -1,4 +1,4 @@
-"""The rooms' buttons, and the two that go with them: asking for advice, ending the game."""
+"""Buttons of the rooms, and the two that go with them: asking for advice, ending the game."""
 
 from collections.abc import Mapping
 
@@ -13,13 +13,13 @@ from ui.model.screen import Action, AskAdvice, ChooseRoom, EndGame, RoomTile
 
 
 def tiles(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RoomTile, ...]:
-    """One tile a room, room 1 first."""
+    """One tile per room, room 1 first."""
     names = {} if memory.floor_plan is None else {room.room: room.name for room in memory.floor_plan.rooms}
     return tuple(_tile(memory, hunt, room, names) for room in hunt.view.rooms)
 
 
 def dont_know(memory: ParticipantMemory, hunt: HuntMemory) -> Action:
-    """Asks the robot commanded for its advice."""
+    """The action that asks the selected robot for its advice."""
     robot = memory.selected
     refused = why_not_ask(hunt.view, robot)
     asked = isinstance(hunt.pending.destination_request(robot), Unsure)
@@ -28,7 +28,7 @@ def dont_know(memory: ParticipantMemory, hunt: HuntMemory) -> Action:
 
 
 def end(hunt: HuntMemory) -> Action:
-    """Ends the game."""
+    """The action that ends the game."""
     refused = why_not_end(hunt.view)
     asked = GiveUp(hunt.view.game) in hunt.pending
     hint = "End the game as it stands." if refused is None else refused
@@ -56,12 +56,12 @@ def _choose(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView) -> Acti
     robot, number = memory.selected, room.room
     refused = why_not_go(hunt.view, robot, number)
     busy = Select(robot, number) in hunt.pending or hunt.reroutes.get(robot) == number
-    talked_of = hunt.destination_considered(robot) == number
+    discussed = hunt.destination_considered(robot) == number
     if refused is not None:
         hint = refused
     elif busy:
         hint = f"Asking {robot_name(robot)}."
-    elif talked_of:
+    elif discussed:
         hint = f"You are talking with {robot_name(robot)} about this room."
     else:
         hint = _price(hunt, robot, number)

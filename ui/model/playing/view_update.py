@@ -1,4 +1,4 @@
-"""What a new view changes in what is remembered."""
+"""Updates the participant's memory by each new view of the game."""
 
 from collections.abc import Iterator
 
@@ -42,7 +42,7 @@ def note(memory: ParticipantMemory, sentence: str, now: float) -> None:
 
 
 def receive_view(memory: ParticipantMemory, view: View, now: float) -> None:
-    """Take in how things stand now; another game begins anew, the same one goes on where it was."""
+    """Take a new view; another game begins anew, the same one goes on where it was."""
     hunt = memory.hunt
     if hunt is None or not _goes_on(hunt.view, view):
         _begin(memory, view)
@@ -62,19 +62,19 @@ def receive_view(memory: ParticipantMemory, view: View, now: float) -> None:
 
 
 def settle(hunt: HuntMemory) -> None:
-    """Bring up to date what follows from the view and from what was asked for."""
+    """Bring up to date everything that follows from the view and from pending requests."""
     view = hunt.view
     hunt.submitted_names = {room: name for room, name in hunt.submitted_names.items() if _is_talked_over(hunt, room)}
     hunt.opening_sentences = {
-        robot: said
-        for robot, said in hunt.opening_sentences.items()
+        robot: sentence
+        for robot, sentence in hunt.opening_sentences.items()
         if hunt.destination_dialogue(robot) is not None or hunt.pending.destination_request(robot) is not None
     }
     hunt.popups.update(tuple(_items(hunt)) if view.over is None else ())
 
 
 def open_requests(hunt: HuntMemory) -> tuple[ParticipantRequest, ...]:
-    """Everything wanted now: what was asked for, and what follows from agreements or needs no decision."""
+    """All requests of now: those of the participant, and those that follow from agreements or need no decision."""
     view = hunt.view
     if view.over is not None or view.consent is not None:
         return hunt.pending.requests
@@ -92,7 +92,7 @@ def open_requests(hunt: HuntMemory) -> tuple[ParticipantRequest, ...]:
 
 
 def _can_look(view: View, room: RoomView) -> bool:
-    """Whether a robot stands in a room that would tell what it sees."""
+    """Return True when a robot stands in a room that would tell what it sees."""
     stander = robot_in_room(view, room.room)
     return stander is not None and view.robots[stander].condition is not Condition.SILENT
 
@@ -115,7 +115,7 @@ def _begin(memory: ParticipantMemory, view: View) -> None:
 
 
 def _goes_on(before: View, view: View) -> bool:
-    """Whether a view is of the same game: what was found out in it is never unknown again."""
+    """Return True when a view is of the same game: a fact found out in a game never becomes unknown again."""
     return (
         before.game == view.game
         and before.costs == view.costs
@@ -148,9 +148,9 @@ def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, no
 
 
 def _receive_commanders(memory: ParticipantMemory, hunt: HuntMemory, before: View, now: float) -> None:
-    """Tell that a robot is not the participant's any more, and what becomes of a talk on its way; or that it is.
+    """Announce each robot that the participant lost or got back, and each request to its commander.
 
-    And that whoever commands it was asked for it.
+    A dialogue about where that robot should go is void then.
     """
     for was, robot in zip(before.robots, hunt.view.robots, strict=True):
         if robot.asked_back and not was.asked_back:
@@ -162,9 +162,7 @@ def _receive_commanders(memory: ParticipantMemory, hunt: HuntMemory, before: Vie
             sentence = f"{name} is yours again."
         else:
             sentence = f"{name} is commanded by {other} now. {how_it_comes_back(robot)}"
-            if any(
-                (talking, matter) == (robot.robot, "select-room") for talking, matter, _ in discussed_matters(before)
-            ):
+            if any((other, matter) == (robot.robot, "select-room") for other, matter, _ in discussed_matters(before)):
                 sentence += " Where it should go need not be talked over any more."
         _announce(memory, sentence, robot, now)
 
@@ -190,7 +188,7 @@ def _receive_refusal(memory: ParticipantMemory, hunt: HuntMemory, now: float) ->
 
 
 def _reroute(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
-    """Ask robots that were called back for where they shall go instead, once they stand."""
+    """Ask robots that were called back to go to their new room, once they stand."""
     for robot, room in list(hunt.reroutes.items()):
         mover = hunt.view.robots[robot]
         if mover.moving_to is not None:
@@ -208,7 +206,7 @@ def _reroute(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
 
 
 def _drop_obsolete_step(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
-    """Take back a question that is none any more."""
+    """Drop a pending step that the new view has made pointless."""
     match hunt.pending_step:
         case Reroute(robot, room):
             place = hunt.view.robots[robot].place
@@ -216,9 +214,9 @@ def _drop_obsolete_step(memory: ParticipantMemory, hunt: HuntMemory, now: float)
             reason = (
                 f"{titled(robot)} is in {place_name(place)} now." if arrived else why_not_go(hunt.view, robot, room)
             )
-        case LeaveUndecided(wish, room):
-            decided = not hunt.view.room(room).undecided or robot_in_room(hunt.view, room) != wish.robot
-            reason = why_not_command(hunt.view, wish.robot) or ("That is decided by now." if decided else None)
+        case LeaveUndecided(request, room):
+            decided = not hunt.view.room(room).undecided or robot_in_room(hunt.view, room) != request.robot
+            reason = why_not_command(hunt.view, request.robot) or ("That is decided by now." if decided else None)
         case EndGameEarly():
             reason = why_not_end(hunt.view)
         case None:
@@ -229,18 +227,18 @@ def _drop_obsolete_step(memory: ParticipantMemory, hunt: HuntMemory, now: float)
 
 
 def _is_talked_over(hunt: HuntMemory, room: int) -> bool:
-    """Whether naming what is in a room is still asked for, talked over or agreed."""
+    """Return True while naming the treasure in a room is requested, discussed or agreed."""
     if not hunt.view.room(room).undecided:
         return False
     asked = any(
-        isinstance(wish, Discuss) and (wish.matter, wish.room) == ("take-treasure", room)
-        for wish in hunt.pending.requests
+        isinstance(request, Discuss) and (request.matter, request.room) == ("take-treasure", room)
+        for request in hunt.pending.requests
     )
     return asked or any((matter, about) == ("take-treasure", room) for _, matter, about in discussed_matters(hunt.view))
 
 
 def _items(hunt: HuntMemory) -> Iterator[PopupItem]:
-    """What is to be looked at, in no order that matters: what is new is put behind what was there."""
+    """Pop-ups that should be open, in no order that matters: the queue puts new ones last."""
     view = hunt.view
     for robot in view.robots:
         if (
@@ -257,8 +255,8 @@ def _items(hunt: HuntMemory) -> Iterator[PopupItem]:
 
 
 def is_open(view: View, answer: Answer) -> bool:
-    """Whether a dialogue waits for an answer at just this turn."""
+    """Return True when a dialogue waits for an answer at just this turn."""
     return any(
-        (talk.dialogue, talk.turn) == (answer.dialogue, answer.turn) and 0 <= answer.choice < len(talk.choices)
-        for talk in view.dialogues
+        (each.dialogue, each.turn) == (answer.dialogue, answer.turn) and 0 <= answer.choice < len(each.choices)
+        for each in view.dialogues
     )

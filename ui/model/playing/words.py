@@ -1,4 +1,4 @@
-"""Turns of phrase that several parts share."""
+"""Phrases that several parts share."""
 
 from collections.abc import Sequence
 
@@ -13,13 +13,13 @@ def titled(robot: int) -> str:
 
 
 def how_it_comes_back(robot: RobotView) -> str:
-    """When a robot that somebody else commands will be the participant's again, a sentence."""
+    """A sentence: the condition for getting back a robot that somebody else commands."""
     researcher = robot.commander is Commander.RESEARCHER
     return f"You get it back when the {'researcher is done' if researcher else 'ground station releases it'}."
 
 
 def place_name(place: int) -> str:
-    """A place as people count them, within a sentence."""
+    """Name of a place within a sentence."""
     return "the corridor" if place == 0 else f"room {place}"
 
 
@@ -44,7 +44,7 @@ def gained(points: int) -> str:
 
 
 def verdict_words(name: str, points: int) -> str:
-    """How naming a treasure ended."""
+    """The outcome of naming a treasure, as a sentence."""
     named = name or "That"
     if points > 0:
         return f"{named} is right, {counted(points, 'point')} won."
@@ -59,5 +59,5 @@ def seen_words(colour: str, footprint: str) -> str:
 
 
 def as_sentence(text: str) -> str:
-    """The same with a capital letter at its beginning and a full stop at its end."""
+    """The text with a capital letter at its beginning and a full stop at its end."""
     return text[:1].upper() + text[1:] + ("" if not text or text[-1] in ".?!…" else ".")

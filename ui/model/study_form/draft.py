@@ -1,4 +1,4 @@
-"""A study file in the making: its text, the form of it, and what is wrong with it."""
+"""A study file while it is edited: its text, the form of it, and its faults."""
 
 import dataclasses
 import difflib
@@ -17,7 +17,7 @@ from thbridge.study.study_file import Study, StudyFile, load_study_tree, study_b
 from ui.model.study_form.form import FormField, FormGroup, RepeatKind, form_of, typed_as_yaml
 
 HEADER = "# A study. Every key may be left out; what is not written here is as by default.\n"
-"""What a new file begins with."""
+"""First line of a new file."""
 
 _NEW_ITEMS: Mapping[str, str] = {
     "things": '{{name: "thing {number}", shape: crate, at: [0, 0, 0]}}',
@@ -31,12 +31,12 @@ class StudyDraft:
 
     Attributes:
         path: the file; paths in it start from its folder.
-        text: what it would say.
-        tree: the same, taken apart; None when it is not YAML.
+        text: its new text.
+        tree: the text as a tree; None when it is not YAML.
         form: its fields; those of an empty file when it is not YAML.
-        study: what it means; None when something is wrong.
-        faults: what is wrong, told by the reader that programs use.
-        notices: what is right but changes nothing.
+        study: its meaning; None when something is wrong.
+        faults: its faults, as the reader tells them that programs use.
+        notices: entries that are right but change nothing.
     """
 
     path: Path
@@ -48,7 +48,7 @@ class StudyDraft:
     notices: tuple[str, ...]
 
     def faults_of(self, field: FormField) -> tuple[BadFile, ...]:
-        """What is wrong with one field."""
+        """The faults of one field."""
         return tuple(fault for fault in self.faults if self._is_of(fault, field))
 
     def field_of(self, fault: BadFile) -> FormField | None:
@@ -72,22 +72,22 @@ class StudyDraft:
         """All sections by their keys."""
         return {group.key: group for group in self.form.all_groups()}
 
-    def set(self, field: FormField, said: str) -> str | RequestRefused:
-        """The text with what a person typed or chose in a field; nothing typed, where words do not do, resets it."""
-        if not said.strip() and (field.optional or not field.is_text):
+    def set(self, field: FormField, typed: str) -> str | RequestRefused:
+        """Return the text with a new value in a field; an empty value, where the field holds no words, resets it."""
+        if not typed.strip() and (field.optional or not field.is_text):
             return self.reset(field)
-        # Saying the default of what the file leaves out would only make the file longer.
-        value = typed_as_yaml(field, said)
+        # A default that is written out would only make the file longer.
+        value = typed_as_yaml(field, typed)
         if field.written is None and value == field.default:
             return self.text
         return with_value(self.text, field.place, value, self._order, self.tree)
 
     def reset(self, field: FormField) -> str | RequestRefused:
-        """The text without a field's key, so that its default holds."""
+        """Return the text without a field's key, so that its default holds."""
         return without(self.text, field.place, self.tree)
 
     def reset_group(self, group: FormGroup) -> str | RequestRefused:
-        """The text without any key of a section."""
+        """Return the text without any key of a section."""
         text: str | RequestRefused = self.text
         for field in reversed(list(group.all_fields())):
             if field.written is not None and isinstance(text, str):
@@ -95,7 +95,7 @@ class StudyDraft:
         return text
 
     def add(self, group: FormGroup, robot: int | None = None) -> str | RequestRefused:
-        """The text with another item in a section that repeats; of robots, the one with this number, or the next."""
+        """Return the text with another item in a repeated section; of robots, the one with this number, or the next."""
         if group.repeats is RepeatKind.ROBOTS:
             taken = {item.key.rpartition(".")[2] for item in group.groups}
             number = robot or next(n for n in range(1, len(taken) + 2) if str(n) not in taken)
@@ -109,7 +109,7 @@ class StudyDraft:
         return with_value(self.text, f"{group.key}[{number}]", value, self._order, self.tree)
 
     def remove(self, item: FormGroup) -> str | RequestRefused:
-        """The text without an item of a section that repeats."""
+        """Return the text without an item of a repeated section."""
         return without(self.text, item.key, self.tree)
 
     def _order(self, key: str) -> tuple[str, ...]:
@@ -133,7 +133,7 @@ def draft_of(path: Path, text: str) -> StudyDraft:
     try:
         start = study_before(path, tree)
     except BadFile:
-        # It is told below.
+        # `load_study_tree` reports it below.
         start = StudyFile.of(Study())
     form = form_of(text, tree, start)
     draft = StudyDraft(path, text, tree, form, None, (), ())
@@ -148,30 +148,30 @@ def draft_of(path: Path, text: str) -> StudyDraft:
 
 
 def search_fields(form: FormGroup, words: str) -> tuple[FormField, ...]:
-    """The fields in whose key, name (old ones, too) or help each of these words occurs, exact names first."""
+    """Return the fields in whose key, name (old ones, too) or help each of these words occurs, exact names first."""
     wanted = [word.replace(" ", "_") for word in words.lower().split()]
     if not wanted:
         return ()
 
-    def told(field: FormField) -> str:
+    def searchable(field: FormField) -> str:
         return f"{field.key} {' '.join(field.places)} {field.label} {field.help} {' '.join(field.choices)}".lower()
 
     def rank(field: FormField) -> tuple[bool, bool, bool]:
-        name, said = field.key.rpartition(".")[2].lower(), "_".join(wanted)
-        return name != said, said not in name, field.key.startswith("each.")
+        name, query = field.key.rpartition(".")[2].lower(), "_".join(wanted)
+        return name != query, query not in name, field.key.startswith("each.")
 
-    return tuple(sorted((f for f in form.all_fields() if all(word in told(f) for word in wanted)), key=rank))
+    return tuple(sorted((f for f in form.all_fields() if all(word in searchable(f) for word in wanted)), key=rank))
 
 
 @dataclass(frozen=True, slots=True)
 class UndoHistory:
-    """The texts that were, and those that were taken back.
+    """Texts for undo and redo.
 
     Attributes:
-        text: now.
-        past: before, the latest last.
-        future: taken back, the next first.
-        key: which field the last change was of, so that a value that is dragged or typed is one step.
+        text: the text now.
+        past: earlier texts, the latest last.
+        future: texts undone, the next first.
+        key: field of the last change, so that a value that is dragged or typed is one step.
     """
 
     text: str
@@ -180,28 +180,28 @@ class UndoHistory:
     key: str = ""
 
     def changed(self, text: str, key: str = "") -> "UndoHistory":
-        """After a change of text; another change of the same field belongs to the same step."""
+        """Return the history after a change of text; another change of the same field belongs to the same step."""
         if text == self.text:
             return self
         past = self.past if key and key == self.key and self.past else (*self.past, self.text)[-MAX_UNDO_STEPS:]
         return UndoHistory(text, past, (), key)
 
     def undone(self) -> "UndoHistory":
-        """One step back; where there is none, as it is."""
+        """Return the history one step back; where there is none, as it is."""
         if not self.past:
             return self
         return UndoHistory(self.past[-1], self.past[:-1], (self.text, *self.future))
 
     def redone(self) -> "UndoHistory":
-        """One step forward again."""
+        """Return the history one step forward again."""
         if not self.future:
             return self
         return UndoHistory(self.future[0], (*self.past, self.text), self.future[1:])
 
     def settled(self) -> "UndoHistory":
-        """The next change begins a step of its own."""
+        """Return the history in which the next change begins a new step."""
         return dataclasses.replace(self, key="")
 
 
 MAX_UNDO_STEPS = 200
-"""Steps."""
+"""Steps kept for undo."""

@@ -1,4 +1,4 @@
-"""The fields of a study's form: what the schema says of each, and what the file says."""
+"""Fields of a study's form, made from the schema and the file."""
 
 import dataclasses
 import re
@@ -35,7 +35,7 @@ _PLAIN = re.compile(r"[\w.+-]+")
 
 
 class FieldKind(StrEnum):
-    """What a field holds."""
+    """Type of a field's value."""
 
     BOOLEAN = "truth"
     INTEGER = "whole number"
@@ -47,7 +47,7 @@ class FieldKind(StrEnum):
 
 
 class RepeatKind(StrEnum):
-    """Of what a group has any number."""
+    """Kind of a section's items, of which there may be any number."""
 
     ITEMS = "items"
     ROBOTS = "robots"
@@ -61,16 +61,16 @@ class FormField:
         key: its path in a study, such as `robot.amcl.kld_err`.
         label: its name for people.
         help: its meaning, one sentence.
-        kind: what it holds.
+        kind: type of its value.
         unit: SI; empty for a pure number.
         minimum: least number allowed, infinite where there is none.
         maximum: greatest number allowed.
         choices: words allowed; empty when free.
-        optional: whether it may be null.
-        default: as YAML, what holds when the file is silent: after presets and files of ROS.
-        written: as YAML, what stands in the file; None when it is silent.
-        place: the path at which it stands in the file, or would; an old name of it, for example.
-        line: where that is, counted from 1.
+        optional: True when it may be null.
+        default: as YAML, the value where the file has none: after presets and files of ROS.
+        written: as YAML, the value in the file; None where it has none.
+        place: its path in the file, or where it would be; an old name of it, for example.
+        line: line of that place, counted from 1.
         places: all paths at which it may stand in a file.
     """
 
@@ -91,12 +91,12 @@ class FormField:
 
     @property
     def value(self) -> str:
-        """What holds, as YAML."""
+        """The value that holds, as YAML."""
         return self.default if self.written is None else self.written
 
     @property
     def is_text(self) -> bool:
-        """Whether people type words into it rather than YAML."""
+        """True when people type words into it rather than YAML."""
         return self.kind in {FieldKind.TEXT, FieldKind.PATH}
 
 
@@ -110,7 +110,7 @@ class FormGroup:
         help: its meaning.
         fields: its own values.
         groups: sections in it.
-        repeats: whether those are items that can be added and taken away.
+        repeats: kind of its items where they can be added and taken away, else None.
         order: its keys as the schema has them.
     """
 
@@ -135,7 +135,7 @@ class FormGroup:
             yield from group.all_groups()
 
     def written(self) -> int:
-        """How many of its values stand in the file."""
+        """Number of its values that stand in the file."""
         return sum(field.written is not None for field in self.all_fields())
 
 
@@ -166,20 +166,20 @@ def form_of(text: str, tree: Node, start: StudyFile) -> FormGroup:
     return _Builder(text, tree).group(start, "", "Study", "everything that can be set")
 
 
-def typed_as_yaml(field: FormField, said: str) -> str:
-    """What a person typed or chose, as YAML for the file."""
-    said = said.strip() if not field.is_text else said
-    if field.optional and said == "null":
-        return said
+def typed_as_yaml(field: FormField, typed: str) -> str:
+    """Return the YAML of a value that a person typed or chose."""
+    typed = typed.strip() if not field.is_text else typed
+    if field.optional and typed == "null":
+        return typed
     if field.kind in {FieldKind.TEXT, FieldKind.PATH, FieldKind.CHOICE}:
-        return said if is_plain_word(said) else quoted(said)
-    if field.kind is FieldKind.LIST or all(sign.isalnum() or sign in "+-._" for sign in said):
-        return said
-    return quoted(said)
+        return typed if is_plain_word(typed) else quoted(typed)
+    if field.kind is FieldKind.LIST or all(sign.isalnum() or sign in "+-._" for sign in typed):
+        return typed
+    return quoted(typed)
 
 
 def editable_text(field: FormField) -> str:
-    """What holds, as a person would type it: a text without its quotes."""
+    """Return a field's value as a person would type it: a text without its quotes."""
     if _PLAIN.fullmatch(field.value):
         return field.value
     one_line = "\n" not in field.value
@@ -193,20 +193,20 @@ def editable_text(field: FormField) -> str:
 
 
 def hint_of(field: FormField) -> str:
-    """What may be written: `0 to 20`, `at least 1`, `null allowed`."""
+    """Return the limits of a field: `0 to 20`, `at least 1`, `null allowed`."""
     limits = {"minimum": field.minimum, "maximum": field.maximum}
     words = [] if field.choices else [allowed(float, limits)]
     return ", ".join([*(word for word in words if word), *(["or null"] if field.optional else [])])
 
 
 def _outdented(lines: str) -> str:
-    """A value in several lines as a text of its own: its first line has lost its indentation to the key before it."""
+    """Return a value of several lines as a text of its own: its first line stood after the key, without indentation."""
     first, _, rest = lines.partition("\n")
     return f"{first}\n{textwrap.dedent(rest)}"
 
 
 class _Builder:
-    """Goes through the schema, the defaults and the file side by side."""
+    """Builds the form from schema, defaults and file, side by side."""
 
     def __init__(self, text: str, tree: Node) -> None:
         self._text = text
@@ -222,39 +222,39 @@ class _Builder:
         handed: Mapping[str, str] | None = None,
         like: str = "",
     ) -> FormGroup:
-        """A section.
+        """Return the form of a section.
 
         Args:
             start: its values where the file is silent.
             key: its path.
             label: its name.
             help_text: its meaning.
-            handed: where a section above has keys of this one, by the keys' names here.
+            handed: by the keys' names here, keys of an outer section that stand for them.
             like: the path of the section whose values hold where this one is silent.
         """
         section = type(start)
         hints = cast(Mapping[str, object], get_type_hints(section))
         fields: list[FormField] = []
         groups: list[FormGroup] = []
-        # The noise comes first: what each robot believes of it is by default what all believe.
+        # The noise comes first: it holds the defaults of what single robots assume of it.
         for knob in sorted(dataclasses.fields(start), key=lambda knob: knob.name != "noise"):
             name, place = knob.name, _joined(key, knob.name)
             if place in SHOWN_ELSEWHERE:
                 continue
             value, hint = cast(object, getattr(start, name)), hints[name]
-            told = cast(str, knob.metadata.get("help", ""))
+            meaning = cast(str, knob.metadata.get("help", ""))
             above = (handed or {}).get(name)
             model = model_of(knob)
             if name == sections_named_in(section):
                 names_at = above or place
                 named = cast(tuple["DataclassInstance", ...], value)
-                fields.append(self._names(place, told, named, above))
+                fields.append(self._names(place, meaning, named, above))
                 groups += self._named_sections(named, names_at, _joined(like, name) if like else "")
             elif model is not None:
                 item_model = cast("DataclassInstance", getattr(start, model))
-                groups.append(self._robots(item_model, place, told, _joined(key, model)))
+                groups.append(self._robots(item_model, place, meaning, _joined(key, model)))
             elif _item_class(hint) is not None and not value:
-                groups.append(self._items(cast("type[DataclassInstance]", _item_class(hint)), place, told))
+                groups.append(self._items(cast("type[DataclassInstance]", _item_class(hint)), place, meaning))
             elif dataclasses.is_dataclass(value) and not isinstance(value, type):
                 passed_on = cast(Mapping[str, str], getattr(section, "passed_on", {}))
                 below = {
@@ -263,7 +263,7 @@ class _Builder:
                     if path.partition(".")[0] == name
                 }
                 inner_like = _joined(like, name) if like else ""
-                groups.append(self.group(value, place, _label(place), told, below, inner_like))
+                groups.append(self.group(value, place, _label(place), meaning, below, inner_like))
             else:
                 old = [_joined(key, was) for was, now in renamed_of(section).items() if now == name]
                 places = [*([above] if above else []), place, *old, *self._homes(place)]
@@ -308,9 +308,9 @@ class _Builder:
         section, _, inner = place.partition(".")
         return [TARGET_PATHS[inner]] if section == "noise" and inner in TARGET_PATHS else []
 
-    def _names(self, key: str, told: str, named: tuple["DataclassInstance", ...], above: str | None) -> FormField:
+    def _names(self, key: str, help_text: str, named: tuple["DataclassInstance", ...], above: str | None) -> FormField:
         default = as_yaml(" ".join(_name_of(section) for section in named))
-        return self._field(key, str, {"help": told}, default, [*([above] if above else []), key])
+        return self._field(key, str, {"help": help_text}, default, [*([above] if above else []), key])
 
     def _named_sections(self, named: tuple["DataclassInstance", ...], names_at: str, like: str) -> Iterator[FormGroup]:
         """The sections that a text of names, at this path, has beside it."""
@@ -326,20 +326,20 @@ class _Builder:
             group = self.group(start, _joined(holder, name), name, "one use of the laser", None, "")
             yield dataclasses.replace(group, fields=tuple(f for f in group.fields if not f.key.endswith(".name")))
 
-    def _robots(self, model: "DataclassInstance", key: str, told: str, like: str) -> FormGroup:
+    def _robots(self, model: "DataclassInstance", key: str, help_text: str, like: str) -> FormGroup:
         node = node_at(self._tree, steps_of(key))
         entries = node.entries if isinstance(node, Section) else []
         groups = [
             self.group(model, f"{key}.{name.text}", f"Robot {name.text}", "what differs from all robots", None, like)
             for name, _ in entries
         ]
-        return FormGroup(key, _label(key), told, (), tuple(groups), RepeatKind.ROBOTS)
+        return FormGroup(key, _label(key), help_text, (), tuple(groups), RepeatKind.ROBOTS)
 
-    def _items(self, into: "type[DataclassInstance]", key: str, told: str) -> FormGroup:
+    def _items(self, into: "type[DataclassInstance]", key: str, help_text: str) -> FormGroup:
         node = node_at(self._tree, steps_of(key))
         count = len(node.items) if isinstance(node, Listing) else 0
         groups = [self._item(into, f"{key}[{index}]", index) for index in range(count)]
-        return FormGroup(key, _label(key), told, (), tuple(groups), RepeatKind.ITEMS)
+        return FormGroup(key, _label(key), help_text, (), tuple(groups), RepeatKind.ITEMS)
 
     def _item(self, into: "type[DataclassInstance]", key: str, index: int) -> FormGroup:
         hints = cast(Mapping[str, object], get_type_hints(into))

@@ -1,4 +1,4 @@
-"""What the form's noise does, as values to draw."""
+"""Effects of the form's noise, as values to draw."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -17,12 +17,12 @@ from thbridge.study.study_file import Study
 from ui.model.study_form.form import FieldKind, FormField, editable_text
 
 _ALMOST_NONE = 1e-3
-"""Metres: an ellipse as small as this is a point."""
+"""Metres below which an ellipse is a point."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CourseComparison:
-    """One course: where the wheels say the robot went, where the particle filter believes it may be, and a verdict."""
+    """Drives of one course by the odometry's noise and by the particle filter's motion model, and a verdict on both."""
 
     wheels: PathSpread
     believed: PathSpread
@@ -31,7 +31,7 @@ class CourseComparison:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NoisePreview:
-    """Everything that is drawn of noise."""
+    """All drawings of noise."""
 
     straight: CourseComparison
     square: CourseComparison
@@ -39,32 +39,32 @@ class NoisePreview:
     scan_words: str
 
 
-def noise_from_form(fields: Iterable[FormField], said: Mapping[str, str]) -> NoiseSection:
-    """The noise of a form's fields; what is typed and not yet in the file comes first, and what is wrong is left out.
+def noise_from_form(fields: Iterable[FormField], typed: Mapping[str, str]) -> NoiseSection:
+    """Return the noise of a form's fields; values typed and not yet in the file come first, wrong ones are left out.
 
     Args:
         fields: of the section `noise`.
-        said: what was typed last, by the fields' keys.
+        typed: the values typed last, by the fields' keys.
     """
     noise = noise_section_of(Study())
-    chosen = said.get("noise.preset")
+    chosen = typed.get("noise.preset")
     if chosen in set(NoisePreset):
         noise = preset(NoisePreset(chosen), noise)
     for field in fields:
-        if chosen is not None and field.written is None and field.key not in said:
-            continue  # its default is that of the preset before
+        if chosen is not None and field.written is None and field.key not in typed:
+            continue  # its default is the previous preset's
         path = field.key.removeprefix("noise.")
-        value = _value(field, said.get(field.key, editable_text(field)))
+        value = _value(field, typed.get(field.key, editable_text(field)))
         if path in TARGET_PATHS and value is not None:
             noise = with_value(noise, path, value)
     return noise
 
 
-def _value(field: FormField, said: str) -> float | str | None:
+def _value(field: FormField, typed: str) -> float | str | None:
     if field.kind is FieldKind.CHOICE:
-        return said if said in field.choices else None
+        return typed if typed in field.choices else None
     try:
-        value = float(said)
+        value = float(typed)
     except ValueError:
         return None
     return value if field.minimum <= value <= field.maximum else None
@@ -84,16 +84,16 @@ def preview_of(study: Study, noise: NoiseSection) -> NoisePreview:
 
 
 def _verdict(wheels: PathSpread, believed: PathSpread) -> str:
-    """What a comparison of truth and belief comes to, for people."""
+    """A sentence that compares the true noise with the filter's model of it."""
     share = covered(wheels, believed)
-    told = f"{100 * share:.0f} % of the drives end where the filter expects 95 % of them"
+    share_words = f"{100 * share:.0f} % of the drives end where the filter expects 95 % of them"
     if wheels.along < _ALMOST_NONE and believed.along < _ALMOST_NONE:
         return "Neither the wheels nor the filter know of any error."
     if share < 0.8:
-        return f"The filter is too sure of itself: {told}."
+        return f"The filter is too sure of itself: {share_words}."
     if believed.along * believed.across > 9 * wheels.along * wheels.across:
-        return f"The filter is more careful than it need be: {told}, and it allows for far more."
-    return f"Belief and truth fit together: {told}."
+        return f"The filter is more careful than it need be: {share_words}, and it allows for far more."
+    return f"Belief and truth fit together: {share_words}."
 
 
 def _words_of(scan: RoomScan) -> str:
@@ -102,5 +102,5 @@ def _words_of(scan: RoomScan) -> str:
 
 
 def extent_of(fan: PathSpread) -> str:
-    """How far apart the ends of a fan lie, for people."""
+    """A sentence on the spread of a fan's ends."""
     return f"95 % of the ends lie within ± {fan.along:.2f} m by ± {fan.across:.2f} m"

@@ -1,1 +1,1 @@
-"""What a researcher's window shows of a session or a recording: messages in, values out; no Qt, clock or thread."""
+"""View model of the researcher's window, for sessions and recordings; no Qt, clock or thread."""

@@ -35,7 +35,7 @@ class Curve:
         self.time = -math.inf
 
     def __len__(self) -> int:
-        """How many samples there are."""
+        """Return the number of samples."""
         return self._count
 
     def append(self, time: float, *values: float) -> None:

@@ -9,7 +9,7 @@ T = TypeVar("T")
 
 
 class DecodeCache(Generic[T]):
-    """The value of the last message of each topic.
+    """Values of the last message of each topic, each decoded once.
 
     Args:
         unpack: makes a value of a message's bytes; raises ValueError where they are none.
@@ -19,15 +19,15 @@ class DecodeCache(Generic[T]):
         self._unpack = unpack
         self._known: dict[str, tuple[bytes, T | None]] = {}
 
-    def of(self, said: WatchedMessage | None) -> T | None:
+    def of(self, message: WatchedMessage | None) -> T | None:
         """The value of a message; None where there is no message, or it cannot be read."""
-        if said is None:
+        if message is None:
             return None
-        known = self._known.get(said.topic)
-        if known is None or known[0] is not said.data:
+        known = self._known.get(message.topic)
+        if known is None or known[0] is not message.data:
             try:
-                known = (said.data, self._unpack(said.data))
+                known = (message.data, self._unpack(message.data))
             except ValueError:
-                known = (said.data, None)
-            self._known[said.topic] = known
+                known = (message.data, None)
+            self._known[message.topic] = known
         return known[1]

@@ -1,4 +1,4 @@
-"""Where frames are on the map at one moment, from the messages of tf that hold then."""
+"""Poses of frames on the map at one moment, from the messages of tf that hold then."""
 
 from collections.abc import Iterable
 from struct import Struct
@@ -13,7 +13,7 @@ from thbridge.ros.robots import is_map_frame, is_odom_frame
 from ui.model.watching.messages import WatchedMessage
 
 HORIZON_NS = 10_000_000_000
-"""What was said longer ago than this of a frame that moves does not hold any more; tf2 forgets it, too."""
+"""Nanoseconds after which the pose of a moving frame does not hold any more; tf2 forgets it, too."""
 
 _UINT32 = Struct("<I")
 _STAMP_AND_NUMBER = 12
@@ -27,7 +27,7 @@ def namespace_of_tf(topic: str) -> str:
 
 
 def children_of(data: bytes) -> bytes:
-    """Which frames a message of tf is about, as a key: messages of one key say the same frames anew.
+    """Return the child frames of a message of tf as a key: a message supersedes the one before it with the same key.
 
     Raises:
         ValueError: the bytes are not such a message.
@@ -60,10 +60,10 @@ class Frames:
 
     def __init__(self, messages: Iterable[WatchedMessage], mapped: bool = True) -> None:
         self._above: dict[str, tuple[str, SpatialTransform]] = {}
-        for said in messages:
-            namespace = namespace_of_tf(said.topic)
+        for message in messages:
+            namespace = namespace_of_tf(message.topic)
             try:
-                for transform in unpack.spatial_transforms(said.data):
+                for transform in unpack.spatial_transforms(message.data):
                     child, parent = (self._own(namespace, name) for name in (transform.child, transform.parent))
                     self._above[child] = (parent, transform)
             except ValueError:
@@ -83,7 +83,7 @@ class Frames:
         return self._pose(name if name in self._above else frame_name(frame))
 
     def planar(self, frame: str, owner: str = "") -> Pose2 | None:
-        """As `pose`, seen from above."""
+        """Like `pose`, seen from above."""
         found = self.pose(frame, owner)
         return None if found is None else PlanarMount.of(found).laser_in_base
 
@@ -97,7 +97,7 @@ class Frames:
         if is_map_frame(frame):
             return np.eye(4)
         if frame not in self._poses:
-            self._poses[frame] = None  # so that frames that hang on each other come to an end
+            self._poses[frame] = None  # ends the recursion where frames form a circle
             above = self._above.get(frame)
             if above is not None:
                 parent = self._pose(above[0])

@@ -1,4 +1,4 @@
-"""A session that runs: messages come, and the last ones are how things stand."""
+"""State of a running session, from its messages as they come."""
 
 import math
 from bisect import bisect_right
@@ -20,18 +20,18 @@ from ui.model.watching.series import Series
 from ui.model.watching.session_log import SessionLog, is_logged
 
 REMEMBERED_NS = 2_000_000_000
-"""How far back frames are known of a session that runs: longer than a scan waits to be drawn."""
+"""Nanoseconds for which frames of a running session are kept: longer than a scan waits to be drawn."""
 BACK_NS = 1_000_000_000
-"""Robots whose time goes back so far are another session's. What is latched is as old as it is."""
+"""Robots whose time goes back so far belong to another session. A latched message may be older than that."""
 
 
 @dataclass(slots=True)
-class _Levels:
-    """The last message of each topic, and the frames of the last moments by what they are about."""
+class _Snapshot:
+    """The last message of each topic, and the recent frames by their children."""
 
     at_ns: int = 0
     last: dict[str, WatchedMessage] = field(default_factory=dict)
-    spoken: dict[tuple[str, bytes], deque[WatchedMessage]] = field(default_factory=dict)
+    recent_frames: dict[tuple[str, bytes], deque[WatchedMessage]] = field(default_factory=dict)
     types: dict[str, str] = field(default_factory=dict)
 
     @property
@@ -43,34 +43,34 @@ class _Levels:
 
     def frames(self, at_ns: int) -> Sequence[WatchedMessage]:
         held = []
-        for (topic, _), said in self.spoken.items():
-            before = bisect_right(said, at_ns, key=lambda each: each.stamp_ns) - 1
-            # What was said first after that time is nearer than nothing.
-            chosen = said[max(before, 0)]
+        for (topic, _), messages in self.recent_frames.items():
+            before = bisect_right(messages, at_ns, key=lambda each: each.stamp_ns) - 1
+            # The first message after that time is nearer than none.
+            chosen = messages[max(before, 0)]
             if topic.endswith("tf_static") or at_ns - chosen.stamp_ns <= HORIZON_NS:
                 held.append(chosen)
         return sorted(held, key=lambda each: each.stamp_ns)
 
-    def take(self, said: WatchedMessage) -> None:
-        self.at_ns = max(self.at_ns, said.stamp_ns)
-        self.last[said.topic] = said
-        if said.topic not in self.types:
-            self.types[said.topic] = said.msgtype
-        if said.msgtype in TF_TYPES:
-            spoken = self.spoken.setdefault((said.topic, children_of(said.data)), deque())
-            spoken.append(said)
-            while len(spoken) > 1 and spoken[1].stamp_ns < said.stamp_ns - REMEMBERED_NS:
-                spoken.popleft()
+    def take(self, message: WatchedMessage) -> None:
+        self.at_ns = max(self.at_ns, message.stamp_ns)
+        self.last[message.topic] = message
+        if message.topic not in self.types:
+            self.types[message.topic] = message.msgtype
+        if message.msgtype in TF_TYPES:
+            frames = self.recent_frames.setdefault((message.topic, children_of(message.data)), deque())
+            frames.append(message)
+            while len(frames) > 1 and frames[1].stamp_ns < message.stamp_ns - REMEMBERED_NS:
+                frames.popleft()
 
 
 class LiveSource:
-    """A session that runs, as far as its messages have come; for one thread.
+    """A running session, as far as its messages have come; for one thread.
 
     Attributes:
-        story: what happened.
+        log: events, dialogue, lines and inputs.
         series: numbers over time.
-        rooms: of the map; set by whoever can read it (`ui.sources.rooms`) once `session` is known.
-        sessions: counts up when another session has taken the place of the one before, and all is forgotten.
+        rooms: rooms of the map; set from outside (`ui.sources.rooms`) once `session` is known.
+        sessions: counts up when another session takes the place of the one before, and all is forgotten.
     """
 
     def __init__(self) -> None:
@@ -78,8 +78,9 @@ class LiveSource:
         self.sessions = 0
         self._scenes = SceneBuilder()
         self._sessions = DecodeCache[SessionRecord](unpack.session)
-        self._heard = -math.inf
-        # What was said since a session introduced itself, until its robots speak: that says which session it is.
+        self._received = -math.inf
+        # Messages since a session introduced itself. The stamp of its robots' first tf tells which session they are of:
+        # one that begins anew gets them again.
         self._opening: list[WatchedMessage] | None = None
         self._begin()
 
@@ -88,92 +89,90 @@ class LiveSource:
         self.series = Series(0)
         self._start_ns = 0
         self._tf_ns = 0
-        self._levels = _Levels()
-        self._introductions = RobotDiscovery()
-        self._robots = self._introductions.robots()
-        self._newcomers = False
-        self._unsorted: list[WatchedMessage] = []
+        self._snapshot = _Snapshot()
+        self._discovery = RobotDiscovery()
+        self._robots = self._discovery.robots()
+        self._new_topics = False
+        self._unassigned: list[WatchedMessage] = []
         self._messages = 0
 
     @property
     def session(self) -> SessionRecord | None:
-        """What the session says of itself; None until it has."""
-        return self._sessions.of(self._levels.newest(names.SESSION))
+        """The session's description of itself; None until it has come."""
+        return self._sessions.of(self._snapshot.newest(names.SESSION))
 
     @property
     def start_ns(self) -> int:
-        """When time begins: the first message heard."""
+        """ROS time of the first message."""
         return self._start_ns
 
     @property
     def end_ns(self) -> int:
-        """The latest message heard."""
-        return self._levels.at_ns
+        """ROS time of the latest message."""
+        return self._snapshot.at_ns
 
     @property
     def messages(self) -> int:
-        """How many have been taken."""
+        """Number of messages taken."""
         return self._messages
 
-    def take(self, said: Sequence[WatchedMessage], now: float) -> None:
+    def take(self, messages: Sequence[WatchedMessage], now: float) -> None:
         """Take messages, in their order, at a time (monotonic seconds)."""
-        for message in said:
+        for message in messages:
             self._take(message)
-        if said:
-            self._heard = now
-        # Robots are told apart by their frames: what comes before those may seem to be of a robot that it is not of.
+        if messages:
+            self._received = now
+        # Robots are told apart by their frames: a message that comes before tf may be taken for another robot's.
         if self._tf_ns:
-            self._sort()
+            self._assign()
 
     def stale_for(self, now: float) -> float:
         """Seconds since the last message came; infinite before the first."""
-        return now - self._heard
+        return now - self._received
 
     def scene(self, shown: ShownLayers) -> Scene:
-        """How things stand."""
-        watched = SceneInputs(
-            self._robots, self._introductions.mapped, self.series, self.log, self.rooms, self._start_ns
-        )
-        return self._scenes.build(self._levels, watched, shown)
+        """The scene of now."""
+        watched = SceneInputs(self._robots, self._discovery.mapped, self.series, self.log, self.rooms, self._start_ns)
+        return self._scenes.build(self._snapshot, watched, shown)
 
-    def _take(self, said: WatchedMessage) -> None:
-        if said.topic == names.SESSION:
+    def _take(self, message: WatchedMessage) -> None:
+        if message.topic == names.SESSION:
             self._opening = []
-        if said.msgtype in TF_TYPES and not said.topic.endswith("tf_static"):
+        if message.msgtype in TF_TYPES and not message.topic.endswith("tf_static"):
             opening, self._opening = self._opening, None
-            if said.stamp_ns < self._tf_ns - BACK_NS:
+            if message.stamp_ns < self._tf_ns - BACK_NS:
                 self.sessions += 1
                 self._begin()
                 for again in opening or ():
                     self._absorb(again)
-            self._tf_ns = said.stamp_ns
+            self._tf_ns = message.stamp_ns
         elif self._opening is not None:
-            self._opening.append(said)
-        self._absorb(said)
+            self._opening.append(message)
+        self._absorb(message)
 
-    def _absorb(self, said: WatchedMessage) -> None:
+    def _absorb(self, message: WatchedMessage) -> None:
         if not self._messages:
-            self._start_ns = said.stamp_ns
-            self.series = Series(said.stamp_ns)
+            self._start_ns = message.stamp_ns
+            self.series = Series(message.stamp_ns)
         self._messages += 1
-        new = said.topic not in self._levels.types
+        new = message.topic not in self._snapshot.types
         try:
-            self._levels.take(said)
+            self._snapshot.take(message)
         except ValueError:
             return
-        if is_logged(said.topic, said.msgtype):
-            self.log.take(said)
+        if is_logged(message.topic, message.msgtype):
+            self.log.take(message)
         if new:
-            self._introductions.take(said)
-            self._newcomers = True
-        self._unsorted.append(said)
+            self._discovery.take(message)
+            self._new_topics = True
+        self._unassigned.append(message)
 
-    def _sort(self) -> None:
-        """Give each robot what is told of it; to find out who is who takes a while, and is done once for all topics."""
-        if self._newcomers:
-            self._newcomers = False
-            self._robots = self._introductions.robots()
-            self.series.follow(self._robots, self._introductions.mapped)
-        for said in self._unsorted:
-            self.series.take(said)
-        self._unsorted.clear()
+    def _assign(self) -> None:
+        """Give each robot its messages; telling robots apart takes a while, and is done once for all new topics."""
+        if self._new_topics:
+            self._new_topics = False
+            self._robots = self._discovery.robots()
+            self.series.follow(self._robots, self._discovery.mapped)
+        for message in self._unassigned:
+            self.series.take(message)
+        self._unassigned.clear()

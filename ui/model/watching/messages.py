@@ -1,4 +1,4 @@
-"""Messages as they are watched, whether they come from a bag or from a session that runs."""
+"""Messages to be watched, whether they come from a bag or from a running session."""
 
 from collections.abc import Mapping, Sequence
 from typing import Protocol
@@ -10,7 +10,7 @@ TF_TYPES = frozenset({types.TFMESSAGE, "tf/tfMessage"})
 
 
 class WatchedMessage(Protocol):
-    """A message."""
+    """A message of a topic."""
 
     @property
     def topic(self) -> str:
@@ -22,7 +22,7 @@ class WatchedMessage(Protocol):
 
     @property
     def stamp_ns(self) -> int:
-        """When it was said, nanoseconds of ROS time."""
+        """Its time, nanoseconds of ROS time."""
 
     @property
     def data(self) -> bytes:
@@ -30,7 +30,7 @@ class WatchedMessage(Protocol):
 
 
 class TopicSnapshot(Protocol):
-    """How things stand at one moment: of each topic the last message that was said until then."""
+    """The last message of each topic at one moment."""
 
     @property
     def at_ns(self) -> int:
@@ -38,10 +38,10 @@ class TopicSnapshot(Protocol):
 
     @property
     def topics(self) -> Mapping[str, str]:
-        """The type of each topic, by its name; those on which nothing has been said yet may be among them."""
+        """The type of each topic, by its name; topics without a message yet may be among them."""
 
     def newest(self, topic: str) -> WatchedMessage | None:
         """The last message of a topic."""
 
     def frames(self, at_ns: int) -> Sequence[WatchedMessage]:
-        """Of the frames of tf that held at a time not later than this moment: messages that say them, oldest first."""
+        """Messages of tf that tell the frames at a time not later than this moment, oldest first."""

@@ -1,15 +1,15 @@
-"""Where in a recording one is, while it plays, stands or is searched."""
+"""Position in a recording, while it plays, stands or is searched."""
 
 
 class Playback:
-    """A moment that moves as time goes on; time is told to it, in seconds that never go back.
+    """A position that moves as time goes on; time is told to it, in seconds that never go back.
 
     Args:
-        start_ns: the first moment there is.
+        start_ns: the first position.
         end_ns: the last one; playing stops there.
 
     Attributes:
-        playing: whether time goes on.
+        playing: True while it moves.
     """
 
     def __init__(self, start_ns: int, end_ns: int) -> None:
@@ -21,7 +21,7 @@ class Playback:
 
     @property
     def at_ns(self) -> int:
-        """The moment."""
+        """The position, nanoseconds of ROS time."""
         return self._at_ns
 
     @property
@@ -30,7 +30,7 @@ class Playback:
         return self._speed
 
     def advance(self, now: float) -> int:
-        """The moment that is reached by now."""
+        """Move to the position reached by now, and return it."""
         if self.playing and self._since is not None:
             self._at_ns = self._within(self._at_ns + round((now - self._since) * self._speed * 1e9))
             self.playing = self._at_ns < self._end_ns
@@ -38,7 +38,7 @@ class Playback:
         return self._at_ns
 
     def play(self, now: float, on: bool = True) -> None:
-        """Go on from here, from the beginning where the end is reached; or stand still."""
+        """Play from here, from the beginning where the end is reached; or stand still."""
         self.advance(now)
         if on and self._at_ns >= self._end_ns:
             self._at_ns = self._start_ns

@@ -1,4 +1,4 @@
-"""Draws up one robot at one moment."""
+"""Builds the scene of one robot at one moment."""
 
 import math
 from collections.abc import Callable
@@ -31,21 +31,22 @@ from ui.model.watching.scene import NO_POINTS, NO_POSES, RobotScene, ShownLayers
 from ui.model.watching.series import Series
 
 STALE_NS = 500_000_000
-"""So long a robot's software may say nothing while the truth of it is told on."""
+"""Nanoseconds by which the truth may run ahead of odometry before the robot's software counts as stopped."""
 CHI_SQUARE_95 = 5.991
-"""Of two degrees of freedom: 95 of 100 places lie within an ellipse of so many variances."""
+"""95 % quantile of the chi-square distribution with two degrees of freedom: 95 of 100 places lie within an ellipse of
+so many variances."""
 
 
 T = TypeVar("T")
 
 
-def framed(unpacked: Callable[[bytes], T]) -> Callable[[bytes], tuple[str, T]]:
-    """Unpacks a message that begins with a header: its frame, and its value."""
-    return lambda data: (unpack.frame_of(data), unpacked(data))
+def framed(decoded: Callable[[bytes], T]) -> Callable[[bytes], tuple[str, T]]:
+    """Return a decoder for messages that begin with a header: their frame, and the value."""
+    return lambda data: (unpack.frame_of(data), decoded(data))
 
 
 class DecodedTopics:
-    """What the last messages of robots say, each unpacked once."""
+    """Decoded values of the robots' last messages, one cache per type."""
 
     def __init__(self) -> None:
         self.odometry = DecodeCache[OdometryMessage](unpack.odometry)
@@ -64,59 +65,59 @@ class DecodedTopics:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneContext:
-    """What the robots of one scene share.
+    """Inputs that all robots of a scene share.
 
     Attributes:
-        levels: the messages that hold.
+        snapshot: the messages that hold.
         frames_at: the frames that held at a time up to this moment.
         frames: those that hold now.
         diagnoses: by name of the part.
         series: numbers over time.
         time: seconds since the beginning.
-        shown: what is wanted.
-        unpacked: values of messages.
+        shown: the layers to be shown.
+        decoded: values of messages.
     """
 
-    levels: TopicSnapshot
+    snapshot: TopicSnapshot
     frames_at: Callable[[int], Frames]
     frames: Frames
     diagnoses: dict[str, DiagnosticStatus]
     series: Series
     time: float
     shown: ShownLayers
-    unpacked: DecodedTopics
+    decoded: DecodedTopics
 
 
 class RobotSceneBuilder:
-    """One robot at one moment."""
+    """Builds the scene of one robot at one moment."""
 
-    def __init__(self, member: WatchedRobot, moment: SceneContext) -> None:
-        self._member, self._moment = member, moment
-        self._odometry_said, self._truth_said = self._newest(member.odom), self._newest(member.truth)
-        self._odometry = moment.unpacked.odometry.of(self._odometry_said)
-        self._belief = moment.unpacked.beliefs.of(self._newest(member.estimate))
+    def __init__(self, robot: WatchedRobot, context: SceneContext) -> None:
+        self._robot, self._context = robot, context
+        self._odometry_message, self._truth_message = self._newest(robot.odom), self._newest(robot.truth)
+        self._odometry = context.decoded.odometry.of(self._odometry_message)
+        self._belief = context.decoded.beliefs.of(self._newest(robot.estimate))
 
     def build(self, commander: str) -> RobotScene:
-        """The robot, which this one commands; empty: the participant."""
-        member, shown, dead = self._member, self._moment.shown, self._dead()
+        """The scene of the robot, with its commander in words; empty: the participant."""
+        robot, shown, dead = self._robot, self._context.shown, self._dead()
         truth, estimate = self._truth(), self._estimate()
         both = (truth, estimate) if truth is not None and estimate is not None else None
-        told, odometry = self._belief, None if dead else self._odometry
-        admitted = None if told is None else deviations(0.0, told.covariance)
-        charge = self._moment.unpacked.batteries.of(self._newest(member.battery))
-        selected = shown.selected == member.robot
+        belief, odometry = self._belief, None if dead else self._odometry
+        admitted = None if belief is None else deviations(0.0, belief.covariance)
+        charge = self._context.decoded.batteries.of(self._newest(robot.battery))
+        selected = shown.selected == robot.robot
         cloud = self._cloud() if shown.clouds else NO_POSES
         state, trouble = self._state(dead)
         truth_path, estimate_path, odometry_path = self._tracks() if shown.paths else (NO_POINTS,) * 3
         return RobotScene(
-            robot=member.robot,
-            name=member.name,
+            robot=robot.robot,
+            name=robot.name,
             truth=truth,
             estimate=estimate,
             error=None if both is None else both[0].distance(both[1]),
             heading_error=None if both is None else abs(wrap_angle(both[0].theta - both[1].theta)),
-            ellipse=None if told is None else ellipse_of(told.covariance),
-            belief=None if told is None else self._on_map(told.frame, told.pose),
+            ellipse=None if belief is None else ellipse_of(belief.covariance),
+            belief=None if belief is None else self._on_map(belief.frame, belief.pose),
             deviation=None if admitted is None else admitted[1],
             heading_deviation=None if admitted is None else admitted[2],
             odometry_path=odometry_path,
@@ -125,11 +126,11 @@ class RobotSceneBuilder:
             cloud=cloud if selected else thinned(cloud, shown.thinned),
             particles=len(cloud),
             scan=self._scan() if shown.scans and not dead else NO_POINTS,
-            global_costmap=self._costmap(member.global_costmap) if selected and shown.global_costmap else None,
-            local_costmap=self._costmap(member.local_costmap) if selected and shown.local_costmap else None,
-            plan=self._points(self._moment.unpacked.paths, member.plan) if shown.plans else NO_POINTS,
-            local_plan=self._points(self._moment.unpacked.paths, member.local_plan) if shown.plans else NO_POINTS,
-            footprint=self._points(self._moment.unpacked.footprints, member.footprint)
+            global_costmap=self._costmap(robot.global_costmap) if selected and shown.global_costmap else None,
+            local_costmap=self._costmap(robot.local_costmap) if selected and shown.local_costmap else None,
+            plan=self._points(self._context.decoded.paths, robot.plan) if shown.plans else NO_POINTS,
+            local_plan=self._points(self._context.decoded.paths, robot.local_plan) if shown.plans else NO_POINTS,
+            footprint=self._points(self._context.decoded.footprints, robot.footprint)
             if shown.footprints
             else NO_POINTS,
             goal=self._goal(),
@@ -143,43 +144,43 @@ class RobotSceneBuilder:
         )
 
     def _newest(self, topic: str | None) -> WatchedMessage | None:
-        return None if topic is None else self._moment.levels.newest(topic)
+        return None if topic is None else self._context.snapshot.newest(topic)
 
     def _dead(self) -> bool:
-        odometry, truth = self._odometry_said, self._truth_said
+        odometry, truth = self._odometry_message, self._truth_message
         return odometry is not None and truth is not None and truth.stamp_ns - odometry.stamp_ns > STALE_NS
 
     def _truth(self) -> Pose2 | None:
-        said, unpacked = self._truth_said, self._moment.unpacked
-        if said is not None and said.msgtype == types.ODOMETRY:
-            odometry = unpacked.odometry.of(said)
+        message, decoded = self._truth_message, self._context.decoded
+        if message is not None and message.msgtype == types.ODOMETRY:
+            odometry = decoded.odometry.of(message)
             return None if odometry is None else odometry.pose
-        stamped = said is not None and said.msgtype == types.POSE_STAMPED
-        told = (unpacked.poses if stamped else unpacked.beliefs).of(said)
-        return None if told is None else told.pose
+        stamped = message is not None and message.msgtype == types.POSE_STAMPED
+        framed_pose = (decoded.poses if stamped else decoded.beliefs).of(message)
+        return None if framed_pose is None else framed_pose.pose
 
     def _estimate(self) -> Pose2 | None:
-        """Its odometry under the last correction; else what its localiser said; else what its odometry says."""
-        member, odometry, told = self._member, self._odometry, self._belief
+        """Its odometry under the last correction of its localiser; else the localiser's pose; else the odometry's."""
+        robot, odometry, belief = self._robot, self._odometry, self._belief
         if odometry is not None:
             corrected = self._on_map(odometry.frame, odometry.pose)
             if corrected is not None:
                 return corrected
-        direct = self._moment.frames.planar(member.base, member.key) if member.base else None
-        if direct is not None or told is None:
+        direct = self._context.frames.planar(robot.base, robot.key) if robot.base else None
+        if direct is not None or belief is None:
             return direct
-        return self._on_map(told.frame, told.pose)
+        return self._on_map(belief.frame, belief.pose)
 
     def _on_map(self, frame: str, pose: Pose2) -> Pose2 | None:
         """A pose in a frame, on the map."""
         if is_map_frame(frame):
             return pose
-        frame_in_map = self._moment.frames.planar(frame, self._member.key)
+        frame_in_map = self._context.frames.planar(frame, self._robot.key)
         return None if frame_in_map is None else frame_in_map.compose(pose)
 
     def _tracks(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Where it was, believed to be, and counted to be."""
-        series, time = self._moment.series.of(self._member.robot), self._moment.time
+        """Its paths so far by truth, by estimate and by odometry."""
+        series, time = self._context.series.of(self._robot.robot), self._context.time
         driven = series.odometry.path(time)
         if len(driven) and self._odometry is not None:
             odom_in_map = self._on_map(self._odometry.frame, Pose2(0.0, 0.0, 0.0))
@@ -187,69 +188,69 @@ class RobotSceneBuilder:
         return series.truth.path(time), series.estimate.path(time), driven
 
     def _cloud(self) -> FloatArray:
-        frame, cloud = self._moment.unpacked.clouds.of(self._newest(self._member.cloud)) or ("", NO_POSES)
+        frame, cloud = self._context.decoded.clouds.of(self._newest(self._robot.cloud)) or ("", NO_POSES)
         if not len(cloud) or is_map_frame(frame):
             return cloud
-        frame_in_map = self._moment.frames.planar(frame, self._member.key)
+        frame_in_map = self._context.frames.planar(frame, self._robot.key)
         if frame_in_map is None:
             return NO_POSES
         turned = (cloud[:, 2] + frame_in_map.theta + np.pi) % (2.0 * np.pi) - np.pi
         return np.column_stack((frame_in_map.transform(cloud[:, :2]), turned))
 
     def _scan(self) -> FloatArray:
-        """End points as seen from where it believed to be when it looked; they stay there until it looks again."""
-        said, known = self._newest(self._member.scan), self._moment.unpacked.scans
-        if said is None:
+        """End points as seen from its estimated pose at the time of the scan; they stay there until the next scan."""
+        message, known = self._newest(self._robot.scan), self._context.decoded.scans
+        if message is None:
             return NO_POINTS
-        before = known.get(said.topic)
-        if before is not None and before[0] is said.data:
+        before = known.get(message.topic)
+        if before is not None and before[0] is message.data:
             return before[1]
-        points = self._end_points(said)
-        known[said.topic] = (said.data, points)
+        points = self._end_points(message)
+        known[message.topic] = (message.data, points)
         return points
 
-    def _end_points(self, said: WatchedMessage) -> FloatArray:
+    def _end_points(self, message: WatchedMessage) -> FloatArray:
         try:
-            scan = unpack.laser_scan(said.data)
+            scan = unpack.laser_scan(message.data)
         except ValueError:
             return NO_POINTS
-        laser_in_map = self._moment.frames_at(said.stamp_ns).pose(scan.frame, self._member.key)
+        laser_in_map = self._context.frames_at(message.stamp_ns).pose(scan.frame, self._robot.key)
         return NO_POINTS if laser_in_map is None else end_points(scan, laser_in_map)
 
     def _costmap(self, topic: str | None) -> OccupancyGrid | None:
-        told = self._moment.unpacked.grids.of(self._newest(topic))
-        if told is None or is_map_frame(told[0]):
-            return None if told is None else told[1]
-        frame, grid = told
+        framed_grid = self._context.decoded.grids.of(self._newest(topic))
+        if framed_grid is None or is_map_frame(framed_grid[0]):
+            return None if framed_grid is None else framed_grid[1]
+        frame, grid = framed_grid
         origin = self._on_map(frame, grid.origin)
         return None if origin is None else OccupancyGrid(grid.cells, grid.resolution, origin)
 
-    def _points(self, unpacked: DecodeCache[tuple[str, FloatArray]], topic: str | None) -> FloatArray:
-        frame, points = unpacked.of(self._newest(topic)) or ("", NO_POINTS)
+    def _points(self, decoded: DecodeCache[tuple[str, FloatArray]], topic: str | None) -> FloatArray:
+        frame, points = decoded.of(self._newest(topic)) or ("", NO_POINTS)
         if not len(points) or is_map_frame(frame):
             return points[:, :2]
-        frame_in_map = self._moment.frames.planar(frame, self._member.key)
+        frame_in_map = self._context.frames.planar(frame, self._robot.key)
         return NO_POINTS if frame_in_map is None else frame_in_map.transform(points[:, :2])
 
     def _goal(self) -> Pose2 | None:
-        member, unpacked = self._member, self._moment.unpacked
-        goal = unpacked.goals.of(self._newest(member.goal))
+        robot, decoded = self._robot, self._context.decoded
+        goal = decoded.goals.of(self._newest(robot.goal))
         if goal is None:
             return None
-        result = unpacked.results.of(self._newest(member.result))
-        statuses = unpacked.statuses.of(self._newest(member.status)) or ()
+        result = decoded.results.of(self._newest(robot.result))
+        statuses = decoded.statuses.of(self._newest(robot.status)) or ()
         ended = any(each.goal.id == goal.goal_id and each.status in ENDED for each in statuses)
         if ended or (result is not None and result.goal_id == goal.goal_id):
             return None
         return self._on_map(goal.frame, goal.pose)
 
     def _state(self, dead: bool) -> tuple[str, bool]:
-        """What it does, and whether that is one to worry about."""
+        """Its activity in words, and True when that is one to worry about."""
         if dead:
             return "software stopped", True
-        parts = {part: self._moment.diagnoses.get(f"{self._member.key}: {part}") for part in _PARTS}
-        told = [each for each in parts.values() if each is not None]
-        worrying = [each for each in told if each.level is not DiagnosticLevel.OK]
+        parts = {part: self._context.diagnoses.get(f"{self._robot.key}: {part}") for part in _PARTS}
+        known = [each for each in parts.values() if each is not None]
+        worrying = [each for each in known if each.level is not DiagnosticLevel.OK]
         drives = parts["navigation"]
         words = [each.message for each in worrying if each is not drives]
         if drives is not None:
@@ -258,11 +259,11 @@ class RobotSceneBuilder:
 
 
 _PARTS = ("localisation", "navigation")
-"""Parts of a robot whose diagnoses say what it does."""
+"""Parts of a robot whose diagnoses make up its state."""
 
 
 def energy_of(charge: BatteryCharge) -> float | None:
-    """What is left: charge, or percent where nobody measured it; None where nobody says either."""
+    """Energy left: charge, or percent where the charge is not measured; None where neither is known."""
     left = charge.charge if math.isfinite(charge.charge) else 100.0 * charge.percentage
     return left if math.isfinite(left) else None
 
@@ -273,7 +274,7 @@ def thinned(cloud: FloatArray, most: int) -> FloatArray:
 
 
 def ellipse_of(covariance: FloatArray) -> EllipseMark | None:
-    """Where 95 of 100 places lie, of a (3, 3) covariance of x, y, theta; None where it says nothing."""
+    """Ellipse around 95 of 100 places, of a (3, 3) covariance of x, y, theta; None where the covariance is none."""
     planar = covariance[:2, :2]
     if not np.isfinite(planar).all():
         return None

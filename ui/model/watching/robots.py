@@ -1,4 +1,4 @@
-"""Who is who: which robots there are, and on which topics each one's doings are told."""
+"""Finds the robots in a stream of messages, and the topics of each."""
 
 import re
 from collections.abc import Callable, Collection, Mapping
@@ -37,14 +37,14 @@ class WatchedRobot:
         name: for people.
         base: frame of its base.
         truth: poses of a simulator or of motion capture.
-        odom: what its wheels counted.
+        odom: its wheel odometry.
         estimate: poses of its localiser, with covariance.
         cloud: particles.
         scan: of its laser.
         battery: its energy.
         goal: of the action move_base; its other topics stand beside it.
-        status: how goals stand.
-        result: how goals ended.
+        status: states of its goals.
+        result: results of its goals.
         plan: the global one.
         local_plan: the local planner's.
         global_costmap: as an occupancy grid.
@@ -74,13 +74,13 @@ class WatchedRobot:
 
 @dataclass(slots=True)
 class RobotDiscovery:
-    """What has to be known of messages, beside their topics, to tell robots apart; a message of each topic will do.
+    """Tells robots apart by topics and frames; it needs only a few messages of each topic.
 
     Attributes:
         topics: the type of each topic.
-        children: of each topic of odometry, the frame whose pose it says.
+        children: by topic of odometry, the child frame of its messages.
         edges: of tf: namespace, parent, child; those from frames of odometry.
-        mapped: whether anybody speaks of a map.
+        mapped: True once a message is about a map.
     """
 
     topics: dict[str, str] = field(default_factory=dict)
@@ -88,18 +88,18 @@ class RobotDiscovery:
     edges: set[tuple[str, str, str]] = field(default_factory=set)
     mapped: bool = False
 
-    def take(self, said: WatchedMessage) -> None:
-        """Hear a message; one that cannot be read tells its topic only."""
-        self.topics[said.topic] = said.msgtype
-        self.mapped |= said.msgtype == types.OCCUPANCY_GRID and "costmap" not in said.topic
+    def take(self, message: WatchedMessage) -> None:
+        """Take a message; one that cannot be read tells its topic only."""
+        self.topics[message.topic] = message.msgtype
+        self.mapped |= message.msgtype == types.OCCUPANCY_GRID and "costmap" not in message.topic
         try:
-            if said.msgtype == types.ODOMETRY:
-                self.children[said.topic] = unpack.odometry(said.data).child_frame
-            elif said.msgtype in TF_TYPES:
-                for _, (parent, child, _) in unpack.transforms(said.data):
+            if message.msgtype == types.ODOMETRY:
+                self.children[message.topic] = unpack.odometry(message.data).child_frame
+            elif message.msgtype in TF_TYPES:
+                for _, (parent, child, _) in unpack.transforms(message.data):
                     self.mapped |= is_map_frame(parent)
                     if is_odom_frame(parent):
-                        self.edges.add((namespace_of_tf(said.topic), frame_name(parent), frame_name(child)))
+                        self.edges.add((namespace_of_tf(message.topic), frame_name(parent), frame_name(child)))
         except ValueError:
             return
 
@@ -114,11 +114,11 @@ class RobotDiscovery:
         numbers = [_OURS.fullmatch(key) for key in keys]
         ours = bool(keys) and all(numbers)
         return tuple(
-            self._member(int(number[1]) - 1 if ours and number else index, key, frozenset(keys), ours)
+            self._watched_robot(int(number[1]) - 1 if ours and number else index, key, frozenset(keys), ours)
             for index, (key, number) in enumerate(zip(keys, numbers, strict=True))
         )
 
-    def _member(self, robot: int, key: str, keys: frozenset[str], ours: bool) -> WatchedRobot:
+    def _watched_robot(self, robot: int, key: str, keys: frozenset[str], ours: bool) -> WatchedRobot:
         own = {topic: msgtype for topic, msgtype in self.topics.items() if self._owner(topic, keys) == key}
         odom = _first(own, types.ODOMETRY, lambda topic: not is_truth(topic), (ODOM_FRAME,))
         truth = _first(own, types.ODOMETRY, is_truth, ())
@@ -152,7 +152,7 @@ class RobotDiscovery:
         )
 
     def _owner(self, topic: str, keys: Collection[str]) -> str:
-        """By the prefix of the frame that it says, if that is a robot's, else by the namespace."""
+        """The robot of a topic: by the prefix of its messages' frame, if that is a robot's, else by namespace."""
         prefix = prefix_of(self.children.get(topic, ""))
         return prefix if prefix and prefix in keys else owner_of(topic, keys)
 
@@ -161,7 +161,9 @@ def _first(
     topics: Mapping[str, str], msgtype: str, wanted: Callable[[str], bool], usual: tuple[str, ...]
 ) -> str | None:
     """The usual one of the topics of a type that are wanted."""
-    found = usual_first((topic for topic, said in topics.items() if said == msgtype and wanted(topic)), usual)
+    found = usual_first(
+        (topic for topic, found_type in topics.items() if found_type == msgtype and wanted(topic)), usual
+    )
     return found[0] if found else None
 
 

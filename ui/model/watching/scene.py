@@ -26,7 +26,7 @@ def _no_poses() -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class ShownLayers:
-    """What is wanted on the map; what is not wanted is not unpacked, and missing in the scene.
+    """Layers to be shown on the map; the messages of the others are not decoded, and are missing in the scene.
 
     Attributes:
         selected: the robot whose cloud is whole, and whose costmaps are shown.
@@ -35,8 +35,8 @@ class ShownLayers:
         global_costmap: of the selected robot.
         local_costmap: likewise.
         plans: global and local ones.
-        paths: where robots were, and believed to be.
-        footprints: where robots believe their bodies to be.
+        paths: paths so far, by truth, estimate and odometry.
+        footprints: estimated places of the robots' bodies.
         thinned: particles shown of a robot that is not selected.
     """
 
@@ -58,33 +58,33 @@ class RobotScene:
     Attributes:
         robot: its index; in sessions of ours, of the team.
         name: for people: "robot 1", or the namespace of a robot in a bag that is not ours.
-        truth: where it is; None where nobody says.
-        estimate: where it believes it is, its odometry under the localiser's last correction.
+        truth: its true pose; None where it is not published.
+        estimate: its estimated pose: odometry under the localiser's last correction.
         error: metres between the two; None where one is missing.
         heading_error: radians between the two, not negative.
-        ellipse: 95 % of its belief, as its localiser said last; about `belief`.
-        belief: the pose that its localiser said last.
+        ellipse: 95 % of its belief, as its localiser told last; about `belief`.
+        belief: the last pose of its localiser.
         deviation: standard deviation of the position, metres.
         heading_deviation: of the heading, radians.
-        odometry_path: (k, 2) what its wheels counted so far, laid where it believes it is now.
-        truth_path: (k, 2) where it was so far.
-        estimate_path: (k, 2) where it believed to be so far.
+        odometry_path: (k, 2) its path by wheel odometry so far, placed so that it ends at the estimate.
+        truth_path: (k, 2) its true path so far.
+        estimate_path: (k, 2) its estimated path so far.
         cloud: (n, 3) particles, x, y, theta.
-        particles: how many there are; `cloud` may be a selection of them.
-        scan: (m, 2) end points of the beams that met something, as seen from where it believed to be then.
+        particles: number of particles; `cloud` may be a selection of them.
+        scan: (m, 2) end points of the beams that met something, as seen from the estimate at that time.
         global_costmap: 0 free, 99 inscribed, 100 lethal, -1 unknown, others between.
         local_costmap: likewise.
-        plan: (p, 2) the whole way.
+        plan: (p, 2) the whole path to the goal.
         local_plan: (q, 2) the next moments.
-        footprint: (v, 2) corners of its body where it believes it to be.
-        goal: where it is to go; None at rest.
-        energy: what is left, in the game's units, or percent where a bag knows only that.
+        footprint: (v, 2) corners of its body at its estimated pose.
+        goal: pose of its goal; None at rest.
+        energy: energy left, in the game's units, or percent where a bag knows only that.
         speed: by its odometry, m/s.
         turning: likewise, rad/s.
-        state: what it does, in words; empty where nobody says.
-        trouble: the state is one to worry about.
-        dead: its software has fallen silent, while the truth of it is told on.
-        commander: who else than the participant commands it, in words; empty when nobody does.
+        state: its activity, in words; empty where it is not published.
+        trouble: True when the state is one to worry about.
+        dead: True when its software has fallen silent, while its truth is still published.
+        commander: the other party that commands it, in words; empty where the participant does.
     """
 
     robot: int
@@ -133,9 +133,9 @@ class PendingTurn:
     Attributes:
         dialogue: its number.
         turn: place of the move in it, from 0.
-        robot: which, from 0.
+        robot: index of the robot, from 0.
         scenario: for example "select-room".
-        room: that it is about, or None.
+        room: the room that the dialogue is about, or None.
         sentences: the legal moves, in their order.
     """
 
@@ -152,9 +152,9 @@ class PendingAdvice:
     """A participant's "don't know" that waits for a person.
 
     Attributes:
-        robot: which is asked, from 0.
+        robot: index of the robot that is asked, from 0.
         costs: energy by room, as people count rooms.
-        suggestion: what the robot itself would say; None: nothing.
+        suggestion: the room that the robot itself would suggest; None: none.
     """
 
     robot: int
@@ -164,7 +164,7 @@ class PendingAdvice:
 
 @dataclass(frozen=True, slots=True)
 class Wizard:
-    """For which robots a person speaks, and what waits for that person."""
+    """Robots that a person speaks for (Wizard of Oz), and the turns that wait for that person."""
 
     puppets: tuple[int, ...] = ()
     turns: tuple[PendingTurn, ...] = ()
@@ -173,7 +173,7 @@ class Wizard:
 
 @dataclass(frozen=True, slots=True)
 class GameScene:
-    """The game at one moment: points, rooms visited, rooms there are."""
+    """The game at one moment: points, rooms visited, number of rooms."""
 
     score: int
     visited: int
@@ -187,12 +187,12 @@ class Scene:
     Attributes:
         stamp_ns: the moment, nanoseconds of ROS time.
         time: seconds since the session's or the recording's beginning.
-        grid: the map; None where nobody published one.
+        grid: the map; None where none is published.
         robots: in the order of their numbers.
-        things: in the way.
+        things: obstacles that are not on the map.
         rooms: those of the map where it is known, else none.
         game: None where there is none.
-        wizard: who speaks for robots.
+        wizard: robots that a person speaks for.
         unreadable: sentences on topics that cannot be read.
     """
 
@@ -208,7 +208,7 @@ class Scene:
 
 
 EntryKind = Literal["event", "said", "line", "input", "log"]
-"""What lists there are: the game's events, the dialogue, the protocol's lines, what came from outside, the log."""
+"""The lists: the game's events, the dialogue, the protocol's lines, inputs from outside, the log of ROS."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,14 +216,14 @@ class Entry:
     """A line of a list.
 
     Attributes:
-        stamp_ns: when, nanoseconds of ROS time.
-        kind: of which list.
+        stamp_ns: its time, nanoseconds of ROS time.
+        kind: the list.
         what: an event's kind, a dialogue's scenario, a line's topic, an input's kind, a log line's level.
-        who: for people; empty where it is nobody's.
+        who: its author, for people; empty where there is none.
         robot: index of the robot that it concerns, or None.
         room: as people count, or None.
         text: for people.
-        important: worth a mark on the timeline.
+        important: True for an entry that gets a mark on the timeline.
     """
 
     stamp_ns: int

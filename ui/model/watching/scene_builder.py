@@ -1,4 +1,4 @@
-"""Draws up the scene of a moment from the messages that hold then."""
+"""Builds the scene of a moment from the messages that hold then."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -31,15 +31,15 @@ FRAMES_KEPT = 8
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneInputs:
-    """What a scene is drawn up from, beside the messages of its moment.
+    """Inputs of a scene beside the messages of its moment.
 
     Attributes:
-        cast: the robots.
-        mapped: whether there is a map.
+        robots: the robots, and their topics.
+        mapped: True where there is a map.
         series: numbers over time.
-        story: what happened.
+        log: events, dialogue, lines and inputs.
         rooms: of the map, where it is known.
-        start_ns: when time begins, nanoseconds of ROS time.
+        start_ns: beginning of time, nanoseconds of ROS time.
         unreadable: sentences on topics that cannot be read.
     """
 
@@ -53,68 +53,68 @@ class SceneInputs:
 
 
 class SceneBuilder:
-    """Draws up one scene after the other; what does not change from one to the next is unpacked once."""
+    """Builds one scene after the other; a message that still holds in the next one is decoded once."""
 
     def __init__(self) -> None:
-        self._unpacked = DecodedTopics()
+        self._decoded = DecodedTopics()
         self._scores = DecodeCache[ScoreRecord](unpack.score)
         self._things = DecodeCache[list[tuple[str, FloatArray]]](unpack.outlines)
         self._diagnoses = DecodeCache[list[DiagnosticStatus]](unpack.diagnostic_array)
         self._wizards = DecodeCache[Wizard](wizard)
         self._frames: deque[tuple[tuple[bytes, ...], Frames]] = deque(maxlen=FRAMES_KEPT)
 
-    def build(self, levels: TopicSnapshot, watched: SceneInputs, shown: ShownLayers) -> Scene:
-        """How things stand at the moment of these levels."""
-        time = (levels.at_ns - watched.start_ns) / 1e9
-        diagnoses = {each.name: each for each in self._diagnoses.of(levels.newest(names.DIAGNOSTICS)) or ()}
+    def build(self, snapshot: TopicSnapshot, watched: SceneInputs, shown: ShownLayers) -> Scene:
+        """The scene at the moment of these messages."""
+        time = (snapshot.at_ns - watched.start_ns) / 1e9
+        diagnoses = {each.name: each for each in self._diagnoses.of(snapshot.newest(names.DIAGNOSTICS)) or ()}
 
         def frames_at(at_ns: int) -> Frames:
-            return self._frames_of(levels.frames(at_ns), watched.mapped)
+            return self._frames_of(snapshot.frames(at_ns), watched.mapped)
 
-        moment = SceneContext(
-            levels, frames_at, frames_at(levels.at_ns), diagnoses, watched.series, time, shown, self._unpacked
+        context = SceneContext(
+            snapshot, frames_at, frames_at(snapshot.at_ns), diagnoses, watched.series, time, shown, self._decoded
         )
-        score = self._scores.of(levels.newest(names.SCORE))
-        things = self._things.of(levels.newest(names.THINGS)) or ()
-        news, commanders = watched.log.rooms(levels.at_ns), watched.log.commanders(levels.at_ns)
+        score = self._scores.of(snapshot.newest(names.SCORE))
+        things = self._things.of(snapshot.newest(names.THINGS)) or ()
+        statuses, commanders = watched.log.rooms(snapshot.at_ns), watched.log.commanders(snapshot.at_ns)
         return Scene(
-            stamp_ns=levels.at_ns,
+            stamp_ns=snapshot.at_ns,
             time=time,
-            grid=self._map(levels),
+            grid=self._map(snapshot),
             robots=tuple(
-                RobotSceneBuilder(member, moment).build(commanders.get(member.robot, "")) for member in watched.robots
+                RobotSceneBuilder(robot, context).build(commanders.get(robot.robot, "")) for robot in watched.robots
             ),
             things=tuple(ThingScene(name, outline) for name, outline in things),
-            rooms=tuple(_room(room, news.get(room.room.people, RoomStatus())) for room in watched.rooms),
+            rooms=tuple(_room(room, statuses.get(room.room.people, RoomStatus())) for room in watched.rooms),
             game=None if score is None else GameScene(score.score, score.visited, score.rooms),
-            wizard=self._wizards.of(levels.newest(names.WIZARD)) or Wizard(),
+            wizard=self._wizards.of(snapshot.newest(names.WIZARD)) or Wizard(),
             unreadable=watched.unreadable,
         )
 
     def _frames_of(self, messages: Sequence[WatchedMessage], mapped: bool) -> Frames:
-        said = tuple(message.data for message in messages)
+        data = tuple(message.data for message in messages)
         for known, frames in self._frames:
-            if len(known) == len(said) and all(one is other for one, other in zip(known, said, strict=True)):
+            if len(known) == len(data) and all(one is other for one, other in zip(known, data, strict=True)):
                 return frames
-        self._frames.appendleft((said, Frames(messages, mapped)))
+        self._frames.appendleft((data, Frames(messages, mapped)))
         return self._frames[0][1]
 
-    def _map(self, levels: TopicSnapshot) -> OccupancyGrid | None:
+    def _map(self, snapshot: TopicSnapshot) -> OccupancyGrid | None:
         maps = [
             topic
-            for topic, msgtype in levels.topics.items()
+            for topic, msgtype in snapshot.topics.items()
             if msgtype == types.OCCUPANCY_GRID and "costmap" not in topic
         ]
-        found = (self._unpacked.grids.of(levels.newest(topic)) for topic in usual_first(maps, (names.MAP.strip("/"),)))
-        return next((told[1] for told in found if told is not None), None)
+        found = (self._decoded.grids.of(snapshot.newest(topic)) for topic in usual_first(maps, (names.MAP.strip("/"),)))
+        return next((grid[1] for grid in found if grid is not None), None)
 
 
-def _room(room: MapRoom, news: RoomStatus) -> RoomMark:
+def _room(room: MapRoom, status: RoomStatus) -> RoomMark:
     return RoomMark(
         room=room.room.people,
         name=room.name,
         region=np.array(room.region),
-        state=news.state,
-        found=news.found,
-        robot=news.robot,
+        state=status.state,
+        found=status.found,
+        robot=status.robot,
     )

@@ -1,4 +1,4 @@
-"""Numbers over time, for each robot: how far its belief is from the truth, what it admits, its energy, its speed."""
+"""Numbers over time, for each robot: the error of its estimate, its standard deviations, its energy, its speed."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -16,25 +16,25 @@ from ui.model.watching.robots import WatchedRobot
 PERIOD = 0.1
 """Seconds from one sample to the next, at least."""
 ODOMETRY_TIMEOUT = 1.0
-"""Seconds in which a robot that tf speaks of may begin to tell its odometry."""
+"""Seconds in which a robot that tf tells of may begin to publish its odometry."""
 _SLACK = 1e-6
 _WAITING = 64
 """Samples that wait for the truth at their time, before the oldest is given up."""
 _STALE = 1.0
-"""Seconds between two words of the truth, beyond which nobody knows what was between."""
+"""Seconds between two samples of the truth, beyond which nothing is known of the time between."""
 
 
 @dataclass(slots=True)
 class RobotSeries:
-    """One robot; times are seconds since the beginning.
+    """Series of one robot; times are seconds since the beginning.
 
     Attributes:
         truth: time, x, y, theta.
         estimate: likewise.
         odometry: likewise, in the frame of its odometry.
         errors: time, metres, radians (not negative) between estimate and truth.
-        deviations: time, standard deviations of position (m) and heading (rad) that its localiser admits.
-        energy: time, what is left.
+        deviations: time, standard deviations of position (m) and heading (rad) by its localiser.
+        energy: time, energy left.
         speeds: time, m/s, rad/s by its odometry.
     """
 
@@ -48,10 +48,10 @@ class RobotSeries:
 
 
 class Series:
-    """Grows with the messages that are taken, in order of time.
+    """Series of all robots; they grow with the messages that are taken, in order of time.
 
     Args:
-        start_ns: when time begins.
+        start_ns: beginning of time.
     """
 
     def __init__(self, start_ns: int) -> None:
@@ -62,102 +62,102 @@ class Series:
 
     @property
     def topics(self) -> frozenset[str]:
-        """What has to be taken, beside the messages of tf; all else changes nothing."""
+        """The topics to be taken, beside those of tf; all others change nothing."""
         return frozenset(self._handlers)
 
-    def follow(self, cast: Sequence[WatchedRobot], mapped: bool) -> None:
-        """Go by these robots from now on; those that were there before keep what is known of them.
+    def follow(self, robots: Sequence[WatchedRobot], mapped: bool) -> None:
+        """Follow these robots from now on; those that were there before keep their series.
 
         Args:
-            cast: the robots.
-            mapped: whether there is a map.
+            robots: the robots, and their topics.
+            mapped: True where there is a map.
         """
         self._handlers = {}
         self._tf.mapped = mapped
-        for member in cast:
-            teller = self._builders.setdefault(member.robot, _SeriesBuilder(self._tf))
-            teller.member = member
-            for topic, taker in (
-                (member.truth, teller.truth),
-                (member.odom, teller.odometry),
-                (member.estimate, teller.belief),
-                (member.battery, teller.energy),
+        for robot in robots:
+            builder = self._builders.setdefault(robot.robot, _SeriesBuilder(self._tf))
+            builder.robot = robot
+            for topic, handler in (
+                (robot.truth, builder.truth),
+                (robot.odom, builder.odometry),
+                (robot.estimate, builder.belief),
+                (robot.battery, builder.energy),
             ):
                 if topic is not None:
-                    self._handlers.setdefault(topic, []).append(taker)
+                    self._handlers.setdefault(topic, []).append(handler)
 
-    def take(self, said: WatchedMessage) -> None:
+    def take(self, message: WatchedMessage) -> None:
         """Take a message; one that cannot be read changes nothing."""
-        if said.msgtype in TF_TYPES:
-            self._tf.take(said)
-            for teller in self._builders.values():
-                teller.frames((said.stamp_ns - self._start_ns) / 1e9)
+        if message.msgtype in TF_TYPES:
+            self._tf.take(message)
+            for builder in self._builders.values():
+                builder.frames((message.stamp_ns - self._start_ns) / 1e9)
             return
-        for taker in self._handlers.get(said.topic, ()):
+        for handler in self._handlers.get(message.topic, ()):
             try:
-                taker(said, (said.stamp_ns - self._start_ns) / 1e9)
+                handler(message, (message.stamp_ns - self._start_ns) / 1e9)
             except ValueError:
                 continue
 
     def of(self, robot: int) -> RobotSeries:
-        """What is known of a robot; nothing of one that there is not."""
-        teller = self._builders.get(robot)
-        return RobotSeries() if teller is None else teller.series
+        """The series of a robot; empty where it is unknown."""
+        builder = self._builders.get(robot)
+        return RobotSeries() if builder is None else builder.series
 
 
 class _Tf:
-    """The frames that hold now, unpacked when somebody asks."""
+    """The frames that hold now, decoded when they are asked for."""
 
     def __init__(self) -> None:
-        self._said: dict[tuple[str, bytes], WatchedMessage] = {}
+        self._messages: dict[tuple[str, bytes], WatchedMessage] = {}
         self._frames: Frames | None = None
         self.mapped = False
 
-    def take(self, said: WatchedMessage) -> None:
+    def take(self, message: WatchedMessage) -> None:
         try:
-            key = (namespace_of_tf(said.topic), children_of(said.data))
+            key = (namespace_of_tf(message.topic), children_of(message.data))
         except ValueError:
             return
-        self._said.pop(key, None)  # so that what is said last comes last
-        self._said[key] = said
+        self._messages.pop(key, None)  # so that the newest comes last
+        self._messages[key] = message
         self._frames = None
 
     def frames(self) -> Frames:
         if self._frames is None:
-            self._frames = Frames(self._said.values(), self.mapped)
+            self._frames = Frames(self._messages.values(), self.mapped)
         return self._frames
 
 
 class _SeriesBuilder:
-    """Makes one robot's series."""
+    """Builds one robot's series."""
 
     def __init__(self, tf: _Tf) -> None:
         self.series = RobotSeries()
-        self.member: WatchedRobot | None = None
+        self.robot: WatchedRobot | None = None
         self._tf = tf
-        self._told: tuple[float, WatchedMessage] | None = None
-        self._known: tuple[float, Pose2] | None = None
+        self._undecoded: tuple[float, WatchedMessage] | None = None
+        self._decoded: tuple[float, Pose2] | None = None
         self._waiting: list[tuple[float, Pose2]] = []
         self._alone_since = math.inf
 
-    def truth(self, said: WatchedMessage, time: float) -> None:
-        """Between two words of the truth lies what it was meanwhile."""
+    def truth(self, message: WatchedMessage, time: float) -> None:
+        """Take a true pose; estimates that waited for the truth at their time are compared with it, interpolated."""
         due = _due(self.series.truth, time)
         if not due and not self._waiting:
-            self._told, self._known = (time, said), None  # unpacked when it is needed
+            self._undecoded, self._decoded = (time, message), None  # decoded when it is needed
             return
-        before, pose = self._last_truth(), _pose_of(said)
+        before, pose = self._last_truth(), _pose_of(message)
         if due:
             self.series.truth.append(time, pose.x, pose.y, pose.theta)
         while self._waiting and self._waiting[0][0] <= time:
             then, estimate = self._waiting.pop(0)
             self._compare(then, estimate, before, (time, pose))
-        self._told, self._known = None, (time, pose)
+        self._undecoded, self._decoded = None, (time, pose)
 
     def _last_truth(self) -> tuple[float, Pose2] | None:
-        if self._known is None and self._told is not None:
-            self._known = (self._told[0], _pose_of(self._told[1]))
-        return self._known
+        if self._decoded is None and self._undecoded is not None:
+            self._decoded = (self._undecoded[0], _pose_of(self._undecoded[1]))
+        return self._decoded
 
     def _compare(
         self, time: float, estimate: Pose2, before: tuple[float, Pose2] | None, after: tuple[float, Pose2]
@@ -175,46 +175,46 @@ class _SeriesBuilder:
         heading = abs(wrap_angle(estimate.theta - truth.theta))
         self.series.errors.append(time, estimate.distance(truth), heading)
 
-    def odometry(self, said: WatchedMessage, time: float) -> None:
-        """What its wheels count, and with it where it believes to be."""
-        if self.member is None or not _due(self.series.odometry, time):
+    def odometry(self, message: WatchedMessage, time: float) -> None:
+        """Take odometry, and with it the estimated pose."""
+        if self.robot is None or not _due(self.series.odometry, time):
             return
-        driven = unpack.odometry(said.data)
+        driven = unpack.odometry(message.data)
         pose = driven.pose
         self.series.odometry.append(time, pose.x, pose.y, pose.theta)
         self.series.speeds.append(time, driven.twist.linear, driven.twist.angular)
         if is_map_frame(driven.frame):
             self._believe(time, pose)
             return
-        odom_in_map = self._tf.frames().planar(driven.frame, self.member.key)
+        odom_in_map = self._tf.frames().planar(driven.frame, self.robot.key)
         if odom_in_map is not None:
             self._believe(time, odom_in_map.compose(pose))
 
     def frames(self, time: float) -> None:
-        """What tf alone says of where it believes to be, where neither odometry nor a localiser has a topic."""
-        member = self.member
-        if member is None or member.odom is not None or member.estimate is not None or not member.base:
+        """Take the estimated pose from tf alone, where neither odometry nor a localiser has a topic."""
+        robot = self.robot
+        if robot is None or robot.odom is not None or robot.estimate is not None or not robot.base:
             return
         self._alone_since = min(self._alone_since, time)
         if time - self._alone_since >= ODOMETRY_TIMEOUT and _due(self.series.estimate, time):
-            base_in_map = self._tf.frames().planar(member.base, member.key)
+            base_in_map = self._tf.frames().planar(robot.base, robot.key)
             if base_in_map is not None:
                 self._believe(time, base_in_map)
 
-    def belief(self, said: WatchedMessage, time: float) -> None:
-        """What its localiser says of where it is, and how sure it is."""
-        told = unpack.pose_with_covariance(said.data)
-        admitted = deviations(time, told.covariance)
+    def belief(self, message: WatchedMessage, time: float) -> None:
+        """Take the pose of the localiser, and its covariance."""
+        localised = unpack.pose_with_covariance(message.data)
+        admitted = deviations(time, localised.covariance)
         if admitted is not None:
             self.series.deviations.append(*admitted)
-        # Where odometry tells every step, this would only tell some of them again.
-        if self.member is not None and self.member.odom is None and is_map_frame(told.frame):
-            self._believe(time, told.pose)
+        # Where there is odometry, it tells every step; this would only repeat some of them.
+        if self.robot is not None and self.robot.odom is None and is_map_frame(localised.frame):
+            self._believe(time, localised.pose)
 
-    def energy(self, said: WatchedMessage, time: float) -> None:
-        """What it has left."""
-        told = unpack.battery_state(said.data)
-        left = told.charge if math.isfinite(told.charge) else 100.0 * told.percentage
+    def energy(self, message: WatchedMessage, time: float) -> None:
+        """Take the energy left."""
+        charge = unpack.battery_state(message.data)
+        left = charge.charge if math.isfinite(charge.charge) else 100.0 * charge.percentage
         if math.isfinite(left):
             self.series.energy.append(time, left)
 
@@ -233,11 +233,11 @@ def _due(curve: Curve, time: float) -> bool:
     return time - curve.time >= PERIOD - _SLACK
 
 
-def _pose_of(said: WatchedMessage) -> Pose2:
-    match said.msgtype:
+def _pose_of(message: WatchedMessage) -> Pose2:
+    match message.msgtype:
         case types.ODOMETRY:
-            return unpack.odometry(said.data).pose
+            return unpack.odometry(message.data).pose
         case types.POSE_STAMPED:
-            return unpack.pose_stamped(said.data).pose
+            return unpack.pose_stamped(message.data).pose
         case _:
-            return unpack.pose_with_covariance(said.data).pose
+            return unpack.pose_with_covariance(message.data).pose

@@ -1,4 +1,4 @@
-"""What happened and was said, line by line: the lists beside the map, and the marks on the timeline."""
+"""Log of a session: the lists of events, dialogue, lines and inputs beside the map, and the marks on the timeline."""
 
 import json
 from bisect import bisect_right
@@ -16,7 +16,7 @@ from ui.model.watching.messages import WatchedMessage
 from ui.model.watching.scene import Entry, EntryKind
 
 MAX_ENTRIES = 50_000
-"""Entries of one list; beyond them the oldest go."""
+"""Entries of one list; beyond them the oldest are dropped."""
 TYPES = frozenset({types.GAME_EVENT, types.UTTERANCE, types.INPUT, types.LOG})
 """Types of which every message is an entry."""
 LINES = frozenset({names.SEND_ROBOTS, names.SUCCESS})
@@ -41,17 +41,17 @@ IMPORTANT = frozenset(
 """Events that get a mark on the timeline."""
 
 _IN_WORDS = {"asked-back": "the participant asks for it"}
-"""What events say of which nothing but the robot is told."""
+"""Texts of events whose JSON holds nothing but the robot."""
 
 
 def is_logged(topic: str, msgtype: str) -> bool:
-    """Whether the messages of a topic are entries."""
+    """Return True when the messages of a topic are entries."""
     return msgtype in TYPES or topic in LINES
 
 
 @dataclass(frozen=True, slots=True)
 class RoomStatus:
-    """How the game left a room: its state, the robot that is on its way or was there, what is known to be in it."""
+    """A room at one time: its state, the robot that drives to it or was there, the treasure found or hidden in it."""
 
     state: RoomState = "unvisited"
     robot: int | None = None
@@ -60,14 +60,14 @@ class RoomStatus:
 
 @dataclass(frozen=True, slots=True)
 class _GameStatus:
-    """How the game stands: its rooms by number, and by robot who else than the participant commands it."""
+    """The game at one time: its rooms by number, and by robot the other party that commands it."""
 
     rooms: dict[int, RoomStatus]
     commanders: dict[int, str]
 
 
 class SessionLog:
-    """Grows with the messages that are taken, in order of time."""
+    """Log that grows with the messages that are taken, in order of time."""
 
     def __init__(self) -> None:
         self._entries: dict[EntryKind, list[Entry]] = {kind: [] for kind in get_args(EntryKind)}
@@ -76,15 +76,15 @@ class SessionLog:
         self._statuses = [_GameStatus({}, {})]
 
     def entries(self, kind: EntryKind) -> Sequence[Entry]:
-        """A list, oldest first. It grows at its end, and when it is long it loses what is oldest: see `dropped`."""
+        """A list, oldest first. It grows at its end; a long list drops its oldest entries, see `dropped`."""
         return self._entries[kind]
 
     def dropped(self, kind: EntryKind) -> int:
-        """How many entries a list has lost at its beginning."""
+        """Number of entries that a list has lost at its beginning."""
         return self._dropped[kind]
 
     def count(self, kind: EntryKind, until_ns: int) -> int:
-        """How many entries of a list there were at a time."""
+        """Number of entries of a list up to a time."""
         return bisect_right(self._entries[kind], until_ns, key=lambda entry: entry.stamp_ns)
 
     def marks(self) -> Iterator[Entry]:
@@ -92,20 +92,20 @@ class SessionLog:
         return (entry for entry in self._entries["event"] if entry.important)
 
     def rooms(self, until_ns: int) -> dict[int, RoomStatus]:
-        """What the game made of its rooms up to a time, by number; rooms that it never spoke of are missing."""
+        """States of the rooms at a time, by number; rooms without an event yet are missing."""
         return self._at(until_ns).rooms
 
     def commanders(self, until_ns: int) -> dict[int, str]:
-        """Who commands robots at a time, in words, by index; those that the participant commands are missing."""
+        """Commanders of robots at a time, in words, by index; robots that the participant commands are missing."""
         return self._at(until_ns).commanders
 
     def _at(self, until_ns: int) -> _GameStatus:
         return self._statuses[bisect_right(self._stamps, until_ns)]
 
-    def take(self, said: WatchedMessage) -> None:
-        """Take a message; one that cannot be read, or tells no story, changes nothing."""
+    def take(self, message: WatchedMessage) -> None:
+        """Take a message; one that cannot be read, or is no entry, changes nothing."""
         try:
-            entry = self._entry(said)
+            entry = self._entry(message)
         except ValueError:
             return
         if entry is None:
@@ -117,35 +117,35 @@ class SessionLog:
             del kept[:surplus]
             self._dropped[entry.kind] += surplus
 
-    def _entry(self, said: WatchedMessage) -> Entry | None:
-        stamp = said.stamp_ns
-        match said.msgtype:
+    def _entry(self, message: WatchedMessage) -> Entry | None:
+        stamp = message.stamp_ns
+        match message.msgtype:
             case types.GAME_EVENT:
-                event = unpack.game_event(said.data)
+                event = unpack.game_event(message.data)
                 fields = _fields(event.json)
                 self._follow(stamp, event, fields)
                 who = "" if event.robot is None else robot_name(event.robot)
-                text = _told(fields) or _IN_WORDS.get(event.kind, "")
+                text = _fields_text(fields) or _IN_WORDS.get(event.kind, "")
                 return Entry(stamp, "event", event.kind, who, event.robot, event.room, text, event.kind in IMPORTANT)
             case types.UTTERANCE:
-                spoken = unpack.utterance(said.data)
-                speaker = robot_name(spoken.robot) if spoken.speaker == "robot" else "participant"
-                speaker += " (spoken for)" if spoken.author == "wizard" else ""
-                text = spoken.text or spoken.move
-                return Entry(stamp, "said", spoken.scenario, speaker, spoken.robot, spoken.room, text)
+                utterance = unpack.utterance(message.data)
+                speaker = robot_name(utterance.robot) if utterance.speaker == "robot" else "participant"
+                speaker += " (spoken for)" if utterance.author == "wizard" else ""
+                text = utterance.text or utterance.move
+                return Entry(stamp, "said", utterance.scenario, speaker, utterance.robot, utterance.room, text)
             case types.INPUT:
-                given = unpack.outside_input(said.data)
+                given = unpack.outside_input(message.data)
                 return Entry(stamp, "input", given.kind, given.sender, None, None, given.line)
             case types.LOG:
-                line = unpack.log(said.data)
+                line = unpack.log(message.data)
                 grave = line.level >= LogLevel.ERROR
                 return Entry(stamp, "log", line.level.name.lower(), line.name, None, None, line.text, grave)
-            case types.STRING if said.topic in LINES:
-                return Entry(stamp, "line", said.topic, "", None, None, unpack.string(said.data).rstrip("\r\n"))
+            case types.STRING if message.topic in LINES:
+                return Entry(stamp, "line", message.topic, "", None, None, unpack.string(message.data).rstrip("\r\n"))
         return None
 
     def _follow(self, stamp: int, event: GameEvent, fields: dict[str, object]) -> None:
-        """See what an event makes of rooms and robots."""
+        """Apply an event to the states of rooms and robots."""
         before = self._statuses[-1]
         rooms, commanders = before.rooms, before.commanders
         match event:
@@ -174,7 +174,7 @@ class SessionLog:
 
 
 def _commander(fields: dict[str, object]) -> str:
-    """Who commands a robot, in words; empty for the participant."""
+    """The commander in an event, in words; empty for the participant."""
     by, name = fields.get("by"), fields.get("name")
     if by == Commander.RESEARCHER:
         return f"researcher {name}" if name else "a researcher"
@@ -194,18 +194,18 @@ def _fields(text: str) -> dict[str, object]:
     return {str(name): value for name, value in read.items()} if isinstance(read, dict) else {}
 
 
-def _told(fields: dict[str, object]) -> str:
+def _fields_text(fields: dict[str, object]) -> str:
     """An event for people, from the plain values in its JSON."""
-    told = (
+    parts = (
         f"{name.replace('_', ' ')} {value.rstrip('.') if isinstance(value, str) else f'{value:g}'}"
         for name, value in fields.items()
-        if name not in _SAID_ELSEWHERE and _is_plain(value)
+        if name not in _SHOWN_IN_COLUMNS and _is_plain(value)
     )
-    return ", ".join(told)
+    return ", ".join(parts)
 
 
 def _is_plain(value: object) -> TypeGuard[str | int | float]:
     return isinstance(value, str | int | float) and not isinstance(value, bool) and value != ""
 
 
-_SAID_ELSEWHERE = frozenset({"v", "event", "robot", "room"})
+_SHOWN_IN_COLUMNS = frozenset({"v", "event", "robot", "room"})

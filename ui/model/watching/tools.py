@@ -1,4 +1,4 @@
-"""What a researcher does to robots, as the requests that it comes to; or why it cannot be done."""
+"""Requests that a researcher's gestures in the window come to; or the reason why one cannot be done."""
 
 import math
 from collections.abc import Iterable
@@ -18,24 +18,24 @@ from thbridge.ros.messages.records import InitialPose, SimpleGoal
 from ui.model.watching.scene import PendingTurn, RobotScene, Scene
 
 SENDER = "watch"
-"""Under what name records tell of what was asked."""
+"""Name of the sender in records of these requests."""
 FIRST_GOAL = 1_500_000_000
 """Numbers of goals begin here; those of the game, and of others, are smaller."""
 COVARIANCE = np.diag([0.25, 0.25, (math.pi / 12.0) ** 2])
-"""How sure one is who points at the map: rviz's, half a metre and 15 degrees.
+"""Covariance of a pose that is set by hand on the map: rviz's, half a metre and 15 degrees.
 
 Source: rviz, src/rviz/default_plugin/tools/initial_pose_tool.cpp.
 """
 LEAST_SIZE, MOST_SIZE = 0.1, 10.0
 """Metres across an obstacle."""
 CORNERS = 16
-"""Of an obstacle that is round."""
+"""Corners of a round obstacle."""
 
 Shape = Literal["circle", "box"]
 
 
 class ToolRefusalReason(StrEnum):
-    """Why something cannot be done."""
+    """Reasons why a request cannot be made."""
 
     RECORDED = "recorded"
     NO_ROBOT = "no-robot"
@@ -50,9 +50,9 @@ RECORDED = RequestRefused(ToolRefusalReason.RECORDED, "This is a recording: noth
 
 
 class Tools:
-    """Makes requests of what a researcher does, for a session that runs.
+    """Makes requests from a researcher's gestures, for a running session.
 
-    Each method takes the scene that the researcher sees. Of a recording nothing can be asked: see `RECORDED`.
+    Each method takes the scene that the researcher sees. A recording takes no requests: see `RECORDED`.
 
     Args:
         first_goal: number of the first goal; windows on one session had better differ in it by some thousands.
@@ -137,7 +137,7 @@ class Tools:
 
 
 def dragged_pose(x: float, y: float, to_x: float, to_y: float, heading: float = 0.0) -> Pose2:
-    """Where one pressed, facing where one dragged to; `heading` where that is nearer than a hand's breadth."""
+    """Pose at the place pressed, facing the place dragged to; facing `heading` where the two are within 0.1 m."""
     dragged = math.hypot(to_x - x, to_y - y) >= 0.1
     return Pose2(x, y, math.atan2(to_y - y, to_x - x) if dragged else heading)
 
@@ -180,7 +180,7 @@ def _named(robot: RobotScene) -> str:
 
 
 def _off_map(scene: Scene, place: Pose2) -> RequestRefused | None:
-    """Why a place is none, where the map is known."""
+    """The refusal of a place outside the map; None where it is inside, or no map is known."""
     grid = scene.grid
     if grid is None:
         return None

@@ -1,4 +1,4 @@
-"""What a session tells of robots that a person speaks for."""
+"""Decodes the topic that tells of robots a person speaks for."""
 
 import msgspec
 
@@ -7,10 +7,10 @@ from ui.model.watching.scene import Wizard
 
 
 def wizard(data: bytes) -> Wizard:
-    """Of a std_msgs/String on the topic `names.WIZARD`: JSON of the same form.
+    """Decode a std_msgs/String of the topic `names.WIZARD`: JSON of the form of `Wizard`.
 
     Raises:
-        ValueError: it tells none.
+        ValueError: it is not.
     """
     try:
         return msgspec.json.decode(unpack.string(data).encode(), type=Wizard)

@@ -1,1 +1,1 @@
-"""What pops up over the participant's map: a talk, a find, a question, the end of the game."""
+"""Pop-ups over the participant's map: dialogues, treasures, confirmations, and the page after the game."""

@@ -1,4 +1,4 @@
-"""Questions before what cannot be taken back."""
+"""Questions that ask for confirmation before steps that cannot be undone."""
 
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.rules import robot_name
@@ -11,7 +11,7 @@ from ui.model.screen import Action, Cancel, Confirm, Confirmation
 
 
 def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | None:
-    """What the participant is asked about, if anything."""
+    """The question about the pending step, if there is one."""
     match hunt.pending_step:
         case Reroute(robot, room):
             return Confirmation(
@@ -20,11 +20,11 @@ def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | 
                 Action(Confirm(), f"Stop it, then room {room}", key_of(Confirm())),
                 Action(Cancel(), "Let it go on", key_of(Cancel())),
             )
-        case LeaveUndecided(wish, room):
+        case LeaveUndecided(request, room):
             return Confirmation(
                 f"Leave what is in room {room}?",
-                f"{titled(wish.robot)} has found something in room {room} that you have not named yet. Once the robot "
-                "sets out, that is left for good.",
+                f"{titled(request.robot)} has found something in room {room} that you have not named yet. Once the "
+                "robot sets out, that is left for good.",
                 Action(Confirm(), "Go on", key_of(Confirm())),
                 Action(Cancel(), "Stay there", key_of(Cancel())),
             )

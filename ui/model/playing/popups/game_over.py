@@ -1,4 +1,4 @@
-"""The page at the end of a game."""
+"""Page after the end of a game."""
 
 from thbridge.hunt.events import EndReason
 from thbridge.roles.view import PlayAgain
@@ -15,7 +15,7 @@ _ENDS = {
 
 
 def game_over_page(hunt: HuntMemory) -> GameOverPage:
-    """Why the game is over, and what came of it."""
+    """The reason why the game is over, and its results."""
     view = hunt.view
     visited = sum(room.state == "visited" for room in view.rooms)
     verdicts = [(room.room, room.verdict) for room in view.rooms if room.verdict is not None]

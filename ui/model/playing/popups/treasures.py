@@ -1,4 +1,4 @@
-"""The pop-up of what a robot found, and what can be done with it."""
+"""Pop-up of a treasure that a robot found, with the acts that are possible on it."""
 
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.rules import robot_name
@@ -19,7 +19,7 @@ PICTURE_TIMEOUT = 5.0
 def treasure_popup(
     hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: float
 ) -> DialoguePopup | TreasurePopup:
-    """What is done or said about a treasure."""
+    """The dialogue about a treasure if one is open, else the treasure with its acts."""
     dialogue = hunt.treasure_dialogue(item)
     return _treasure(hunt, pictures, item, now) if dialogue is None else dialogue_popup(hunt, dialogue)
 
