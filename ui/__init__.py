@@ -1,1 +1,1 @@
-"""What people touch: the command line, and the windows."""
+"""Command line and windows: everything that people touch."""

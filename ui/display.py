@@ -1,4 +1,4 @@
-"""Whether a window can be opened here."""
+"""Check for a display on which windows can be opened."""
 
 import importlib.util
 import os
@@ -9,7 +9,7 @@ INVISIBLE_PLATFORMS = {"offscreen", "minimal"}
 
 
 def why_no_window() -> str | None:
-    """Why no window can be opened, with what to do about it; None where one can."""
+    """Return the reason why no window can be opened, with a remedy; None where one can."""
     if importlib.util.find_spec("PySide6") is None or importlib.util.find_spec("pyqtgraph") is None:
         return "The packages for windows are not installed. Run make setup, or: pip install 'thbridge[gui]'."
     platform = os.environ.get("QT_QPA_PLATFORM", "").partition(":")[0]

@@ -1,4 +1,4 @@
-"""The games that a participant plays in a window of `thbridge play`."""
+"""Games that a participant plays in a window of `thbridge play`."""
 
 import asyncio
 import dataclasses
@@ -27,11 +27,11 @@ PRACTICE = Study(map="practice", templates="practice", robots=1)
 
 
 def offer_of(study: Study, given: bool) -> Offer:
-    """How many robots a participant may choose.
+    """Return the numbers of robots that a participant may choose.
 
     Args:
-        study: says so, as `participant: robots`.
-        given: the admin has given a number, which then is the only one.
+        study: gives them, as `participant: robots`.
+        given: True when the admin has given a number, which then is the only one.
     """
     if study.participant.robots is None or given:
         return Offer(study.robots, study.robots, study.robots)
@@ -41,14 +41,14 @@ def offer_of(study: Study, given: bool) -> Offer:
 
 @dataclass(frozen=True, slots=True)
 class WindowGames:
-    """What can be played.
+    """Games that a participant can choose in the window.
 
     Attributes:
-        study: what is played.
-        file: the study's, from whose folder paths start.
-        options: how; its bag None for the usual place.
-        report: whether a page is made of each recording.
-        told: whom to tell what became of graph and watch.
+        study: the study to play.
+        file: the study's file, from whose folder paths start.
+        options: options of a game; its bag None for the usual place.
+        report: True when a page is made of each recording.
+        hosts: callbacks that tell how graph, watch and MAVLink have started.
     """
 
     study: Study
@@ -96,8 +96,8 @@ class WindowGames:
             note(f"Other programs can join at {where.host}:{where.port}.")
             visit.ready(where)
 
-        def progress(moment: TickRecord) -> None:
-            print_story(moment)
+        def progress(tick: TickRecord) -> None:
+            print_story(tick)
 
         announce_compiling()
         try:
@@ -112,16 +112,16 @@ def play_in_window(games: WindowGames, offer: Offer, arguments: tuple[str, ...] 
     """Open the window and play until the participant leaves.
 
     Args:
-        games: what can be played.
-        offer: how many robots may be chosen.
+        games: the games to choose from.
+        offer: numbers of robots that may be chosen.
         arguments: of the window's command line.
     """
-    front = WindowProcess((*WINDOW, *arguments))
-    program = host(front, offer, secrets.token_hex(8), games.game, games.practice)
+    window = WindowProcess((*WINDOW, *arguments))
+    program = host(window, offer, secrets.token_hex(8), games.game, games.practice)
     try:
         with bad_input(FAILED):
             asyncio.run(program)
     except HuntUnfinished:
         fail(FAILED, "stopped; what was recorded up to here is complete")
-    if front.given_up:
+    if window.given_up:
         fail(FAILED, "The window crashes whenever it is opened. Play without it: --headless, or --participant person.")

@@ -9,37 +9,37 @@ from ui.model.lobby import Back, Begin, Join, Offer, Practise, Preparing, Window
 from ui.window_process import WindowProcess
 
 WILDCARD_ADDRESSES = {"0.0.0.0": "127.0.0.1", "::": "::1"}
-"""Addresses that a server listens on, and where the window finds it."""
+"""Addresses that a server listens on, and those at which the window finds it."""
 
 
 class GameVisit:
     """A participant at one game: joins it, and leaves it some time.
 
     Args:
-        front: the window.
-        token: by which the server knows the window again.
-        practice: it is the practice game.
+        window: the participant's window.
+        token: secret by which the server recognises the window.
+        practice: True for the practice game.
     """
 
-    def __init__(self, front: WindowProcess, token: str, practice: bool) -> None:
-        self._front = front
+    def __init__(self, window: WindowProcess, token: str, practice: bool) -> None:
+        self._window = window
         self._token = token
         self._practice = practice
         self._joining: asyncio.Task[None] | None = None
         self.ended: Back | WindowClosed | None = None
-        """How the participant left; None while they are there."""
+        """The message with which the participant left; None while they are there."""
 
     def ready(self, where: ListeningAddress) -> None:
-        """The game waits there."""
+        """Let the window join the game that waits at this address."""
         host = WILDCARD_ADDRESSES.get(where.host, where.host)
         join = Join(host, where.port, self._token, self._practice)
-        self._joining = asyncio.get_running_loop().create_task(self._front.send(join))
+        self._joining = asyncio.get_running_loop().create_task(self._window.send(join))
 
     def has_left(self) -> bool:
-        """Whether the participant has left; asked between two ticks."""
-        said = self._front.pending_request()
-        if isinstance(said, Back | WindowClosed):
-            self.ended = said
+        """Return True once the participant has left; called between two ticks."""
+        request = self._window.pending_request()
+        if isinstance(request, Back | WindowClosed):
+            self.ended = request
         return self.ended is not None
 
 
@@ -48,29 +48,29 @@ PlayGame = Callable[[GameVisit], Awaitable[None]]
 
 
 async def host(
-    front: WindowProcess, offer: Offer, token: str, play: Callable[[int], PlayGame], practise: Callable[[], PlayGame]
+    window: WindowProcess, offer: Offer, token: str, play: Callable[[int], PlayGame], practise: Callable[[], PlayGame]
 ) -> None:
     """Play games until the participant leaves for good.
 
     Args:
-        front: the window; it is opened here.
-        offer: how many robots may be chosen.
-        token: by which the server knows the window again.
+        window: the participant's window; it is opened here.
+        offer: numbers of robots that may be chosen.
+        token: secret by which the server recognises the window.
         play: gives a game with so many robots.
         practise: gives the practice game.
     """
-    async with front.opened():
-        await front.send(offer)
+    async with window.opened():
+        await window.send(offer)
         while True:
-            asked = await front.next_request()
-            match asked:
+            request = await window.next_request()
+            match request:
                 case Begin(robots) if offer.least <= robots <= offer.most:
                     number = "robot is" if robots == 1 else f"{robots} robots are"
-                    await front.send(Preparing(f"The {number} being made ready.{_compile_notice()}"))
-                    visit, game = GameVisit(front, token, practice=False), play(robots)
+                    await window.send(Preparing(f"The {number} being made ready.{_compile_notice()}"))
+                    visit, game = GameVisit(window, token, practice=False), play(robots)
                 case Practise():
-                    await front.send(Preparing(f"The practice game is being made ready.{_compile_notice()}"))
-                    visit, game = GameVisit(front, token, practice=True), practise()
+                    await window.send(Preparing(f"The practice game is being made ready.{_compile_notice()}"))
+                    visit, game = GameVisit(window, token, practice=True), practise()
                 case WindowClosed():
                     return
                 case _:
@@ -78,9 +78,9 @@ async def host(
             await game(visit)
             if isinstance(visit.ended, WindowClosed):
                 return
-            await front.send(offer)
+            await window.send(offer)
 
 
 def _compile_notice() -> str:
-    """What to add where it takes its time."""
+    """A sentence to add where the simulator is to be compiled first; else empty."""
     return "" if is_compiled() else " The first time on this computer takes half a minute."

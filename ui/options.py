@@ -1,4 +1,4 @@
-"""What the commands that play or serve share: their options, and the study they make."""
+"""Options that commands share, and the study that they make."""
 
 import dataclasses
 from collections.abc import Mapping, Sequence
@@ -116,7 +116,7 @@ TlogWanted = Annotated[
 
 
 class ColourScheme(StrEnum):
-    """How windows look."""
+    """Colours of windows."""
 
     SYSTEM = "system"
     LIGHT = "light"
@@ -127,7 +127,7 @@ LookOption = Annotated[ColourScheme, typer.Option("--look", help="Light or dark 
 
 
 class ParticipantKind(StrEnum):
-    """Who sits in front of TabUI: a person who types, or a simulated participant."""
+    """Kind of participant: a person who types, or a simulated one by its strategy."""
 
     PERSON = "person"
     SUGGESTION = BotStrategy.SUGGESTION
@@ -168,7 +168,7 @@ def setting_of(study: Study, file: Path | None) -> StudySetting:
 
 
 def graph_of(ros: bool, master: str | None, host: str | None) -> GraphAddress | None:
-    """Where to meet ROS; None where that is not wanted."""
+    """Return the ROS graph to join; None where that is not wanted."""
     if not ros:
         return None
     uri = master or ROS_MASTER_URI
@@ -178,7 +178,7 @@ def graph_of(ros: bool, master: str | None, host: str | None) -> GraphAddress | 
 
 
 def watch_of(study: Study, file: Path | None, at: str | None, key: Path | None) -> WatchAddress | None:
-    """Where researchers' windows may connect, None for nowhere; the study says so where options do not."""
+    """Return the address for researchers' windows, None for none; the study gives it where options do not."""
     section = study.watch
     host, port = section.host, section.port
     if at is not None:
@@ -234,7 +234,7 @@ def with_mavlink(
 
 
 def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts | None:
-    """Where ground stations reach the robots of a study, None for nowhere; `key` wins over the study's."""
+    """Return the links for ground stations, None for none; `key` wins over the study's."""
     section = study.mavlink
     if not section.on:
         if key is not None:
@@ -249,7 +249,7 @@ def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts 
 
 
 def key_in(path: Path) -> str:
-    """The key that a file holds."""
+    """Return the key in a file."""
     with bad_input():
         key = next(iter(read_text(path).splitlines()), "").strip()
         if not key:
@@ -258,7 +258,7 @@ def key_in(path: Path) -> str:
 
 
 def hosts_of(graph: GraphAddress | None, quiet: bool = False) -> StartupCallbacks:
-    """Tells people what became of graph, watch and MAVLink; ends the program where one of them cannot be."""
+    """Return callbacks that tell how graph, watch and MAVLink have started; each ends the program on failure."""
 
     def joined(master: MasterPresence | CannotListen) -> None:
         if isinstance(master, CannotListen):
@@ -282,7 +282,7 @@ def hosts_of(graph: GraphAddress | None, quiet: bool = False) -> StartupCallback
 
 
 def make_ready(bag: Path, option: str = "--bag") -> None:
-    """See that a bag can be recorded where an option says, and move an older one out of the way."""
+    """Check that a bag can be recorded where an option says, and move an older one out of the way."""
     if bag.suffix != ".bag" or bag.is_dir():
         fail(BAD_INPUT, f"{option}: {bag} is not the name of a bag. Give a file name that ends in .bag.")
     try:
@@ -295,14 +295,14 @@ def make_ready(bag: Path, option: str = "--bag") -> None:
 
 
 def make_copy_ready(copy: Path, recording: Path) -> None:
-    """See that --to names a place for the bag of a replay, and not the recording that is replayed."""
+    """Check that --to names a place for the bag of a replay, and not the recording that is replayed."""
     if copy.resolve() == recording.resolve():
         fail(BAD_INPUT, f"--to: {copy} is the recording itself. Give another name.")
     make_ready(copy, "--to")
 
 
 def announce_compiling() -> None:
-    """Say so when the first start will take its time."""
+    """Tell that the first start takes its time, where it does."""
     if not is_compiled():
         note("Compiling the simulator for this machine; only the first start takes this long, some 25 s.")
 

@@ -1,4 +1,4 @@
-"""What is left of a hunt: where it is recorded, and how it ended."""
+"""Outcome of a hunt, and the place of its recording."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from ui.terminal import out
 
 
 def usual_bag(setting: StudySetting) -> Path:
-    """Where a hunt is recorded unless somebody says otherwise."""
+    """Return the default path of a hunt's recording."""
     study = setting.study
     return Path("bags") / f"{setting.map.name}-{study.robots}robots-seed{study.seed}.bag"
 

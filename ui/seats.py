@@ -1,4 +1,4 @@
-"""Who sits in front of TabUI, and how what a person types gets to them."""
+"""Players for TabUI, simulated or at the keyboard."""
 
 import asyncio
 import sys
@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Seat:
-    """Whoever plays.
+    """A player and its program.
 
     Attributes:
         tabui: the role.

@@ -30,20 +30,20 @@ from thbridge.hunt.rules import commander_name, robot_name
 from ui.terminal import out
 
 
-def print_story(moment: TickRecord) -> None:
+def print_story(tick: TickRecord) -> None:
     """Print what happened in a tick."""
-    for sentence in tell(moment):
+    for sentence in tell(tick):
         out.print(sentence, highlight=False, markup=False)
 
 
-def tell(moment: TickRecord) -> Iterator[str]:
+def tell(tick: TickRecord) -> Iterator[str]:
     """The sentences for one tick, each with its time."""
-    for utterance in moment.utterances:
-        yield _timed(moment, _said(utterance))
-    for event in moment.events:
+    for utterance in tick.utterances:
+        yield _timed(tick, _said(utterance))
+    for event in tick.events:
         sentence = _happened(event)
         if sentence:
-            yield _timed(moment, sentence)
+            yield _timed(tick, sentence)
 
 
 CONDITIONS = {
@@ -51,7 +51,7 @@ CONDITIONS = {
     Condition.LOST: "does not know where it is.",
     Condition.SILENT: "does not answer any more.",
 }
-"""What is said of a robot that comes into another condition."""
+"""Sentences on a robot that comes into another condition."""
 
 ENDS = {
     EndReason.ALL_VISITED: "every room is visited",
@@ -60,8 +60,8 @@ ENDS = {
 }
 
 
-def _timed(moment: TickRecord, sentence: str) -> str:
-    return f"{moment.tick * TICK:7.1f} s  {sentence}"
+def _timed(tick: TickRecord, sentence: str) -> str:
+    return f"{tick.tick * TICK:7.1f} s  {sentence}"
 
 
 def _said(utterance: DialogueUtterance) -> str:

@@ -1,4 +1,4 @@
-"""What all commands share: what is printed where, and how a command ends."""
+"""Output, error messages and exit codes of all commands."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -19,7 +19,7 @@ err = Console(stderr=True)
 
 
 def note(text: str) -> None:
-    """Say something beside the result, on standard error."""
+    """Print a line beside the result, on standard error."""
     err.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
@@ -31,7 +31,7 @@ def fail(code: int, message: str) -> NoReturn:
 
 @contextmanager
 def bad_input(code: int = BAD_INPUT) -> Iterator[None]:
-    """Tell of a file at fault in its own words."""
+    """Report a faulty file in its own words, and end the command."""
     try:
         yield
     except BadFile as fault:

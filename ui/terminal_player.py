@@ -1,4 +1,4 @@
-"""A person as participant, in the terminal: what they see, and what they may type."""
+"""A person as participant in the terminal: the lines they see, and the commands they may type."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -48,7 +48,7 @@ NO_NAMES = "No treasure has been found yet."
 
 @dataclass(slots=True)
 class TerminalPlayer:
-    """A player who types. What has been agreed on, or needs no decision, is done without asking again.
+    """A player who types. Steps that are agreed on, or need no decision, are done without asking again.
 
     Attributes:
         show: puts a line in front of the person.
@@ -60,7 +60,7 @@ class TerminalPlayer:
     _names: dict[int, str] = field(default_factory=dict)
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
-        """What was typed since the last time, and what follows from agreements; see `Player`."""
+        """Return the requests typed since the last call, and those that follow from agreements; see `Player`."""
         if view != self._view:
             before, self._view = self._view, view
             for line in _news(before, view):
@@ -71,7 +71,7 @@ class TerminalPlayer:
         return (*wanted, *follow, *sense)
 
     def type(self, line: str) -> None:
-        """Take in one typed line; what cannot be understood is answered with help."""
+        """Take in one typed line; a line that cannot be understood is answered with help."""
         view = self._view
         if view is None:
             self.show("The game has not begun yet.")
@@ -147,7 +147,7 @@ def _is_number(word: str) -> bool:
 
 
 def _news(before: View | None, view: View) -> list[str]:
-    """What a person has to be told now that things stand so."""
+    """Lines that tell a person the changes since the view before."""
     if view.consent is not None and (before is None or before.consent is None):
         return [*view.consent.splitlines(), "Type agree to take part."]
     if before is not None and before.consent is not None and view.consent is None:

@@ -1,4 +1,4 @@
-"""The participant's window as a process: started, spoken with, and opened again should it crash."""
+"""Process of the participant's window: started, exchanging messages, and opened again should it crash."""
 
 import asyncio
 import sys
@@ -29,27 +29,27 @@ class WindowProcess:
         self._command = command
         self._process: Process | None = None
         self._requests: asyncio.Queue[FromWindow] = asyncio.Queue()
-        # What a window has to be told that is opened again.
+        # Messages to repeat to a window that is opened again.
         self._sent: list[FromHost] = []
         self.given_up = False
-        """Whether it has crashed too often."""
+        """True when it has crashed too often."""
 
-    async def send(self, said: FromHost) -> None:
-        """Tell the window."""
-        self._sent = [said] if isinstance(said, Offer) else [*self._sent, said]
-        await self._write(said)
+    async def send(self, message: FromHost) -> None:
+        """Send a message to the window."""
+        self._sent = [message] if isinstance(message, Offer) else [*self._sent, message]
+        await self._write(message)
 
     async def next_request(self) -> FromWindow:
-        """What the participant asks for next, waiting for it; `Leave` when the window is closed for good."""
+        """Wait for the participant's next request; `WindowClosed` when the window is closed for good."""
         return await self._requests.get()
 
     def pending_request(self) -> FromWindow | None:
-        """What the participant has asked for already, if anything."""
+        """Return the request that has come already, if any."""
         return None if self._requests.empty() else self._requests.get_nowait()
 
     @asynccontextmanager
     async def opened(self) -> AsyncIterator[None]:
-        """While it lasts the window is open."""
+        """Keep the window open inside this context."""
         keeping = asyncio.create_task(self._keep_open())
         try:
             yield
@@ -69,13 +69,13 @@ class WindowProcess:
             self._requests.put_nowait(WindowClosed())
 
     async def _open_once(self) -> bool:
-        """Open the window and listen until it closes; whether that was meant."""
+        """Open the window and listen until it closes; return True if it closed on purpose."""
         # In a session of its own: Ctrl-C in the terminal ends this program, which then closes the window.
         process = await asyncio.create_subprocess_exec(*self._command, stdin=PIPE, stdout=PIPE, start_new_session=True)
         self._process = process
         try:
-            for said in self._sent:
-                await self._write(said)
+            for message in self._sent:
+                await self._write(message)
             return await self._listen(process)
         finally:
             if process.returncode is None:
@@ -92,20 +92,20 @@ class WindowProcess:
             return False
         async for text in process.stdout:
             try:
-                said = decode_from_window(text)
+                message = decode_from_window(text)
             except msgspec.DecodeError:
                 continue  # Something that a library printed.
-            if isinstance(said, WindowClosed):
+            if isinstance(message, WindowClosed):
                 return True
-            self._requests.put_nowait(said)
+            self._requests.put_nowait(message)
         return await process.wait() == 0
 
-    async def _write(self, said: FromHost) -> None:
+    async def _write(self, message: FromHost) -> None:
         process = self._process
         if process is None or process.stdin is None or process.stdin.is_closing():
             return
         try:
-            process.stdin.write(encode(said))
+            process.stdin.write(encode(message))
             await process.stdin.drain()
         except ConnectionError:
-            pass  # It has just gone; whatever is opened in its place is told again.
+            pass  # It has just gone; the window opened in its place gets the message again.

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class GoalWithYaw(TyperCommand):
-    """A command whose option --goal takes two numbers, or three."""
+    """Command whose option --goal takes two numbers, or three."""
 
     def parse_args(self, ctx: "Context", args: list[str]) -> list[str]:
         """Give the third number to --goal-yaw."""
@@ -49,7 +49,7 @@ def _is_number(words: list[str]) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class DriveParameters:
-    """What a file of parameters may hold."""
+    """Sections that a file of parameters may hold."""
 
     world: WorldParameters = param(WorldParameters(), "bodies, motors and sensors")
     robot: RobotParameters = param(RobotParameters(), "the software that drives")
@@ -98,7 +98,7 @@ def drive(
 
 
 def _given(files: list[Path]) -> DriveParameters:
-    """What the files say; those of ROS first, so that sections of a study win, as in a study."""
+    """Parameters of the files; those of ROS first, so that sections of a study win, as in a study."""
     ours = {file: _is_ours(file) for file in files}
     ros = read_ros_parameters([file for file in files if not ours[file]], RobotParameters())
     given, notices = DriveParameters(robot=ros.value), ros.notices
@@ -112,7 +112,7 @@ def _given(files: list[Path]) -> DriveParameters:
 
 
 def _is_ours(file: Path) -> bool:
-    """Whether a file has sections of a study, and not parameters of ROS."""
+    """Return True when a file has sections of a study, and not parameters of ROS."""
     tree = parse(file, read_text(file), ros=True)
     return isinstance(tree, Section) and any(key.text in {"world", "robot"} for key, _ in tree.entries)
 

@@ -24,7 +24,7 @@ from ui.options import AsJson, announce_compiling
 from ui.terminal import BAD_INPUT, FAILED, bad_input, err, fail, note, out, print_json
 
 ROBOT = "robot1"
-"""Names the filter's chance; a bag holds one robot's scans on a topic."""
+"""Key of the filter's random stream; a bag holds one robot's scans on a topic."""
 
 Triple = tuple[float, float, float]
 

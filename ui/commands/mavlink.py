@@ -37,7 +37,7 @@ USUAL = "127.0.0.1:14550"
 OTHER = "127.0.0.1:14540"
 _TCP = "tcp:"
 _TELL_SECONDS = 2.0
-"""Between two words on the way."""
+"""Seconds between two lines of progress while a robot drives."""
 
 mavlink_app = typer.Typer(
     help="MAVLink: watch and command robots that speak it, such as those of `thbridge play --mavlink`.",
@@ -221,7 +221,7 @@ async def _drive(link: StationSocket, robot: int, destination: Destination, keep
 
 
 def _figures(robot: KnownRobot) -> dict[str, object]:
-    """A robot as the JSON object has it; what it has not said is null."""
+    """A robot as the JSON object has it; null for values that it has not sent."""
     seconds = max(robot.last - robot.first, 1e-9)
     return {
         "robot": robot.system,
@@ -272,7 +272,7 @@ def _table(robots: list[KnownRobot]) -> Table:
 
 
 def _address(text: str, option: str) -> tuple[Address, bool]:
-    """An address, and whether it is of TCP."""
+    """An address, and True if it is of TCP."""
     bare = text.removeprefix(_TCP)
     address = address_in(bare.removeprefix("udp:"))
     if address is None:
@@ -303,7 +303,7 @@ async def _station(address: Address, tcp: bool, key: SigningKey | None) -> Async
 
 
 def _nobody(link: StationSocket, address: Address, key: Path | None) -> NoReturn:
-    """Nobody has been heard: why that may be."""
+    """End the command, with reasons why no robot may have answered."""
     if link.refused:
         fail(FAILED, f"{address}: {link.refused} frames were refused, for they are not signed with the key of {key}.")
     if link.waits:

@@ -25,7 +25,7 @@ Place = tuple[float, float]
 
 
 class SearchAlgorithm(StrEnum):
-    """In which order the wave spreads: Dijkstra's, or A*'s."""
+    """Order in which the wave spreads: Dijkstra's, or A*'s."""
 
     NAVFN = "navfn"
     ASTAR = "astar"

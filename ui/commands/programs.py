@@ -186,7 +186,7 @@ def tabui(
 
 
 def _seat(who: ParticipantKind, templates: str | None, seed: int | None) -> Seat:
-    """Seat whoever plays; a person needs neither templates nor a seed."""
+    """Seat the player; a person needs neither templates nor a seed."""
     if who is ParticipantKind.PERSON:
         for option, value in (("--templates", templates), ("--seed", seed)):
             if value is not None:
@@ -218,7 +218,7 @@ def _lost(lost: ConnectionLost) -> None:
 
 
 def _without_effect(study: Study) -> list[str]:
-    """What a study says that real robots do not heed."""
+    """Parts of a study that have no effect on real robots."""
     standard = Study()
     keys = ("rate", "watch", "robot", "each", "things", "mishaps")
     return [key for key in keys if getattr(study, key) != getattr(standard, key)]

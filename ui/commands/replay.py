@@ -98,7 +98,7 @@ _FRAMES = "Where MAVLink frames drove the robots, `thbridge mavlink replay` does
 
 
 def changes_of(given: list[str]) -> tuple[list[Path], list[StudyChange]]:
-    """What --with says: study files, and single changes."""
+    """Study files and single changes given by --with."""
     files, changes = [], []
     for text in given:
         key, equals, value = text.partition("=")
@@ -113,7 +113,7 @@ def changes_of(given: list[str]) -> tuple[list[Path], list[StudyChange]]:
 
 
 def other_versions(record: SessionRecord) -> Iterator[str]:
-    """A sentence about what a session was recorded with, where that was something else than there is now."""
+    """Sentences on versions with which a session was recorded, where they differ from those of now."""
     now = versions()
     then = record.versions.items()
     other = [f"{name} {was} then, {now.get(name, 'none')} now" for name, was in then if now.get(name) != was]
@@ -174,7 +174,7 @@ _ROWS = ("mean error", "95 % of errors within", "driven", "arrivals", "at, s", "
 
 
 def _column(robot: RobotFigures | None) -> tuple[str, ...]:
-    """What the rows say of a robot, or of none."""
+    """Figures of a robot, one per row; dashes without a robot."""
     if robot is None:
         return ("-",) * len(_ROWS)
     return (

@@ -28,7 +28,7 @@ Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace a file of 
 
 
 class Packing(StrEnum):
-    """How chunks of an MCAP file are packed."""
+    """Compression of chunks in an MCAP file."""
 
     ZSTD = "zstd"
     LZ4 = "lz4"
@@ -79,7 +79,7 @@ def _say(text: str) -> None:
 
 
 def _seconds(stamp_ns: int | None, start_ns: int | None) -> str:
-    """From the recording's beginning."""
+    """Time of a stamp, in seconds from the recording's beginning."""
     return "" if stamp_ns is None or start_ns is None else f"{(stamp_ns - start_ns) / 1e9:.1f}"
 
 
@@ -105,7 +105,7 @@ _VERDICTS = {
 
 
 def _verdicts(judgements: Mapping[Path, Judgement]) -> dict[BagTool, FindingSeverity | None]:
-    """The worst that each tool meets in any part."""
+    """The worst finding for each tool in any part."""
     worst = {tool: [judgement.worst(tool) for judgement in judgements.values()] for tool in BagTool}
     return {
         tool: next((severity for severity in FindingSeverity if severity in met), None) for tool, met in worst.items()

@@ -14,7 +14,7 @@ from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note
 
 
 class FigureChoice(StrEnum):
-    """What can be plotted."""
+    """Figures that can be plotted."""
 
     PATHS = "paths"
     ERROR = "error"
