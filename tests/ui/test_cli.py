@@ -41,8 +41,8 @@ def refusal(*arguments: str | Path) -> str:
     return done.stderr
 
 
-def said(*arguments: str | Path) -> dict:
-    """What a command prints with --json: one object on one line."""
+def json_of(*arguments: str | Path) -> dict:
+    """Return the output of a command with --json: one object on one line."""
     done = thbridge(*arguments, "--json")
     assert done.exit_code == 0, (done.output, done.exception)
     assert done.stdout.count("\n") == 1
@@ -88,9 +88,9 @@ WRONG: dict[str, Callable[[Path], object]] = {
 )
 def test_a_wrong_file_is_named_and_told_in_one_message(command: tuple[str, ...], wrong: str) -> None:
     WRONG[wrong](Path("FILE"))
-    told = refusal(*command)
-    assert told.startswith("FILE")
-    assert told.count("\n") == 1
+    message = refusal(*command)
+    assert message.startswith("FILE")
+    assert message.count("\n") == 1
 
 
 @pytest.mark.parametrize("command", [("report",), ("bag", "info"), ("bag", "reindex")], ids=" ".join)
@@ -106,10 +106,10 @@ def test_a_bag_that_was_cut_is_mended_as_the_message_says() -> None:
     Path("a.bag").write_bytes(whole[: len(whole) // 2])
     for command in (("bag", "info"), ("report",)):
         assert "Run `thbridge bag reindex a.bag`." in refusal(*command, "a.bag")
-    mended = said("bag", "reindex", "a.bag")
+    mended = json_of("bag", "reindex", "a.bag")
     assert mended["path"] == "a.bag"
     assert mended["backup"] == "a.orig.bag"
-    assert said("bag", "info", "a.bag")["messages"] == mended["messages"] > 0
+    assert json_of("bag", "info", "a.bag")["messages"] == mended["messages"] > 0
     assert "in the way" in refusal("bag", "reindex", "a.bag")
 
 
@@ -173,8 +173,8 @@ def test_an_option_out_of_range_is_named(option: str, value: str) -> None:
 
 
 def test_a_team_too_large_for_the_map_is_refused_with_both_numbers() -> None:
-    told = refusal("play", "--robots", "60")
-    assert "rooms.yaml, starts: there are start poses for 15 robots, but the study has 60." in told
+    message = refusal("play", "--robots", "60")
+    assert "rooms.yaml, starts: there are start poses for 15 robots, but the study has 60." in message
 
 
 @pytest.mark.parametrize(
@@ -193,9 +193,9 @@ def test_an_unknown_map_is_answered_with_the_known(name: str, remedy: str) -> No
 
 @pytest.mark.parametrize("rooms", ["", ",", "1,,2", "0", "9", "-1", "1 2", "a", "²"])
 def test_rooms_that_are_none_are_refused_with_those_there_are(rooms: str) -> None:
-    told = refusal("suggest", "--costs", COSTS, "--at", "0", "--unvisited", rooms)
-    assert told.startswith("--unvisited: ")
-    assert "1 to 8" in told
+    message = refusal("suggest", "--costs", COSTS, "--at", "0", "--unvisited", rooms)
+    assert message.startswith("--unvisited: ")
+    assert "1 to 8" in message
 
 
 def test_a_robot_stands_at_a_place_of_the_cost_file() -> None:
@@ -203,20 +203,20 @@ def test_a_robot_stands_at_a_place_of_the_cost_file() -> None:
 
 
 def test_a_suggestion_is_the_first_room_of_the_cheapest_tour() -> None:
-    assert said("suggest", "--costs", COSTS, "--at", "0", "--unvisited", "1,2,5") == {
+    assert json_of("suggest", "--costs", COSTS, "--at", "0", "--unvisited", "1,2,5") == {
         "next": 1,
         "tour": [1, 2, 5],
         "cost": 49,
     }
-    told = thbridge("suggest", "--costs", COSTS, "--at", "0", "--unvisited", "1,2,5").stdout
-    assert told == "Next room 1; the cheapest tour is 1 2 5 and costs 49.\n"
+    message = thbridge("suggest", "--costs", COSTS, "--at", "0", "--unvisited", "1,2,5").stdout
+    assert message == "Next room 1; the cheapest tour is 1 2 5 and costs 49.\n"
 
 
 def test_maps_are_listed_and_without_fault() -> None:
     names = thbridge("maps", "list").stdout.split()
     assert names == ["arena8", "office", "practice", "warehouse12"]
     for name in names:
-        assert said("maps", "check", name) == {"ok": True, "findings": []}
+        assert json_of("maps", "check", name) == {"ok": True, "findings": []}
 
 
 def test_a_map_with_faults_gives_them_all_and_exit_code_2() -> None:
@@ -259,12 +259,12 @@ def test_ros_messages_are_a_package() -> None:
 def test_a_master_that_cannot_listen_says_so() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        told = refusal("ros", "master", "--port", str(port))
-    assert f"cannot listen on 127.0.0.1:{port}: Address already in use" in told
+        message = refusal("ros", "master", "--port", str(port))
+    assert f"cannot listen on 127.0.0.1:{port}: Address already in use" in message
 
 
 @pytest.mark.parametrize(
-    ("study", "told"),
+    ("study", "message"),
     [
         ("robts: 3\n", "line 1, robts: unknown key"),
         ("robots: three\n", "line 1, robots: 'three' is not a number"),
@@ -294,12 +294,12 @@ def test_a_master_that_cannot_listen_says_so() -> None:
         ("robots: [1\n", "line 2: not YAML"),
     ],
 )
-def test_a_broken_study_is_told_with_its_line(study: str, told: str) -> None:
+def test_a_broken_study_is_told_with_its_line(study: str, message: str) -> None:
     Path("study.yaml").write_text(study.replace("COSTS", COSTS))
     Path("empty.txt").write_text(" \n")
     Path("long.txt").write_text("a" * 8001)
     for command in (("play",), ("study", "check")):
-        assert told in refusal(*command, "study.yaml")
+        assert message in refusal(*command, "study.yaml")
 
 
 def test_names_without_effect_are_told_where_a_study_is_read() -> None:
@@ -310,10 +310,10 @@ def test_names_without_effect_are_told_where_a_study_is_read() -> None:
 
 
 def test_a_person_needs_no_templates_and_no_seed() -> None:
-    told = refusal("tabui", "--participant", "person", "--templates", "./nowhere", "--seed", "3")
-    assert "--templates has no effect here: it is for simulated participants.\n" in told
-    assert "--seed has no effect here" in told
-    assert "standard input is a file" in told, "it would start otherwise"
+    message = refusal("tabui", "--participant", "person", "--templates", "./nowhere", "--seed", "3")
+    assert "--templates has no effect here: it is for simulated participants.\n" in message
+    assert "--seed has no effect here" in message
+    assert "standard input is a file" in message, "it would start otherwise"
 
 
 def test_real_robots_are_not_simulated_and_not_hurried() -> None:
@@ -329,8 +329,8 @@ def test_real_robots_are_not_simulated_and_not_hurried() -> None:
 
 def test_robots_by_themselves_are_no_vehicles() -> None:
     Path("study.yaml").write_text("mavlink: {on: true}\n")
-    told = refusal("simr", "--study", "study.yaml", "--ros", "--ros-master", "nonsense")
-    assert "mavlink has no effect here: robots are MAVLink vehicles in `thbridge play`." in told
+    message = refusal("simr", "--study", "study.yaml", "--ros", "--ros-master", "nonsense")
+    assert "mavlink has no effect here: robots are MAVLink vehicles in `thbridge play`." in message
 
 
 def test_fewer_robots_than_the_study_has_software_for_are_refused() -> None:
@@ -384,5 +384,5 @@ def test_where_nobody_can_watch_is_refused_and_so_is_a_key_that_is_none(folder: 
     assert "key.txt, line 1: there is no key in this line" in refusal("simr", "--watch", "0", "--watch-key", "key.txt")
     Path("study.yaml").write_text("watch: {port: 0, key: key.txt}\n")
     assert "there is no key in this line" in refusal("play", "study.yaml", "--headless")
-    told = "--watch: real robots are watched on their graph"
-    assert told in refusal("simr", "--robots-from", "ros", "--watch", "6010")
+    message = "--watch: real robots are watched on their graph"
+    assert message in refusal("simr", "--robots-from", "ros", "--watch", "6010")

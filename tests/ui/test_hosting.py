@@ -1,4 +1,4 @@
-"""A window as a process, played by small programs that say what a window says."""
+"""The window as a process, played by small scripts."""
 
 import asyncio
 import sys
@@ -13,7 +13,7 @@ OFFER = Offer(least=1, most=4, usual=2)
 
 
 def window(folder: Path, script: str) -> WindowProcess:
-    """A front whose window is a script; `hear()` gives a line of the host, `say(text)` says one."""
+    """A window process that runs a script; `hear()` reads a line of the host, `say(kind, ...)` writes one."""
     program = folder / "window.py"
     program.write_text(
         "import json, sys\n"
@@ -24,8 +24,8 @@ def window(folder: Path, script: str) -> WindowProcess:
     return WindowProcess((sys.executable, str(program)))
 
 
-def hosted(front: WindowProcess) -> list[tuple[str, int]]:
-    """Run it to its end; the games that were played, with their robots."""
+def hosted(process: WindowProcess) -> list[tuple[str, int]]:
+    """Run it to its end; return the games that were played, with their robots."""
     played: list[tuple[str, int]] = []
 
     def game(kind: str, robots: int):
@@ -38,13 +38,15 @@ def hosted(front: WindowProcess) -> list[tuple[str, int]]:
         return play
 
     asyncio.run(
-        asyncio.wait_for(host(front, OFFER, "t0", lambda robots: game("game", robots), lambda: game("practice", 1)), 30)
+        asyncio.wait_for(
+            host(process, OFFER, "t0", lambda robots: game("game", robots), lambda: game("practice", 1)), 30
+        )
     )
     return played
 
 
 def test_a_practice_then_a_game_then_closed(tmp_path):
-    front = window(
+    process = window(
         tmp_path,
         """
 offer = hear()
@@ -61,7 +63,7 @@ assert hear()["practice"] is False
 say("Leave")
 """,
     )
-    assert hosted(front) == [("practice", 1), ("game", 3)]
+    assert hosted(process) == [("practice", 1), ("game", 3)]
 
 
 def test_a_number_of_robots_that_was_not_offered_begins_nothing(tmp_path):
@@ -73,7 +75,7 @@ def test_what_a_library_prints_is_no_wish(tmp_path):
 
 
 def test_a_window_that_crashes_is_opened_again_at_its_game(tmp_path):
-    front = window(
+    process = window(
         tmp_path,
         """
 first = not Path(sys.argv[0] + ".was").exists()
@@ -88,16 +90,16 @@ assert hear()["type"] == "Join"
 say("Leave")
 """,
     )
-    assert hosted(front) == [("game", 2)]
+    assert hosted(process) == [("game", 2)]
 
 
 def test_a_window_that_crashes_again_and_again_stays_closed(tmp_path):
-    front = window(tmp_path, "hear()\nsys.exit(11)\n")
-    assert hosted(front) == []
-    assert front.given_up
+    process = window(tmp_path, "hear()\nsys.exit(11)\n")
+    assert hosted(process) == []
+    assert process.given_up
 
 
 def test_a_window_that_was_closed_has_not_crashed(tmp_path):
-    front = window(tmp_path, "hear()\nsay('Leave')\n")
-    hosted(front)
-    assert not front.given_up
+    process = window(tmp_path, "hear()\nsay('Leave')\n")
+    hosted(process)
+    assert not process.given_up

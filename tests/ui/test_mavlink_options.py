@@ -1,4 +1,4 @@
-"""What `thbridge play` says of MAVLink options that cannot be."""
+"""Refusals of MAVLink options of `thbridge play` that cannot be."""
 
 import dataclasses
 import socket
@@ -36,14 +36,14 @@ def test_an_address_that_is_none(option: str, address: str) -> None:
 
 
 def test_a_target_of_a_robot_that_there_is_not() -> None:
-    said = refusal("--mavlink", "--robots", "3", "--udp", "h:1/4")
-    assert "--udp: 'h:1/4': there is no robot 4. There are 3." in said
+    message = refusal("--mavlink", "--robots", "3", "--udp", "h:1/4")
+    assert "--udp: 'h:1/4': there is no robot 4. There are 3." in message
 
 
 @pytest.mark.parametrize("other", ["h:1", "h:1/2"])
 def test_an_address_for_one_robot_and_for_others(other: str) -> None:
-    said = refusal("--mavlink", "--robots", "3", "--udp", "h:1/1", "--udp", other)
-    assert f"--udp: h:1 is there for other robots already. Give '{other}' another port." in said
+    message = refusal("--mavlink", "--robots", "3", "--udp", "h:1/1", "--udp", other)
+    assert f"--udp: h:1 is there for other robots already. Give '{other}' another port." in message
 
 
 @pytest.mark.parametrize(
@@ -67,8 +67,8 @@ def test_a_key_file_that_is_not_there() -> None:
 def test_a_port_that_is_taken() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        said = refusal("--mavlink", "--udp", "127.0.0.1:14550", "--tcp", f"127.0.0.1:{port}")
-    assert f"MAVLink: cannot listen on 127.0.0.1:{port}: Address already in use" in said
+        message = refusal("--mavlink", "--udp", "127.0.0.1:14550", "--tcp", f"127.0.0.1:{port}")
+    assert f"MAVLink: cannot listen on 127.0.0.1:{port}: Address already in use" in message
 
 
 def test_options_win_over_the_study() -> None:

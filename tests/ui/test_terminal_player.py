@@ -18,7 +18,7 @@ class Seat:
         self.stage.run(6)
 
     def type(self, line: str, ticks: int = 8) -> list[str]:
-        """What is shown because of it."""
+        """Type a line; return the lines shown in answer."""
         before = len(self.shown)
         self.person.type(line)
         self.stage.tabui.poll_player()

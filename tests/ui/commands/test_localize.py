@@ -33,13 +33,13 @@ def start() -> list[str]:
 def test_json(folder: Path) -> None:
     done = run(folder, *start(), "--json")
     assert done.exit_code == 0, done.output
-    told = json.loads(done.stdout)
-    assert told["updates"] > 5
-    assert told["cpu_seconds"] > 0
-    assert len(told["final_pose"]) == 3
-    assert [len(row) for row in told["covariance"]] == [3, 3, 3]
-    assert told["lost"] is False
-    assert told["laser_pose"] == pytest.approx([0.2, 0.05, 0.0])
+    result = json.loads(done.stdout)
+    assert result["updates"] > 5
+    assert result["cpu_seconds"] > 0
+    assert len(result["final_pose"]) == 3
+    assert [len(row) for row in result["covariance"]] == [3, 3, 3]
+    assert result["lost"] is False
+    assert result["laser_pose"] == pytest.approx([0.2, 0.05, 0.0])
 
 
 def test_the_trajectory_has_a_line_for_each_update(folder: Path, tmp_path: Path) -> None:
@@ -64,7 +64,7 @@ def test_anywhere(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "told"),
+    ("options", "message"),
     [
         ([], "--initial-pose X Y YAW or --global"),
         (["--global", "--initial-pose", "0", "0", "0"], "--initial-pose X Y YAW or --global"),
@@ -73,10 +73,10 @@ def test_anywhere(folder: Path) -> None:
         (["--global", "--out", "/nowhere/at/all.tum"], "--out"),
     ],
 )
-def test_bad_input_is_told_and_ends_with_2(folder: Path, options: list[str], told: str) -> None:
+def test_bad_input_is_told_and_ends_with_2(folder: Path, options: list[str], message: str) -> None:
     done = run(folder, *options)
     assert done.exit_code == 2
-    assert told in done.stderr
+    assert message in done.stderr
 
 
 def test_parameters_of_a_real_robot(folder: Path, tmp_path: Path) -> None:

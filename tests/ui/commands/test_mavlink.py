@@ -110,8 +110,8 @@ def mavlink(*arguments: object) -> Result:
     return CliRunner().invoke(app, ["mavlink", *[str(argument) for argument in arguments]])
 
 
-def told(*arguments: object) -> str:
-    """The message of a command that cannot do what it is told."""
+def failure(*arguments: object) -> str:
+    """Return the message of a command that fails."""
     done = mavlink(*arguments)
     assert done.exit_code == 1, (done.output, done.exception)
     assert done.stdout == ""
@@ -163,27 +163,29 @@ def test_goto_may_keep_the_command(at: Address, fleet: Fleet) -> None:
 
 def test_a_robot_that_does_not_want_to(at: Address, fleet: Fleet) -> None:
     fleet.games[0].refusal = Denied("Robot 1 has not enough energy.")
-    assert told("goto", 1, 0, 0, "--at", at) == "Robot 1 has not enough energy.\n"
+    assert failure("goto", 1, 0, 0, "--at", at) == "Robot 1 has not enough energy.\n"
 
 
 @pytest.mark.usefixtures("impatient")
 def test_a_robot_that_is_not_there(at: Address, fleet: Fleet) -> None:
-    assert "Robot 7 is not heard; those that are: 1, 2." in told("goto", 7, 0, 0, "--at", at)
+    assert "Robot 7 is not heard; those that are: 1, 2." in failure("goto", 7, 0, 0, "--at", at)
 
 
 def test_nobody_there(at: Address) -> None:
-    assert f"{at}: nobody speaks MAVLink there. Start `thbridge play --mavlink`" in told("status", at, "--seconds", 0.2)
+    assert f"{at}: nobody speaks MAVLink there. Start `thbridge play --mavlink`" in failure(
+        "status", at, "--seconds", 0.2
+    )
 
 
 def test_an_address_that_another_program_has(at: Address) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind((at.host, at.port))
-        said = told("status", at, "--seconds", 0.2)
-    assert f"{at}: another program has this address, or another machine, and no robot answers." in said
+        message = failure("status", at, "--seconds", 0.2)
+    assert f"{at}: another program has this address, or another machine, and no robot answers." in message
 
 
 def test_a_robot_that_waits_to_be_spoken_to(at: Address) -> None:
-    """As behind a router: its address is taken, so it is spoken to."""
+    """Another program has the address, as behind a router."""
     beat = mav.MAVLink_heartbeat_message(mav.MAV_TYPE_GROUND_ROVER, 0, 1, 0, 4, 3)
     frame = Frame(5, 1, 0, beat.get_msgId(), payload_of(beat), crc_extra(beat.get_msgId()) or 0)
 
@@ -197,16 +199,16 @@ def test_a_robot_that_waits_to_be_spoken_to(at: Address) -> None:
         thread.start()
         done = mavlink("status", at, "--seconds", 1.0, "--json")
         thread.join()
-    (told,) = json.loads(done.stdout)["robots"]
-    assert (told["robot"], told["commander"], told["x"]) == (5, None, None)
+    (robot,) = json.loads(done.stdout)["robots"]
+    assert (robot["robot"], robot["commander"], robot["x"]) == (5, None, None)
 
 
 def test_a_connection_that_nobody_takes(at: Address) -> None:
-    assert "Connection refused. Start robots there" in told("status", f"tcp:{at}")
+    assert "Connection refused. Start robots there" in failure("status", f"tcp:{at}")
 
 
 def test_a_host_that_there_is_not() -> None:
-    assert "no.such.host.invalid:14550" in told("status", "no.such.host.invalid:14550")
+    assert "no.such.host.invalid:14550" in failure("status", "no.such.host.invalid:14550")
 
 
 @pytest.mark.parametrize("text", ["here", "127.0.0.1", "tcp:5760", "127.0.0.1:0", "::1:14550"])
@@ -244,19 +246,19 @@ def test_a_key_opens(at: Address, signed: Fleet, key: Path) -> None:
 
 def test_a_wrong_key(at: Address, signed: Fleet, key: Path) -> None:
     key.write_text("another\n")
-    said = told("status", at, "--signing-key", key, "--seconds", 0.9)
-    assert f"frames were refused, for they are not signed with the key of {key}." in " ".join(said.split())
+    message = failure("status", at, "--signing-key", key, "--seconds", 0.9)
+    assert f"frames were refused, for they are not signed with the key of {key}." in " ".join(message.split())
 
 
 @pytest.mark.usefixtures("impatient")
 def test_a_key_that_is_missing(at: Address, signed: Fleet) -> None:
-    said = told("goto", 1, 0, 0, "--at", at)
-    assert "Robot 1 does not answer. If it wants signatures, give --signing-key." in said
+    message = failure("goto", 1, 0, 0, "--at", at)
+    assert "Robot 1 does not answer. If it wants signatures, give --signing-key." in message
 
 
 @pytest.mark.usefixtures("impatient")
 def test_a_key_that_robots_do_not_have(at: Address, fleet: Fleet, key: Path) -> None:
-    assert "frames were refused" in told("goto", 1, 0, 0, "--at", at, "--signing-key", key)
+    assert "frames were refused" in failure("goto", 1, 0, 0, "--at", at, "--signing-key", key)
 
 
 def test_a_key_file_that_is_not_there(at: Address) -> None:
@@ -290,8 +292,14 @@ def test_a_recordings_frames_drive_a_fresh_hunt(recorded: Path, tmp_path: Path) 
     kept = tmp_path / "again.bag"
     done = mavlink("replay", recorded, "--to", kept, "--json")
     assert done.exit_code == 0, done.output
-    told = json.loads(done.stdout)
-    assert (told["frames"], told["ticks"], told["same"], told["parted"], told["bag"]) == (3, 60, True, None, str(kept))
+    result = json.loads(done.stdout)
+    assert (result["frames"], result["ticks"], result["same"], result["parted"], result["bag"]) == (
+        3,
+        60,
+        True,
+        None,
+        str(kept),
+    )
     assert kept.exists()
 
 
@@ -302,8 +310,8 @@ def test_a_replay_for_people(recorded: Path) -> None:
 
 
 def test_a_replay_in_two_studies(recorded: Path, tmp_path: Path) -> None:
-    said = refusal("replay", recorded, "--study", tmp_path / "s.yaml", "--with", "seed=2")
-    assert "--with: it changes the recording's study; --study gives another." in said
+    message = refusal("replay", recorded, "--study", tmp_path / "s.yaml", "--with", "seed=2")
+    assert "--with: it changes the recording's study; --study gives another." in message
 
 
 def test_a_replay_onto_itself(recorded: Path) -> None:
@@ -324,6 +332,6 @@ def test_a_hunt_in_a_process_of_its_own(at: Address, tmp_path: Path) -> None:
         play.stop()
     finally:
         play.close()
-    told = json.loads(mavlink("replay", tmp_path / "a.bag", "--json").stdout)
-    assert told["same"]
-    assert told["recorded"]["arrivals"][0]["room"] == 2
+    result = json.loads(mavlink("replay", tmp_path / "a.bag", "--json").stdout)
+    assert result["same"]
+    assert result["recorded"]["arrivals"][0]["room"] == 2

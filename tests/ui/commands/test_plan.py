@@ -80,12 +80,12 @@ def test_a_batch_is_answered_in_order(rooms, tmp_path):
     assert [answer["code"] for answer in answers] == [code for _, _, code in asked]
     assert [answer["found"] for answer in answers] == [code is None for _, _, code in asked]
     assert answers[5]["length"] == pytest.approx(0.5, rel=0.05)
-    told = thbridge("--map", rooms, "--batch", tmp_path / "batch.csv", "--radius", 0.2).stdout
-    assert "found" in told
+    message = thbridge("--map", rooms, "--batch", tmp_path / "batch.csv", "--radius", 0.2).stdout
+    assert "found" in message
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         ((), "--start, --goal, --batch: either the first two"),
         (("--start", 0, 0), "--start, --goal, --batch: either the first two"),
@@ -96,10 +96,10 @@ def test_a_batch_is_answered_in_order(rooms, tmp_path):
         (("--batch", "none.csv"), "none.csv: there is no such file"),
     ],
 )
-def test_bad_input_is_told_in_one_message(rooms, arguments, told):
+def test_bad_input_is_told_in_one_message(rooms, arguments, message):
     done = thbridge("--map", rooms, *arguments)
     assert done.exit_code == 2
-    assert told in done.stderr
+    assert message in done.stderr
     assert done.stdout == ""
 
 

@@ -35,10 +35,15 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_the_same_again(hunt: Path) -> None:
     done = thbridge("replay", hunt, "--to", "again.bag", "--json")
     assert done.exit_code == 0, done.output
-    told = json.loads(done.stdout)
-    assert (told["equal"], told["first_difference"], told["ticks"], told["bag"]) == (True, None, 900, "again.bag")
+    result = json.loads(done.stdout)
+    assert (result["equal"], result["first_difference"], result["ticks"], result["bag"]) == (
+        True,
+        None,
+        900,
+        "again.bag",
+    )
     assert Path("again.bag").read_bytes() == hunt.read_bytes()
-    assert "recorded" not in told
+    assert "recorded" not in result
 
 
 def test_for_people_it_tells_the_hunt_from_a_time_on(hunt: Path) -> None:
@@ -65,12 +70,12 @@ def test_a_difference_is_told_and_ends_with_1(hunt: Path) -> None:
 def test_what_if_compares_both_runs(hunt: Path) -> None:
     done = thbridge("replay", hunt, "--with", "seed=8", "--with", "robot.amcl.max_particles=300", "--json")
     assert done.exit_code == 0, done.output
-    told = json.loads(done.stdout)
-    assert told["first_difference"]["topic"] == "/hunt/events"
+    result = json.loads(done.stdout)
+    assert result["first_difference"]["topic"] == "/hunt/events"
     for run in ("recorded", "replayed"):
-        assert [robot["name"] for robot in told[run]["robots"]] == ["robot1", "robot2"]
-        assert all(robot["error_mean"] > 0.0 for robot in told[run]["robots"])
-    assert told["recorded"] != told["replayed"]
+        assert [robot["name"] for robot in result[run]["robots"]] == ["robot1", "robot2"]
+        assert all(robot["error_mean"] > 0.0 for robot in result[run]["robots"])
+    assert result["recorded"] != result["replayed"]
     assert not list(Path().iterdir())
 
 
@@ -83,7 +88,7 @@ def test_what_if_for_people_is_a_table(hunt: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["--with", "seed"], "'seed' is neither KEY=VALUE nor a study file"),
         (["--with", "sed=3"], "sed: unknown key. The nearest right name is seed"),
@@ -93,10 +98,10 @@ def test_what_if_for_people_is_a_table(hunt: Path) -> None:
         (["--to", "bag"], "--to: bag is not the name of a bag"),
     ],
 )
-def test_bad_input_is_refused(hunt: Path, arguments: list[str], told: str) -> None:
+def test_bad_input_is_refused(hunt: Path, arguments: list[str], message: str) -> None:
     done = thbridge("replay", hunt, *arguments)
     assert done.exit_code == 2
-    assert told in done.stderr.replace("\n", " ")
+    assert message in done.stderr.replace("\n", " ")
     assert done.stdout == ""
 
 

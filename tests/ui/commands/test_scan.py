@@ -57,7 +57,7 @@ def test_a_batch_gives_a_list_for_each_pose(room, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         ((), "--pose, --batch: just one of the two"),
         (("--pose", 0, 0, 0, "--batch", "poses.csv"), "--pose, --batch: just one of the two"),
@@ -66,10 +66,10 @@ def test_a_batch_gives_a_list_for_each_pose(room, tmp_path):
         (("--batch", "none.csv"), "none.csv: there is no such file"),
     ],
 )
-def test_bad_input_is_told_in_one_message(room, arguments, told):
+def test_bad_input_is_told_in_one_message(room, arguments, message):
     done = scan("--map", room, *arguments)
     assert done.exit_code == 2
-    assert told in done.stderr
+    assert message in done.stderr
     assert done.stdout == ""
 
 

@@ -15,8 +15,8 @@ from ui.model.motion import KEPT_SAMPLES, MotionPlayback
 from ui.model.trails import TRAIL_POINTS
 
 FRAME = 1.0 / 60.0
-TELLING = 0.04
-"""Seconds between two tellings: 25 Hz."""
+PERIOD = 0.04
+"""Seconds between two messages: 25 Hz."""
 
 
 def where(tick: int, *poses: tuple[float, float, float], **more: object) -> PoseTelemetry:
@@ -24,7 +24,7 @@ def where(tick: int, *poses: tuple[float, float, float], **more: object) -> Pose
 
 
 @dataclass
-class Shown:
+class ShownPose:
     now: float
     x: float
     y: float
@@ -33,35 +33,35 @@ class Shown:
 
 def play(
     motions: MotionPlayback, arrivals: list[tuple[float, PoseTelemetry]], until: float, begin: float = 0.0
-) -> list[Shown]:
-    """Frames at 60 Hz while tellings arrive; what is shown of the first robot."""
+) -> list[ShownPose]:
+    """Poses of the first robot as shown at 60 Hz while messages arrive."""
     shown = []
     waiting = sorted(arrivals, key=lambda arrival: arrival[0])
     for frame in range(round((until - begin) / FRAME)):
         now = begin + frame * FRAME
         while waiting and waiting[0][0] <= now:
-            moment, telling = waiting.pop(0)
-            motions.receive(telling, moment)
+            moment, message = waiting.pop(0)
+            motions.receive(message, moment)
         robots = motions.at(now)
         if robots:
             pose = robots[0].pose
-            shown.append(Shown(now, pose.x, pose.y, pose.theta))
+            shown.append(ShownPose(now, pose.x, pose.y, pose.theta))
     return shown
 
 
 def straight(
     seconds: float, speed: float = 0.5, rate: float = 1.0, start_tick: int = 0
 ) -> list[tuple[float, PoseTelemetry]]:
-    """A straight drive along x, heard at once."""
-    count = round(seconds / TELLING)
-    ticks = [start_tick + round(k * TELLING * rate / 0.02) for k in range(count)]
-    return [(k * TELLING, where(tick, (speed * (tick - start_tick) * 0.02, 0.0, 0.0))) for k, tick in enumerate(ticks)]
+    """A straight drive along x, received at once."""
+    count = round(seconds / PERIOD)
+    ticks = [start_tick + round(k * PERIOD * rate / 0.02) for k in range(count)]
+    return [(k * PERIOD, where(tick, (speed * (tick - start_tick) * 0.02, 0.0, 0.0))) for k, tick in enumerate(ticks)]
 
 
 def in_order(arrivals: list[tuple[float, PoseTelemetry]]) -> list[tuple[float, PoseTelemetry]]:
     """A stream keeps its order: nothing overtakes what was sent before."""
     moments = np.maximum.accumulate([moment for moment, _ in arrivals]).tolist()
-    return [(moment, telling) for moment, (_, telling) in zip(moments, arrivals, strict=True)]
+    return [(moment, message) for moment, (_, message) in zip(moments, arrivals, strict=True)]
 
 
 @settings(max_examples=25)
@@ -77,8 +77,8 @@ def test_a_straight_drive_never_goes_back(
     at, long = stall
     drive = straight(3.0, speed)
     late = [
-        (moment + delay + (long if at <= k < at + 10 else 0.0), telling)
-        for k, ((moment, telling), delay) in enumerate(zip(drive, jitter, strict=True))
+        (moment + delay + (long if at <= k < at + 10 else 0.0), message)
+        for k, ((moment, message), delay) in enumerate(zip(drive, jitter, strict=True))
         if k not in dropped
     ]
     shown = play(MotionPlayback(), in_order(late), 3.5)
@@ -93,7 +93,7 @@ def test_what_is_shown_is_at_most_a_tenth_of_a_second_behind(jitter: list[float]
     drive = straight(3.0, speed)
     shown = play(
         MotionPlayback(),
-        in_order([(now + delay, telling) for (now, telling), delay in zip(drive, jitter, strict=True)]),
+        in_order([(now + delay, message) for (now, message), delay in zip(drive, jitter, strict=True)]),
         2.9,
     )
     settled = [one for one in shown if one.now > 0.5]
@@ -104,7 +104,7 @@ def test_what_is_shown_is_at_most_a_tenth_of_a_second_behind(jitter: list[float]
 def test_steps_between_frames_are_even_in_spite_of_jitter() -> None:
     delays = [0.012 * (k * 7 % 5) / 4 for k in range(75)]
     drive = straight(3.0, 1.0)
-    late = [(now + delay, telling) for (now, telling), delay in zip(drive, delays, strict=True)]
+    late = [(now + delay, message) for (now, message), delay in zip(drive, delays, strict=True)]
     xs = np.array([one.x for one in play(MotionPlayback(), in_order(late), 2.9) if one.now > 0.5])
     steps = np.diff(xs)
     assert steps.min() > 0.5 * FRAME
@@ -130,7 +130,7 @@ def test_a_late_telling_is_bridged_and_what_was_bridged_is_bounded() -> None:
 
 
 def test_tellings_held_up_and_delivered_in_one_go_are_caught_up_with() -> None:
-    held_up = [(2.0 if 1.5 <= now < 2.0 else now, telling) for now, telling in straight(4.0)]
+    held_up = [(2.0 if 1.5 <= now < 2.0 else now, message) for now, message in straight(4.0)]
     shown = play(MotionPlayback(), held_up, 3.9)
     settled = [one.now - one.x / 0.5 for one in shown if one.now > 2.4]
     assert max(settled) < 0.1
@@ -142,7 +142,7 @@ def test_a_pause_is_waited_out() -> None:
     pose = before[-1][1].poses[0]
     tick = before[-1][1].tick
     resumed = [
-        (now + 11.0, where(tick + telling.tick, (pose[0] + telling.poses[0][0], 0.0, 0.0))) for now, telling in after
+        (now + 11.0, where(tick + message.tick, (pose[0] + message.poses[0][0], 0.0, 0.0))) for now, message in after
     ]
     shown = play(MotionPlayback(), before + resumed, 11.9)
     xs = [one.x for one in shown]
@@ -178,7 +178,7 @@ def test_a_robot_that_was_carried_moves_at_once_and_leaves_no_trail() -> None:
 
 
 def test_angles_turn_the_short_way() -> None:
-    turning = [(k * TELLING, where(2 * k, (0.0, 0.0, wrap_angle(3.0 + 0.02 * k)))) for k in range(50)]
+    turning = [(k * PERIOD, where(2 * k, (0.0, 0.0, wrap_angle(3.0 + 0.02 * k)))) for k in range(50)]
     headings = [one.theta for one in play(MotionPlayback(), turning, 1.9)]
     steps = [abs(wrap_angle(other - one)) for one, other in itertools.pairwise(headings)]
     assert max(steps) < 0.03
@@ -211,7 +211,7 @@ def test_robots_carried_while_the_simulation_stands_still_are_shown_there() -> N
 def test_memory_is_bounded() -> None:
     motions = MotionPlayback()
     circle = [
-        (k * TELLING, where(2 * k, (3 * math.cos(0.02 * k), 3 * math.sin(0.02 * k), wrap_angle(0.02 * k + 1.57))))
+        (k * PERIOD, where(2 * k, (3 * math.cos(0.02 * k), 3 * math.sin(0.02 * k), wrap_angle(0.02 * k + 1.57))))
         for k in range(2000)
     ]
     play(motions, circle, 80.0)
@@ -257,7 +257,7 @@ def test_who_comes_late_sees_what_still_lies_ahead() -> None:
 def test_the_same_moment_told_again_changes_nothing() -> None:
     once, twice = MotionPlayback(), MotionPlayback()
     drive = straight(1.0, 0.5)
-    again = [arrival for now, telling in drive for arrival in ((now, telling), (now + 0.001, telling))]
+    again = [arrival for now, message in drive for arrival in ((now, message), (now + 0.001, message))]
     expected = [one.x for one in play(once, drive, 1.0)]
     assert [one.x for one in play(twice, again, 1.0)] == pytest.approx(expected, abs=1e-4)
 
@@ -283,9 +283,9 @@ def test_truth_and_ellipse_come_along() -> None:
     for k in range(50):
         motions.receive(
             where(2 * k, (0.02 * k, 0.0, 0.0), truth=((0.02 * k, 0.3, 0.0),), ellipses=(Ellipse(0.5, 0.2, 0.1),)),
-            k * TELLING,
+            k * PERIOD,
         )
-        motions.at(k * TELLING)
+        motions.at(k * PERIOD)
     (robot,) = motions.at(2.0)
     assert robot.truth is not None
     assert (robot.truth.x, robot.truth.y) == pytest.approx((robot.pose.x, 0.3), abs=2e-3)

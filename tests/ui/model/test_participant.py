@@ -88,7 +88,7 @@ def test_a_whole_hunt_by_what_is_offered():
     assert seat.do(AnotherGame(), 30).game == 2
     assert seat.screen.phase is Phase.PLAYING
     assert seat.screen.score == 0
-    assert [told.text for told in seat.screen.history] == ["Game 2 begins, with 2 robots and 8 rooms."]
+    assert [line.text for line in seat.screen.history] == ["Game 2 begins, with 2 robots and 8 rooms."]
 
 
 def test_what_is_chosen_is_talked_about_at_once_and_then_done_by_itself():
@@ -111,8 +111,8 @@ def test_what_is_chosen_is_talked_about_at_once_and_then_done_by_itself():
     assert seat.screen.popup is None
     assert seat.view.robots[0].moving_to == 3
     assert seat.screen.cards[0].state == "travelling to room 3"
-    said = [told.text for told in seat.screen.history if told.speaker != "game"]
-    assert said == ["Go to room 3.", "It will cost me 17 to go to room 3", "Continue", "Are you sure?", "Continue"]
+    sentences = [line.text for line in seat.screen.history if line.speaker != "game"]
+    assert sentences == ["Go to room 3.", "It will cost me 17 to go to room 3", "Continue", "Are you sure?", "Continue"]
 
 
 def test_stop_sends_nobody_and_the_same_can_be_asked_again():
@@ -121,7 +121,7 @@ def test_stop_sends_nobody_and_the_same_can_be_asked_again():
         seat.do(ChooseRoom(3))
         assert seat.do(GiveAnswer(1)).popup is None
     assert not events(seat, Departed)
-    assert [told.text for told in seat.screen.history if told.speaker == "you"] == ["Go to room 3.", "Stop"] * 2
+    assert [line.text for line in seat.screen.history if line.speaker == "you"] == ["Go to room 3.", "Stop"] * 2
 
 
 def test_an_answer_counts_for_what_was_on_the_screen_only():
@@ -421,8 +421,8 @@ def test_a_server_that_is_killed_in_the_middle_goes_on_by_its_journal():
     seat.stage.puppets.ticks = 500
     seat.do(ChooseRoom(4))
     agree(seat)
-    told = len(seat.screen.history)
-    # Asked while nobody is there to hear it.
+    lines = len(seat.screen.history)
+    # Asked while nobody is there to receive it.
     seat.model.lost("The server has gone.", seat.now)
     seat.model.do(StopRobot(), seat.now)
     assert seat.screen.cards[1].state == "stopping"
@@ -431,7 +431,7 @@ def test_a_server_that_is_killed_in_the_middle_goes_on_by_its_journal():
     assert screen.banner is None
     assert screen.cards[1].state == "ready"
     assert [event.at.people for event in events(seat, Failed)] == [0]
-    assert len(screen.history) > told
+    assert len(screen.history) > lines
     assert [waiting.text for waiting in screen.waiting] == ["Robot 1 is in room 3 and found something"]
     assert seat.do(ShowWaiting(0)).popup.picked == name
     assert seat.do(SubmitName()).popup.verdict is not None

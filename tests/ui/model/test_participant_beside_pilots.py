@@ -55,6 +55,6 @@ def test_the_window_follows_a_hunt_that_a_ground_station_steers():
     assert len(flight.events(Arrived)) == len(flight.events(Identified)) == 8
     assert (screen.phase, screen.score) == (Phase.OVER, game.score)
     assert all(card.commanded == "commanded by ground station 255" for card in screen.cards)
-    told = [line.text for line in screen.history]
-    assert sum("is right" in text for text in told) == 8
-    assert "Robot 1 is in room 1." in told
+    texts = [line.text for line in screen.history]
+    assert sum("is right" in text for text in texts) == 8
+    assert "Robot 1 is in room 1." in texts

@@ -1,4 +1,4 @@
-"""What the participant sees and may do when somebody else commands a robot."""
+"""The participant's screen and acts when somebody else commands a robot."""
 
 import pytest
 
@@ -75,11 +75,11 @@ def test_a_talk_that_ends_so_is_explained():
     assert screen.banner.text.endswith(f"{BACK} Where it should go need not be talked over any more.")
 
 
-@pytest.mark.parametrize(("act", "wish"), [(ChooseRoom(3), Select(0, 3)), (AskAdvice(), Unsure(0))])
-def test_a_wish_on_its_way_is_taken_back(act, wish):
+@pytest.mark.parametrize(("act", "wanted"), [(ChooseRoom(3), Select(0, 3)), (AskAdvice(), Unsure(0))])
+def test_a_request_on_its_way_is_taken_back(act, wanted):
     model = model_of(view())
     model.do(act, 0.0)
-    assert model.requests() == (wish,)
+    assert model.requests() == (wanted,)
     model.receive(with_robot(view(), 0, **THEIRS), 1.0)
     assert model.requests() == ()
     assert model.screen(1.0).banner.text == WHY

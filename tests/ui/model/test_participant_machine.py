@@ -1,4 +1,4 @@
-"""Whatever happens and whatever is done: nothing raises, and what the rules allow is offered."""
+"""Random acts and events: nothing raises, and every act that the rules allow is offered."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What single views and tellings of the robots' way bring onto the screen."""
+"""The screen after single views, and after messages on the robots' progress."""
 
 from base64 import b64encode
 from dataclasses import replace
@@ -89,7 +89,7 @@ def model_of(*levels, now=0.0):
 
 
 def texts(screen):
-    return [told.text for told in screen.history]
+    return [line.text for line in screen.history]
 
 
 def test_before_there_is_a_game_it_says_what_it_waits_for():

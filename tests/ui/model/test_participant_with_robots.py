@@ -21,7 +21,7 @@ MINUTES = 12
 
 
 def key_for(screen: Screen) -> str | None:
-    """What a participant who trusts the robots presses now."""
+    """The key that a participant who trusts the robots presses now."""
     match screen.popup:
         case DialoguePopup(choices=choices):
             return "Enter" if choices else None

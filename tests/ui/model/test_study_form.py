@@ -112,17 +112,17 @@ def test_a_changed_file_means_what_was_wished_and_keeps_all_other_lines(
     wished: list[tuple[str, str]], text: str
 ) -> None:
     tree = parse(PATH, text)
-    for key, said in wished:
+    for key, typed in wished:
         form = form_of(text, tree, study_before(PATH, tree))
         fields = {field.key: field for field in form.all_fields()}
         if key not in fields:
             continue
         field = fields[key]
         draft = StudyDraft(PATH, text, tree, form, None, (), ())
-        before, text = text, text_of(draft.set(field, said))
+        before, text = text, text_of(draft.set(field, typed))
         tree = parse(PATH, text)
         after = {field.key: field for field in form_of(text, tree, study_before(PATH, tree)).all_fields()}
-        assert as_number(editable_text(after[key])) == as_number(said)
+        assert as_number(editable_text(after[key])) == as_number(typed)
         untouched(before, text, field)
         for other, was in fields.items():
             # A preset changes defaults, and so does what all robots have; what is written stays.
@@ -139,22 +139,22 @@ def untouched(before: str, after: str, field: FormField) -> None:
     assert lost in ([], [field.line]) or (len(lost) == 1 and "{" in lines[lost[0] - 1])
 
 
-def as_number(said: str) -> float | str:
+def as_number(typed: str) -> float | str:
     try:
-        return float(said)
+        return float(typed)
     except ValueError:
-        return said
+        return typed
 
 
 @settings(max_examples=30)
 @given(changes())
 def test_resetting_takes_back_just_what_was_set(change: tuple[str, str]) -> None:
-    key, said = change
+    key, typed = change
     draft = quick("robots: 2\n# end\n")
     if key not in draft.fields():
         return
     was = draft.fields()[key]
-    changed = text_of(draft.set(was, said))
+    changed = text_of(draft.set(was, typed))
     if changed == draft.text or was.written is not None:
         return
     tree = parse(PATH, changed)

@@ -10,9 +10,9 @@ COSTS = ((None, 5.0, 9.0, 7.0), (None, None, 5.0, 5.0), (None, 5.0, None, 5.0), 
 
 def view(robots: int = 2, rooms: int = 3, **changes) -> View:
     team = tuple(RobotView(robot, 0, None, 100.0, False, Condition.WELL) for robot in range(robots))
-    house = tuple(RoomView(room, "unvisited", None, None, None, None, None, False) for room in range(1, rooms + 1))
+    known = tuple(RoomView(room, "unvisited", None, None, None, None, None, False) for room in range(1, rooms + 1))
     costs = COSTS if rooms == 3 else tuple((5.0,) * (rooms + 1) for _ in range(rooms + 1))
-    return replace(View(1, True, costs, team, house, (), (), 0, None, 5.0, 1.0, None), **changes)
+    return replace(View(1, True, costs, team, known, (), (), 0, None, 5.0, 1.0, None), **changes)
 
 
 def with_robot(was: View, robot: int, **changes) -> View:
@@ -29,5 +29,5 @@ def asking(robot: int, room: int, number: int = 1, turn: int = 1) -> DialogueVie
     return DialogueView(number, turn, robot, "select-room", room, ("Shall I go?",), ("Continue", "Stop"))
 
 
-def refusal(number: int, wish: str) -> RefusalView:
-    return RefusalView(number, wish, "no", f"No {wish}.")
+def refusal(number: int, request: str) -> RefusalView:
+    return RefusalView(number, request, "no", f"No {request}.")

@@ -27,18 +27,18 @@ DONE: dict[int, Request] = {
     350: Carry(2, Pose2(-2.869, -2.97, 0.0)),
     450: Revive(1),
 }
-"""What befalls the hunt, by tick."""
+"""Requests to the robots during the hunt, by tick."""
 
 
 def record(bag: Path, study: Study, ticks: int, done: Mapping[int, Request] = DONE) -> None:
-    """A hunt with a simulated participant, and what befalls it."""
+    """A hunt with a simulated participant, and these requests."""
     setting = read_setting(study, Path())
     participant = TabUI(build_bot(setting.templates, study.participant.strategy, study.seed))
     session_record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
     with setting.writer(bag) as writer:
-        witness = BagRecorder(Broadcast(setting.publisher(), session_record, setting.map.grid, [writer]))
+        recorder = BagRecorder(Broadcast(setting.publisher(), session_record, setting.map.grid, [writer]))
         roles = [setting.simr(), setting.hider()]
-        session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [witness], participant)
+        session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [recorder], participant)
         for tick in range(ticks):
             if tick in done:
                 session.ask("watch", done[tick])
@@ -55,7 +55,7 @@ def hunt(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def split(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """As `hunt`, in parts and packed."""
+    """The hunt in parts, compressed."""
     bag = tmp_path_factory.mktemp("split") / "hunt.bag"
     recording = RecordingSection(Compression.LZ4, split_duration=2.0)
     record(bag, dataclasses.replace(STUDY, recording=recording), TICKS // 2)

@@ -194,13 +194,13 @@ class TestSeries:
 
 class TestStory:
     def test_all_that_happened_is_in_its_list(self, hunt: Path, source: BagSource) -> None:
-        told = dict.fromkeys(("/hunt/events", "/dialogue/utterances", "/inputs", "/rosout"), 0)
-        for message in bag_reader.messages(hunt, told):
-            told[message.topic] += 1
-        story = source.log
+        counts = dict.fromkeys(("/hunt/events", "/dialogue/utterances", "/inputs", "/rosout"), 0)
+        for message in bag_reader.messages(hunt, counts):
+            counts[message.topic] += 1
+        log = source.log
         kinds = ("event", "said", "input", "log")
-        assert [len(story.entries(kind)) for kind in kinds] == list(told.values())
-        assert [entry.text.split()[0] for entry in story.entries("line")] == ["%%goto"] * 3
+        assert [len(log.entries(kind)) for kind in kinds] == list(counts.values())
+        assert [entry.text.split()[0] for entry in log.entries("line")] == ["%%goto"] * 3
 
     def test_marks_are_where_it_matters(self, source: BagSource) -> None:
         marks = {entry.what: (entry.stamp_ns - source.start_ns) // TICK_NS - 1 for entry in source.log.marks()}

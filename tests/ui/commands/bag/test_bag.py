@@ -41,11 +41,11 @@ def test_check_says_what_where_and_what_to_do(bad: Path) -> None:
 def test_check_for_scripts(bad: Path) -> None:
     done = RUN.invoke(app, ["bag", "check", str(bad), "--json"])
     assert done.exit_code == 1
-    told = json.loads(done.stdout)
-    assert told["ok"] is False
-    assert told["tools"]["rviz"] == "error"
-    assert told["tools"]["evo"] == "ok"
-    (finding,) = told["findings"]
+    result = json.loads(done.stdout)
+    assert result["ok"] is False
+    assert result["tools"]["rviz"] == "error"
+    assert result["tools"]["evo"] == "ok"
+    (finding,) = result["findings"]
     assert (finding["rule"], finding["topic"], finding["messages"]) == ("tf-missing", "/scan", 30)
 
 
@@ -72,9 +72,9 @@ def test_check_of_a_split_recording_tells_which_part(tmp_path: Path, bag: Path, 
     bad.rename(tmp_path / "hunt_1.bag")
     done = RUN.invoke(app, ["bag", "check", str(tmp_path / "hunt.bag"), "--json"])
     assert done.exit_code == 1
-    told = json.loads(done.stdout)
-    assert told["messages"] == 92 + 91
-    assert [finding["file"] for finding in told["findings"]] == [str(tmp_path / "hunt_1.bag")]
+    result = json.loads(done.stdout)
+    assert result["messages"] == 92 + 91
+    assert [finding["file"] for finding in result["findings"]] == [str(tmp_path / "hunt_1.bag")]
 
 
 def test_info_names_all_topics_in_full(bag: Path) -> None:
@@ -86,9 +86,9 @@ def test_info_names_all_topics_in_full(bag: Path) -> None:
 
 
 def test_info_for_scripts(bag: Path) -> None:
-    told = json.loads(RUN.invoke(app, ["bag", "info", str(bag), "--json"]).stdout)
-    assert (told["messages"], told["parts"][0]["messages"], told["session"]) == (92, 92, None)
-    assert {topic["name"] for topic in told["topics"]} == {"/map", "/odom", "/scan", "/tf", "/tf_static"}
+    result = json.loads(RUN.invoke(app, ["bag", "info", str(bag), "--json"]).stdout)
+    assert (result["messages"], result["parts"][0]["messages"], result["session"]) == (92, 92, None)
+    assert {topic["name"] for topic in result["topics"]} == {"/map", "/odom", "/scan", "/tf", "/tf_static"}
 
 
 def test_cut(bag: Path) -> None:
@@ -96,8 +96,8 @@ def test_cut(bag: Path) -> None:
     done = RUN.invoke(app, ["bag", "cut", str(bag), *options])
     assert done.exit_code == 0
     assert "12 messages into" in done.stdout
-    told = json.loads(RUN.invoke(app, ["bag", "info", str(bag.with_name("a-cut.bag")), "--json"]).stdout)
-    assert (told["messages"], told["compression"]) == (12, "lz4")
+    result = json.loads(RUN.invoke(app, ["bag", "info", str(bag.with_name("a-cut.bag")), "--json"]).stdout)
+    assert (result["messages"], result["compression"]) == (12, "lz4")
     again = RUN.invoke(app, ["bag", "cut", str(bag), *options])
     assert again.exit_code == 2
     assert "--overwrite" in again.stderr

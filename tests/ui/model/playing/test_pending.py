@@ -11,7 +11,7 @@ UNDER_WAY = with_room(with_robot(view(), 0, moving_to=3), 3, state="reserved", r
 
 
 @pytest.mark.parametrize(
-    ("wish", "before", "granted"),
+    ("wanted", "before", "granted"),
     [
         (Agree(), view(consent="Do you?"), view()),
         (Select(0, 3), view(), view(dialogues=(asking(0, 3),))),
@@ -30,17 +30,17 @@ UNDER_WAY = with_room(with_robot(view(), 0, moving_to=3), 3, state="reserved", r
         (PlayAgain(1), view(over="given-up"), view(game=2)),
     ],
 )
-def test_a_wish_is_kept_until_the_view_shows_it_granted(wish, before, granted):
-    asked = PendingRequests()
-    asked.ask(wish, before)
-    assert asked.receive(before) == ()
-    assert asked.requests == (wish,)
-    assert asked.receive(granted) == ()
-    assert asked.requests == ()
+def test_a_request_is_kept_until_the_view_shows_it_granted(wanted, before, granted):
+    pending = PendingRequests()
+    pending.ask(wanted, before)
+    assert pending.receive(before) == ()
+    assert pending.requests == (wanted,)
+    assert pending.receive(granted) == ()
+    assert pending.requests == ()
 
 
 @pytest.mark.parametrize(
-    ("wish", "before", "kind"),
+    ("wanted", "before", "kind"),
     [
         (Select(0, 3), view(), "select-room"),
         (Unsure(0), view(), "Unsure"),
@@ -50,43 +50,43 @@ def test_a_wish_is_kept_until_the_view_shows_it_granted(wish, before, granted):
         (CallBack(0), UNDER_WAY, "CallBack"),
     ],
 )
-def test_a_refusal_ends_the_wish_it_is_about_and_no_other(wish, before, kind):
-    asked = PendingRequests()
-    asked.ask(wish, before)
-    asked.drop_refused(refusal(1, "SendRobot"))
-    assert asked.requests == (wish,)
-    asked.drop_refused(refusal(2, kind))
-    assert asked.requests == ()
+def test_a_refusal_ends_the_request_it_is_about_and_no_other(wanted, before, kind):
+    pending = PendingRequests()
+    pending.ask(wanted, before)
+    pending.drop_refused(refusal(1, "SendRobot"))
+    assert pending.requests == (wanted,)
+    pending.drop_refused(refusal(2, kind))
+    assert pending.requests == ()
 
 
 def test_what_can_not_come_true_any_more_is_dropped_with_its_reason():
-    asked = PendingRequests()
-    asked.ask(Select(0, 3), view())
+    pending = PendingRequests()
+    pending.ask(Select(0, 3), view())
     taken = with_room(with_robot(view(), 1, moving_to=3), 3, state="reserved", robot=1)
-    assert asked.receive(taken) == ("Robot 2 is on its way there.",)
-    assert asked.requests == ()
+    assert pending.receive(taken) == ("Robot 2 is on its way there.",)
+    assert pending.requests == ()
 
 
 def test_advice_is_given_by_a_new_dialogue_even_if_it_has_the_number_of_one_before_a_restart():
-    asked = PendingRequests()
-    asked.ask(Unsure(0), view(dialogues=(asking(0, 2),)))
-    asked.receive(view(dialogues=(asking(0, 2),)))
-    assert asked.requests == (Unsure(0),)
-    asked.receive(view())
-    asked.receive(view(dialogues=(asking(0, 2),)))
-    assert asked.requests == ()
+    pending = PendingRequests()
+    pending.ask(Unsure(0), view(dialogues=(asking(0, 2),)))
+    pending.receive(view(dialogues=(asking(0, 2),)))
+    assert pending.requests == (Unsure(0),)
+    pending.receive(view())
+    pending.receive(view(dialogues=(asking(0, 2),)))
+    assert pending.requests == ()
 
 
 def test_a_robot_is_asked_to_go_to_one_place_at_a_time():
-    asked = PendingRequests()
-    for wish in (Select(0, 3), Select(1, 2), Unsure(0), Select(0, 1)):
-        asked.ask(wish, view())
-    assert asked.requests == (Select(1, 2), Select(0, 1))
+    pending = PendingRequests()
+    for wanted in (Select(0, 3), Select(1, 2), Unsure(0), Select(0, 1)):
+        pending.ask(wanted, view())
+    assert pending.requests == (Select(1, 2), Select(0, 1))
 
 
 def test_nothing_is_wanted_of_a_game_that_is_over_but_another_one():
-    asked = PendingRequests()
-    for wish in (Select(0, 3), Leave(3), PlayAgain(1)):
-        asked.ask(wish, STANDING)
-    assert set(asked.receive(replace(STANDING, over="given-up"))) <= {""}
-    assert asked.requests == (PlayAgain(1),)
+    pending = PendingRequests()
+    for wanted in (Select(0, 3), Leave(3), PlayAgain(1)):
+        pending.ask(wanted, STANDING)
+    assert set(pending.receive(replace(STANDING, over="given-up"))) <= {""}
+    assert pending.requests == (PlayAgain(1),)

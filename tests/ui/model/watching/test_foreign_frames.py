@@ -7,7 +7,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from tests.ui.model.watching.hear import Heard, odometry, tf
+from tests.ui.model.watching.messages import StampedMessage, odometry, tf
 from thbridge.ros.messages import pack, types
 from ui.model.watching.live import LiveSource
 from ui.model.watching.scene import RobotScene, ShownLayers
@@ -23,10 +23,14 @@ def seen(frame: str) -> RobotScene:
         [
             tf(1, ("map", "odom", ODOM_IN_MAP), ("odom", "base_link", Pose2(1.0, 0.0, 0.0))),
             odometry(1, Pose2(1.0, 0.0, 0.0)),
-            Heard("/particlecloud", types.POSE_ARRAY, 1, pack.pose_array(0, frame, POSES)),
-            Heard("/move_base/NavfnROS/plan", types.PATH, 1, pack.path(0, frame, POSES)),
-            Heard("/move_base/local_costmap/footprint", types.POLYGON_STAMPED, 1, pack.polygon(0, frame, POSES[:, :2])),
-            Heard("/move_base/local_costmap/costmap", types.OCCUPANCY_GRID, 1, pack.occupancy_grid(0, frame, CELLS)),
+            StampedMessage("/particlecloud", types.POSE_ARRAY, 1, pack.pose_array(0, frame, POSES)),
+            StampedMessage("/move_base/NavfnROS/plan", types.PATH, 1, pack.path(0, frame, POSES)),
+            StampedMessage(
+                "/move_base/local_costmap/footprint", types.POLYGON_STAMPED, 1, pack.polygon(0, frame, POSES[:, :2])
+            ),
+            StampedMessage(
+                "/move_base/local_costmap/costmap", types.OCCUPANCY_GRID, 1, pack.occupancy_grid(0, frame, CELLS)
+            ),
         ],
         0.0,
     )

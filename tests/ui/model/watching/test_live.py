@@ -4,23 +4,28 @@ import pytest
 
 from sim.common.geometry import Pose2
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from tests.ui.model.watching.hear import SECOND, Heard, odometry, tf
+from tests.ui.model.watching.messages import SECOND, StampedMessage, odometry, tf
 from thbridge.ros.publisher import RosMessage, TeamPublisher
 from ui.model.watching.live import LiveSource
 from ui.model.watching.scene import ShownLayers
 
 
-def heard(messages: list[RosMessage]) -> list[Heard]:
-    return [Heard(message.topic.name, message.topic.msgtype, message.stamp_ns, message.data) for message in messages]
+def stamped(messages: list[RosMessage]) -> list[StampedMessage]:
+    return [
+        StampedMessage(message.topic.name, message.topic.msgtype, message.stamp_ns, message.data)
+        for message in messages
+    ]
 
 
-def opening() -> list[Heard]:
-    return heard(TeamPublisher(2, MOUNT, SCAN_PERIOD).opening(0, SESSION, arena()))
+def opening() -> list[StampedMessage]:
+    return stamped(TeamPublisher(2, MOUNT, SCAN_PERIOD).opening(0, SESSION, arena()))
 
 
-def ticks(first: int, count: int) -> list[Heard]:
+def ticks(first: int, count: int) -> list[StampedMessage]:
     publisher = TeamPublisher(2, MOUNT, SCAN_PERIOD)
-    return [said for each in snapshots(2, count, first) for said in heard(publisher.tick(each, records(each.tick)))]
+    return [
+        message for each in snapshots(2, count, first) for message in stamped(publisher.tick(each, records(each.tick)))
+    ]
 
 
 @pytest.fixture
@@ -47,15 +52,15 @@ def test_it_shows_what_was_said_last(source: LiveSource) -> None:
 
 
 def test_what_was_said_before_robots_are_told_apart_is_taken_for_its_own_robots() -> None:
-    said = ticks(0, 100)
-    poses = [[each for each in said if each.topic == f"/robot{number}/amcl_pose"] for number in (1, 2)]
+    messages = ticks(0, 100)
+    poses = [[each for each in messages if each.topic == f"/robot{number}/amcl_pose"] for number in (1, 2)]
     latched = [poses[1][0], poses[0][-1]]
     live = LiveSource()
     live.take([*opening(), *latched, *ticks(100, 20)], 10.0)
     for robot, pose in enumerate((poses[0][-1], poses[1][0])):
         series = live.series.of(robot)
-        told = series.deviations.rows(until=99 / 50)[:, 0]
-        assert told == pytest.approx([(pose.stamp_ns - live.start_ns) / SECOND])
+        times = series.deviations.rows(until=99 / 50)[:, 0]
+        assert times == pytest.approx([(pose.stamp_ns - live.start_ns) / SECOND])
         assert series.estimate.rows()[0, 0] >= 100 / 50
 
 
@@ -66,7 +71,7 @@ def test_another_session_begins_anew(source: LiveSource) -> None:
     assert len(source.log.entries("event")) < events
     scene = source.scene(ShownLayers())
     assert scene.time == 0.0
-    assert scene.grid == arena()  # said before anybody could know that it is another's
+    assert scene.grid == arena()  # published before its robots tell that it is another session
     assert len(source.series.of(0).truth) == 1
 
 
@@ -98,7 +103,7 @@ def test_frames_that_nobody_speaks_of_any_more_are_forgotten() -> None:
 
 
 def test_messages_that_cannot_be_read_are_left_out(source: LiveSource) -> None:
-    broken = [Heard(said.topic, said.msgtype, said.stamp_ns, said.data[:9]) for said in ticks(100, 20)]
+    broken = [StampedMessage(each.topic, each.msgtype, each.stamp_ns, each.data[:9]) for each in ticks(100, 20)]
     source.take(broken, 11.0)
     scene = source.scene(ShownLayers())
     assert [robot.truth for robot in scene.robots] == [None, None]

@@ -1,24 +1,26 @@
 import json
 
-from tests.ui.model.watching.hear import Heard
+from tests.ui.model.watching.messages import StampedMessage
 from thbridge.ros import names
 from thbridge.ros.messages import pack, types
 from thbridge.ros.messages.records import GameEvent, LogLevel, LogLine
 from ui.model.watching.session_log import MAX_ENTRIES, RoomStatus, SessionLog
 
 
-def event(second: int, kind: str, robot: int | None = None, room: int | None = None, **fields: object) -> Heard:
-    told = GameEvent(kind, robot, room, json.dumps({"v": 1, "event": kind, **fields}))
-    return Heard(names.GAME_EVENTS, types.GAME_EVENT, second, pack.game_event(0, told))
+def event(
+    second: int, kind: str, robot: int | None = None, room: int | None = None, **fields: object
+) -> StampedMessage:
+    record = GameEvent(kind, robot, room, json.dumps({"v": 1, "event": kind, **fields}))
+    return StampedMessage(names.GAME_EVENTS, types.GAME_EVENT, second, pack.game_event(0, record))
 
 
-def log(second: int, level: LogLevel, text: str) -> Heard:
-    return Heard(names.ROSOUT, types.LOG, second, pack.log(0, LogLine(level, "/robot1/amcl", text)))
+def log(second: int, level: LogLevel, text: str) -> StampedMessage:
+    return StampedMessage(names.ROSOUT, types.LOG, second, pack.log(0, LogLine(level, "/robot1/amcl", text)))
 
 
 def test_rooms_are_as_the_game_left_them_at_a_time() -> None:
-    story = SessionLog()
-    for said in (
+    session_log = SessionLog()
+    for message in (
         event(1, "started"),
         event(2, "hidden", treasures=[{"name": "Pink can"}, {"name": "Blue box"}]),
         event(3, "departed", 0, 2),
@@ -27,73 +29,73 @@ def test_rooms_are_as_the_game_left_them_at_a_time() -> None:
         event(7, "failed", 1, 1, reason="No way."),
         event(9, "started"),
     ):
-        story.take(said)
-    assert story.rooms(2) == {1: RoomStatus(found="Pink can"), 2: RoomStatus(found="Blue box")}
-    assert story.rooms(4)[2] == RoomStatus("reserved", 0, "Blue box")
-    assert story.rooms(6)[2] == RoomStatus("visited", 0, "Blue box")
-    assert story.rooms(6)[1].state == "reserved"
-    assert story.rooms(8)[1] == RoomStatus(found="Pink can")
-    assert story.rooms(9) == {}
+        session_log.take(message)
+    assert session_log.rooms(2) == {1: RoomStatus(found="Pink can"), 2: RoomStatus(found="Blue box")}
+    assert session_log.rooms(4)[2] == RoomStatus("reserved", 0, "Blue box")
+    assert session_log.rooms(6)[2] == RoomStatus("visited", 0, "Blue box")
+    assert session_log.rooms(6)[1].state == "reserved"
+    assert session_log.rooms(8)[1] == RoomStatus(found="Pink can")
+    assert session_log.rooms(9) == {}
 
 
 def test_an_event_is_told_with_who_where_and_what() -> None:
-    story = SessionLog()
-    story.take(event(7, "failed", 1, 4, reason="No way there.", refund=12.5))
-    (entry,) = story.entries("event")
+    session_log = SessionLog()
+    session_log.take(event(7, "failed", 1, 4, reason="No way there.", refund=12.5))
+    (entry,) = session_log.entries("event")
     assert (entry.what, entry.who, entry.robot, entry.room) == ("failed", "robot 2", 1, 4)
     assert entry.text == "reason No way there, refund 12.5"
     assert entry.important
 
 
 def test_that_the_participant_asks_for_a_robot_is_said_in_words() -> None:
-    story = SessionLog()
-    story.take(event(7, "asked-back", 1))
-    (entry,) = story.entries("event")
+    session_log = SessionLog()
+    session_log.take(event(7, "asked-back", 1))
+    (entry,) = session_log.entries("event")
     assert (entry.who, entry.text, entry.important) == ("robot 2", "the participant asks for it", True)
 
 
 def test_who_commands_a_robot_at_a_time() -> None:
-    story = SessionLog()
-    for said in (
+    session_log = SessionLog()
+    for message in (
         event(1, "started"),
         event(2, "commanded", 0, by="ground station", name="ground station 255"),
         event(3, "commanded", 1, by="researcher", name="/rviz"),
         event(4, "commanded", 1, by="participant", name=""),
         event(5, "started"),
     ):
-        story.take(said)
-    assert story.commanders(1) == {}
-    assert story.commanders(3) == {0: "ground station 255", 1: "researcher /rviz"}
-    assert story.commanders(4) == {0: "ground station 255"}
-    assert story.commanders(5) == {}
-    assert all(entry.important for entry in story.entries("event"))
+        session_log.take(message)
+    assert session_log.commanders(1) == {}
+    assert session_log.commanders(3) == {0: "ground station 255", 1: "researcher /rviz"}
+    assert session_log.commanders(4) == {0: "ground station 255"}
+    assert session_log.commanders(5) == {}
+    assert all(entry.important for entry in session_log.entries("event"))
 
 
 def test_grave_lines_of_the_log_are_important() -> None:
-    story = SessionLog()
+    session_log = SessionLog()
     for level in LogLevel:
-        story.take(log(int(level), level, "something"))
-    assert [entry.what for entry in story.entries("log") if entry.important] == ["error", "fatal"]
+        session_log.take(log(int(level), level, "something"))
+    assert [entry.what for entry in session_log.entries("log") if entry.important] == ["error", "fatal"]
 
 
 def test_what_cannot_be_read_is_left_out() -> None:
-    story = SessionLog()
-    story.take(Heard(names.GAME_EVENTS, types.GAME_EVENT, 1, b"\0"))
-    story.take(Heard("/odom", types.ODOMETRY, 1, b""))
-    assert [len(story.entries(kind)) for kind in ("event", "said", "line", "input", "log")] == [0] * 5
+    session_log = SessionLog()
+    session_log.take(StampedMessage(names.GAME_EVENTS, types.GAME_EVENT, 1, b"\0"))
+    session_log.take(StampedMessage("/odom", types.ODOMETRY, 1, b""))
+    assert [len(session_log.entries(kind)) for kind in ("event", "said", "line", "input", "log")] == [0] * 5
 
 
 def test_long_lists_lose_what_is_oldest() -> None:
-    story = SessionLog()
+    session_log = SessionLog()
     line = log(0, LogLevel.INFO, "again")
     for second in range(MAX_ENTRIES + 1):
-        story.take(Heard(line.topic, line.msgtype, second, line.data))
-    assert len(story.entries("log")) <= MAX_ENTRIES
-    assert story.dropped("log") + len(story.entries("log")) == MAX_ENTRIES + 1
-    assert story.entries("log")[-1].stamp_ns == MAX_ENTRIES
+        session_log.take(StampedMessage(line.topic, line.msgtype, second, line.data))
+    assert len(session_log.entries("log")) <= MAX_ENTRIES
+    assert session_log.dropped("log") + len(session_log.entries("log")) == MAX_ENTRIES + 1
+    assert session_log.entries("log")[-1].stamp_ns == MAX_ENTRIES
 
 
 def test_what_an_event_leaves_empty_is_not_told() -> None:
-    story = SessionLog()
-    story.take(event(4, "commanded", 1, by="participant", name=""))
-    assert [entry.text for entry in story.entries("event")] == ["by participant"]
+    session_log = SessionLog()
+    session_log.take(event(4, "commanded", 1, by="participant", name=""))
+    assert [entry.text for entry in session_log.entries("event")] == ["by participant"]

@@ -11,20 +11,20 @@ SECOND = 1_000_000_000
 
 
 @dataclass(frozen=True)
-class Heard:
+class StampedMessage:
     topic: str
     msgtype: str
     stamp_ns: int
     data: bytes
 
 
-def tf(second: float, *entries: tuple[str, str, Pose2], topic: str = "/tf") -> Heard:
+def tf(second: float, *entries: tuple[str, str, Pose2], topic: str = "/tf") -> StampedMessage:
     data = pack.transforms(0, [Transform(*entry) for entry in entries])
-    return Heard(topic, types.TFMESSAGE, round(second * SECOND), data)
+    return StampedMessage(topic, types.TFMESSAGE, round(second * SECOND), data)
 
 
 def odometry(
     second: float, pose: Pose2, topic: str = "/odom", frame: str = "odom", child: str = "base_link", speed: float = 0.0
-) -> Heard:
+) -> StampedMessage:
     data = pack.odometry(0, frame, child, pose, Twist(speed, 0.0))
-    return Heard(topic, types.ODOMETRY, round(second * SECOND), data)
+    return StampedMessage(topic, types.ODOMETRY, round(second * SECOND), data)
