@@ -56,7 +56,7 @@ class DriveResult:
 
 
 def drive(
-    grid: OccupancyGrid, world: WorldParameters, robot: RobotParameters, errand: DriveTask, seed: int
+    grid: OccupancyGrid, world: WorldParameters, robot: RobotParameters, task: DriveTask, seed: int
 ) -> DriveResult | Misplaced:
     """Drive to a goal, alone on the map; or return why the robot cannot stand at its start.
 
@@ -64,26 +64,26 @@ def drive(
         grid: the map, true and known to the robot; its origin may be turned.
         world: bodies, motors and sensors.
         robot: the software that drives.
-        errand: start and goal.
+        task: start and goal.
         seed: seed of all random numbers.
     """
     if grid.origin.theta != 0.0:
         # Navigators need maps that are not rotated: drive in the grid's own frame, in which all lengths are the same.
         in_grid = grid.origin.inverse()
-        errand = dataclasses.replace(errand, start=in_grid.compose(errand.start), goal=in_grid.compose(errand.goal))
+        task = dataclasses.replace(task, start=in_grid.compose(task.start), goal=in_grid.compose(task.goal))
         grid = OccupancyGrid(grid.cells, grid.resolution, Pose2(0.0, 0.0, 0.0))
-    if errand.any_heading:
+    if task.any_heading:
         robot = _heedless_of_heading(robot)
-    placed = World(grid, world, seed, charge=math.inf).start([errand.start])
+    placed = World(grid, world, seed, charge=math.inf).start([task.start])
     if isinstance(placed, Misplaced):
         return placed
-    team = Team(grid, world, [robot], [errand.start], seed, charge=math.inf)
+    team = Team(grid, world, [robot], [task.start], seed, charge=math.inf)
     room = _Room(grid, np.array(world.footprint, dtype=np.float64))
     room.enter(placed.poses[0])
-    inputs = [Go(0, Goal(0, errand.goal))]
+    inputs = [Go(0, Goal(0, task.goal))]
     before, distance, collided = placed.poses[0], 0.0, False
-    tick, reason = 0, f"the robot was still under way after {errand.timeout:g} s"
-    while tick < round(errand.timeout / TICK):
+    tick, reason = 0, f"the robot was still under way after {task.timeout:g} s"
+    while tick < round(task.timeout / TICK):
         snapshot = team.step(inputs)
         tick, inputs = tick + 1, []
         pose = snapshot.truth.poses[0]

@@ -186,6 +186,7 @@ class MoveBaseServer:
     def _receive_goal(self, goal: GoalId, base: Pose2 | None, number: int, refusal: str) -> None:
         known = next((entry for entry in self._listed if entry.goal.id == goal.id), None)
         if known is not None:
+            # A goal whose cancel request came first ends at once; a known goal that comes again is ignored.
             if known.status is GoalStatusCode.RECALLING:
                 self._end(known, GoalStatusCode.RECALLED, known.text)
             elif not known.came:
@@ -243,6 +244,8 @@ class MoveBaseServer:
                 self._halted = current
                 return [Halt(self._robot)]
             return []
+        # A new goal preempts the present one. If it cannot be driven to, the robot must stop all the same, because
+        # the goal before it has ended.
         drives = current is not None and current.is_active
         self._replace_current(entry)
         entry.status = GoalStatusCode.ACTIVE if entry.status is GoalStatusCode.PENDING else GoalStatusCode.PREEMPTING

@@ -111,6 +111,7 @@ class Pacer:
                 await asyncio.sleep(0)
             return
         now = self._clock()
+        # Due times are added up, so that delays of single ticks are made up for and do not accumulate.
         self._due = now if self._due is None else self._due + self._period
         if now - self._due > _LAG:
             if not self._lagging:

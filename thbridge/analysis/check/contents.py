@@ -143,7 +143,7 @@ class FilledCovariances:
             if not self._filled.get(topic, False):
                 self._first_ns.setdefault(topic, message.stamp_ns)
                 self._count[topic] = self._count.get(topic, 0) + 1
-                # The pose's comes first, in either type.
+                # In both types the first covariance is that of the pose.
                 self._filled[topic] = message.reading.covariances[:1] == [True]
 
         return check

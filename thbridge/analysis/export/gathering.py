@@ -103,6 +103,7 @@ class GatheredRows:
         return at
 
     def _read_many(self, count: int, data: bytes, at: int) -> int:
+        # Elements of one fixed block (points, poses) are copied all at once: large arrays are mostly of this kind.
         run = self._only_run
         if run is None:
             for _ in range(_sane(count, data, at, 1 if self.record.parts else 0)):

@@ -126,7 +126,7 @@ class _Sources:
     """Chooses one robot's truth, odometry and estimate among topics and transforms.
 
     Attributes:
-        told: sentences on the topics that were chosen, for people.
+        notes: sentences on the topics that were chosen, for people.
     """
 
     def __init__(self, by_topic: SeriesByTopic, robot: str, robots: frozenset[str]) -> None:

@@ -349,6 +349,7 @@ def _named(node: Section, into: type, defaults: "DataclassInstance | None") -> M
 
 def _handed_down(node: Section, into: type) -> Section:
     """The section with the entries moved to its parts that ROS passes on to them; they replace the parts' own."""
+    # As costmap_2d does with parameters of a costmap that its layers read (costmap_2d_ros.cpp, resetOldParameters).
     passed_on = cast(Mapping[str, str], getattr(into, "passed_on", {}))
     parts: dict[str, list[tuple[Scalar, Node]]] = {}
     gone: set[str] = set()

@@ -5,6 +5,8 @@ import errno
 import os
 
 _KEEP_SIZE = 1
+"""FALLOC_FL_KEEP_SIZE: the space is reserved behind the file's end, which stays where it is."""
+# Errors of file systems that cannot reserve space.
 _CANNOT = {errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL}
 
 _fallocate = getattr(ctypes.CDLL(None, use_errno=True), "fallocate", None)

@@ -152,6 +152,8 @@ class BagIndex:
         """Location of the last message of a topic up to and including a time; None without one."""
         best: MessageLocation | None = None
         topic_chunks = self._chunks_of(topic)
+        # Chunks may overlap in time: a message in an earlier chunk can be later than the best one so far. The running
+        # maximum of the last stamps tells when no earlier chunk can have one.
         for turn in range(bisect_right(topic_chunks.starts, at_ns) - 1, -1, -1):
             if best is not None and topic_chunks.reach[turn] < best.stamp_ns:
                 break

@@ -35,6 +35,7 @@ class RosClock:
         if self._simulated and self._last_clock is not None:
             ros_ns, received_ns = self._last_clock
             source_ns = ros_ns + max(0, wall_ns - received_ns - CLOCK_TIMEOUT_NS)
+        # Where the source was set back for good, a shift keeps our time at its last value and lets it go on from there.
         if self._last_ns - (source_ns + self._shift_ns) > SET_BACK_NS:
             self._shift_ns = self._last_ns - source_ns
         self._last_ns = max(self._last_ns, source_ns + self._shift_ns, 1)
