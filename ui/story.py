@@ -1,4 +1,4 @@
-"""A hunt told in sentences, for the terminal."""
+"""Sentences on the events of a hunt, for the terminal."""
 
 from collections.abc import Iterator
 

@@ -63,10 +63,10 @@ class TerminalPlayer:
         """Return the requests typed since the last call, and those that follow from agreements; see `Player`."""
         if view != self._view:
             before, self._view = self._view, view
-            for line in _news(before, view):
+            for line in _changes(before, view):
                 self.show(line)
         wanted, self._wanted = self._wanted, ()
-        follow = [wish for consent in view.consents if (wish := self._follow(consent)) is not None]
+        follow = [request for consent in view.consents if (request := self._follow(consent)) is not None]
         sense = [Sense(room.room) for room in view.rooms if room.undecided and not room.sensed]
         return (*wanted, *follow, *sense)
 
@@ -80,8 +80,8 @@ class TerminalPlayer:
             case []:
                 pass
             case ["?"]:
-                for told in _standing(view):
-                    self.show(told)
+                for state in _state_lines(view):
+                    self.show(state)
             case ["names"]:
                 self.show(f"  {', '.join(view.names)}" if view.names else NO_NAMES)
             case ["agree"]:
@@ -146,54 +146,54 @@ def _is_number(word: str) -> bool:
     return word.isdecimal() and len(word) < 6
 
 
-def _news(before: View | None, view: View) -> list[str]:
+def _changes(before: View | None, view: View) -> list[str]:
     """Lines that tell a person the changes since the view before."""
     if view.consent is not None and (before is None or before.consent is None):
         return [*view.consent.splitlines(), "Type agree to take part."]
     if before is not None and before.consent is not None and view.consent is None:
         before = None
     if before is None or before.game != view.game:
-        return [f"Game {view.game}. Type ? to see how things stand, h for help.", *_standing(view)]
-    told: list[str] = []
+        return [f"Game {view.game}. Type ? to see how things stand, h for help.", *_state_lines(view)]
+    lines: list[str] = []
     for was, now in zip(before.robots, view.robots, strict=True):
-        told += _robot_news(was, now)
+        lines += _robot_changes(was, now)
     for old, new in zip(before.rooms, view.rooms, strict=True):
-        told += _room_news(old, new)
+        lines += _room_changes(old, new)
     known = {(dialogue.dialogue, dialogue.turn) for dialogue in before.dialogues}
-    told += [_asked(dialogue) for dialogue in view.dialogues if (dialogue.dialogue, dialogue.turn) not in known]
+    lines += [_asked(dialogue) for dialogue in view.dialogues if (dialogue.dialogue, dialogue.turn) not in known]
     if view.refusal is not None and view.refusal != before.refusal:
-        told.append(view.refusal.sentence)
+        lines.append(view.refusal.sentence)
     if view.over is not None and before.over is None:
-        told.append(f"The game is over. Score {view.score}.")
-    return told
+        lines.append(f"The game is over. Score {view.score}.")
+    return lines
 
 
-def _robot_news(was: RobotView, now: RobotView) -> list[str]:
+def _robot_changes(was: RobotView, now: RobotView) -> list[str]:
     name = robot_name(now.robot).capitalize()
-    told = []
+    lines = []
     if now.moving_to is not None and was.moving_to != now.moving_to:
-        told.append(f"{name} sets out for room {now.moving_to}; it has {energy_text(now.energy)} energy left.")
+        lines.append(f"{name} sets out for room {now.moving_to}; it has {energy_text(now.energy)} energy left.")
     if was.moving_to is not None and now.moving_to is None:
-        told.append(f"{name} is in room {now.place}." if now.place == was.moving_to else f"{name} has stopped.")
+        lines.append(f"{name} is in room {now.place}." if now.place == was.moving_to else f"{name} has stopped.")
     if now.condition is not was.condition:
-        told.append(f"{name} {CONDITIONS[now.condition]}")
+        lines.append(f"{name} {CONDITIONS[now.condition]}")
     if (now.commander, now.commander_name) != (was.commander, was.commander_name):
         other = now.other_commander
-        told.append(f"{name} is commanded by {other} now." if other else f"{name} is yours again.")
+        lines.append(f"{name} is commanded by {other} now." if other else f"{name} is yours again.")
     if now.asked_back and not was.asked_back:
-        told.append(f"You have asked {now.other_commander} for {robot_name(now.robot)} back.")
-    return told
+        lines.append(f"You have asked {now.other_commander} for {robot_name(now.robot)} back.")
+    return lines
 
 
-def _room_news(old: RoomView, new: RoomView) -> list[str]:
-    told = []
+def _room_changes(old: RoomView, new: RoomView) -> list[str]:
+    lines = []
     if new.sensed and not old.sensed:
-        told.append(_found(new))
+        lines.append(_found(new))
     if new.picture is not None and old.picture is None:
-        told.append(f"Room {new.room}: the picture is {new.picture}")
+        lines.append(f"Room {new.room}: the picture is {new.picture}")
     if new.verdict is not None and old.verdict is None:
-        told.append(f"Room {new.room}: {new.verdict.name}, {new.verdict.points:+d} points.")
-    return told
+        lines.append(f"Room {new.room}: {new.verdict.name}, {new.verdict.points:+d} points.")
+    return lines
 
 
 def _found(room: RoomView) -> str:
@@ -208,19 +208,19 @@ def _asked(dialogue: DialogueView) -> str:
     return f"{robot_name(dialogue.robot).capitalize()}: {dialogue.said[-1]}   [{answers}]"
 
 
-def _standing(view: View) -> list[str]:
-    told = []
+def _state_lines(view: View) -> list[str]:
+    lines = []
     for robot in view.robots:
         place = "the corridor" if robot.place == 0 else f"room {robot.place}"
         where = f"in {place}" if robot.moving_to is None else f"under way to room {robot.moving_to}"
         name = robot_name(robot.robot).capitalize()
-        told.append(f"  {name}: {where}, energy {energy_text(robot.energy)}")
+        lines.append(f"  {name}: {where}, energy {energy_text(robot.energy)}")
         if robot.condition is not Condition.WELL:
-            told.append(f"  {name} {CONDITIONS[robot.condition]}")
+            lines.append(f"  {name} {CONDITIONS[robot.condition]}")
         if other := robot.other_commander:
-            told.append(f"  {name} is commanded by {other}.")
-    told += [f"  {_found(room)}" for room in view.rooms if room.sensed and room.undecided]
+            lines.append(f"  {name} is commanded by {other}.")
+    lines += [f"  {_found(room)}" for room in view.rooms if room.sensed and room.undecided]
     free = [str(room.room) for room in view.rooms if room.state == "unvisited"]
-    told.append(f"  Rooms not visited: {' '.join(free) or 'none'}. Score {view.score}.")
-    told += [f"  {_asked(dialogue)}" for dialogue in view.dialogues]
-    return told
+    lines.append(f"  Rooms not visited: {' '.join(free) or 'none'}. Score {view.score}.")
+    lines += [f"  {_asked(dialogue)}" for dialogue in view.dialogues]
+    return lines

@@ -59,8 +59,8 @@ class DisplayedRobot:
         pose: its estimated pose.
         trail: (k, 2) places where it was shown, oldest first; its own place is not in it.
         path: (m, 2) rest of its planned path, its own place first; (0, 2) without one.
-        ellipse: uncertainty of its place, if that is told.
-        truth: its true pose, if that is told.
+        ellipse: uncertainty of its place, if the telemetry has it.
+        truth: its true pose, likewise.
     """
 
     pose: Pose2

@@ -32,8 +32,8 @@ def undecided_beside(view: View, robot: int) -> int | None:
 
 def discussed_matters(view: View) -> tuple[tuple[int, DialogueMatter, int], ...]:
     """(robot, matter, room) of all open dialogues, and of all agreements that are not carried out yet."""
-    said: list[DialogueView | Consent] = [*view.dialogues, *view.consents]
-    return tuple((talk.robot, talk.matter, talk.room) for talk in said)
+    matters: list[DialogueView | Consent] = [*view.dialogues, *view.consents]
+    return tuple((matter.robot, matter.matter, matter.room) for matter in matters)
 
 
 def competing_robot(view: View, robot: int, room: int) -> int | None:

@@ -164,7 +164,7 @@ class ParticipantMemory:
     last_drawn: DrawnState = field(default_factory=DrawnState)
 
     def motion(self, robot: int) -> RobotMotion:
-        """Progress of a robot on its path, as last told; an older program that moves robots tells none."""
+        """Progress of a robot on its path by the last telemetry; an older program that moves robots sends none."""
         return self.motions[robot] if robot < len(self.motions) else RobotMotion("driving")
 
     def considered(self) -> int | None:

@@ -77,7 +77,7 @@ class Frames:
 
         Args:
             frame: its name.
-            owner: the namespace of whoever speaks of it.
+            owner: namespace of the topic that names it.
         """
         name = self._own(owner, frame)
         return self._pose(name if name in self._above else frame_name(frame))

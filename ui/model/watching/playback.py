@@ -2,7 +2,7 @@
 
 
 class Playback:
-    """A position that moves as time goes on; time is told to it, in seconds that never go back.
+    """A position that moves as time goes on; its methods take the time, in seconds that never go back.
 
     Args:
         start_ns: the first position.

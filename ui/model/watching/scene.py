@@ -62,7 +62,7 @@ class RobotScene:
         estimate: its estimated pose: odometry under the localiser's last correction.
         error: metres between the two; None where one is missing.
         heading_error: radians between the two, not negative.
-        ellipse: 95 % of its belief, as its localiser told last; about `belief`.
+        ellipse: 95 % of its belief, by the last message of its localiser; about `belief`.
         belief: the last pose of its localiser.
         deviation: standard deviation of the position, metres.
         heading_deviation: of the heading, radians.
@@ -120,7 +120,7 @@ class RobotScene:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ThingScene:
-    """A thing in the way: its name, and the (v, 2) corners of its closed outline."""
+    """An obstacle that is not on the map: its name, and the (v, 2) corners of its closed outline."""
 
     name: str
     outline: FloatArray
