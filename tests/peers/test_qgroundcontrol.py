@@ -71,7 +71,7 @@ class Loopback:
             seed = crc_extra(message.get_msgId())
             assert seed is not None
             frame = Frame(SYSTEM, COMPONENT, self.sequence, message.get_msgId(), payload_of(message), seed)
-            self._take(self.session.receive_frame(self.number, frame))
+            self._take(self.session.receive_frame(self.number, frame).replies)
 
     def receive(self, seconds: float) -> Message | None:
         end = self.now() + seconds

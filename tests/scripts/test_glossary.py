@@ -26,9 +26,7 @@ def test_every_term_of_the_glossary_is_in_the_code() -> None:
     named = [(row[0], name) for row in ROWS for name in re.findall(r"`(\w+)`", row[2])]
     assert len(named) == len(ROWS) > 60
     missing = [
-        (term, name)
-        for term, name in named
-        if not re.search(rf"^\s*class {name}\b|^{name}\b.*=", text, re.MULTILINE)
+        (term, name) for term, name in named if not re.search(rf"^\s*class {name}\b|^{name}\b.*=", text, re.MULTILINE)
     ]
     assert missing == []
 

@@ -148,7 +148,7 @@ async def play(
         session.ask(sender, request)
 
     def receive_frame(robot: int, frame: Frame) -> None:
-        session.transmit(session.receive_frame(graph_link, frame, robot))
+        session.transmit(session.receive_frame(graph_link, frame, robot).replies)
 
     async with AsyncExitStack() as opened:
         # First of all: no recording is begun if the MAVLink ports cannot be opened.

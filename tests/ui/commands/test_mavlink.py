@@ -22,7 +22,7 @@ from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.frames.signing import SigningKey, key_in
-from thbridge.wire.mavlink.hub import Hub, OutgoingFrame
+from thbridge.wire.mavlink.hub import FrameOutcome, Hub
 from thbridge.wire.mavlink.outgoing import LinkId
 from thbridge.wire.mavlink.station import ground_station, trip
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
@@ -62,13 +62,10 @@ class Fleet:
     def report(self, link):
         return self._hub.report(link)
 
-    def why_not(self, link, frame):
-        return self._hub.why_not(link, frame)
-
     def close_link(self, link: LinkId) -> None:
         self._hub.close(link)
 
-    def receive_frame(self, link, frame) -> list[OutgoingFrame]:
+    def receive_frame(self, link, frame) -> FrameOutcome:
         return self._hub.receive(link, frame)
 
     async def _run(self) -> None:

@@ -251,7 +251,7 @@ class _RecordedFrames:
             self.given += 1
             if received.link not in self._links:
                 self._links[received.link] = session.open_link(received.link)
-            session.transmit(session.receive_frame(self._links[received.link], frame, robot))
+            session.transmit(session.receive_frame(self._links[received.link], frame, robot).replies)
 
 
 def _robot_of(topic: str) -> int | None:

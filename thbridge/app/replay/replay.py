@@ -308,7 +308,7 @@ class _ReplayedPlay:
             case LinkClosed(link):
                 session.close_link(link)
             case FrameReceived(link, _, frame, robot):
-                session.transmit(session.receive_frame(link, frame, robot))
+                session.transmit(session.receive_frame(link, frame, robot).replies)
             case HeartbeatsSent():
                 session.keep_alive()
 

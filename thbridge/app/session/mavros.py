@@ -22,7 +22,7 @@ def frame_record(traffic: Traffic) -> VehicleFrame:
         checksum=frame.checksum,
         payload=frame.payload,
     )
-    return VehicleFrame(traffic.robot, traffic.heard, message)
+    return VehicleFrame(traffic.robot, traffic.incoming, message)
 
 
 def state_record(robot: int, status: VehicleStatus) -> VehicleState:

@@ -33,8 +33,8 @@ from thbridge.roles.role import Role
 from thbridge.roles.simr.simr import SimR
 from thbridge.roles.vehicles.vehicles import RequestSink, Vehicles
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.hub import OutgoingFrame, Traffic
-from thbridge.wire.mavlink.links import DropReason, LinkReport
+from thbridge.wire.mavlink.hub import FrameOutcome, OutgoingFrame, Traffic
+from thbridge.wire.mavlink.links import LinkReport
 from thbridge.wire.mavlink.outgoing import LinkId, VehicleStatus
 from thbridge.wire.router import ConnectionId, Forwarded, MessageRouter, RouterOutput, TurnedAway
 from thbridge.wire.text import TextMessage
@@ -231,11 +231,7 @@ class Session:
         """Return the report of a link; None: there is no such link."""
         return None if self._vehicles is None else self._vehicles.report(link)
 
-    def why_not(self, link: LinkId, frame: Frame) -> DropReason | None:
-        """Return the reason why a frame that comes in on a link would be dropped; None: it would be taken."""
-        return None if self._vehicles is None else self._vehicles.why_not(link, frame)
-
-    def receive_frame(self, link: LinkId, frame: Frame, robot: int | None = None) -> list[OutgoingFrame]:
+    def receive_frame(self, link: LinkId, frame: Frame, robot: int | None = None) -> FrameOutcome:
         """Take a frame that came in.
 
         It acts at once on vehicles, whose state is that after the last tick; requests of vehicles to robots and game
@@ -247,15 +243,16 @@ class Session:
             robot: the only robot that gets it, from 0; None: its addressees.
 
         Returns:
-            The frames sent in reply, for `transmit`.
+            Why it was dropped, or the frames sent in reply, for `transmit`.
         """
         name = None if self._vehicles is None else self._vehicles.name_of(link)
         if self._vehicles is None or name is None:
-            return []
+            return FrameOutcome()
+        outcome = self._vehicles.receive(link, frame, robot)
         # A dropped frame has no effect, and may hold a secret: it is not recorded.
-        if self._vehicles.why_not(link, frame) is None:
+        if outcome.dropped is None:
             self._inputs.append(FrameReceived(link, name, frame, robot))
-        return self._vehicles.receive(link, frame, robot)
+        return outcome
 
     def keep_alive(self) -> None:
         """Send heartbeats in real time while the session is paused or slow."""

@@ -8,8 +8,8 @@ from sim.team import TeamSnapshot
 from thbridge.hunt.game import GameState
 from thbridge.roles.robot_requests import Request
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.hub import Hub, OutgoingFrame, Traffic
-from thbridge.wire.mavlink.links import DropReason, LinkReport
+from thbridge.wire.mavlink.hub import FrameOutcome, Hub, OutgoingFrame, Traffic
+from thbridge.wire.mavlink.links import LinkReport
 from thbridge.wire.mavlink.options import VehicleOptions
 from thbridge.wire.mavlink.outgoing import LinkId, VehicleStatus
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
@@ -39,7 +39,6 @@ class Vehicles:
         systems = [Vehicle(number, pilot, options) for number, pilot in enumerate(pilots, 1)]
         self._hub = Hub(systems, options.lost_after)
         self._numbers = count()
-        self._names: dict[LinkId, str] = {}
 
     @property
     def statuses(self) -> tuple[VehicleStatus, ...]:
@@ -49,31 +48,25 @@ class Vehicles:
     def open(self, name: str, robot: int | None) -> LinkId:
         """Open a link of this name; its number was never used before. See `Hub.open`."""
         link = LinkId(next(self._numbers))
-        self._names[link] = name
         self._hub.open(link, name, robot)
         return link
 
     def close(self, link: LinkId) -> None:
         """Close an open link."""
-        del self._names[link]
         self._hub.close(link)
 
     def name_of(self, link: LinkId) -> str | None:
-        """Return the name of a link; None: it is not open."""
-        return self._names.get(link)
+        """See `Hub.name_of`."""
+        return self._hub.name_of(link)
 
     def report(self, link: LinkId) -> LinkReport | None:
         """See `Hub.report`."""
         return self._hub.report(link)
 
-    def why_not(self, link: LinkId, frame: Frame) -> DropReason | None:
-        """See `Hub.why_not`."""
-        return self._hub.why_not(link, frame)
-
-    def receive(self, link: LinkId, frame: Frame, robot: int | None) -> list[OutgoingFrame]:
-        """See `Hub.receive`; a frame for a robot that does not exist is dropped."""
+    def receive(self, link: LinkId, frame: Frame, robot: int | None) -> FrameOutcome:
+        """See `Hub.receive`; a frame for a robot that does not exist has no effect."""
         if robot is not None and not 0 <= robot < len(self._pilots):
-            return []
+            return FrameOutcome()
         return self._hub.receive(link, frame, robot)
 
     def step(self, snapshot: TeamSnapshot, game: GameState | None) -> list[OutgoingFrame]:

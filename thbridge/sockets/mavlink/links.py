@@ -15,8 +15,8 @@ from thbridge.sockets.warn_once import WarnOnce
 from thbridge.wire.mavlink.frames.channel import Channel
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.frames.signing import SignatureTimestamps, Signing, SigningKey
-from thbridge.wire.mavlink.hub import OutgoingFrame
-from thbridge.wire.mavlink.links import DropReason, LinkReport
+from thbridge.wire.mavlink.hub import FrameOutcome, OutgoingFrame
+from thbridge.wire.mavlink.links import LinkReport
 from thbridge.wire.mavlink.outgoing import LinkId
 
 GARBAGE = 16 * 1024
@@ -43,11 +43,8 @@ class MavlinkSession(Protocol):
     def report(self, link: LinkId) -> LinkReport | None:
         """Return the report of a link; None when there is no such link."""
 
-    def why_not(self, link: LinkId, frame: Frame) -> DropReason | None:
-        """Return the reason why a frame from a link would be dropped; None when it would not."""
-
-    def receive_frame(self, link: LinkId, frame: Frame) -> Sequence[OutgoingFrame]:
-        """Handle a received frame and return the answers."""
+    def receive_frame(self, link: LinkId, frame: Frame) -> FrameOutcome:
+        """Handle a received frame: it is dropped, or answered."""
 
 
 class FrameSender(Protocol):
@@ -141,10 +138,10 @@ class MavlinkLinks:
             return
         answers: list[OutgoingFrame] = []
         for frame in frames:
-            why = self._exchange.why_not(link, frame)
-            if why is not None:
-                self.complaints.warn(f"MAVLink: {self._links[link].name}: a frame goes nowhere: {why}")
-            answers += self._exchange.receive_frame(link, frame)
+            outcome = self._exchange.receive_frame(link, frame)
+            if outcome.dropped is not None:
+                self.complaints.warn(f"MAVLink: {self._links[link].name}: a frame goes nowhere: {outcome.dropped}")
+            answers += outcome.replies
         self.transmit(answers)
 
     def transmit(self, sent: Sequence[OutgoingFrame]) -> None:

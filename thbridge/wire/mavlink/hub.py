@@ -28,6 +28,19 @@ class OutgoingFrame:
 
 
 @dataclass(frozen=True, slots=True)
+class FrameOutcome:
+    """Result of a received frame.
+
+    Attributes:
+        dropped: reason why it had no effect; None when it had.
+        replies: frames to be sent at once.
+    """
+
+    dropped: DropReason | None = None
+    replies: Sequence[OutgoingFrame] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Traffic:
     """Frame that a vehicle received or sent.
 
@@ -39,7 +52,7 @@ class Traffic:
     """
 
     robot: int
-    heard: bool
+    incoming: bool
     link: str
     frame: Frame
 
@@ -88,9 +101,12 @@ class Hub:
         there = self._links.get(link)
         return None if there is None else there.report(self._tick)
 
-    def why_not(self, link: LinkId, frame: Frame) -> DropReason | None:
-        """Return the reason why a frame from a link would be dropped; None when it would not."""
+    def name_of(self, link: LinkId) -> str | None:
+        """Return the name of a link; None: it is not open."""
         there = self._links.get(link)
+        return None if there is None else there.name
+
+    def _reason_to_drop(self, link: HubLink, frame: Frame) -> DropReason | None:
         if frame.system in self._by_system and frame.component == COMPONENT:
             # Other components may have a robot's system id: its companion computer, mavros or MAVSDK on it.
             return DropReason.OURS
@@ -101,26 +117,26 @@ class Hub:
         if crc_extra(frame.message_id) is None:
             return DropReason.UNKNOWN
         sender = Station(frame.system, frame.component)
-        return None if there is None or there.has_room_for(sender, self._tick) else DropReason.CROWDED
+        return None if link.has_room_for(sender, self._tick) else DropReason.CROWDED
 
-    def receive(self, link: LinkId, frame: Frame, robot: int | None = None) -> list[OutgoingFrame]:
+    def receive(self, link: LinkId, frame: Frame, robot: int | None = None) -> FrameOutcome:
         """Handle a received frame.
 
         Args:
             link: link it came from; an unknown one is ignored.
             frame: verified frame without its signature.
             robot: the only vehicle that is to receive it; None: the vehicles it is addressed to.
-
-        Returns:
-            Frames to be sent at once.
         """
-        there, message = self._links.get(link), decoded(frame.message_id, frame.payload)
+        there = self._links.get(link)
         if there is None:
-            return []
-        why = self.why_not(link, frame)
-        if message is None or why is not None:
-            there.dropped[why or DropReason.UNKNOWN] += 1
-            return []
+            return FrameOutcome()
+        dropped, message = self._reason_to_drop(there, frame), None
+        if dropped is None:
+            message = decoded(frame.message_id, frame.payload)
+        if message is None:
+            dropped = dropped or DropReason.UNKNOWN
+            there.dropped[dropped] += 1
+            return FrameOutcome(dropped)
         sender = Station(frame.system, frame.component)
         there.hear(sender, frame.sequence, self._tick)
         system, component = target_of(message)
@@ -134,7 +150,7 @@ class Hub:
             for other in self._beyond(link, sender, system, component):
                 self._links[other].sent += 1
                 sent.append(OutgoingFrame(other, frame))
-        return sent
+        return FrameOutcome(replies=sent)
 
     def step(self, tick: int, readings: Sequence[RobotReadings]) -> list[OutgoingFrame]:
         """Step all vehicles by one tick and return their frames.

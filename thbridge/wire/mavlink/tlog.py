@@ -38,7 +38,7 @@ class Tlog:
         last: Traffic | None = None
         for one in traffic:
             if last is None or not _same(last, one):
-                records += (stamp, (one.frame if one.heard else self._counted(one.frame)).to_bytes())
+                records += (stamp, (one.frame if one.incoming else self._counted(one.frame)).to_bytes())
             last = one
         return b"".join(records)
 
@@ -50,7 +50,9 @@ class Tlog:
 
 def _same(last: Traffic, one: Traffic) -> bool:
     """Return True when it is the same message, received by another vehicle or sent on another link."""
-    if one.heard:
-        return last.heard and last.frame is one.frame
+    if one.incoming:
+        return last.incoming and last.frame is one.frame
     said = (one.robot, one.frame.message_id, one.frame.payload)
-    return not last.heard and last.link != one.link and (last.robot, last.frame.message_id, last.frame.payload) == said
+    return (
+        not last.incoming and last.link != one.link and (last.robot, last.frame.message_id, last.frame.payload) == said
+    )

@@ -60,7 +60,7 @@ class Station:
         assert seed is not None
         frame = Frame(self._system, 190, self._sequence, message.get_msgId(), payload_of(message), seed)
         self._sequence = (self._sequence + 1) % 256
-        self._session.transmit(self._session.receive_frame(self._link, frame))
+        self._session.transmit(self._session.receive_frame(self._link, frame).replies)
 
     def beat(self) -> None:
         self.say(mav.MAVLink_heartbeat_message(mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, 0, 0, 0, 3))
@@ -305,7 +305,7 @@ class Storm:
         for _ in range(10 if tick > 10 else 0):
             for found in self._framer.receive_data(self._foe.says()):
                 if isinstance(found, Frame):
-                    session.transmit(session.receive_frame(self._link, found))
+                    session.transmit(session.receive_frame(self._link, found).replies)
 
 
 @pytest.mark.parametrize("ticks", [150, pytest.param(1500, marks=pytest.mark.slow)])

@@ -91,7 +91,7 @@ class Visited:
         self._session.ask(sender, request)
 
     def _hear(self, robot: int, frame: Frame) -> None:
-        self._session.transmit(self._session.receive_frame(self._link, frame, robot))
+        self._session.transmit(self._session.receive_frame(self._link, frame, robot).replies)
 
     def say(self, topic: str, data: bytes, caller: str = "/client") -> None:
         self.doors.heard[topic](data, caller)

@@ -49,7 +49,7 @@ def stormed(seed, ticks, bytes_a_tick):
         moment = session.step()
         for one in moment.traffic:
             digest.update(one.frame.to_bytes())
-            if one.frame.message_id == mav.MAVLINK_MSG_ID_HEARTBEAT and not one.heard:
+            if one.frame.message_id == mav.MAVLINK_MSG_ID_HEARTBEAT and not one.incoming:
                 beats[one.frame.system] = tick
         assert all(tick - last <= TICKS_PER_SECOND for last in beats.values())
         poses = moment.snapshot.truth.poses

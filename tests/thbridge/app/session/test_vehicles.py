@@ -70,11 +70,12 @@ def test_what_vehicles_drop_is_not_recorded(session: Session):
     secret = replace(FRAME, message_id=setup.id, payload=payload_of(setup), seed=setup.crc_extra)
     session.step()
     for frame in (ours, secret):
-        assert session.why_not(link, frame) is not None
-        assert session.receive_frame(link, frame) == []
+        outcome = session.receive_frame(link, frame)
+        assert outcome.dropped is not None
+        assert not outcome.replies
     moment = session.step()
     assert moment.inputs == ()
-    assert not any(traffic.heard for traffic in moment.traffic)
+    assert not any(traffic.incoming for traffic in moment.traffic)
 
 
 def test_people_read_in_the_bag_what_came(session: Session):
@@ -91,9 +92,9 @@ def test_what_a_vehicle_hears_and_says_is_told_with_the_tick_it_acts_in(session:
     session.step()
     link = session.open_link("a")
     session.receive_frame(link, FRAME)
-    heard = [traffic for traffic in session.step().traffic if traffic.heard]
+    heard = [traffic for traffic in session.step().traffic if traffic.incoming]
     assert [(traffic.robot, traffic.link, traffic.frame) for traffic in heard] == [(0, "a", FRAME), (1, "a", FRAME)]
-    assert not any(traffic.heard for traffic in session.step().traffic)
+    assert not any(traffic.incoming for traffic in session.step().traffic)
 
 
 def test_heartbeats_go_out_on_every_link_once_a_second_and_are_told(session: Session):
@@ -111,11 +112,11 @@ def test_frames_of_links_or_for_robots_that_there_are_not_change_nothing(session
     link = session.open_link("a")
     session.close_link(link)
     session.step()
-    assert session.receive_frame(link, FRAME) == []
+    assert not session.receive_frame(link, FRAME).replies
     assert session.step().inputs == ()
     link = session.open_link("a")
-    assert session.receive_frame(link, FRAME, 2) == []
-    assert not any(traffic.heard for traffic in session.step().traffic)
+    assert not session.receive_frame(link, FRAME, 2).replies
+    assert not any(traffic.incoming for traffic in session.step().traffic)
 
 
 def test_what_vehicles_hear_and_say_goes_to_the_topics_of_mavros(session: Session):
@@ -144,7 +145,7 @@ def test_what_vehicles_hear_and_say_goes_to_the_topics_of_mavros(session: Sessio
     assert unpack.mavlink(second.data).link == "a"
     assert unpack.mavlink(second.data).checksum == FRAME.checksum
     said = [unpack.mavlink(message.data) for message in by_topic["/robot2/mavlink/from"]]
-    frames = [item.frame for moment in moments for item in moment.traffic if item.robot == 1 and not item.heard]
+    frames = [item.frame for moment in moments for item in moment.traffic if item.robot == 1 and not item.incoming]
     assert [(frame.sequence, frame.payload) for frame in said] == [(frame.sequence, frame.payload) for frame in frames]
     assert len(by_topic["/robot1/mavros/state"]) >= 2
     announced = {topic.name for topic in publisher.topics}

@@ -19,7 +19,7 @@ from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.frames.framer import FrameParser
-from thbridge.wire.mavlink.hub import OutgoingFrame
+from thbridge.wire.mavlink.hub import FrameOutcome, OutgoingFrame
 from thbridge.wire.mavlink.links import DropReason, LinkReport
 from thbridge.wire.mavlink.outgoing import LinkId
 
@@ -57,12 +57,9 @@ class Exchange:
     def report(self, link: LinkId) -> LinkReport | None:
         return None
 
-    def why_not(self, link: LinkId, frame: Frame) -> DropReason | None:
-        return DropReason.OURS if frame.system == 1 else None
-
-    def receive_frame(self, link: LinkId, frame: Frame) -> Sequence[OutgoingFrame]:
+    def receive_frame(self, link: LinkId, frame: Frame) -> FrameOutcome:
         self.heard.append((self.names[link], frame))
-        return [OutgoingFrame(link, ANSWER)]
+        return FrameOutcome(DropReason.OURS if frame.system == 1 else None, [OutgoingFrame(link, ANSWER)])
 
     def say(self, *frames: Frame) -> None:
         self.transmit([OutgoingFrame(link, each) for each in frames for link in self.names])

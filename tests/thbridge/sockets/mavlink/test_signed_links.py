@@ -10,8 +10,8 @@ from thbridge.wire.mavlink.dialect import payload_of
 from thbridge.wire.mavlink.frames.channel import Channel
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.frames.signing import EPOCH, SignatureFault, SigningKey
-from thbridge.wire.mavlink.hub import OutgoingFrame
-from thbridge.wire.mavlink.links import DropReason, LinkReport
+from thbridge.wire.mavlink.hub import FrameOutcome, OutgoingFrame
+from thbridge.wire.mavlink.links import LinkReport
 from thbridge.wire.mavlink.outgoing import LinkId
 
 KEY = SigningKey(bytes(range(32)))
@@ -37,12 +37,9 @@ class Exchange:
     def report(self, link: LinkId) -> LinkReport | None:
         return None
 
-    def why_not(self, link: LinkId, frame: Frame) -> DropReason | None:
-        return None
-
-    def receive_frame(self, link: LinkId, frame: Frame) -> Sequence[OutgoingFrame]:
+    def receive_frame(self, link: LinkId, frame: Frame) -> FrameOutcome:
         self.heard.append(frame)
-        return [OutgoingFrame(link, Frame(1, 1, 0, 4, payload_of(PING), PING.crc_extra))]
+        return FrameOutcome(replies=[OutgoingFrame(link, Frame(1, 1, 0, 4, payload_of(PING), PING.crc_extra))])
 
 
 class Peer:

@@ -143,7 +143,7 @@ class Rig:
         """The foe says something."""
         for found in self.framer.receive_data(data):
             if isinstance(found, Frame):
-                self._look_at(self.hub.receive(FOE, found))
+                self._look_at(self.hub.receive(FOE, found).replies)
 
     def step(self):
         """A tick passes; all hearts must have beaten within the second before it."""
@@ -159,7 +159,7 @@ class Rig:
         """What the friend is told when it asks something."""
         message_id = message.get_msgId()
         frame = Frame(253, 190, 0, message_id, payload_of(message), crc_extra(message_id))
-        sent = self.hub.receive(FRIEND, frame)
+        sent = self.hub.receive(FRIEND, frame).replies
         self._look_at(sent)
         return [one.frame for one in sent if one.link == FRIEND]
 
