@@ -1,15 +1,15 @@
 """What all tests share."""
 
 import os
-import subprocess
-import sys
+from collections import Counter
+from datetime import datetime
+from itertools import chain
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import pytest
 from hypothesis import settings
 
-from sim.common.kernels import is_compiled
+from tests.compiling import ROOT, compile_kernels
 
 # Windows are tested without a screen, unless somebody wants to look on.
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -18,7 +18,8 @@ os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
 
-ROOT = Path(__file__).parents[1]
+CHECKED = "CHECKED_SECONDS"
+"""The variable by which `make test` says how long it took before tests began."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -35,15 +36,35 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Before processes share all tests in a fresh checkout, let a short hunt compile what robots compute with.
+    """Before processes share all tests, compile what they compute with."""
+    if session.config.getoption("numprocesses", None) and not hasattr(session.config, "workerinput"):
+        compile_kernels()
 
-    Else each of them would compile it for itself, and whoever waits for a program would wait for that as well.
-    """
-    is_first_of_several = session.config.getoption("numprocesses", None) and not hasattr(session.config, "workerinput")
-    if is_first_of_several and not is_compiled():
-        hunt = ["play", "--headless", "--port", "0", "--rate", "0", "--max-seconds", "10", "--no-report"]
-        with TemporaryDirectory() as folder:
-            command = [sys.executable, "-c", "from ui.cli import main; main()", *hunt]
-            subprocess.run(
-                command, cwd=folder, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, check=False
-            )
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Show how long each kind of tests took, where they were shared out, and keep it if `make test` asks for it."""
+    if not terminalreporter.config.getoption("numprocesses", None):
+        return
+    table = durations(terminalreporter)
+    terminalreporter.section("seconds by kind")
+    for kind, (seconds, count) in table.items():
+        terminalreporter.write_line(f"{seconds:8.1f}  {kind}" + (f", {count} tests" if count else ""))
+    if CHECKED in os.environ:
+        with (ROOT / "durations.csv").open("a") as file:
+            when = datetime.now().astimezone().isoformat(timespec="seconds")
+            file.writelines(f'{when},"{kind}",{seconds:.1f},{count}\n' for kind, (seconds, count) in table.items())
+
+
+def durations(reporter: pytest.TerminalReporter) -> dict[str, tuple[float, int]]:
+    """Return the seconds of each kind, and its number of tests: as many as were waited for, on however many cores."""
+    seconds, tests = Counter[str](), dict[str, set[str]]()
+    for report in chain.from_iterable(reporter.stats.values()):
+        if isinstance(report, pytest.TestReport):
+            kind = str(Path(report.nodeid.partition("::")[0]).parent).split("/")[1:2]
+            folder = "/".join(("tests", *kind))
+            seconds[folder] += report.duration
+            tests.setdefault(folder, set()).add(report.nodeid)
+    table = {"compiling, once for these sources": (compile_kernels(), 0)}
+    if CHECKED in os.environ:
+        table["style, types, imports, beside compiling"] = (float(os.environ[CHECKED]), 0)
+    return table | {folder: (seconds[folder], len(tests[folder])) for folder in sorted(seconds)}

@@ -1,0 +1,58 @@
+"""Compiles what tests compute with, once for this machine and these sources: `python -m tests.compiling`.
+
+Else each process that shares the tests would compile it for itself, and whoever waits for a program would wait for that
+as well.
+"""
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from sim.common import kernels
+
+ROOT = Path(__file__).parents[1]
+STUDIES = (
+    "robots: 2\n",
+    """\
+robots: 3
+robot:
+  localization: ekf
+  move_base:
+    base_local_planner: dwa_local_planner/DWAPlannerROS
+    base_global_planner: global_planner/GlobalPlanner
+things:
+  - {name: door, shape: door, at: [7.0, -4.0, 1.5708], size: [2.0, 0.1]}
+  - {name: crate, shape: crate, at: [3.0, 1.0, 0.5], appears: 2}
+  - {name: visitor, shape: person, path: [[0, 2.0], [6, 2.0]], back_and_forth: true}
+""",
+)
+"""Short hunts: what robots usually compute with, and much of what they may compute with instead."""
+
+
+def compile_kernels() -> float:
+    """Play the hunts, unless that was done before; return how many seconds it takes or took."""
+    # numba's folder goes when a source changes.
+    done = Path(kernels.config.CACHE_DIR) / "for_tests"
+    if done.exists():
+        return float(done.read_text())
+    began = time.monotonic()
+    hunt = ("play", "study.yaml", "--headless", "--port", "0", "--rate", "0", "--max-seconds", "25", "--no-report")
+    for study in STUDIES:
+        with TemporaryDirectory() as folder:
+            Path(folder, "study.yaml").write_text(study)
+            played = subprocess.run(
+                [sys.executable, "-c", "from ui.cli import main; main()", *hunt],
+                cwd=folder, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False,
+            )  # fmt: skip
+        if "the game was not over" not in played.stderr:
+            raise RuntimeError(played.stdout + played.stderr)
+    seconds = time.monotonic() - began
+    done.write_text(f"{seconds:.1f}")
+    return seconds
+
+
+if __name__ == "__main__":
+    compile_kernels()
