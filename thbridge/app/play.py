@@ -185,7 +185,7 @@ async def play(
 
         where = await server.start(setting.study.server.host, setting.study.server.port)
         if isinstance(where, CannotListen) and options.left is not None:
-            where = await server.start(setting.study.server.host, 0)  # The window is told where.
+            where = await server.start(setting.study.server.host, 0)  # The window gets the port that was found.
         ready(where)
         opened.push_async_callback(server.stop)
         run = await run_ticks(tick, pacer)

@@ -41,7 +41,7 @@ class CostMatrix:
         cannot (write 98 or 100). From a place to itself there is no move, whatever number is written.
 
         Raises:
-            ValueError: as the class.
+            ValueError: the rows are not such a matrix.
         """
         return cls(
             tuple(

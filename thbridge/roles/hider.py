@@ -34,9 +34,9 @@ class Hider:
     the reply. Without a keeper (at a server of another make) Hider answers by itself as it did in 2016.
 
     Args:
-        kinds: of treasures, with their pictures.
+        kinds: kinds of treasures, with their pictures.
         seed: of the random choice.
-        rooms: how many rooms to fill when no keeper says so (the number in the treasures file).
+        rooms: number of rooms to fill without a keeper (that of the treasures file).
     """
 
     name = legacy.HIDER

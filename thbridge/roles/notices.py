@@ -208,7 +208,7 @@ class RoomOutline:
 
     Attributes:
         room: its number as people count, from 1.
-        name: what people call it.
+        name: for people.
         region: x, y of the corners of its floor, map frame, metres.
         goal: x, y, theta of the robots' goal pose in it.
     """
@@ -249,10 +249,10 @@ class PicturePiece:
     """Keeper to participant: a piece of the picture that was taken in a room.
 
     Attributes:
-        game: in which it was taken.
-        room: where, as people count.
+        game: number of the game.
+        room: its number as people count.
         piece: number of the piece, from 0.
-        pieces: how many there are.
+        pieces: number of all pieces.
         data: the bytes of this piece of the image file, in base 64.
     """
 

@@ -159,22 +159,22 @@ class Stage:
         if hider:
             roles.append(build_hider(self.templates, seed))
         self.session = Session(self.router, self.keeper, roles, self.log)
-        self.moments: list[TickRecord] = []
+        self.tick_records: list[TickRecord] = []
 
     def run(self, ticks: int) -> None:
         for _ in range(ticks):
-            self.moments.append(self.session.step())
+            self.tick_records.append(self.session.step())
 
     def finish(self, ticks: int = 20_000) -> None:
         while self.session.game is None or self.session.game.ended is None:
             self.run(1)
-            if len(self.moments) > ticks:
+            if len(self.tick_records) > ticks:
                 raise TimeoutError("the hunt does not end")
         self.run(5)
 
     @property
     def lines(self) -> list[str]:
-        return [item.message.line() for moment in self.moments for item in moment.forwarded]
+        return [item.message.line() for tick_record in self.tick_records for item in tick_record.forwarded]
 
     def view(self):
         return self.tabui.view if isinstance(self.tabui, TabUI) else None

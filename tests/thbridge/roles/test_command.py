@@ -144,7 +144,7 @@ def test_a_ground_station_sends_its_robot_without_talk_and_what_is_there_is_told
     assert play.events(Departed, Arrived) == [Departed(0, Room(3), 17.0), Arrived(0, Room(3))]
     assert [event.room for event in play.events(Sensed)] == [Room(3)]
     assert view.room(3).sensed and view.room(3).undecided
-    assert not [utterance for moment in play.stage.moments for utterance in moment.utterances]
+    assert not [utterance for tick_record in play.stage.tick_records for utterance in tick_record.utterances]
 
 
 def test_rules_hold_for_ground_stations_and_the_participant_is_not_bothered(play: Play) -> None:
@@ -332,7 +332,7 @@ def test_a_simulated_participant_looks_after_what_stations_leave(strategy: BotSt
         stage.session.ask("station", SendFor(0, room))
         while Arrived(0, Room(room)) not in stage.log.events:
             stage.run(1)
-            assert len(stage.moments) < 200, "the robot does not arrive"
+            assert len(stage.tick_records) < 200, "the robot does not arrive"
     stage.session.ask("station", ReleaseCommand(0))
     stage.finish()
     happened = stage.log.events

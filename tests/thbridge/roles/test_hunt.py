@@ -107,7 +107,7 @@ def test_a_random_participant_sometimes_stops_a_dialogue_and_no_robot_moves_on_i
     for seed in range(6):
         played = Stage(strategy=BotStrategy.RANDOM, seed=seed)
         played.finish()
-        said = [utterance for moment in played.moments for utterance in moment.utterances]
+        said = [utterance for tick_record in played.tick_records for utterance in tick_record.utterances]
         stopped = {u.dialogue for u in said if u.speaker is Speaker.PERSON and not isinstance(u.move, Continue)}
         stops += len(stopped)
         agreed = {u.dialogue for u in said if u.topic.scenario.value in ("specific-room", "dont-know")} - stopped

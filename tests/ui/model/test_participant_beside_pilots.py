@@ -47,7 +47,7 @@ def test_the_window_follows_a_hunt_that_a_ground_station_steers():
             elif (room := next(rooms, None)) is not None:
                 assert isinstance(pilot.go_to(Target(*flight.goal_of(room))), int)
         flight.run(3)
-        if len(flight.moments) > 20_000:
+        if len(flight.tick_records) > 20_000:
             raise TimeoutError("the hunt does not end")
     flight.run(50)
     screen = follower.model.screen(follower.now)

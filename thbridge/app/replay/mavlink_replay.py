@@ -60,7 +60,7 @@ class Arrival:
 
     Attributes:
         robot: its number, from 1.
-        room: its number as people say it.
+        room: its number as people count.
         seconds: session time.
     """
 
@@ -161,7 +161,7 @@ async def replay_frames(
 
     Args:
         path: the bag.
-        setting: the study; the robots are vehicles in it, whatever it says.
+        setting: the study; its robots are made vehicles in any case.
         options: of the replay.
         progress: takes every tick.
 

@@ -273,9 +273,10 @@ class Session:
         self.perform(self._router.exchange())
         forwarded, self._forwarded = tuple(self._forwarded), []
         self._keeper.tap(forwarded)
+        # The journal has the keeper's events before any message that follows from them is sent: a crash loses none.
         self._step_role(self._keeper)
-        decided = self._keeper.decisions
-        self._log.append(decided.events)
+        decisions = self._keeper.decisions
+        self._log.append(decisions.events)
         for role in self._roles:
             self._step_role(role)
         if self._participant is not None:
@@ -287,9 +288,9 @@ class Session:
             tuple(inputs),
             snapshot,
             forwarded,
-            decided.events,
-            decided.utterances,
-            decided.wizard,
+            decisions.events,
+            decisions.utterances,
+            decisions.wizard,
             self._keeper.state,
             () if self._vehicles is None else self._vehicles.take_traffic(),
             () if self._vehicles is None else self._vehicles.statuses,

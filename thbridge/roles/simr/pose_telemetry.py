@@ -67,7 +67,7 @@ class TelemetryPublisher:
 
     Args:
         sender: name of the sending role.
-        shows: what subscribers may know.
+        options: what the study shows.
     """
 
     def __init__(self, sender: str, options: TelemetryOptions) -> None:

@@ -94,7 +94,7 @@ class SimR:
         game_map: rooms, start poses and costs.
         dialect: the reading of `%%goto` that is tried first.
         response_timeout: ticks without observations after which a robot counts as silent and its move has failed.
-        telemetry: what subscribers of pose telemetry may know.
+        telemetry: options of pose telemetry.
     """
 
     name = legacy.SIMR

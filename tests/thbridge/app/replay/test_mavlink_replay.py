@@ -89,9 +89,9 @@ def record(
         window = None if follower is None else TabUI(follower, follower)
         roles_within = [legacy.SIMR, legacy.HIDER, *([] if window is None else [window.name])]
         opening = setting.record(PLAY, roles_within, "" if window is None else "person")
-        witness = BagRecorder(Broadcast(setting.publisher(), opening, setting.map.grid, [writer]))
+        recorder = BagRecorder(Broadcast(setting.publisher(), opening, setting.map.grid, [writer]))
         roles = [simr, setting.hider()]
-        session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [witness], window, setting.vehicles(simr))
+        session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [recorder], window, setting.vehicles(simr))
         for tick in range(ticks):
             doing(tick, session)
             session.step()
@@ -99,7 +99,7 @@ def record(
 
 def by_frames(bag: Path, study: Study = STUDY, to: Path | None = None) -> FramesReplayed:
     setting = read_setting(study, Path())
-    return asyncio.run(replay_frames(bag, setting, FramesOptions(to=to), lambda moment: None))
+    return asyncio.run(replay_frames(bag, setting, FramesOptions(to=to), lambda tick_record: None))
 
 
 def beating(stations: dict[str, Station]) -> Callable[[int, Session], None]:

@@ -95,7 +95,7 @@ def record(bag: Path, study: Study, seconds: float) -> None:
     setting = setting_of(study)
     options = PlayOptions(0.0, bag, frozenset(), "suggestion", seconds)
     with pytest.raises(HuntUnfinished):
-        asyncio.run(play(setting, bot_of(setting), options, lambda where: None, lambda moment: None))
+        asyncio.run(play(setting, bot_of(setting), options, lambda where: None, lambda tick_record: None))
 
 
 def watched(bag: Path, study: Study, seconds: float, plan: Sequence[tuple[int, Request | PaceRequest]]) -> list[type]:
@@ -123,7 +123,7 @@ def watched(bag: Path, study: Study, seconds: float, plan: Sequence[tuple[int, R
         options = PlayOptions(20.0, bag, frozenset(), "suggestion", seconds, watch=WatchAddress("127.0.0.1", 0, None))
         told = StartupCallbacks(lambda master: None, come)
         try:
-            await play(setting, bot_of(setting), options, lambda where: None, lambda moment: None, told)
+            await play(setting, bot_of(setting), options, lambda where: None, lambda tick_record: None, told)
         finally:
             for task in running:
                 task.cancel()
@@ -142,8 +142,8 @@ def act(bag: Path, study: Study, ticks: int, doing: Callable[[int, Session], Non
     roles = [setting.simr(), setting.hider()]
     session_record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
     with setting.writer(bag) as writer:
-        witness = BagRecorder(Broadcast(setting.publisher(), session_record, setting.map.grid, [writer]))
-        session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [witness], bot_of(setting))
+        recorder = BagRecorder(Broadcast(setting.publisher(), session_record, setting.map.grid, [writer]))
+        session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [recorder], bot_of(setting))
         for tick in range(ticks):
             doing(tick, session)
             session.step()
@@ -151,7 +151,9 @@ def act(bag: Path, study: Study, ticks: int, doing: Callable[[int, Session], Non
 
 def again(bag: Path, *changes: StudyChange, to: Path | None = None, to_the_end: bool = False) -> Replayed:
     study = with_changes(read_study_text(bag, session_of(bag).study), [], changes)
-    return asyncio.run(replay(bag, setting_of(study), ReplayOptions(0.0, 0.0, to, to_the_end), lambda moment: None))
+    return asyncio.run(
+        replay(bag, setting_of(study), ReplayOptions(0.0, 0.0, to, to_the_end), lambda tick_record: None)
+    )
 
 
 def equal(bag: Path, ticks: int) -> None:
@@ -400,7 +402,7 @@ class TestSame:
             participant = asyncio.create_task(outside())
             options = PlayOptions(20.0, tmp_path / "hunt.bag", frozenset({legacy.TABUI}), "person", 30.0)
             try:
-                await play(setting, bot_of(setting), options, where.append, lambda moment: None)
+                await play(setting, bot_of(setting), options, where.append, lambda tick_record: None)
             finally:
                 participant.cancel()
 
@@ -482,15 +484,15 @@ def test_it_tells_what_happens_from_the_time_asked_for(hunt: Path) -> None:
     told: list[TickRecord] = []
     setting = setting_of(read_study_text(hunt, session_of(hunt).study))
     asyncio.run(replay(hunt, setting, ReplayOptions(0.0, 12.0, None, False), told.append))
-    assert [moment.tick for moment in told] == list(range(600, 800))
+    assert [tick_record.tick for tick_record in told] == list(range(600, 800))
 
 
 def test_a_participant_who_plays_anew_makes_the_best_of_a_changed_study(hunt: Path, tmp_path: Path) -> None:
     setting = setting_of(read_study_text(hunt, session_of(hunt).study))
     options = ReplayOptions(0.0, 0.0, tmp_path / "again.bag", True, BotStrategy.SUGGESTION)
-    assert asyncio.run(replay(hunt, setting, options, lambda moment: None)).difference is None
+    assert asyncio.run(replay(hunt, setting, options, lambda tick_record: None)).difference is None
     options = dataclasses.replace(options, to=tmp_path / "other.bag", participant=BotStrategy.NEAREST)
-    assert asyncio.run(replay(hunt, setting, options, lambda moment: None)).difference is not None
+    assert asyncio.run(replay(hunt, setting, options, lambda tick_record: None)).difference is not None
     assert session_of(tmp_path / "other.bag").participant == "nearest"
     assert again(tmp_path / "other.bag").difference is None
 

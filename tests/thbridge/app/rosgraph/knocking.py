@@ -82,9 +82,9 @@ class Visited:
         self.doors = made[0]
         self.writer = setting.writer(bag)
         record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER], "")
-        witness = BagRecorder(Broadcast(publisher, record, setting.map.grid, [graph, self.writer]))
+        recorder = BagRecorder(Broadcast(publisher, record, setting.map.grid, [graph, self.writer]))
         roles, vehicles = [simr, setting.hider()], setting.vehicles(simr)
-        self._session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [witness], vehicles=vehicles)
+        self._session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [recorder], vehicles=vehicles)
         self._link = self._session.open_link(GRAPH_LINK) if setting.study.mavlink.on else LinkId(0)
 
     def ask(self, sender: str, request: Request) -> None:
@@ -117,8 +117,8 @@ class Visited:
         return snapshot
 
 
-def asked(moment: TickRecord) -> list[Request]:
-    return [item.request for item in moment.inputs if isinstance(item, ClientRequest)]
+def asked(tick_record: TickRecord) -> list[Request]:
+    return [item.request for item in tick_record.inputs if isinstance(item, ClientRequest)]
 
 
 def goal_id(name: str, seconds: int = 0) -> object:

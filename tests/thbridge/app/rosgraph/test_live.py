@@ -86,9 +86,9 @@ def test_a_frame_on_a_robots_topic_is_heard_by_that_robot_and_none_else(
         visited.step()
         visited.say("/robot2/mavlink/to", said, "/gcs_bridge")
         visited.say("/robot2/mavlink/to", said, CALLER)  # What other links brought, which we say there.
-        moment = visited.step()
-        assert moment.inputs == (FrameReceived(LinkId(0), "ros", frame, 1),)
-        assert [(item.robot, item.frame) for item in moment.traffic if item.incoming] == [(1, frame)]
+        tick_record = visited.step()
+        assert tick_record.inputs == (FrameReceived(LinkId(0), "ros", frame, 1),)
+        assert [(item.robot, item.frame) for item in tick_record.traffic if item.incoming] == [(1, frame)]
         with caplog.at_level(logging.WARNING):
             visited.say("/robot2/mavlink/to", said[:-30], "/gcs_bridge")
         assert visited.step().inputs == ()

@@ -46,13 +46,13 @@ def stormed(seed, ticks, bytes_a_tick):
             for found in framer.receive_data(data):
                 if isinstance(found, Frame):
                     session.receive_frame(link, found)
-        moment = session.step()
-        for one in moment.traffic:
+        tick_record = session.step()
+        for one in tick_record.traffic:
             digest.update(one.frame.to_bytes())
             if one.frame.message_id == mav.MAVLINK_MSG_ID_HEARTBEAT and not one.incoming:
                 beats[one.frame.system] = tick
         assert all(tick - last <= TICKS_PER_SECOND for last in beats.values())
-        poses = moment.snapshot.truth.poses
+        poses = tick_record.snapshot.truth.poses
         assert np.isfinite(poses).all()
         digest.update(poses.tobytes())
     return digest.hexdigest()

@@ -55,8 +55,8 @@ class Afternoon:
         for task in self._tasks:
             task.cancel()
 
-    def _passed(self, moment: TickRecord) -> None:
-        self.tick = moment.tick
+    def _passed(self, tick_record: TickRecord) -> None:
+        self.tick = tick_record.tick
 
     def _come(self, where: ListeningAddress | CannotListen) -> None:
         assert isinstance(where, ListeningAddress)
@@ -91,6 +91,8 @@ def test_heartbeats_go_on_in_a_pause_and_are_said_again_in_a_replay(tmp_path: Pa
     recorded = [item for tick in ticks_of(afternoon.bag) for item in tick.inputs]
     assert recorded.count(HeartbeatsSent()) >= BEATS
     done = asyncio.run(
-        replay(afternoon.bag, read_setting(STUDY, Path()), ReplayOptions(0.0, 0.0, None, False), lambda moment: None)
+        replay(
+            afternoon.bag, read_setting(STUDY, Path()), ReplayOptions(0.0, 0.0, None, False), lambda tick_record: None
+        )
     )
     assert (done.difference, done.ticks) == (None, 100)

@@ -24,23 +24,23 @@ class Tape:
 
 def test_a_robot_that_is_put_elsewhere_is_an_event_and_one_that_drives_is_not():
     tape = Tape()
-    witness = BagRecorder(tape)
+    recorder = BagRecorder(tape)
     for snapshot in snapshots(2, 100):
         poses = snapshot.world.poses.copy()
         poses[1, 0] += 0.3 * (snapshot.tick > 50)
         carried = replace(snapshot, world=replace(snapshot.world, poses=poses))
-        witness.record(TickRecord(snapshot.tick, (), carried, (), (), (), WizardState(), None))
+        recorder.record(TickRecord(snapshot.tick, (), carried, (), (), (), WizardState(), None))
     assert [json.loads(record.json) for record in tape.records] == [{"event": "carried", "robot": 1}]
 
 
 def test_what_befalls_robots_and_things_is_an_event():
     tape = Tape()
-    witness = BagRecorder(tape)
+    recorder = BagRecorder(tape)
     (snapshot,) = snapshots(2, 1)
     for things, dead in (((CRATE,), ()), ((replace(CRATE, appeared=True),), (1,)), ((), (1,)), ((), ())):
         world = replace(snapshot.world, things=things)
         snapshot = replace(snapshot, world=world, dead=frozenset(dead))
-        witness.record(TickRecord(1, (), snapshot, (), (), (), WizardState(), None))
+        recorder.record(TickRecord(1, (), snapshot, (), (), (), WizardState(), None))
     assert all(isinstance(record, GameEvent) for record in tape.records)
     assert [json.loads(record.json) for record in tape.records] == [
         {"event": "appeared", "thing": "crate"},

@@ -73,9 +73,9 @@ def test_what_vehicles_drop_is_not_recorded(session: Session):
         outcome = session.receive_frame(link, frame)
         assert outcome.dropped is not None
         assert not outcome.replies
-    moment = session.step()
-    assert moment.inputs == ()
-    assert not any(traffic.incoming for traffic in moment.traffic)
+    tick_record = session.step()
+    assert tick_record.inputs == ()
+    assert not any(traffic.incoming for traffic in tick_record.traffic)
 
 
 def test_people_read_in_the_bag_what_came(session: Session):
@@ -101,11 +101,13 @@ def test_heartbeats_go_out_on_every_link_once_a_second_and_are_told(session: Ses
     transmitted: list[OutgoingFrame] = []
     session.transmit = transmitted.extend
     links = [session.open_link("a"), session.open_link("b")]
-    moments = steps(session, TICKS_PER_SECOND)
+    tick_records = steps(session, TICKS_PER_SECOND)
     beats = [sent for sent in transmitted if sent.frame.message_id == HEARTBEAT.id]
     assert sorted((sent.link, sent.frame.system) for sent in beats) == [(link, n) for link in links for n in (1, 2)]
-    assert [sent.frame for sent in transmitted] == [item.frame for moment in moments for item in moment.traffic]
-    assert len(moments[-1].vehicles) == 2
+    assert [sent.frame for sent in transmitted] == [
+        item.frame for tick_record in tick_records for item in tick_record.traffic
+    ]
+    assert len(tick_records[-1].vehicles) == 2
 
 
 def test_frames_of_links_or_for_robots_that_there_are_not_change_nothing(session: Session):
@@ -133,9 +135,9 @@ def test_what_vehicles_hear_and_say_goes_to_the_topics_of_mavros(session: Sessio
     link, graph = session.open_link("a"), session.open_link("ros")
     session.receive_frame(link, FRAME, 1)
     session.receive_frame(graph, FRAME, 0)
-    moments = steps(session, 2 * TICKS_PER_SECOND)
-    for moment in moments:
-        ear.record(moment)
+    tick_records = steps(session, 2 * TICKS_PER_SECOND)
+    for tick_record in tick_records:
+        ear.record(tick_record)
     by_topic = defaultdict(list)
     for message in messages:
         by_topic[message.topic.name].append(message)
@@ -145,7 +147,12 @@ def test_what_vehicles_hear_and_say_goes_to_the_topics_of_mavros(session: Sessio
     assert unpack.mavlink(second.data).link == "a"
     assert unpack.mavlink(second.data).checksum == FRAME.checksum
     said = [unpack.mavlink(message.data) for message in by_topic["/robot2/mavlink/from"]]
-    frames = [item.frame for moment in moments for item in moment.traffic if item.robot == 1 and not item.incoming]
+    frames = [
+        item.frame
+        for tick_record in tick_records
+        for item in tick_record.traffic
+        if item.robot == 1 and not item.incoming
+    ]
     assert [(frame.sequence, frame.payload) for frame in said] == [(frame.sequence, frame.payload) for frame in frames]
     assert len(by_topic["/robot1/mavros/state"]) >= 2
     announced = {topic.name for topic in publisher.topics}
@@ -154,7 +161,7 @@ def test_what_vehicles_hear_and_say_goes_to_the_topics_of_mavros(session: Sessio
 
 def test_states_are_said_when_they_change_and_every_second():
     tape = Tape()
-    witness = BagRecorder(tape)
+    recorder = BagRecorder(tape)
     rest, armed = (
         VehicleStatus(True, False, False, False, "HOLD", 4),
         VehicleStatus(True, True, True, False, "GUIDED", 4),
@@ -162,7 +169,7 @@ def test_states_are_said_when_they_change_and_every_second():
     (snapshot,) = snapshots(2, 1)
     for tick in range(1, 102):
         states = (rest, armed) if tick > 30 else (rest, rest)
-        witness.record(TickRecord(tick, (), snapshot, (), (), (), WizardState(), None, (), states))
+        recorder.record(TickRecord(tick, (), snapshot, (), (), (), WizardState(), None, (), states))
     assert [record.robot for record in tape.records] == [0, 1, 1, 0, 1, 0, 1]
     assert tape.records[2].mode == "GUIDED"
 
@@ -172,15 +179,15 @@ def test_a_telemetry_log_has_all_traffic_with_the_stamps_of_the_bag(tmp_path: Pa
     simr = setting.simr()
     log = tmp_path / "hunt.tlog"
     with TlogFile(log) as file:
-        witnesses = [TlogRecorder(file)]
+        recorders = [TlogRecorder(file)]
         session = Session(
-            MessageRouter(), setting.keeper(), [simr], NoLog(), witnesses, vehicles=setting.vehicles(simr)
+            MessageRouter(), setting.keeper(), [simr], NoLog(), recorders, vehicles=setting.vehicles(simr)
         )
         session.step()
         session.receive_frame(session.open_link("a"), FRAME)
-        moment = session.step()
-    assert moment.snapshot is not None
-    first = (stamp_ns(moment.snapshot.tick) // 1000).to_bytes(8, "big") + FRAME.to_bytes()
+        tick_record = session.step()
+    assert tick_record.snapshot is not None
+    first = (stamp_ns(tick_record.snapshot.tick) // 1000).to_bytes(8, "big") + FRAME.to_bytes()
     assert log.read_bytes().startswith(first)
 
 
@@ -202,10 +209,10 @@ def test_between_two_ticks_that_are_long_apart_vehicles_say_that_they_are_there(
     assert [(sent.link, sent.frame.system) for sent in transmitted] == [(link, 1), (link, 2)] * 2
     assert {sent.frame.message_id for sent in transmitted} == {HEARTBEAT.id}
     said = [sent.frame for sent in transmitted]
-    moment = session.step()
-    assert moment.inputs == (HeartbeatsSent(), HeartbeatsSent())
-    assert [traffic.frame for traffic in moment.traffic][:4] == said
-    sequences = [traffic.frame.sequence for traffic in moment.traffic if traffic.robot == 0]
+    tick_record = session.step()
+    assert tick_record.inputs == (HeartbeatsSent(), HeartbeatsSent())
+    assert [traffic.frame for traffic in tick_record.traffic][:4] == said
+    sequences = [traffic.frame.sequence for traffic in tick_record.traffic if traffic.robot == 0]
     assert sequences == list(range(sequences[0], sequences[0] + len(sequences)))
 
 

@@ -291,13 +291,13 @@ def test_nothing_of_a_treasure_is_told_before_the_game_reveals_it(strategy, seed
     names = ",".join(f'"{kind.name}"' for kind in kinds)
     revealed: set[str] = set()
     pictures = 0
-    for moment in played.moments:
-        for line in (item.message.line() for item in moment.forwarded if item.message.receiver == legacy.TABUI):
+    for tick_record in played.tick_records:
+        for line in (item.message.line() for item in tick_record.forwarded if item.message.receiver == legacy.TABUI):
             # Once a treasure was sensed the whole list is told, in the same order whatever lies where.
             told = line.replace(f'"names":[{names}]', "") if revealed else line
             assert {word for word in secrets if word in told} <= revealed
         # What is decided in a tick is told in the next.
-        for event in moment.events:
+        for event in tick_record.events:
             match event:
                 case Sensed(_, colour, footprint):
                     revealed |= {colour, footprint}

@@ -45,11 +45,11 @@ class Oz:
 
     @property
     def held(self) -> WizardState:
-        return self.stage.moments[-1].wizard
+        return self.stage.tick_records[-1].wizard
 
     @property
     def said(self) -> list[tuple[Author, str]]:
-        spoken = [item for moment in self.stage.moments for item in moment.utterances]
+        spoken = [item for tick_record in self.stage.tick_records for item in tick_record.utterances]
         return [(item.author, item.text) for item in spoken if item.topic.robot == 0]
 
 

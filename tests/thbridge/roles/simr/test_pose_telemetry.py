@@ -35,11 +35,11 @@ def team():
     return [team.step() for _ in range(3)]
 
 
-def told(snapshot, shows=None, ticks=TICKS, conditions=None, bulletin=None):
-    bulletin = bulletin or TelemetryPublisher("SimR", shows or TelemetryOptions())
-    bulletin.subscribe("Window", 0)
+def told(snapshot, options=None, ticks=TICKS, conditions=None, publisher=None):
+    publisher = publisher or TelemetryPublisher("SimR", options or TelemetryOptions())
+    publisher.subscribe("Window", 0)
     conditions = conditions or [Condition.WELL] * len(snapshot.robots)
-    return [m for tick in ticks for m in bulletin.messages(tick, snapshot, conditions, {0: 0.25})]
+    return [m for tick in ticks for m in publisher.messages(tick, snapshot, conditions, {0: 0.25})]
 
 
 def levels(messages, kind):
@@ -107,8 +107,8 @@ def test_a_way_leads_from_the_robot_to_its_goal_and_is_off_by_less_than_three_ce
 
 
 def test_a_way_stays_true_while_it_is_driven(team):
-    bulletin = TelemetryPublisher("SimR", TelemetryOptions())
-    bulletin.subscribe("Window", 0)
+    publisher = TelemetryPublisher("SimR", TelemetryOptions())
+    publisher.subscribe("Window", 0)
     whole = team[0].robots[0].navigation.plan
     for passed in range(0, len(whole) - 1, 7):
         here = Pose2(*(whole[passed] + [0.005, -0.005, 0.0]).tolist())
@@ -121,7 +121,7 @@ def test_a_way_stays_true_while_it_is_driven(team):
             for each in team[0].robots
         ]
         snapshot = replace(team[0], robots=tuple(robots))
-        (ways,) = levels(bulletin.messages(passed * PATH_PERIOD, snapshot, [Condition.WELL] * 2, {}), PlannedPaths)
+        (ways,) = levels(publisher.messages(passed * PATH_PERIOD, snapshot, [Condition.WELL] * 2, {}), PlannedPaths)
         line = np.array(ways.ways[0])
         assert math.dist(line[0], (here.x, here.y)) < 0.01
         assert max(off(point, line) for point in whole[passed + 1 :, :2]) < 0.03
@@ -143,20 +143,20 @@ def test_a_robot_that_does_not_answer_has_no_way_ahead(team):
 
 
 def test_ways_are_told_when_they_change_and_to_those_who_ask_anew(team):
-    bulletin = TelemetryPublisher("SimR", TelemetryOptions())
-    assert len(levels(told(team[0], bulletin=bulletin), PlannedPaths)) == 1
-    again = [m for tick in range(10, 20) for m in bulletin.messages(tick, team[0], [Condition.WELL] * 2, {})]
+    publisher = TelemetryPublisher("SimR", TelemetryOptions())
+    assert len(levels(told(team[0], publisher=publisher), PlannedPaths)) == 1
+    again = [m for tick in range(10, 20) for m in publisher.messages(tick, team[0], [Condition.WELL] * 2, {})]
     assert levels(again, PlannedPaths) == []
     moved = navigating(team[0], plan=team[0].robots[0].navigation.plan[10:])
     assert (
         len(
             levels(
-                [m for t in range(20, 30) for m in bulletin.messages(t, moved, [Condition.WELL] * 2, {})], PlannedPaths
+                [m for t in range(20, 30) for m in publisher.messages(t, moved, [Condition.WELL] * 2, {})], PlannedPaths
             )
         )
         == 1
     )
-    assert len(levels(told(moved, bulletin=bulletin, ticks=range(30, 40)), PlannedPaths)) == 1
+    assert len(levels(told(moved, publisher=publisher, ticks=range(30, 40)), PlannedPaths)) == 1
 
 
 def test_sixty_four_robots_fit_into_lines(team):

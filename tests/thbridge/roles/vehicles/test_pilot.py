@@ -95,17 +95,15 @@ class Flight:
         self.tabui = participant or TabUI(self.player)
         self.session = Session(MessageRouter(), self.keeper, [self.simr, made.hider(), self.tabui], self.log)
         self.asked: list[Request] = []
-        premises = made.game_setup()
+        setup = made.game_setup()
         software = made.study.software(1)
         self.pilots = [
-            Pilot(
-                robot, premises, made.map.starts[robot], SpeedLimit(robot, software, self.simr), Parameters(), self.ask
-            )
+            Pilot(robot, setup, made.map.starts[robot], SpeedLimit(robot, software, self.simr), Parameters(), self.ask)
             for robot in range(2)
         ]
         self.pilot = self.pilots[0]
         self.readings: list[RobotReadings] = []
-        self.moments: list[TickRecord] = []
+        self.tick_records: list[TickRecord] = []
         self.news: list[str] = []
         self.run(10)
 
@@ -118,9 +116,9 @@ class Flight:
 
     def run(self, ticks: int = 1) -> RobotReadings:
         for _ in range(ticks):
-            moment = self.session.step()
-            self.moments.append(moment)
-            self.readings = [pilot.follow(moment.snapshot, moment.game) for pilot in self.pilots]
+            tick_record = self.session.step()
+            self.tick_records.append(tick_record)
+            self.readings = [pilot.follow(tick_record.snapshot, tick_record.game) for pilot in self.pilots]
             self.news += self.readings[0].news
         return self.readings[0]
 
