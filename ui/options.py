@@ -24,8 +24,8 @@ from thbridge.sockets.addresses import (
     WATCH_PORT,
     Address,
     ListeningAddress,
-    address_in,
-    target_in,
+    parse_address,
+    parse_target,
 )
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.server import MavlinkPorts
@@ -192,7 +192,7 @@ def watch_of(study: Study, file: Path | None, at: str | None, key: Path | None) 
         return None
     beside = Path() if file is None else file.parent
     path = key or (None if section.key is None else beside / section.key)
-    return WatchAddress(host, port, None if path is None else key_in(path))
+    return WatchAddress(host, port, None if path is None else parse_key(path))
 
 
 def with_mavlink(
@@ -207,12 +207,12 @@ def with_mavlink(
 ) -> Study:
     """The study with what options say of MAVLink; None changes nothing."""
     for option, text in (("--udp-listen", udp_listen), ("--tcp", tcp)):
-        if text is not None and address_in(text) is None:
+        if text is not None and parse_address(text) is None:
             fail(BAD_INPUT, f"{option}: {text!r} is no address. Write HOST:PORT, such as 127.0.0.1:14550.")
     targets = None if udp is None else tuple(dict.fromkeys(udp))
     taken: set[Address] = set()
     for text in targets or ():
-        target = target_in(text)
+        target = parse_target(text)
         if target is None:
             fail(
                 BAD_INPUT,
@@ -244,11 +244,11 @@ def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts 
     path = key or (None if section.signing_key is None else beside / section.signing_key)
     with bad_input():
         secret = None if path is None else read_signing_key(path)
-    listens = None if section.udp_listen is None else address_in(section.udp_listen)
-    return MavlinkPorts(section.targets, None if section.tcp is None else address_in(section.tcp), secret, listens)
+    listens = None if section.udp_listen is None else parse_address(section.udp_listen)
+    return MavlinkPorts(section.targets, None if section.tcp is None else parse_address(section.tcp), secret, listens)
 
 
-def key_in(path: Path) -> str:
+def parse_key(path: Path) -> str:
     """Return the key in a file."""
     with bad_input():
         key = next(iter(read_text(path).splitlines()), "").strip()

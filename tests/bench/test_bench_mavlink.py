@@ -35,20 +35,20 @@ SECONDS = 26.0
 STATION = """
 import asyncio, json, sys, time
 from thbridge.sockets.addresses import Address
-from thbridge.sockets.mavlink.client import linked
+from thbridge.sockets.mavlink.client import open_station
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.station.ground_station import CommandAcked, CommandUnanswered
 
 async def main():
     port, robots, seconds = int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3])
-    async with linked(Address("127.0.0.1", port), False, None) as link:
+    async with open_station(Address("127.0.0.1", port), False, None) as link:
         print("ready", flush=True)
         station = link.station
         while len(station.robots) < robots:
-            await link.turn()
+            await link.poll()
         until = time.monotonic() + 3.0
         while time.monotonic() < until:
-            await link.turn()
+            await link.poll()
         first = {each.system: each.frames for each in station.robots.values()}
         waits, asked, begun = [], 0, time.monotonic()
         while time.monotonic() - begun < seconds:
@@ -62,7 +62,7 @@ async def main():
             waits.append(time.monotonic() - sent)
             pause = time.monotonic() + 0.013
             while time.monotonic() < pause:
-                await link.turn()
+                await link.poll()
         took = time.monotonic() - begun
         frames = sum(each.frames - first[each.system] for each in station.robots.values())
         lost = sum(each.lost for each in station.robots.values())

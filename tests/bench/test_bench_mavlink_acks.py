@@ -20,7 +20,7 @@ from tests.bench.halls import hall_for_fifty
 from tests.peers.rovers import free_udp_port
 from tests.system.programs import Program, until
 from thbridge.sockets.addresses import Address
-from thbridge.sockets.mavlink.client import StationSocket, linked
+from thbridge.sockets.mavlink.client import StationSocket, open_station
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.station.ground_station import CommandAcked, CommandUnanswered, StationCommand
 
@@ -55,9 +55,9 @@ def orders(driven: bool) -> Iterator[StationCommand]:
 async def answered(link: StationSocket, robot: int, order: StationCommand) -> float:
     """Command a robot; seconds until it is answered."""
     begun = time.perf_counter()
-    link.station.order(robot, order, time.monotonic())
+    link.station.send_command(robot, order, time.monotonic())
     while True:
-        for event in await link.turn():
+        for event in await link.poll():
             if isinstance(event, CommandAcked | CommandUnanswered) and (event.system, event.command) == (
                 robot,
                 order.number,
@@ -68,13 +68,13 @@ async def answered(link: StationSocket, robot: int, order: StationCommand) -> fl
 async def listen(link: StationSocket, seconds: float) -> None:
     end = time.monotonic() + seconds
     while time.monotonic() < end:
-        await link.turn()
+        await link.poll()
 
 
 async def measured(port: int, robots: int, driven: bool, process: int) -> str:
-    async with linked(Address("127.0.0.1", port), False, None) as link:
+    async with open_station(Address("127.0.0.1", port), False, None) as link:
         while len(link.station.robots) < robots:
-            await link.turn()
+            await link.poll()
         said = {robot: orders(driven) for robot in range(1, robots + 1)}
         for robot, own in said.items():
             await answered(link, robot, next(own))

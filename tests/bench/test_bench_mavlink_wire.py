@@ -33,7 +33,7 @@ class Talker:
     def __init__(self, system):
         self.system = system
 
-    def hear(self, link, sender, message):
+    def handle_message(self, link, sender, message):
         return ()
 
     def step(self, tick, readings):
@@ -51,7 +51,7 @@ def frame_of(message, system):
 
 
 def test_fifty_vehicles():
-    hub = Hub([Talker(system) for system in range(1, ROBOTS + 1)], patience=1000)
+    hub = Hub([Talker(system) for system in range(1, ROBOTS + 1)], timeout=1000)
     for number in range(LINKS):
         hub.open(LinkId(number), str(number))
         hub.receive(LinkId(number), frame_of(HEARTBEAT, 255 - number))
@@ -88,12 +88,12 @@ def test_signing():
     signing, other = (Signing(SigningKey(bytes(32)), 0, SignatureTimestamps()) for _ in range(2))
     frame = frame_of(ATTITUDE, 1)
     begun = time.process_time()
-    wrapped = [signing.wrap(frame, 1.8e9) for _ in range(10_000)]
+    wrapped = [signing.sign(frame, 1.8e9) for _ in range(10_000)]
     signed = time.process_time()
     framer = FrameParser()
     signatures = framer.receive_data(b"".join(wrapped))
     found = time.process_time()
     for one in signatures:
-        assert isinstance(other.unwrap(one, 1.8e9), Frame)
+        assert isinstance(other.verify(one, 1.8e9), Frame)
     checked = time.process_time()
     print(f"signing: {(signed - begun) * 100:.1f} us a frame; verifying: {(checked - found) * 100:.1f} us")

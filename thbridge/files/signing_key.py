@@ -3,14 +3,14 @@
 from pathlib import Path
 
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.wire.mavlink.frames.signing import InvalidKey, SigningKey, key_in
+from thbridge.wire.mavlink.frames.signing import InvalidKey, SigningKey, parse_key
 
 _REMEDY = "put a passphrase, 32 bytes or 64 hexadecimal digits there"
 _LARGEST = 4096
 
 
 def read_signing_key(path: Path) -> SigningKey:
-    """Read the key in a file; see `key_in` for its formats.
+    """Read the key in a file; see `parse_key` for its formats.
 
     Raises:
         BadFile: it cannot be read, or it has no key.
@@ -20,7 +20,7 @@ def read_signing_key(path: Path) -> SigningKey:
             content = file.read(_LARGEST)
     except OSError as error:
         raise BadFile(path, None, None, f"the signing key cannot be read ({reason_of(error)})", _REMEDY) from None
-    key = key_in(content)
+    key = parse_key(content)
     if isinstance(key, InvalidKey):
         raise BadFile(path, None, None, f"there is no signing key in it: {key.problem}", _REMEDY)
     return key

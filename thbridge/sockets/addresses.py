@@ -28,7 +28,7 @@ class ListeningAddress:
     port: int
 
 
-def address_in(text: str) -> Address | None:
+def parse_address(text: str) -> Address | None:
     """Parse HOST:PORT, with an IPv6 host in brackets; None when it is invalid."""
     host, colon, number = text.rpartition(":")
     if not (colon and number.isascii() and number.isdecimal() and 0 < int(number) <= 65535):
@@ -55,10 +55,10 @@ class UdpTarget(NamedTuple):
         return f"{self.address}" if self.robot is None else f"{self.address}/{self.robot + 1}"
 
 
-def target_in(text: str) -> UdpTarget | None:
+def parse_target(text: str) -> UdpTarget | None:
     """Parse HOST:PORT, or HOST:PORT/ROBOT with a robot's number from 1; None when it is invalid."""
     where, slash, number = text.partition("/")
-    address = address_in(where)
+    address = parse_address(where)
     if address is None or not slash:
         return None if address is None else UdpTarget(address)
     if not (number.isascii() and number.isdecimal() and int(number) > 0):

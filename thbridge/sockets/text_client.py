@@ -59,9 +59,9 @@ class Backoff:
             as broken.
     """
 
-    first: float = 0.25
-    longest: float = 5.0
-    silence: float = 45.0
+    initial: float = 0.25
+    maximum: float = 5.0
+    timeout: float = 45.0
 
 
 class TextClient:
@@ -77,13 +77,13 @@ class TextClient:
         ValueError: name or token is not one word.
     """
 
-    def __init__(self, name: str, token: str, host: str, port: int, patience: Backoff | None = None) -> None:
+    def __init__(self, name: str, token: str, host: str, port: int, backoff: Backoff | None = None) -> None:
         ClientSession(name, token)  # refuses a bad name here, not in the midst of a run
         self._name = name
         self._token = token
         self._host = host
         self._port = port
-        self._patience = patience or Backoff()
+        self._backoff = backoff or Backoff()
         self._events: asyncio.Queue[TextClientEvent] = asyncio.Queue(_EVENTS)
         self._writer: asyncio.StreamWriter | None = None  # while we are registered
         self._reason: LossReason | None = None
@@ -126,15 +126,15 @@ class TextClient:
         return [self._events.get_nowait() for _ in range(self._events.qsize())]
 
     def _delays(self) -> Iterator[float]:
-        delay = self._patience.first
+        delay = self._backoff.initial
         while True:
             yield delay
-            delay = min(2.0 * delay, self._patience.longest)
+            delay = min(2.0 * delay, self._backoff.maximum)
 
     async def _converse(self) -> ConnectionLost:
         """Connect once and exchange messages until the connection ends, for any reason."""
         try:
-            async with asyncio.timeout(self._patience.silence):
+            async with asyncio.timeout(self._backoff.timeout):
                 reader, writer = await asyncio.open_connection(self._host, self._port)
         except (OSError, UnicodeError, OverflowError) as error:
             told = reason_of(error) if isinstance(error, OSError) else str(error)
@@ -152,10 +152,10 @@ class TextClient:
         self._write(writer, session.hello)
         while True:
             try:
-                async with asyncio.timeout(self._patience.silence):
+                async with asyncio.timeout(self._backoff.timeout):
                     data = await reader.read(_SEGMENT)
             except TimeoutError:
-                return ConnectionLost(LossReason.BROKEN, f"nothing was heard for {self._patience.silence} s")
+                return ConnectionLost(LossReason.BROKEN, f"nothing was heard for {self._backoff.timeout} s")
             if not data:
                 return ConnectionLost(LossReason.BROKEN, "the server closed the connection")
             for event in session.receive_data(data):

@@ -78,11 +78,11 @@ class TextServer:
 
     def __init__(
         self,
-        switchboard: RouterInterface,
+        router: RouterInterface,
         tap: Callable[[Forwarded], None] = _ignore,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._switchboard = switchboard
+        self._router = router
         self._tap = tap
         self._clock = clock
         self._transports: dict[ConnectionId, Transport] = {}
@@ -103,7 +103,7 @@ class TextServer:
         except UnicodeError:
             return CannotListen(host, port, "that is not a host's name")
         self._server = server
-        self._watch = loop.create_task(self._watch_for_silence())
+        self._watch = loop.create_task(self._check_idle())
         address = server.sockets[0].getsockname()
         return ListeningAddress(address[0], address[1])
 
@@ -113,7 +113,7 @@ class TextServer:
             return
         self._server.close()
         self._watch.cancel()
-        self.perform(self._switchboard.stop())
+        self.perform(self._router.stop())
         while self._open:
             self._all_closed.clear()
             await self._all_closed.wait()
@@ -130,7 +130,7 @@ class TextServer:
                     transport = self._transports.get(connection)
                     if transport is not None:
                         transport.write(data)
-                        waiting += self._switchboard.report_backlog(connection, transport.get_write_buffer_size())
+                        waiting += self._router.report_backlog(connection, transport.get_write_buffer_size())
                 case CloseConnection(connection, reason):
                     _log.info("client %d is closed: %s", connection, reason.value)
                     transport = self._transports.pop(connection, None)
@@ -148,7 +148,7 @@ class TextServer:
     def connected(self, transport: Transport) -> ConnectionId | None:
         """Accept a new connection, or turn it away."""
         self._open.add(transport)
-        connection = self._switchboard.connect(self._clock())
+        connection = self._router.connect(self._clock())
         if isinstance(connection, TurnedAway):
             _log.warning("a client is turned away: the server is full")
             transport.write(connection.farewell)
@@ -159,11 +159,11 @@ class TextServer:
 
     def received(self, connection: ConnectionId, data: bytes) -> None:
         """Handle received bytes of a connection."""
-        self.perform(self._switchboard.receive_data(connection, data, self._clock()))
+        self.perform(self._router.receive_data(connection, data, self._clock()))
 
     def ended(self, connection: ConnectionId) -> None:
         """Handle the end of a client's bytes."""
-        self.perform(self._switchboard.eof(connection))
+        self.perform(self._router.eof(connection))
         self._transports.pop(connection, None)
 
     def lost(self, transport: Transport) -> None:
@@ -171,10 +171,10 @@ class TextServer:
         self._open.discard(transport)
         self._all_closed.set()
 
-    async def _watch_for_silence(self) -> None:
+    async def _check_idle(self) -> None:
         while True:
             await asyncio.sleep(_CHECK_INTERVAL)
-            self.perform(self._switchboard.advance(self._clock()))
+            self.perform(self._router.advance(self._clock()))
 
 
 class _Connection(BufferedProtocol):

@@ -10,13 +10,13 @@ from typing import NoReturn, TypeAlias
 
 from thbridge.files.errors import reason_of
 from thbridge.sockets.text_client import Backoff, ConnectionLost, LossReason
-from thbridge.wire.watch_protocol import BagStreamReader, BrokenStream, SessionMessage, key_line, status_in
+from thbridge.wire.watch_protocol import BagStreamReader, BrokenStream, SessionMessage, key_line, parse_status
 
 _SEGMENT = 256 * 1024
 _WAITING = 20_000
 """Most queued messages; beyond that nothing is read, and the watch server drops some in the end."""
 _NAP = 0.02
-_SILENCE = 10.0
+_TIMEOUT = 10.0
 """Seconds without a byte until the connection counts as broken; the server sends its status every second."""
 
 
@@ -40,11 +40,11 @@ class WatchClient:
         backoff: delays between two attempts.
     """
 
-    def __init__(self, host: str, port: int, key: str | None = None, patience: Backoff | None = None) -> None:
+    def __init__(self, host: str, port: int, key: str | None = None, backoff: Backoff | None = None) -> None:
         self._host = host
         self._port = port
         self._key = key
-        self._patience = patience or Backoff(silence=_SILENCE)
+        self._backoff = backoff or Backoff(timeout=_TIMEOUT)
         self._events: deque[WatchEvent] = deque()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._writer: asyncio.StreamWriter | None = None  # while the session is heard
@@ -79,15 +79,15 @@ class WatchClient:
         return True
 
     def _delays(self) -> Iterator[float]:
-        delay = self._patience.first
+        delay = self._backoff.initial
         while True:
             yield delay
-            delay = min(2.0 * delay, self._patience.longest)
+            delay = min(2.0 * delay, self._backoff.maximum)
 
     async def _converse(self) -> ConnectionLost:
         """Connect once and receive until the connection ends, for any reason."""
         try:
-            async with asyncio.timeout(self._patience.silence):
+            async with asyncio.timeout(self._backoff.timeout):
                 reader, writer = await asyncio.open_connection(self._host, self._port, limit=_SEGMENT)
         except (OSError, UnicodeError, OverflowError) as error:
             told = reason_of(error) if isinstance(error, OSError) else str(error)
@@ -109,18 +109,18 @@ class WatchClient:
             while len(self._events) > _WAITING:
                 await asyncio.sleep(_NAP)
             try:
-                async with asyncio.timeout(self._patience.silence):
+                async with asyncio.timeout(self._backoff.timeout):
                     data = await reader.read(_SEGMENT)
             except TimeoutError:
-                return ConnectionLost(LossReason.BROKEN, f"nothing was heard for {self._patience.silence:g} s")
+                return ConnectionLost(LossReason.BROKEN, f"nothing was heard for {self._backoff.timeout:g} s")
             if not data:
                 if self._writer is None and refused:
                     return ConnectionLost(LossReason.REFUSED, refused)
                 return ConnectionLost(LossReason.BROKEN, "the session closed the connection")
-            for heard in stream.feed(data):
-                if isinstance(heard, BrokenStream):
-                    return ConnectionLost(LossReason.BROKEN, heard.reason)
-                status = status_in(heard)
+            for message in stream.feed(data):
+                if isinstance(message, BrokenStream):
+                    return ConnectionLost(LossReason.BROKEN, message.reason)
+                status = parse_status(message)
                 if status is not None and status.refused is not None:
                     refused = status.refused.reason
                 elif self._writer is None:
@@ -129,4 +129,4 @@ class WatchClient:
                     self._reason = None
                     self._events.append(WatchConnected())
                 if self._writer is not None:
-                    self._events.append(heard)
+                    self._events.append(message)

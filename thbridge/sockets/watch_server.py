@@ -32,10 +32,10 @@ from thbridge.wire.watch_protocol import (
     refusal,
 )
 
-WATCHERS = 8
+MAX_WATCHERS = 8
 """Most watchers at a time; further ones are turned away."""
 
-CALLERS = 4 * WATCHERS
+MAX_CONNECTIONS = 4 * MAX_WATCHERS
 """Most connections, with the key or without; further ones are closed without a message."""
 
 _log = logging.getLogger(__name__)
@@ -81,8 +81,8 @@ class WatchServer:
         definitions: message definitions; None takes them from an installed ROS, where there is one.
     """
 
-    def __init__(self, house: WatchedSession, key: str | None = None, definitions: Definitions | None = None) -> None:
-        self._house = house
+    def __init__(self, session: WatchedSession, key: str | None = None, definitions: Definitions | None = None) -> None:
+        self._session = session
         self._key = key
         self._stream = BagStream(definitions or Definitions())
         self._levels: dict[Topic, RosMessage] = {}
@@ -90,7 +90,7 @@ class WatchServer:
         self._stamp_ns = 0
         self._watchers: list[_Watcher] = []
         self._open: set[_Watcher] = set()
-        self._met = 0
+        self._connection_count = 0
         self._all_closed = asyncio.Event()
         self._server: asyncio.Server | None = None
         self._heart: asyncio.Task[None] | None = None
@@ -133,7 +133,7 @@ class WatchServer:
         self._latest = tuple(messages)
         for message in self._latest:
             self._stamp_ns = message.stamp_ns
-        self._say(self._watchers, self._latest)
+        self._send(self._watchers, self._latest)
 
     def tell_status(self) -> None:
         """Send every watcher its status."""
@@ -145,25 +145,25 @@ class WatchServer:
     @property
     def is_crowded(self) -> bool:
         """True when no further connection is accepted, not even to turn it away."""
-        return len(self._open) >= CALLERS
+        return len(self._open) >= MAX_CONNECTIONS
 
-    def meet(self, watcher: _Watcher) -> int:
+    def connection_opened(self, watcher: _Watcher) -> int:
         """Add a connection and return its number."""
         self._open.add(watcher)
-        self._met += 1
-        return self._met
+        self._connection_count += 1
+        return self._connection_count
 
     def admit(self, watcher: _Watcher) -> None:
         """Add a watcher: it gets the latched messages, then all messages of the last tick."""
-        if len(self._watchers) >= WATCHERS:
-            self.turn_away(watcher, WatchRefusal("", f"{WATCHERS} others watch already"))
+        if len(self._watchers) >= MAX_WATCHERS:
+            self.turn_away(watcher, WatchRefusal("", f"{MAX_WATCHERS} others watch already"))
             return
         self._watchers.append(watcher)
         _log.info("watcher %d has come", watcher.number)
         watcher.write(BEGINNING)
-        said_again = {message.topic for message in self._latest if message.topic.latched}
-        levels = [level for topic, level in self._levels.items() if topic not in said_again]
-        self._say([watcher], [*sorted(levels, key=lambda level: level.stamp_ns), *self._latest])
+        repeated = {message.topic for message in self._latest if message.topic.latched}
+        levels = [level for topic, level in self._levels.items() if topic not in repeated]
+        self._send([watcher], [*sorted(levels, key=lambda level: level.stamp_ns), *self._latest])
         self.tell_status()
 
     def turn_away(self, watcher: _Watcher, why: WatchRefusal) -> None:
@@ -175,11 +175,11 @@ class WatchServer:
 
     def ask(self, watcher: _Watcher, wish: WatcherRequest) -> None:
         """Handle a watcher's request, and send the status to all."""
-        reason = self._house.ask(f"watcher {watcher.number}", wish.value)
+        reason = self._session.ask(f"watcher {watcher.number}", wish.value)
         if reason is None:
-            watcher.guest.granted()
+            watcher.decoder.granted()
         else:
-            watcher.guest.refused()
+            watcher.decoder.refused()
             watcher.refuse(refusal(wish.line, reason))
         self.tell_status()
 
@@ -195,12 +195,12 @@ class WatchServer:
             self._watchers.remove(watcher)
             _log.info("watcher %d has gone", watcher.number)
             if not self._watchers:
-                self._house.unwatched()
+                self._session.unwatched()
             self.tell_status()
 
     # Messages to watchers
 
-    def _say(self, watchers: Sequence[_Watcher], messages: Iterable[RosMessage]) -> None:
+    def _send(self, watchers: Sequence[_Watcher], messages: Iterable[RosMessage]) -> None:
         if not watchers:
             return
         for message in messages:
@@ -211,7 +211,7 @@ class WatchServer:
             watcher.flush()
 
     def _tell_status(self, watcher: _Watcher) -> None:
-        pace = self._house.pace()
+        pace = self._session.pace()
         status = replace(
             watcher.status,
             paused=pace.paused,
@@ -220,7 +220,7 @@ class WatchServer:
             watchers=len(self._watchers),
             dropped=watcher.backlog.dropped,
         )
-        self._say([watcher], [RosMessage(_STATUS, self._stamp_ns, status.data())])
+        self._send([watcher], [RosMessage(_STATUS, self._stamp_ns, status.data())])
 
     def _watcher(self) -> _Watcher:
         return _Watcher(self, WatcherSession(self._key), ChunkMaker(self._stream))
@@ -236,14 +236,14 @@ class _Watcher(AsyncioProtocol):
 
     Attributes:
         number: number in the order of connections.
-        input: decoder of its lines.
+        decoder: decodes its lines.
         backlog: messages it has not read.
         status: its status as of the last change.
     """
 
-    def __init__(self, server: WatchServer, guest: WatcherSession, chunks: ChunkMaker) -> None:
+    def __init__(self, server: WatchServer, decoder: WatcherSession, chunks: ChunkMaker) -> None:
         self.number = 0
-        self.guest = guest
+        self.decoder = decoder
         self.backlog = Backlog()
         self.status = WatchStatus(paused=False, rate=0.0, lag=0.0, watchers=0, dropped=0)
         self._server = server
@@ -251,7 +251,7 @@ class _Watcher(AsyncioProtocol):
         self._chunks = chunks
         self._full = False
         self._closing = False
-        self._mute = False
+        self._input_ended = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if not isinstance(transport, Transport):
@@ -261,14 +261,14 @@ class _Watcher(AsyncioProtocol):
             return
         self._transport = transport
         transport.set_write_buffer_limits(_SEGMENT)
-        self.number = self._server.meet(self)
-        if self.guest.admitted:
+        self.number = self._server.connection_opened(self)
+        if self.decoder.admitted:
             self._server.admit(self)
         else:
-            asyncio.get_running_loop().call_later(_KEY_SECONDS, self._lose_patience)
+            asyncio.get_running_loop().call_later(_KEY_SECONDS, self._key_timed_out)
 
     def data_received(self, data: bytes) -> None:
-        for event in self.guest.feed(data):
+        for event in self.decoder.feed(data):
             if self._closing:
                 return
             match event:
@@ -276,18 +276,18 @@ class _Watcher(AsyncioProtocol):
                     self._server.admit(self)
                 case WatcherRequest():
                     self._server.ask(self, event)
-                case WatchRefusal() if self.guest.admitted:
+                case WatchRefusal() if self.decoder.admitted:
                     self.refuse(event)
                     self._server.tell_status()
                 case WatchRefusal():
                     self._server.turn_away(self, event)
-        if self.guest.unwelcome:
+        if self.decoder.rejected:
             self.close()
 
     def eof_received(self) -> bool:
-        self._mute = True
+        self._input_ended = True
         # A watcher without requests may end its input and still receive: `nc HOST PORT < /dev/null`.
-        return self.guest.admitted and not self._closing
+        return self.decoder.admitted and not self._closing
 
     def pause_writing(self) -> None:
         self._full = True
@@ -324,7 +324,7 @@ class _Watcher(AsyncioProtocol):
         self._closing = True
         self._server.left(self)
         transport = self._transport
-        if self._mute:
+        if self._input_ended:
             transport.close()
             return
         try:
@@ -334,6 +334,6 @@ class _Watcher(AsyncioProtocol):
             return
         asyncio.get_running_loop().call_later(_LINGER, transport.abort)
 
-    def _lose_patience(self) -> None:
-        if not self.guest.admitted and not self._closing:
+    def _key_timed_out(self) -> None:
+        if not self.decoder.admitted and not self._closing:
             self._server.turn_away(self, WatchRefusal("", "a key is wanted"))

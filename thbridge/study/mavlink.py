@@ -8,10 +8,10 @@ from typing import TypeVar
 from sim.parameters import param
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
-from thbridge.sockets.addresses import Address, UdpTarget, address_in, target_in
+from thbridge.sockets.addresses import Address, UdpTarget, parse_address, parse_target
 from thbridge.wire.mavlink.options import (
-    LONGEST_PATIENCE,
-    SHORTEST_PATIENCE,
+    LONGEST_TIMEOUT,
+    SHORTEST_TIMEOUT,
     AutopilotIdentity,
     Failsafe,
     GeoOrigin,
@@ -53,8 +53,8 @@ class MavlinkSection:
         5.0,
         "time without a heartbeat after which a ground station counts as lost",
         "s",
-        SHORTEST_PATIENCE,
-        LONGEST_PATIENCE,
+        SHORTEST_TIMEOUT,
+        LONGEST_TIMEOUT,
     )
     failsafe: Failsafe = param(Failsafe.STOP, "what a robot does whose ground station is lost")
     position_rate: float = param(
@@ -72,7 +72,7 @@ class MavlinkSection:
     @property
     def targets(self) -> tuple[UdpTarget, ...]:
         """Addresses to which frames go by UDP."""
-        return tuple(target for target in map(target_in, self.udp) if target is not None)
+        return tuple(target for target in map(parse_target, self.udp) if target is not None)
 
 
 def faults_of_mavlink(loaded: Loaded[S], section: MavlinkSection, robots: int) -> Iterator[BadFile]:
@@ -80,7 +80,7 @@ def faults_of_mavlink(loaded: Loaded[S], section: MavlinkSection, robots: int) -
     taken: dict[Address, int] = {}
     for index, text in enumerate(section.udp):
         key = f"mavlink.udp[{index}]"
-        target = target_in(text)
+        target = parse_target(text)
         if target is None:
             yield loaded.fault(key, _no_address(text), "Write HOST:PORT, such as 127.0.0.1:14550, or HOST:PORT/ROBOT")
         elif taken.setdefault(target.address, index) != index:
@@ -89,7 +89,7 @@ def faults_of_mavlink(loaded: Loaded[S], section: MavlinkSection, robots: int) -
             problem = f"there is no robot {target.robot + 1}: the study has {robots}"
             yield loaded.fault(key, problem, f"Write a number from 1 to {robots}, or raise robots")
     for name, listens, usual in (("udp_listen", section.udp_listen, 14555), ("tcp", section.tcp, 5760)):
-        if listens is not None and address_in(listens) is None:
+        if listens is not None and parse_address(listens) is None:
             remedy = f"Write HOST:PORT, such as 127.0.0.1:{usual}, or null"
             yield loaded.fault(f"mavlink.{name}", _no_address(listens), remedy)
     latitude, longitude, altitude = section.origin

@@ -80,8 +80,8 @@ class RouterLimits:
     clients: int = 256
     line: int = LINE_LIMIT
     backlog: int = 1024 * 1024
-    silence: float = 15.0
-    answer: float = 15.0
+    ping_after: float = 15.0
+    drop_after: float = 15.0
 
 
 class CloseReason(Enum):
@@ -90,7 +90,7 @@ class CloseReason(Enum):
     NAME_TAKEN = "its name is already held"
     ASKED = "it asked to be closed"
     STOPPED = "the server stops"
-    SILENT = "it did not answer a ping"
+    PING_UNANSWERED = "it did not answer a ping"
     SLOW = "it does not read what it is sent"
     REPLACED = "its program has connected anew"
 
@@ -179,7 +179,7 @@ class _Connection:
 
     id: ConnectionId
     lines: LineSplitter
-    heard: float
+    last_line: float
     pinged: float | None = None
     name: str | None = None
     extended: bool = False
@@ -220,7 +220,7 @@ class MessageRouter:
             return TurnedAway(SHUTDOWN_LINE)
         self._connection_count += 1
         connection = ConnectionId(self._connection_count)
-        self._connections[connection] = _Connection(connection, LineSplitter(self.limits.line), heard=now)
+        self._connections[connection] = _Connection(connection, LineSplitter(self.limits.line), last_line=now)
         return connection
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[RouterOutput]:
@@ -230,7 +230,7 @@ class MessageRouter:
             return []
         outputs: list[RouterOutput] = []
         for line in client.lines.feed(data):
-            client.heard, client.pinged = now, None
+            client.last_line, client.pinged = now, None
             if isinstance(line, OverlongLine):
                 outputs += [LineSkipped(connection, line.length), SendToClient(connection, ACK_LINE)]
             else:
@@ -256,9 +256,9 @@ class MessageRouter:
         outputs: list[RouterOutput] = []
         for client in list(self._connections.values()):
             if client.pinged is not None:
-                if now - client.pinged >= self.limits.answer:
-                    outputs += self._close(client, CloseReason.SILENT)
-            elif now - client.heard >= self.limits.silence:
+                if now - client.pinged >= self.limits.drop_after:
+                    outputs += self._close(client, CloseReason.PING_UNANSWERED)
+            elif now - client.last_line >= self.limits.ping_after:
                 client.pinged = now
                 outputs.append(SendToClient(client.id, PING_LINE))
         return outputs
@@ -272,7 +272,7 @@ class MessageRouter:
             outputs += self._close(client, CloseReason.STOPPED)
         return outputs
 
-    def called(self, connection: ConnectionId) -> str | None:
+    def display_name(self, connection: ConnectionId) -> str | None:
         """Return a connection's name, or its number while it has none, for people; None when it is not open."""
         client = self._connections.get(connection)
         return None if client is None else client.name or f"connection {connection}"

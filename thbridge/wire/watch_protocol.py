@@ -100,12 +100,12 @@ class WatchStatus:
         return _U32.pack(len(text)) + text
 
 
-def status_in(said: SessionMessage) -> WatchStatus | None:
+def parse_status(message: SessionMessage) -> WatchStatus | None:
     """Return the status in a message; None when it holds none."""
-    if said.topic != STATUS:
+    if message.topic != STATUS:
         return None
     try:
-        return msgspec.json.decode(said.data[_U32.size :], type=WatchStatus)
+        return msgspec.json.decode(message.data[_U32.size :], type=WatchStatus)
     except msgspec.DecodeError:
         return None
 
@@ -127,16 +127,16 @@ class BagStreamReader:
         if self._broken:
             return []
         self._held += data
-        heard: list[SessionMessage | BrokenStream] = []
+        messages: list[SessionMessage | BrokenStream] = []
         try:
             self._begin()
             for header, body in self._records():
-                heard += self._record(header, body)
+                messages += self._record(header, body)
         except (ValueError, LookupError, struct.error) as error:
             self._broken = True
             self._held.clear()
-            heard.append(BrokenStream(f"this is not a session's door: {error}"))
-        return heard
+            messages.append(BrokenStream(f"this is not a session's door: {error}"))
+        return messages
 
     def _begin(self) -> None:
         if not self._begun:
@@ -264,7 +264,7 @@ class WatcherSession:
 
     def __init__(self, key: str | None = None) -> None:
         self.admitted = key is None
-        self.unwelcome = False
+        self.rejected = False
         self._key = key
         self._lines = LineSplitter()
         self._understood = False
@@ -273,7 +273,7 @@ class WatcherSession:
     def feed(self, data: bytes) -> Iterator[WatcherEvent]:
         """Yield the events of the lines that `data` completes; call `granted` or `refused` before taking the next."""
         for line in self._lines.feed(data):
-            if self.unwelcome:
+            if self.rejected:
                 return
             yield from self._read(line)
 
@@ -284,7 +284,7 @@ class WatcherSession:
     def refused(self) -> None:
         """Note that its latest request was refused."""
         self._mistakes += 1
-        self.unwelcome = self.unwelcome or self._mistakes >= MISTAKES
+        self.rejected = self.rejected or self._mistakes >= MISTAKES
 
     def _read(self, line: str | OverlongLine) -> Iterator[WatcherEvent]:
         if isinstance(line, OverlongLine):
@@ -296,9 +296,9 @@ class WatcherSession:
             return
         self._understood = True
         if not self.admitted:
-            said = value.get("key")
-            right = isinstance(said, str) and hmac.compare_digest(said.encode(), (self._key or "").encode())
-            self.admitted, self.unwelcome = right, not right
+            message = value.get("key")
+            right = isinstance(message, str) and hmac.compare_digest(message.encode(), (self._key or "").encode())
+            self.admitted, self.rejected = right, not right
             yield (
                 WatcherAdmitted()
                 if right
@@ -309,7 +309,7 @@ class WatcherSession:
 
     def _misunderstood(self, line: str, reason: str) -> WatchRefusal:
         # A first line like this is no watcher's; a web page could have sent a browser here.
-        self.unwelcome = self.unwelcome or not self._understood
+        self.rejected = self.rejected or not self._understood
         self.refused()
         return refusal(line, reason)
 

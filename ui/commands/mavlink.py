@@ -16,14 +16,14 @@ from thbridge.app.replay.mavlink_replay import FramesOptions, FramesReplayed, Hu
 from thbridge.app.replay.replay import session_of
 from thbridge.app.session.session import TickRecord
 from thbridge.files.signing_key import read_signing_key
-from thbridge.sockets.addresses import Address, address_in
-from thbridge.sockets.mavlink.client import StationSocket, Unreachable, linked
+from thbridge.sockets.addresses import Address, parse_address
+from thbridge.sockets.mavlink.client import StationSocket, Unreachable, open_station
 from thbridge.study.overrides import with_changes
 from thbridge.study.study_file import read_study_text
 from thbridge.timing.loop import stopping
 from thbridge.wire.mavlink import conventions
 from thbridge.wire.mavlink.frames.signing import SigningKey
-from thbridge.wire.mavlink.modes import mode_shown
+from thbridge.wire.mavlink.modes import shown_mode_name
 from thbridge.wire.mavlink.station.ground_station import KnownRobot
 from thbridge.wire.mavlink.station.trip import Destination, StationTrip, StationTripStage, TripOutcome
 from ui.commands.replay import changes_of, other_versions
@@ -67,7 +67,7 @@ def mavlink_status(
             loop = asyncio.get_running_loop()
             until = loop.time() + seconds
             while loop.time() < until:
-                await link.turn()
+                await link.poll()
             return link
 
     link = _run(listen())
@@ -207,7 +207,7 @@ async def _drive(link: StationSocket, robot: int, destination: Destination, keep
     stage, told = trip.stage, clock()
     with stopping() as stopped:
         while trip.outcome is None:
-            trip.advance(await link.turn(), clock())
+            trip.advance(await link.poll(), clock())
             if stopped.is_set() and trip.stage not in (StationTripStage.RETURNING, StationTripStage.OVER):
                 trip.give_up(clock())
             if trip.stage is not stage and trip.stage is StationTripStage.UNDER_WAY:
@@ -222,10 +222,10 @@ async def _drive(link: StationSocket, robot: int, destination: Destination, keep
 
 def _figures(robot: KnownRobot) -> dict[str, object]:
     """A robot as the JSON object has it; null for values that it has not sent."""
-    seconds = max(robot.last - robot.first, 1e-9)
+    seconds = max(robot.last_frame - robot.first_heartbeat, 1e-9)
     return {
         "robot": robot.system,
-        "mode": mode_shown(robot.autopilot, robot.custom_mode),
+        "mode": shown_mode_name(robot.autopilot, robot.custom_mode),
         "armed": robot.armed,
         "commander": _commander(robot),
         "x": _known(robot.x, 3),
@@ -274,7 +274,7 @@ def _table(robots: list[KnownRobot]) -> Table:
 def _address(text: str, option: str) -> tuple[Address, bool]:
     """An address, and True if it is of TCP."""
     bare = text.removeprefix(_TCP)
-    address = address_in(bare.removeprefix("udp:"))
+    address = parse_address(bare.removeprefix("udp:"))
     if address is None:
         fail(BAD_INPUT, f"{option}: {text!r} is no address. Write HOST:PORT, such as {USUAL}, or tcp:HOST:PORT.")
     return address, bare != text
@@ -295,7 +295,7 @@ def _run(program: Coroutine[object, object, T]) -> T:
 @asynccontextmanager
 async def _station(address: Address, tcp: bool, key: SigningKey | None) -> AsyncIterator[StationSocket]:
     try:
-        async with linked(address, tcp, key) as link:
+        async with open_station(address, tcp, key) as link:
             yield link
     except Unreachable as why:
         remedy = "Start robots there, by `thbridge play --mavlink --tcp HOST:PORT`" if tcp else "Give another address"
@@ -306,7 +306,7 @@ def _nobody(link: StationSocket, address: Address, key: Path | None) -> NoReturn
     """End the command, with reasons why no robot may have answered."""
     if link.refused:
         fail(FAILED, f"{address}: {link.refused} frames were refused, for they are not signed with the key of {key}.")
-    if link.waits:
+    if link.is_listening:
         remedy = "Start `thbridge play --mavlink`, or give the address that it tells"
         fail(FAILED, f"{address}: nobody speaks MAVLink there. {remedy}.")
     remedy = f"Give an address that is free, such as {OTHER}; robots speak to several, see `play --udp`"

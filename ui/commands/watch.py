@@ -8,7 +8,7 @@ import typer
 
 from thbridge.sockets.watch_client import WatchClient
 from ui.display import why_no_window
-from ui.options import ColourScheme, LookOption, key_in
+from ui.options import ColourScheme, LookOption, parse_key
 from ui.terminal import BAD_INPUT, fail
 
 ADDRESS = re.compile(r"(?P<host>[^\s/]+):(?P<port>[0-9]{1,5})")
@@ -36,7 +36,7 @@ def watch(
         port = int(address["port"])
         if not 0 < port < 65536:
             fail(BAD_INPUT, f"{what}: {port} is not a port. Give the number that the session told, 1 to 65535.")
-        _watch_session(address["host"], port, None if key is None else key_in(key), look)
+        _watch_session(address["host"], port, None if key is None else parse_key(key), look)
     elif key is not None:
         fail(BAD_INPUT, f"--key: {what} is not HOST:PORT, and a recording wants no key. Leave the option out.")
     else:

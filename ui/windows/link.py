@@ -24,7 +24,7 @@ POLL_PERIOD = 0.005
 """Seconds from one poll of the connection to the next. Robots are drawn later by half of it, and by the jitter that it
 adds to pose telemetry."""
 
-RECONNECT_BACKOFF = Backoff(first=0.25, longest=2.0)
+RECONNECT_BACKOFF = Backoff(initial=0.25, maximum=2.0)
 """Backoff of reconnecting: a person is waiting, so a server that is back is found within two seconds."""
 
 

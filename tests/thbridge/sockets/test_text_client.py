@@ -16,7 +16,7 @@ from thbridge.wire.text import TextMessage
 
 T = TypeVar("T")
 
-HURRIED = Backoff(first=0.005, longest=0.02)
+HURRIED = Backoff(initial=0.005, maximum=0.02)
 HELLO = TextMessage("%%error", "A", "B", ("hello",))
 PATIENCE = 20
 
@@ -39,8 +39,8 @@ async def serving(port: int = 0) -> AsyncIterator[tuple[MessageRouter, Listening
 
 
 @asynccontextmanager
-async def running(name: str, port: int, patience: Backoff = HURRIED) -> AsyncIterator[TextClient]:
-    client = TextClient(name, f"token-{name}", "127.0.0.1", port, patience)
+async def running(name: str, port: int, backoff: Backoff = HURRIED) -> AsyncIterator[TextClient]:
+    client = TextClient(name, f"token-{name}", "127.0.0.1", port, backoff)
     task = asyncio.create_task(client.run())
     try:
         yield client
@@ -135,7 +135,7 @@ async def test_a_server_that_falls_silent_counts_as_broken() -> None:
 
     async with await asyncio.start_server(server, "127.0.0.1", 0) as listening:
         port = listening.sockets[0].getsockname()[1]
-        async with running("A", port, Backoff(first=0.005, longest=0.005, silence=0.05)) as a:
+        async with running("A", port, Backoff(initial=0.005, maximum=0.005, timeout=0.05)) as a:
             assert await soon(a.next_event()) == NameRegistered()
             event = await soon(a.next_event())
             assert isinstance(event, ConnectionLost)

@@ -15,8 +15,8 @@ from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.text_client import Backoff, ConnectionLost, LossReason
 from thbridge.sockets.watch_client import WatchClient, WatchConnected, WatchEvent
-from thbridge.sockets.watch_server import CALLERS, WATCHERS, SessionPace, WatchServer
-from thbridge.wire.watch_protocol import MISTAKES, STATUS, BagStreamReader, SessionMessage, WatchStatus, status_in
+from thbridge.sockets.watch_server import MAX_CONNECTIONS, MAX_WATCHERS, SessionPace, WatchServer
+from thbridge.wire.watch_protocol import MISTAKES, STATUS, BagStreamReader, SessionMessage, WatchStatus, parse_status
 
 PATIENCE = 30
 SECOND = 1_000_000_000
@@ -24,7 +24,7 @@ LEVEL = Topic("/level", types.STRING, latched=True)
 OTHER = Topic("/other", types.STRING, latched=True)
 EVENT = Topic("/event", types.STRING)
 HEAVY = Topic("/heavy", types.STRING)
-SOON = Backoff(first=0.01, longest=0.05, silence=10.0)
+SOON = Backoff(initial=0.01, maximum=0.05, timeout=10.0)
 
 
 class House:
@@ -95,7 +95,7 @@ class Visitor:
 
     @property
     def statuses(self) -> list[WatchStatus]:
-        found = [status_in(event) for event in self.events if isinstance(event, SessionMessage)]
+        found = [parse_status(event) for event in self.events if isinstance(event, SessionMessage)]
         return [status for status in found if status is not None]
 
     @property
@@ -208,8 +208,8 @@ async def test_only_who_knows_the_key_gets_in() -> None:
 async def test_a_ninth_is_turned_away_until_somebody_leaves() -> None:
     async with serving() as door:
         door.say((LEVEL, "level"))
-        visitors = [door.enter() for _ in range(WATCHERS)]
-        await visitors[-1].until_status(lambda status: status.watchers == WATCHERS)
+        visitors = [door.enter() for _ in range(MAX_WATCHERS)]
+        await visitors[-1].until_status(lambda status: status.watchers == MAX_WATCHERS)
         ninth = door.enter()
         await ninth.until_heard(ConnectionLost)
         assert ninth.losses[0].reason is LossReason.REFUSED
@@ -222,9 +222,9 @@ async def test_a_ninth_is_turned_away_until_somebody_leaves() -> None:
 async def test_a_crowd_without_the_key_is_bounded_and_keeps_nobody_out_for_long() -> None:
     async with serving("sesame") as door:
         door.say((LEVEL, "level"))
-        crowd = [await asyncio.open_connection(door.where.host, door.where.port) for _ in range(CALLERS + 5)]
+        crowd = [await asyncio.open_connection(door.where.host, door.where.port) for _ in range(MAX_CONNECTIONS + 5)]
         async with asyncio.timeout(PATIENCE):
-            for reader, _ in crowd[CALLERS:]:
+            for reader, _ in crowd[MAX_CONNECTIONS:]:
                 with contextlib.suppress(ConnectionError):
                     assert await reader.read() == b""
         for _, writer in crowd:

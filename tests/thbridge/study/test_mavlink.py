@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from thbridge.files.errors import BadFiles
-from thbridge.sockets.addresses import Address, UdpTarget, address_in
+from thbridge.sockets.addresses import Address, UdpTarget, parse_address
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study, read_study_text
 from thbridge.study.text import resolved
@@ -73,13 +73,13 @@ HOSTS = st.from_regex(r"[a-z0-9]([a-z0-9.-]{0,20}[a-z0-9])?", fullmatch=True) | 
 
 @given(HOSTS, st.integers(1, 65535))
 def test_an_address_is_read_as_it_is_written(host: str, port: int):
-    assert address_in(str(Address(host, port))) == Address(host, port)
+    assert parse_address(str(Address(host, port))) == Address(host, port)
 
 
 @given(st.text(max_size=30))
 def test_any_text_is_an_address_or_none(text: str):
-    address = address_in(text)
-    assert address is None or address_in(str(address)) == address
+    address = parse_address(text)
+    assert address is None or parse_address(str(address)) == address
 
 
 def test_vehicles_are_told_what_they_need():

@@ -372,7 +372,7 @@ def test_silence_is_pinged_and_then_dropped() -> None:
     room.waits(14.9)
     assert (room.hears(client), room.closed) == (b"", {})
     room.waits(0.1)
-    assert room.closed == {client: CloseReason.SILENT}
+    assert room.closed == {client: CloseReason.PING_UNANSWERED}
     room.enter("A")
 
 
@@ -397,7 +397,7 @@ def test_half_a_line_is_no_sign_of_life() -> None:
     for _ in range(30):
         room.waits(1)
         room.says(client, b"x")
-    assert room.closed == {client: CloseReason.SILENT}
+    assert room.closed == {client: CloseReason.PING_UNANSWERED}
 
 
 def test_a_stopping_server_tells_everyone_and_takes_on_nobody() -> None:

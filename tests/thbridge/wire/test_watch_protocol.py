@@ -29,7 +29,7 @@ from thbridge.wire.watch_protocol import (
     WatchRefusal,
     WatchStatus,
     key_line,
-    status_in,
+    parse_status,
 )
 
 TOPICS = [
@@ -107,13 +107,13 @@ def test_what_is_no_stream_is_told(data):
 @pytest.mark.parametrize("refused", [None, WatchRefusal('{"request":', "no")])
 def test_a_status_comes_out_as_it_went_in(refused):
     status = WatchStatus(True, 0.5, 1.25, 3, 7, refused, 4)
-    assert status_in(SessionMessage(STATUS, "std_msgs/String", 1, status.data())) == status
+    assert parse_status(SessionMessage(STATUS, "std_msgs/String", 1, status.data())) == status
 
 
 def test_only_the_doors_own_topic_tells_a_status():
     data = WatchStatus(True, 0.5, 1.25, 3, 7).data()
-    assert status_in(SessionMessage("/hunt/wizard", "std_msgs/String", 1, data)) is None
-    assert status_in(SessionMessage(STATUS, "std_msgs/String", 1, b"\0\0\0\0{")) is None
+    assert parse_status(SessionMessage("/hunt/wizard", "std_msgs/String", 1, data)) is None
+    assert parse_status(SessionMessage(STATUS, "std_msgs/String", 1, b"\0\0\0\0{")) is None
 
 
 # What watchers say
@@ -136,7 +136,7 @@ def test_a_key_comes_first():
     assert not guest.admitted
     assert list(guest.feed(key_line("secret") + b"{}\n")) == [WatcherAdmitted(), wish("{}")]
     assert guest.admitted
-    assert not guest.unwelcome
+    assert not guest.rejected
 
 
 @pytest.mark.parametrize("first", [key_line("Secret"), key_line("pépère"), b'{"key":1}\n', b'{"request":"Pause"}\n'])
@@ -145,14 +145,14 @@ def test_without_the_key_nobody_gets_in(first):
     (refusal,) = guest.feed(first + key_line("secret"))
     assert isinstance(refusal, WatchRefusal)
     assert "key" in refusal.reason
-    assert guest.unwelcome
+    assert guest.rejected
     assert not guest.admitted
 
 
 def test_a_key_that_nobody_wants_does_no_harm():
     guest = WatcherSession()
     assert list(guest.feed(key_line("secret"))) == []
-    assert not guest.unwelcome
+    assert not guest.rejected
 
 
 def test_who_begins_in_another_language_is_sent_away_at_once():
@@ -160,17 +160,17 @@ def test_who_begins_in_another_language_is_sent_away_at_once():
     guest = WatcherSession()
     events = list(guest.feed(b'POST / HTTP/1.1\r\nHost: localhost\r\n\r\n{"request":"Die","fields":{"robot":0}}\n'))
     assert [type(event) for event in events] == [WatchRefusal]
-    assert guest.unwelcome
+    assert guest.rejected
 
 
 def test_who_goes_on_and_on_is_sent_away_and_who_makes_a_mistake_is_not():
     guest = WatcherSession()
     for _ in guest.feed(b'{"request":"Pause"}\n' + b"nonsense\n" * (MISTAKES - 1) + b'{"request":"Pause"}\n'):
         pass
-    assert not guest.unwelcome
+    assert not guest.rejected
     guest.granted()
     assert len(list(guest.feed(b"nonsense\n" * 2 * MISTAKES))) == MISTAKES
-    assert guest.unwelcome
+    assert guest.rejected
 
 
 @pytest.mark.parametrize(
@@ -180,7 +180,7 @@ def test_what_is_no_object_is_told_with_its_beginning(line):
     guest = WatcherSession()
     events = list(guest.feed(b"{}\n" + line + b"\n"))
     assert events[1] == WatchRefusal(line.decode(errors="replace")[:80], "it is not a line with one JSON object")
-    assert not guest.unwelcome
+    assert not guest.rejected
 
 
 def test_a_line_that_is_too_long_is_told_and_not_kept():

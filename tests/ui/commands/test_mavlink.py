@@ -21,7 +21,7 @@ from thbridge.sockets.addresses import Address, UdpTarget
 from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.signing import SigningKey, key_in
+from thbridge.wire.mavlink.frames.signing import SigningKey, parse_key
 from thbridge.wire.mavlink.hub import FrameOutcome, Hub
 from thbridge.wire.mavlink.outgoing import LinkId
 from thbridge.wire.mavlink.station import ground_station, trip
@@ -88,7 +88,7 @@ class Fleet:
 @pytest.fixture
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     """For tests in which nobody answers: in all others a busy machine may take its time."""
-    monkeypatch.setattr(trip, "DISCOVERY_SECONDS", 1.0)
+    monkeypatch.setattr(trip, "DISCOVERY_TIMEOUT", 1.0)
     monkeypatch.setattr(ground_station, "TRIES", 2)
 
 
@@ -231,7 +231,7 @@ def key(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def signed(at: Address) -> Iterator[Fleet]:
-    secret = key_in(b"a passphrase\n")
+    secret = parse_key(b"a passphrase\n")
     assert isinstance(secret, SigningKey)
     with Fleet(at, secret) as fleet:
         yield fleet

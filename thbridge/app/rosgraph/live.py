@@ -34,7 +34,7 @@ from thbridge.ros.names import CALLER, MAP_FRAME, RobotNames
 from thbridge.ros.parameters import Tree
 from thbridge.ros.topics import CLOCK, RosMessage, Topic, VehicleTopics
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence, master_of
+from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence, ensure_master
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 from thbridge.sockets.rosgraph.request_queue import RequestQueue
 from thbridge.sockets.warn_once import WarnOnce
@@ -238,7 +238,7 @@ class LiveGraph:
             self._node.serve(name, types.EMPTY, partial(self._pass_on, name, request))
         self._node.serve(named.topic("set_pose"), types.SET_POSE, partial(self._set_pose, robot))
         for service in ("move_base/make_plan", "move_base/NavfnROS/make_plan"):
-            self._node.serve(named.topic(service), types.GET_PLAN, self._turns.of(partial(self._make_plan, robot)))
+            self._node.serve(named.topic(service), types.GET_PLAN, self._turns.wrap(partial(self._make_plan, robot)))
 
     def _pass_on(self, service: str, request: Request, data: bytes) -> bytes:
         if self._limiter.is_first(service):
@@ -278,7 +278,7 @@ async def on_graph(
         graph: the ROS graph.
         joined: takes the master, or the reason why there is none or the node cannot listen; it may raise.
     """
-    async with master_of(graph) as master:
+    async with ensure_master(graph) as master:
         joined(master)
         where = await live.start()
         if isinstance(where, CannotListen):

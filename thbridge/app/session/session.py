@@ -171,7 +171,7 @@ class Session:
         """Take bytes of a connection; each line is an input of its own."""
         outputs: list[RouterOutput] = []
         for line in data.splitlines(keepends=True):
-            sender = self._router.called(connection)
+            sender = self._router.display_name(connection)
             if sender is None:
                 break
             self._inputs.append(BytesReceived(connection, sender, line, now))
@@ -180,14 +180,14 @@ class Session:
 
     def eof(self, connection: ConnectionId) -> list[RouterOutput]:
         """Note the end of a connection."""
-        sender = self._router.called(connection)
+        sender = self._router.display_name(connection)
         if sender is not None:
             self._inputs.append(ConnectionClosed(connection, sender))
         return self._router.eof(connection)
 
     def report_backlog(self, connection: ConnectionId, size: int) -> list[RouterOutput]:
         """Note that a connection's client does not read."""
-        sender = self._router.called(connection)
+        sender = self._router.display_name(connection)
         outputs = self._router.report_backlog(connection, size)
         if sender is not None and outputs:
             self._inputs.append(ConnectionBacklogged(connection, sender, size))

@@ -255,7 +255,7 @@ class Pilot:
             if self._trip is not None and self._trip.under_way:
                 trip = advanced(self._trip, snapshot, game, self._robot)
                 self._trip = self._set_out(trip, game) if trip.stage is TripStage.WAITING else trip
-        return replace(self._readings(snapshot, game), news=news, asked=asked)
+        return replace(self._readings(snapshot, game), announcements=news, participant_requests=asked)
 
     def _set_out(self, trip: VehicleTrip, state: GameState) -> VehicleTrip:
         """Request a trip, unless a move of the game has to end first.
@@ -292,7 +292,7 @@ class Pilot:
             goal_in_map=None if goal is None else goal.base_in_map,
             energy=self._setup.energy if robot is None else robot.energy,
             capacity=self._setup.energy if game is None else game.started.energy,
-            answers=responsive,
+            responsive=responsive,
             lost=output.estimate.lost,
             under_way=responsive and goal is not None,
             commander=holder.name if holder.by is Commander.GROUND_STATION else None,

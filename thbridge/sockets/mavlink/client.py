@@ -46,7 +46,7 @@ class StationSocket:
         self.station = GroundStation()
         self._socket = own
         self._stream = own.type == socket.SOCK_STREAM
-        self.waits = not self._stream and peer is None
+        self.is_listening = not self._stream and peer is None
         self._peers = set() if peer is None else {peer}
         signing = None if key is None else Signing(key, 0, SignatureTimestamps())
         self._channel = Channel(signing, datagrams=not self._stream)
@@ -54,9 +54,9 @@ class StationSocket:
     @property
     def refused(self) -> int:
         """Number of frames whose signature was missing, wrong or old."""
-        return self._channel.tally.refused
+        return self._channel.counts.refused
 
-    async def turn(self) -> list[StationEvent]:
+    async def poll(self) -> list[StationEvent]:
         """Wait briefly for frames and handle them; return the events.
 
         Raises:
@@ -98,14 +98,14 @@ class StationSocket:
                 continue  # The peer's port is not open yet.
             if self._stream and not data:
                 raise Unreachable("the other side has ended the connection")
-            if self.waits:
+            if self.is_listening:
                 self._peers.add(address)
             yield data
 
     async def _send(self) -> None:
         now = time.time()
         for frame in self.station.take_frames():
-            data = self._channel.bytes_of(frame, now)
+            data = self._channel.encode(frame, now)
             if self._stream:
                 try:
                     await asyncio.get_running_loop().sock_sendall(self._socket, data)
@@ -117,7 +117,7 @@ class StationSocket:
 
 
 @asynccontextmanager
-async def linked(address: Address, tcp: bool, key: SigningKey | None) -> AsyncIterator[StationSocket]:
+async def open_station(address: Address, tcp: bool, key: SigningKey | None) -> AsyncIterator[StationSocket]:
     """Open a ground station at an address.
 
     Over UDP it binds to the address, as ground stations do, where that is possible; else it sends to it.

@@ -19,7 +19,7 @@ from thbridge.wire.mavlink.hub import FrameOutcome, OutgoingFrame
 from thbridge.wire.mavlink.links import LinkReport
 from thbridge.wire.mavlink.outgoing import LinkId
 
-GARBAGE = 16 * 1024
+GARBAGE_LIMIT = 16 * 1024
 """Bytes in a row without a good frame after which a peer is ignored, for some time at least."""
 
 _log = logging.getLogger(__name__)
@@ -50,7 +50,7 @@ class MavlinkSession(Protocol):
 class FrameSender(Protocol):
     """Transport of one link."""
 
-    def carry(self, frames: Sequence[bytes]) -> int:
+    def send_frames(self, frames: Sequence[bytes]) -> int:
         """Send frames, in order; return how many of them could not be sent."""
 
 
@@ -128,8 +128,8 @@ class MavlinkLinks:
         """Return the good frames in received bytes; the log gets one warning for each peer and fault."""
         frames = channel.receive_data(data, self._clock())
         self._received += len(frames)
-        if channel.complaint:
-            self.complaints.warn(f"MAVLink: {name}: thrown away: {channel.complaint}")
+        if channel.last_fault:
+            self.complaints.warn(f"MAVLink: {name}: thrown away: {channel.last_fault}")
         return frames
 
     def receive(self, link: LinkId, frames: Iterable[Frame]) -> None:
@@ -151,10 +151,10 @@ class MavlinkLinks:
         for one in sent:
             there = self._links.get(one.link)
             if there is not None:
-                waiting[one.link].append(there.channel.bytes_of(one.frame, now))
+                waiting[one.link].append(there.channel.encode(one.frame, now))
         for link, frames in waiting.items():
             there = self._links[link]
-            unsent = there.carrier.carry(frames)
+            unsent = there.carrier.send_frames(frames)
             self._sent += len(frames) - unsent
             self._unsent += unsent
             if unsent:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from thbridge.files.errors import reason_of
 from thbridge.sockets.addresses import Address
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.mavlink.links import GARBAGE, MavlinkLinks
+from thbridge.sockets.mavlink.links import GARBAGE_LIMIT, MavlinkLinks
 from thbridge.wire.mavlink.frames.channel import Channel
 from thbridge.wire.mavlink.outgoing import LinkId
 
@@ -66,11 +66,11 @@ class TcpPort:
         """True when no further connection is accepted."""
         return len(self._open) >= CONNECTIONS
 
-    def came(self, connection: _Connection) -> None:
+    def connection_opened(self, connection: _Connection) -> None:
         """Add a connection."""
         self._open.add(connection)
 
-    def went(self, connection: _Connection) -> None:
+    def connection_closed(self, connection: _Connection) -> None:
         """Remove a connection that is closed on both sides."""
         self._open.discard(connection)
         self._all_closed.set()
@@ -110,23 +110,23 @@ class _Connection(Protocol):
             self._port.links.complaints.warn(f"MAVLink: {CONNECTIONS} are connected by TCP; others are turned away")
             transport.abort()
             return
-        self._port.came(self)
+        self._port.connection_opened(self)
         self._link = self._port.links.open(self._name, self._channel, self)
 
     def data_received(self, data: bytes) -> None:
         frames = self._port.links.frames_in(self._name, self._channel, data)
         if self._link is not None:
             self._port.links.receive(self._link, frames)
-        if self._channel.spoiled > GARBAGE:
+        if self._channel.bytes_since_good > GARBAGE_LIMIT:
             self._cut_off("sends nothing of use")
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._leave()
         if self._lingering is not None:
             self._lingering.cancel()
-        self._port.went(self)
+        self._port.connection_closed(self)
 
-    def carry(self, frames: Sequence[bytes]) -> int:
+    def send_frames(self, frames: Sequence[bytes]) -> int:
         """See `thbridge.sockets.mavlink.links.FrameSender`."""
         if self._transport is None or self._transport.is_closing():
             return len(frames)

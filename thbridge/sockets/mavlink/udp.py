@@ -12,17 +12,17 @@ from typing import NamedTuple, cast
 from thbridge.files.errors import reason_of
 from thbridge.sockets.addresses import Address, UdpTarget
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.mavlink.links import GARBAGE, MavlinkLinks
+from thbridge.sockets.mavlink.links import GARBAGE_LIMIT, MavlinkLinks
 from thbridge.wire.mavlink.frames.channel import Channel
 from thbridge.wire.mavlink.outgoing import LinkId
 
-PEERS = 32
+MAX_PEERS = 32
 """Most peers of one socket beside its target; one more replaces the peer whose last frame is oldest."""
 
-SILENT = 60.0
+STALE_SECONDS = 60.0
 """Seconds without a good frame after which a peer is forgotten; the target never is."""
 
-MUTED = 10.0
+MUTE_SECONDS = 10.0
 """Seconds for which a peer that sent only garbage is ignored."""
 
 _DATAGRAM = 1200
@@ -63,7 +63,7 @@ class _Outlet:
     socket: socket.socket
     address: SocketAddress
 
-    def carry(self, frames: Sequence[bytes]) -> int:
+    def send_frames(self, frames: Sequence[bytes]) -> int:
         """Send frames, as many in one datagram as fit."""
         unsent = first = 0
         while first < len(frames):
@@ -114,7 +114,7 @@ class UdpPort:
             first = self._peers[self._target] = _Peer(self._links.channel(datagrams=True), loop.time())
             self._open(first, self._target)
         loop.add_reader(self._socket, self._readable)
-        self._forget_silent()
+        self._forget_stale()
 
     def close(self) -> None:
         """Close the socket and all its links."""
@@ -125,13 +125,13 @@ class UdpPort:
             self._forget(address)
         self._socket.close()
 
-    def _forget_silent(self) -> None:
+    def _forget_stale(self) -> None:
         """Forget stale peers, each of which would cost a heartbeat of every robot for ever."""
         loop = asyncio.get_running_loop()
         for address, peer in tuple(self._peers.items()):
-            if address != self._target and loop.time() - peer.heard > SILENT:
+            if address != self._target and loop.time() - peer.heard > STALE_SECONDS:
                 self._forget(address)
-        self._sweep = loop.call_later(SILENT / 4.0, self._forget_silent)
+        self._sweep = loop.call_later(STALE_SECONDS / 4.0, self._forget_stale)
 
     def _readable(self) -> None:
         for _ in range(_TURN):
@@ -154,13 +154,13 @@ class UdpPort:
             self._open(peer, address)
             if peer.link is not None:
                 self._links.receive(peer.link, frames)
-        elif peer.channel.spoiled > GARBAGE:
-            peer.channel.spoiled = 0
-            peer.muted = now + MUTED
+        elif peer.channel.bytes_since_good > GARBAGE_LIMIT:
+            peer.channel.bytes_since_good = 0
+            peer.muted = now + MUTE_SECONDS
             self._links.complaints.warn(f"MAVLink: {_name(address)} sends nothing of use, and is not listened to")
 
     def _meet(self, address: SocketAddress, now: float) -> _Peer:
-        if len(self._peers) > PEERS:
+        if len(self._peers) > MAX_PEERS:
             others = (there for there in self._peers if there != self._target)
             # Peers without a good frame go first, so that strangers do not displace ground stations.
             self._forget(min(others, key=lambda there: (self._peers[there].link is not None, self._peers[there].heard)))

@@ -31,7 +31,7 @@ CALLER = "/thbridge_fleet"
 """Name of the node; a simulated session on the same graph has another."""
 TEAM_TOPICS = (names.TF, names.TF_STATIC, names.MAP, names.MAP_METADATA, names.ROSOUT, names.DIAGNOSTICS)
 """Recorded topics that belong to no single robot."""
-AT_HOME = 0.5
+PLACEMENT_TOLERANCE = 0.5
 """Metres from its start pose within which a robot need not be moved."""
 
 _log = logging.getLogger(__name__)
@@ -64,7 +64,7 @@ class Fleet:
         recorder: TrafficRecorder,
         wall: Callable[[], int] = time.time_ns,
     ) -> None:
-        self._node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._told_to_go)
+        self._node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._asked_to_leave)
         self._robots = tuple(robots)
         self._recorder = recorder
         self._wall = wall
@@ -105,9 +105,9 @@ class Fleet:
             return [f"there is no ROS master at {self._node.master_uri} yet"]
         if not self._clock.runs:
             return [f"{names.USE_SIM_TIME} is set, but there is no time on {names.CLOCK} yet"]
-        return missing_of(self._robots) or list(self._deaf())
+        return missing_of(self._robots) or list(self._not_subscribed())
 
-    def _deaf(self) -> Iterator[str]:
+    def _not_subscribed(self) -> Iterator[str]:
         """Yield a sentence for each robot that does not subscribe to its goals yet."""
         for number, robot in enumerate(self._robots, 1):
             goal = robot.names.action("goal")
@@ -165,7 +165,10 @@ class Fleet:
             case SetCharge():
                 pass  # The keeper counts the game's energy; a real battery cannot be set.
             case Place(robot, pose):
-                if self._last is None or self._last.robots[robot].estimate.base_in_map.distance(pose) > AT_HOME:
+                if (
+                    self._last is None
+                    or self._last.robots[robot].estimate.base_in_map.distance(pose) > PLACEMENT_TOLERANCE
+                ):
                     _log.warning("robot %d belongs at (%.2f, %.2f): somebody must bring it", robot + 1, pose.x, pose.y)
             case _:
                 self._complaints.warn(f"real robots cannot be asked to {type(item).__name__}")
@@ -233,6 +236,6 @@ class Fleet:
             self._publications[message.topic.name].publish(message.data)
             self._recorder.sent(message)
 
-    def _told_to_go(self, reason: str) -> None:
+    def _asked_to_leave(self, reason: str) -> None:
         _log.error("the robots are out of reach: this program must leave the ROS graph (%s)", reason)
         self._node.leave()

@@ -176,14 +176,14 @@ class XmlRpcClient:
 
 async def _answer(link: _Link) -> bytes:
     body = bytearray()
-    heard = False
+    received = False
     while True:
         event = link.http.next_event()
         if event is h11.NEED_DATA:
             data = await link.reader.read(_SEGMENT)
-            if not data and not heard:
+            if not data and not received:
                 raise _HungUpError
-            heard = True
+            received = True
             link.http.receive_data(data)
         elif isinstance(event, h11.Response):
             if event.status_code != 200:

@@ -152,8 +152,8 @@ class XmlRpcServer:
 
     def _connected(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         if len(self._connections) >= self._limits.connections:
-            longest_silent, _ = self._connections.popitem(last=False)
-            longest_silent.cancel()
+            longest_idle, _ = self._connections.popitem(last=False)
+            longest_idle.cancel()
         # Drained means handed to the kernel, so no data waits in this process for a peer that does not read.
         writer.transport.set_write_buffer_limits(0)
         task = asyncio.get_running_loop().create_task(self._serve(reader, writer))
@@ -196,9 +196,9 @@ class XmlRpcServer:
         loop = asyncio.get_running_loop()
         body = bytearray()
         begun = bool(http.trailing_data[0])
-        patience = self._limits.request_seconds if begun else self._limits.idle_seconds
+        timeout = self._limits.request_seconds if begun else self._limits.idle_seconds
         try:
-            async with asyncio.timeout(patience) as deadline:
+            async with asyncio.timeout(timeout) as deadline:
                 while True:
                     event = http.next_event()
                     if event is h11.NEED_DATA:
@@ -207,7 +207,7 @@ class XmlRpcServer:
                         http.receive_data(await reader.read(_SEGMENT))
                         if not begun:
                             begun = True
-                            self._heard_of()
+                            self._mark_active()
                             deadline.reschedule(loop.time() + self._limits.request_seconds)
                     elif isinstance(event, h11.Request):
                         _check(event)
@@ -225,7 +225,7 @@ class XmlRpcServer:
         finally:
             self._held -= len(body)
 
-    def _heard_of(self) -> None:
+    def _mark_active(self) -> None:
         task = asyncio.current_task()
         if task is not None and task in self._connections:
             self._connections.move_to_end(task)

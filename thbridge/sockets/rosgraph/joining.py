@@ -11,7 +11,7 @@ from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.master_server import MasterServer
 
-_PATIENCE = 2.0
+_ANSWER_TIMEOUT = 2.0
 """Seconds that a master has to answer the first call."""
 _OURS = frozenset({"127.0.0.1", "localhost", "::1"})
 
@@ -47,10 +47,10 @@ def is_master_uri(text: str) -> bool:
 
 
 @asynccontextmanager
-async def master_of(graph: GraphAddress) -> AsyncIterator[MasterPresence | CannotListen]:
+async def ensure_master(graph: GraphAddress) -> AsyncIterator[MasterPresence | CannotListen]:
     """Run a master inside the context when there is none and the address is on this machine."""
     client = XmlRpcClient()
-    answer = await client.call(graph.master_uri, "getPid", "/thbridge", timeout=_PATIENCE)
+    answer = await client.call(graph.master_uri, "getPid", "/thbridge", timeout=_ANSWER_TIMEOUT)
     await client.close()
     parts = urlsplit(graph.master_uri)
     if not isinstance(answer, CallFailed):

@@ -56,10 +56,10 @@ class MasterServer:
         timeout: seconds that a node has to accept a notification.
     """
 
-    def __init__(self, host: str = LOCALHOST, port: int = ROS_MASTER_PORT, patience: float = 5.0) -> None:
+    def __init__(self, host: str = LOCALHOST, port: int = ROS_MASTER_PORT, timeout: float = 5.0) -> None:
         self._host = host
         self._port = port
-        self._patience = patience
+        self._timeout = timeout
         self._server = XmlRpcServer(METHODS, self._handle)
         self._client = XmlRpcClient(_KEPT_CONNECTIONS)
         self._deliveries = _Deliveries(self._deliver)
@@ -140,7 +140,7 @@ class MasterServer:
 
     async def _tell(self, api: str, method: str, *params: XmlRpcValue) -> MethodResponse | Fault | CallFailed:
         try:
-            return await self._client.call(api, method, CALLER_ID, *params, timeout=self._patience)
+            return await self._client.call(api, method, CALLER_ID, *params, timeout=self._timeout)
         except ValueError as error:  # a parameter that is too long once it is encoded
             return CallFailed(api, str(error))
 

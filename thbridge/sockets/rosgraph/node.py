@@ -40,7 +40,7 @@ from thbridge.sockets.rosgraph.subscriptions import (
     PublisherCallback,
     Subscription,
     SubscriptionRequest,
-    take_no_notice,
+    ignore_publisher,
 )
 from thbridge.sockets.rosgraph.tcpros_server import ServiceHandler, TcprosServer
 from thbridge.wire.rosgraph.links import ServiceFailed, ServiceHeader, TopicHeader
@@ -52,7 +52,7 @@ from thbridge.wire.rosgraph.slave import (
     ParameterChanged,
     PublishersChanged,
     ShutdownRequested,
-    answer,
+    answer_call,
 )
 from thbridge.wire.rosgraph.xmlrpc import MethodCall, XmlRpcValue
 
@@ -120,7 +120,7 @@ class RosNode:
         self.name = name
         self.master_uri = master_uri
         self.host = host
-        self._told = socket.gethostname() if host == "0.0.0.0" else host
+        self._advertised_host = socket.gethostname() if host == "0.0.0.0" else host
         self._on_shutdown = on_shutdown
         self._numbers = itertools.count(1)
         self._client = XmlRpcClient()
@@ -152,7 +152,9 @@ class RosNode:
             await self._tcpros.stop()
             return slave
         self._tcpros_port = tcpros.port
-        self._addresses = NodeAddresses(f"http://{self._told}:{slave.port}/", f"rosrpc://{self._told}:{tcpros.port}")
+        self._addresses = NodeAddresses(
+            f"http://{self._advertised_host}:{slave.port}/", f"rosrpc://{self._advertised_host}:{tcpros.port}"
+        )
         self._registering = asyncio.get_running_loop().create_task(self._registrar.run(self._addresses))
         return NodeStarted(self._addresses.slave)
 
@@ -209,7 +211,7 @@ class RosNode:
         if topic in self._tcpros.publications:
             raise ValueError(f"{topic} is published already")
         publication = self._tcpros.offer(TopicHeader(topic, kind, md5, definition, latched))
-        self._registrar.want(Registration(RegistrationKind.PUBLISHER, topic, kind), _ignore_value)
+        self._registrar.add(Registration(RegistrationKind.PUBLISHER, topic, kind), _ignore_value)
         return publication
 
     def subscribe(
@@ -219,7 +221,7 @@ class RosNode:
         md5: str,
         heard: MessageCallback,
         tcp_nodelay: bool = True,
-        met: PublisherCallback = take_no_notice,
+        met: PublisherCallback = ignore_publisher,
     ) -> None:
         """Subscribe to a topic of all publishers, this node included.
 
@@ -236,15 +238,15 @@ class RosNode:
         """
         if topic in self._subscriptions:
             raise ValueError(f"{topic} is subscribed to already")
-        what = SubscriptionRequest(topic, kind, md5, tcp_nodelay)
-        subscription = Subscription(self.name, what, heard, self._client, self._numbers, met)
+        request = SubscriptionRequest(topic, kind, md5, tcp_nodelay)
+        subscription = Subscription(self.name, request, heard, self._client, self._numbers, met)
         self._subscriptions[topic] = subscription
 
         def registered(publishers: XmlRpcValue) -> None:
             if isinstance(publishers, list):
-                subscription.name_publishers([each for each in publishers if isinstance(each, str)])
+                subscription.set_publishers([each for each in publishers if isinstance(each, str)])
 
-        self._registrar.want(Registration(RegistrationKind.SUBSCRIBER, topic, kind), registered)
+        self._registrar.add(Registration(RegistrationKind.SUBSCRIBER, topic, kind), registered)
 
     def serve(
         self, service: str, kind: str, md5: str, request_type: str, response_type: str, handler: ServiceHandler
@@ -265,7 +267,7 @@ class RosNode:
         if self._tcpros.service(service) is not None:
             raise ValueError(f"{service} is served already")
         self._tcpros.serve(ServiceHeader(service, kind, md5, request_type, response_type), handler)
-        self._registrar.want(Registration(RegistrationKind.SERVICE, service), _ignore_value)
+        self._registrar.add(Registration(RegistrationKind.SERVICE, service), _ignore_value)
 
     async def call_service(self, service: str, md5: str, request: bytes, timeout: float) -> bytes | ServiceFailed:
         """Call a service of any node.
@@ -315,14 +317,14 @@ class RosNode:
         if key in self._parameters:
             raise ValueError(f"{key} is subscribed to already")
         self._parameters[key] = changed
-        self._registrar.want(Registration(RegistrationKind.PARAMETER, key), _ignore_value)
+        self._registrar.add(Registration(RegistrationKind.PARAMETER, key), _ignore_value)
 
     async def _ask_master(self, method: str, *params: XmlRpcValue) -> XmlRpcValue | CallFailed:
         reply = await self._client.call(self.master_uri, method, self.name, *params)
         return value_of(self.master_uri, reply)
 
     def _answer(self, call: MethodCall, peer: str) -> XmlRpcValue:
-        told = answer(call, self._described())
+        told = answer_call(call, self._described())
         if told.consequence is not None:
             # The caller gets its reply first: the consequence may be the end of this node.
             asyncio.get_running_loop().call_soon(self._carry_out, told.consequence)
@@ -335,9 +337,9 @@ class RosNode:
             uri=self._addresses.slave,
             master_uri=self.master_uri,
             pid=os.getpid(),
-            tcpros=(self._told, self._tcpros_port),
+            tcpros=(self._advertised_host, self._tcpros_port),
             publications={name: each.topic.type for name, each in self._tcpros.publications.items()},
-            subscriptions={name: each.what.kind for name, each in self._subscriptions.items()},
+            subscriptions={name: each.request.kind for name, each in self._subscriptions.items()},
             parameters=self._parameters.keys(),
             connections=[*self._tcpros.connections(), *subscribed],
         )
@@ -346,7 +348,7 @@ class RosNode:
         match consequence:
             case PublishersChanged(topic, uris):
                 if topic in self._subscriptions:
-                    self._subscriptions[topic].name_publishers(uris)
+                    self._subscriptions[topic].set_publishers(uris)
             case ParameterChanged(key, value, wanted):
                 for each in wanted:
                     self._parameters[each](key, value)

@@ -64,7 +64,7 @@ class Registration:
     name: str
     type: str = ""
 
-    def doing(self, at: NodeAddresses) -> tuple[str, tuple[str, ...]]:
+    def register_call(self, at: NodeAddresses) -> tuple[str, tuple[str, ...]]:
         """Return the master's method that registers this, and its arguments after the caller's name."""
         match self.kind:
             case RegistrationKind.SERVICE:
@@ -74,7 +74,7 @@ class Registration:
             case _:
                 return f"register{self.kind.value}", (self.name, self.type, at.slave)
 
-    def undoing(self, at: NodeAddresses) -> tuple[str, tuple[str, ...]]:
+    def unregister_call(self, at: NodeAddresses) -> tuple[str, tuple[str, ...]]:
         """Return the master's method that unregisters this, and its arguments after the caller's name."""
         match self.kind:
             case RegistrationKind.SERVICE:
@@ -113,11 +113,11 @@ class Registrar:
         callbacks: called on changes.
     """
 
-    def __init__(self, client: XmlRpcClient, master_uri: str, caller: str, happenings: MasterCallbacks) -> None:
+    def __init__(self, client: XmlRpcClient, master_uri: str, caller: str, callbacks: MasterCallbacks) -> None:
         self._client = client
         self._master_uri = master_uri
         self._caller = caller
-        self._happenings = happenings
+        self._callbacks = callbacks
         self._wanted: dict[Registration, Callable[[XmlRpcValue], None]] = {}
         self._registered: set[Registration] = set()
         self._parameters: dict[str, XmlRpcValue] = {}
@@ -127,7 +127,7 @@ class Registrar:
         self._settled = asyncio.Event()
         self._complaints = WarnOnce(_log)
 
-    def want(self, registration: Registration, registered: Callable[[XmlRpcValue], None]) -> None:
+    def add(self, registration: Registration, registered: Callable[[XmlRpcValue], None]) -> None:
         """Register something, now and with every later master; `registered` is called with each master's answer."""
         self._wanted[registration] = registered
         self._settled.clear()
@@ -155,7 +155,7 @@ class Registrar:
                     self._miss(where)
                     pause = min(2 * pause, _LAST_PAUSE)
                 case MethodResponse([1, _, str(uri)]) if uri != addresses.slave and self._registered:
-                    self._happenings.replaced()
+                    self._callbacks.replaced()
                     return
                 case MethodResponse([1, _, str(uri)]) if uri == addresses.slave and self._reached:
                     await self._register(addresses)
@@ -180,7 +180,7 @@ class Registrar:
                     if isinstance(await self._call("deleteParam", key), CallFailed):
                         return
                 for registration in self._registered:
-                    method, params = registration.undoing(addresses)
+                    method, params = registration.unregister_call(addresses)
                     if isinstance(await self._call(method, *params), CallFailed):
                         return
 
@@ -191,7 +191,7 @@ class Registrar:
         self._reached = await self._register(addresses)
         if news and self._reached:
             _log.info("the master at %s knows %s now", self._master_uri, self._caller)
-            self._happenings.found()
+            self._callbacks.found()
 
     async def _register(self, addresses: NodeAddresses) -> bool:
         """Register what is not registered yet; return True when the master answered every call.
@@ -211,7 +211,7 @@ class Registrar:
             if self._parameters[key] is value:  # Else it was declared anew meanwhile.
                 del self._unset[key]
         for registration in [each for each in self._wanted if each not in self._registered]:
-            method, params = registration.doing(addresses)
+            method, params = registration.register_call(addresses)
             reply = await self._call(method, *params)
             if isinstance(reply, CallFailed):
                 self._miss(reply)
@@ -231,7 +231,7 @@ class Registrar:
         if self._reached:
             _log.warning("the master is lost: %s", failed)
             self._reached = False
-            self._happenings.lost()
+            self._callbacks.lost()
         else:
             self._complaints.warn(f"the master is not there: {failed}; it is waited for")
 

@@ -12,7 +12,7 @@ class RequestQueue:
     def __init__(self) -> None:
         self._lock = asyncio.Lock()
 
-    def of(self, handler: Callable[[bytes], ServiceAnswer]) -> ServiceHandler:
+    def wrap(self, handler: Callable[[bytes], ServiceAnswer]) -> ServiceHandler:
         """Wrap a handler so that it is called in turn."""
 
         async def in_turn(request: bytes) -> ServiceAnswer:

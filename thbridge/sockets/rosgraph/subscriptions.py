@@ -34,7 +34,7 @@ PublisherCallback: TypeAlias = Callable[[str, TopicHeader], None]
 """Callback with the name of a publisher and its header of the topic, before its first message."""
 
 
-def take_no_notice(publisher: str, topic: TopicHeader) -> None:
+def ignore_publisher(publisher: str, topic: TopicHeader) -> None:
     """Do nothing."""
 
 
@@ -76,13 +76,13 @@ class Subscription:
     def __init__(
         self,
         caller: str,
-        what: SubscriptionRequest,
+        request: SubscriptionRequest,
         heard: MessageCallback,
         client: XmlRpcClient,
         numbers: Iterator[int],
-        met: PublisherCallback = take_no_notice,
+        met: PublisherCallback = ignore_publisher,
     ) -> None:
-        self.what = what
+        self.request = request
         self._caller = caller
         self._heard = heard
         self._met = met
@@ -93,17 +93,17 @@ class Subscription:
         self._listening: dict[str, _Listener] = {}
         self._complaints = WarnOnce(_log)
 
-    def name_publishers(self, uris: Sequence[str]) -> None:
+    def set_publishers(self, uris: Sequence[str]) -> None:
         """Set the present publishers of the topic."""
         if len(uris) > PUBLISHER_LIMIT:
-            self._complaints.warn(f"{self.what.topic} has more than {PUBLISHER_LIMIT} publishers; not all are heard")
+            self._complaints.warn(f"{self.request.topic} has more than {PUBLISHER_LIMIT} publishers; not all are heard")
         self._named = frozenset(uris[:PUBLISHER_LIMIT])
         for uri in self._named - self._followed.keys():
             self._followed[uri] = asyncio.ensure_future(self._follow(uri))
 
     def connections(self) -> Iterable[BusConnection]:
         """Return the open connections for bus info."""
-        return [each.connection(uri, self.what.topic) for uri, each in self._listening.items() if each.open]
+        return [each.connection(uri, self.request.topic) for uri, each in self._listening.items() if each.open]
 
     async def stop(self) -> None:
         """Cut off every connection."""
@@ -125,9 +125,9 @@ class Subscription:
                     self._listening.pop(uri, None)
                     listener.cut_off()
                 if isinstance(end, LinkRefused):
-                    self._complaints.warn(f"{uri} does not let us hear {self.what.topic}: {end.reason}")
+                    self._complaints.warn(f"{uri} does not let us hear {self.request.topic}: {end.reason}")
                 else:
-                    _log.debug("%s is not heard from %s: %s", self.what.topic, uri, end.reason)
+                    _log.debug("%s is not heard from %s: %s", self.request.topic, uri, end.reason)
                 await asyncio.sleep(pause)
                 lasted = asyncio.get_running_loop().time() - began
                 pause = _FIRST_PAUSE if lasted > 2 * _LAST_PAUSE else min(2 * pause, _LAST_PAUSE)
@@ -135,12 +135,12 @@ class Subscription:
             del self._followed[uri]
 
     def _link(self) -> SubscriberLink:
-        what = self.what
-        return SubscriberLink(self._caller, what.topic, what.kind, what.md5, what.tcp_nodelay)
+        request = self.request
+        return SubscriberLink(self._caller, request.topic, request.kind, request.md5, request.tcp_nodelay)
 
     async def _listen(self, uri: str, listener: _Listener) -> LinkRefused | LinkEnded:
         """Receive messages of a publisher until the connection ends."""
-        reply = await self._client.call(uri, "requestTopic", self._caller, self.what.topic, [[TRANSPORT]])
+        reply = await self._client.call(uri, "requestTopic", self._caller, self.request.topic, [[TRANSPORT]])
         offered = value_of(uri, reply)
         match offered:
             case [str(transport), str(host), int(port)] if transport == TRANSPORT:

@@ -166,7 +166,7 @@ class _Inbound(asyncio.Protocol):
         self._server = server
         self._link = InboundLink(server.caller, server)
         self._transport: Transport | None = None
-        self._patience: asyncio.TimerHandle | None = None
+        self._timer: asyncio.TimerHandle | None = None
         self._publication: Publication | None = None
         self._outlet: SubscriberQueue | None = None
 
@@ -178,7 +178,7 @@ class _Inbound(asyncio.Protocol):
             return
         self._transport = transport
         keep_alive(transport)
-        self._patience = asyncio.get_running_loop().call_later(HANDSHAKE_SECONDS, self._lose_patience)
+        self._timer = asyncio.get_running_loop().call_later(HANDSHAKE_SECONDS, self._handshake_timed_out)
 
     def data_received(self, data: bytes) -> None:
         self._perform(self._link.receive(data))
@@ -193,8 +193,8 @@ class _Inbound(asyncio.Protocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._server.forget(self)
-        if self._patience is not None:
-            self._patience.cancel()
+        if self._timer is not None:
+            self._timer.cancel()
         if self._publication is not None and self._outlet is not None:
             self._publication.remove(self._outlet)
         # A pending handler runs on, since it may have moved a robot already; its answer is discarded.
@@ -212,8 +212,8 @@ class _Inbound(asyncio.Protocol):
         if self._transport is not None:
             self._transport.abort()
 
-    def _lose_patience(self) -> None:
-        if not self._link.greeted:
+    def _handshake_timed_out(self) -> None:
+        if not self._link.handshake_done:
             _log.debug("a peer is cut off: it does not say what it wants")
             self.cut_off()
 
@@ -242,9 +242,9 @@ class _Inbound(asyncio.Protocol):
                     self._end(self._transport)
 
     def _end(self, transport: Transport) -> None:
-        if self._patience is not None:
-            self._patience.cancel()
-        self._patience = close_gently(transport)
+        if self._timer is not None:
+            self._timer.cancel()
+        self._timer = close_gently(transport)
 
     def _respond(self, answer: ServiceAnswer) -> None:
         self._perform(self._link.respond(answer))

@@ -11,7 +11,7 @@ from pymavlink.dialects.v20.all import MAVLink_message as Message
 from thbridge.wire.mavlink.extra_messages import ADDED
 
 __all__ = [
-    "EVERYBODY",
+    "BROADCAST",
     "SECRETS",
     "TEXT_SIZE",
     "Message",
@@ -24,7 +24,7 @@ __all__ = [
     "target_of",
 ]
 
-EVERYBODY = 0
+BROADCAST = 0
 """Target id of every system, or every component."""
 
 TEXT_SIZE = 50
@@ -132,12 +132,12 @@ def decoded(message_id: int, payload: bytes) -> Message | None:
 
 
 def target_of(message: Message) -> tuple[int, int]:
-    """Return the target system and component of a message; `EVERYBODY` where it names none."""
+    """Return the target system and component of a message; `BROADCAST` where it names none."""
     if isinstance(message, mav.MAVLink_manual_control_message):
         # The only message whose target field has another name.
-        return message.target, EVERYBODY
-    system: object = getattr(message, "target_system", EVERYBODY)
-    component: object = getattr(message, "target_component", EVERYBODY)
+        return message.target, BROADCAST
+    system: object = getattr(message, "target_system", BROADCAST)
+    component: object = getattr(message, "target_component", BROADCAST)
     return int(cast(int, system)), int(cast(int, component))
 
 

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from sim.common.observations import TICKS_PER_SECOND
-from thbridge.wire.mavlink.dialect import EVERYBODY, SECRETS, crc_extra, decoded, payload_of, target_of
+from thbridge.wire.mavlink.dialect import BROADCAST, SECRETS, crc_extra, decoded, payload_of, target_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.links import DropReason, HubLink, LinkReport
 from thbridge.wire.mavlink.outgoing import COMPONENT, LinkId, OutgoingMessage
@@ -65,10 +65,10 @@ class Hub:
         timeout: seconds without a frame after which a link counts as inactive: it gets heartbeats and nothing else.
     """
 
-    def __init__(self, vehicles: Sequence[Vehicle], patience: float) -> None:
+    def __init__(self, vehicles: Sequence[Vehicle], timeout: float) -> None:
         self._vehicles = tuple(vehicles)
         self._by_system = {vehicle.system: robot for robot, vehicle in enumerate(vehicles)}
-        self._patience = round(patience * TICKS_PER_SECOND)
+        self._timeout = round(timeout * TICKS_PER_SECOND)
         self._links: dict[LinkId, HubLink] = {}
         self._traffic: list[Traffic] = []
         self._tick = 0
@@ -88,7 +88,7 @@ class Hub:
                 programs that know one vehicle may take a station's messages for the vehicle's. None: all vehicles.
         """
         self.close(link)
-        self._links[link] = HubLink(name, self._patience, robot)
+        self._links[link] = HubLink(name, self._timeout, robot)
 
     def close(self, link: LinkId) -> None:
         """Remove a link and all stations on it."""
@@ -110,8 +110,8 @@ class Hub:
         if frame.system in self._by_system and frame.component == COMPONENT:
             # Other components may have a robot's system id: its companion computer, mavros or MAVSDK on it.
             return DropReason.OURS
-        if frame.system == EVERYBODY:
-            return DropReason.NOBODY
+        if frame.system == BROADCAST:
+            return DropReason.BROADCAST_SENDER
         if frame.message_id in SECRETS:
             return DropReason.SECRET
         if crc_extra(frame.message_id) is None:
@@ -138,16 +138,16 @@ class Hub:
             there.dropped[dropped] += 1
             return FrameOutcome(dropped)
         sender = Station(frame.system, frame.component)
-        there.hear(sender, frame.sequence, self._tick)
+        there.record_frame(sender, frame.sequence, self._tick)
         system, component = target_of(message)
         sent: list[OutgoingFrame] = []
-        meant = self._meant(system, component) if robot is None else (robot,)
-        for number in filter(there.reaches, meant):
+        addressed = self._addressed(system, component) if robot is None else (robot,)
+        for number in filter(there.reaches, addressed):
             self._traffic.append(Traffic(number, True, there.name, frame))
-            sent += self._said(number, self._vehicles[number].hear(link, sender, message))
+            sent += self._numbered(number, self._vehicles[number].handle_message(link, sender, message))
         is_shared = robot is None and there.robot is None
         if is_shared and (system not in self._by_system or component != COMPONENT):
-            for other in self._beyond(link, sender, system, component):
+            for other in self._forwarded_to(link, sender, system, component):
                 self._links[other].sent += 1
                 sent.append(OutgoingFrame(other, frame))
         return FrameOutcome(replies=sent)
@@ -162,13 +162,15 @@ class Hub:
         self._tick = tick
         sent: list[OutgoingFrame] = []
         for robot, (vehicle, reading) in enumerate(zip(self._vehicles, readings, strict=True)):
-            sent += self._said(robot, vehicle.step(tick, reading))
+            sent += self._numbered(robot, vehicle.step(tick, reading))
         return sent
 
     def keep_alive(self) -> list[OutgoingFrame]:
         """Return heartbeats of all vehicles, for a time without ticks."""
         return [
-            frame for robot, vehicle in enumerate(self._vehicles) for frame in self._said(robot, vehicle.keep_alive())
+            frame
+            for robot, vehicle in enumerate(self._vehicles)
+            for frame in self._numbered(robot, vehicle.keep_alive())
         ]
 
     def take_traffic(self) -> tuple[Traffic, ...]:
@@ -176,46 +178,48 @@ class Hub:
         traffic, self._traffic = tuple(self._traffic), []
         return traffic
 
-    def _meant(self, system: int, component: int) -> Iterable[int]:
+    def _addressed(self, system: int, component: int) -> Iterable[int]:
         """Return the vehicles that a message with this target is addressed to."""
-        if component not in (EVERYBODY, COMPONENT):
+        if component not in (BROADCAST, COMPONENT):
             return ()
-        if system == EVERYBODY:
+        if system == BROADCAST:
             return range(len(self._vehicles))
         robot = self._by_system.get(system)
         return () if robot is None else (robot,)
 
-    def _beyond(self, origin: LinkId, sender: Station, system: int, component: int) -> list[LinkId]:
+    def _forwarded_to(self, origin: LinkId, sender: Station, system: int, component: int) -> list[LinkId]:
         """Return the other links that a message with this target is forwarded to."""
-        wanted = None if component == EVERYBODY else component
+        wanted = None if component == BROADCAST else component
         return [
             number
             for number, link in self._links.items()
             if number != origin
             and link.robot is None
-            and not link.has(sender, self._tick)
-            and (link.is_awake(self._tick) if system == EVERYBODY else link.leads_to(system, wanted, self._tick))
+            and not link.heard_recently(sender, self._tick)
+            and (link.is_active(self._tick) if system == BROADCAST else link.leads_to(system, wanted, self._tick))
         ]
 
-    def _said(self, robot: int, said: Iterable[OutgoingMessage]) -> list[OutgoingFrame]:
+    def _numbered(self, robot: int, messages: Iterable[OutgoingMessage]) -> list[OutgoingFrame]:
         sent: list[OutgoingFrame] = []
         system = self._vehicles[robot].system
-        for word in said:
-            message_id, payload = word.message.get_msgId(), payload_of(word.message)
+        for outgoing in messages:
+            message_id, payload = outgoing.message.get_msgId(), payload_of(outgoing.message)
             seed = crc_extra(message_id) or 0
-            for number, link in self._reached(word, robot):
+            for number, link in self._reached(outgoing, robot):
                 frame = Frame(system, COMPONENT, link.next_sequence(system), message_id, payload, seed)
                 self._traffic.append(Traffic(robot, False, link.name, frame))
                 sent.append(OutgoingFrame(number, frame))
         return sent
 
-    def _reached(self, word: OutgoingMessage, robot: int) -> list[tuple[LinkId, HubLink]]:
+    def _reached(self, outgoing: OutgoingMessage, robot: int) -> list[tuple[LinkId, HubLink]]:
         """Return the links on which a vehicle's message is sent."""
-        if word.link is not None:
-            there = self._links.get(word.link)
-            return [] if there is None or not there.reaches(robot) else [(word.link, there)]
+        if outgoing.link is not None:
+            there = self._links.get(outgoing.link)
+            return [] if there is None or not there.reaches(robot) else [(outgoing.link, there)]
         return [
             (number, link)
             for number, link in self._links.items()
-            if link.reaches(robot) and number not in word.besides and (word.to_sleepers or link.is_awake(self._tick))
+            if link.reaches(robot)
+            and number not in outgoing.except_links
+            and (outgoing.to_inactive or link.is_active(self._tick))
         ]

@@ -16,7 +16,7 @@ class DropReason(StrEnum):
     """Reason why a complete frame is dropped, as the end of the sentence "a frame goes nowhere: ..."."""
 
     OURS = "its sender has the ids of one of our vehicles"
-    NOBODY = "its sender has the system id 0, which stands for everybody"
+    BROADCAST_SENDER = "its sender has the system id 0, which stands for everybody"
     CROWDED = f"{MOST_STATIONS} other senders are heard on this link"
     SECRET = "it carries a signing key, and keys come from a file"
     UNKNOWN = "the dialect does not know its message"
@@ -49,7 +49,7 @@ class LinkReport:
 
 
 @dataclass(slots=True)
-class _Heard:
+class _LastFrame:
     """Tick and sequence number of a sender's last frame."""
 
     tick: int
@@ -69,14 +69,14 @@ class HubLink:
     """
 
     name: str
-    patience: int
+    timeout: int
     robot: int | None = None
     sent: int = 0
     dropped: Counter[DropReason] = field(default_factory=Counter)
     _received: int = 0
     _lost: int = 0
     _tick: int | None = None
-    _stations: dict[Station, _Heard] = field(default_factory=dict)
+    _stations: dict[Station, _LastFrame] = field(default_factory=dict)
     _counts: dict[int, int] = field(default_factory=dict)
 
     def reaches(self, robot: int) -> bool:
@@ -86,34 +86,38 @@ class HubLink:
     def has_room_for(self, station: Station, tick: int) -> bool:
         """Return True when frames of this sender are accepted; a stale sender makes room for a new one."""
         known = self._stations
-        return station in known or len(known) < MOST_STATIONS or not all(self.has(other, tick) for other in known)
+        return (
+            station in known
+            or len(known) < MOST_STATIONS
+            or not all(self.heard_recently(other, tick) for other in known)
+        )
 
-    def hear(self, station: Station, sequence: int, tick: int) -> None:
+    def record_frame(self, station: Station, sequence: int, tick: int) -> None:
         """Record a frame from a sender for whom there is room."""
         heard = self._stations.get(station)
         if heard is None:
             if len(self._stations) >= MOST_STATIONS:
                 del self._stations[min(self._stations, key=lambda other: self._stations[other].tick)]
-            self._stations[station] = _Heard(tick, sequence)
+            self._stations[station] = _LastFrame(tick, sequence)
         else:
             self._lost += missing_between(heard.sequence, sequence)
             heard.tick, heard.sequence = tick, sequence
         self._tick = tick
         self._received += 1
 
-    def is_awake(self, tick: int) -> bool:
+    def is_active(self, tick: int) -> bool:
         """Return True when a frame came within the timeout."""
-        return self._tick is not None and tick - self._tick <= self.patience
+        return self._tick is not None and tick - self._tick <= self.timeout
 
-    def has(self, station: Station, tick: int) -> bool:
+    def heard_recently(self, station: Station, tick: int) -> bool:
         """Return True when a frame of this sender came within the timeout."""
         heard = self._stations.get(station)
-        return heard is not None and tick - heard.tick <= self.patience
+        return heard is not None and tick - heard.tick <= self.timeout
 
     def leads_to(self, system: int, component: int | None, tick: int) -> bool:
         """Return True when a frame of this system came within the timeout; a component of None is any."""
         return any(
-            station.system == system and component in (None, station.component) and tick - heard.tick <= self.patience
+            station.system == system and component in (None, station.component) and tick - heard.tick <= self.timeout
             for station, heard in self._stations.items()
         )
 
@@ -126,5 +130,5 @@ class HubLink:
 
     def report(self, tick: int) -> LinkReport:
         """Return the link's report."""
-        stations = tuple(station for station in self._stations if self.has(station, tick))
+        stations = tuple(station for station in self._stations if self.heard_recently(station, tick))
         return LinkReport(self.name, stations, self._received, self._lost, dict(self.dropped), self.sent)

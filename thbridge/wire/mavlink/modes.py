@@ -53,7 +53,7 @@ def custom_mode(identity: AutopilotIdentity, mode: Mode) -> int:
     return main << 16 | sub << 24
 
 
-def mode_asked(identity: AutopilotIdentity, main: int, sub: int) -> Mode | None:
+def requested_mode(identity: AutopilotIdentity, main: int, sub: int) -> Mode | None:
     """Return the mode of these numbers; None when there is none.
 
     Args:
@@ -73,12 +73,12 @@ def standard_mode(mode: Mode) -> int:
     return _STANDARD.get(mode, mav.MAV_STANDARD_MODE_NON_STANDARD)
 
 
-def mode_of_standard(code: int) -> Mode | None:
+def mode_from_standard(code: int) -> Mode | None:
     """Return the mode of a code of MAV_STANDARD_MODE; None when there is none."""
     return next((mode for mode, standard in _STANDARD.items() if standard == code), None)
 
 
-def mode_shown(autopilot: int, number: int) -> str:
+def shown_mode_name(autopilot: int, number: int) -> str:
     """Return the name of the mode in a heartbeat; its number when it is none of ours."""
     identity = (
         AutopilotIdentity.ARDUPILOT if autopilot == mav.MAV_AUTOPILOT_ARDUPILOTMEGA else AutopilotIdentity.GENERIC

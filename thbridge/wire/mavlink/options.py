@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
-SHORTEST_PATIENCE, LONGEST_PATIENCE = 1.0, 600.0
+SHORTEST_TIMEOUT, LONGEST_TIMEOUT = 1.0, 600.0
 """Bounds of the seconds without a heartbeat after which a ground station counts as lost."""
 
 

@@ -24,8 +24,8 @@ class OutgoingMessage:
 
     message: Message
     link: LinkId | None = None
-    to_sleepers: bool = False
-    besides: frozenset[LinkId] = frozenset()
+    to_inactive: bool = False
+    except_links: frozenset[LinkId] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)

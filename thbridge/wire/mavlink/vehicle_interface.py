@@ -51,7 +51,7 @@ class Denied:
     """
 
     sentence: str
-    refusal: DenialKind = DenialKind.DENIED
+    kind: DenialKind = DenialKind.DENIED
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,23 +120,23 @@ class RobotReadings:
     goal_in_map: Pose2 | None
     energy: float
     capacity: float
-    answers: bool
+    responsive: bool
     lost: bool
     under_way: bool
     commander: str | None
     commanded_by: str
     leg: HelmLeg | None
-    news: tuple[str, ...] = ()
-    asked: tuple[str, ...] = ()
+    announcements: tuple[str, ...] = ()
+    participant_requests: tuple[str, ...] = ()
 
 
-NOTHING_KNOWN = RobotReadings(
+NO_READINGS = RobotReadings(
     base_in_map=IDENTITY,
     twist=STANDSTILL,
     goal_in_map=None,
     energy=0.0,
     capacity=0.0,
-    answers=False,
+    responsive=False,
     lost=False,
     under_way=False,
     commander=None,

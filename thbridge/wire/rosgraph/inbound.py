@@ -64,7 +64,7 @@ class InboundLink:
         self._persistent = False
 
     @property
-    def greeted(self) -> bool:
+    def handshake_done(self) -> bool:
         """True when the other side has sent its header."""
         return self._phase is not _Phase.HANDSHAKE
 

@@ -76,14 +76,14 @@ class SubscriberLink:
             if isinstance(fields, LinkRefused | LinkEnded):
                 return [self._over(fields)]
             self._phase = _Phase.OPEN
-            said = TopicHeader(
+            header = TopicHeader(
                 self._asked["topic"],
                 fields.get("type", self._asked["type"]),
                 fields["md5sum"],
                 fields.get("message_definition", ""),
                 fields.get("latching") == "1",
             )
-            events.append(PublisherAccepted(quoted(fields.get("callerid", "")), said))
+            events.append(PublisherAccepted(quoted(fields.get("callerid", "")), header))
         while (message := self._buffer.take(BODY_LIMIT)) is not None:
             if isinstance(message, OverlongFrame):
                 return [*events, self._over(LinkRefused(f"it sends {message}"))]

@@ -106,7 +106,7 @@ class SlaveReply:
     consequence: Consequence | None = None
 
 
-def answer(call: MethodCall, node: NodeDescription) -> SlaveReply:
+def answer_call(call: MethodCall, node: NodeDescription) -> SlaveReply:
     """Answer a call of the slave API."""
     method = _METHODS.get(call.method)
     if method is None:
@@ -130,11 +130,11 @@ def _get_bus_stats(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveRepl
     for topic in node.publications:
         links = [each for each in node.connections if each.outgoing and each.topic == topic]
         sent.append([topic, sum(each.bytes for each in links), [[c.id, c.bytes, c.messages, True] for c in links]])
-    heard: list[XmlRpcValue] = []
+    received: list[XmlRpcValue] = []
     for topic in node.subscriptions:
         links = [each for each in node.connections if not each.outgoing and each.topic == topic]
-        heard.append([topic, [[c.id, c.bytes, c.messages, -1, True] for c in links]])
-    return _done([sent, heard, []], "bus stats")
+        received.append([topic, [[c.id, c.bytes, c.messages, -1, True] for c in links]])
+    return _done([sent, received, []], "bus stats")
 
 
 def _get_bus_info(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:

@@ -24,7 +24,7 @@ from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.framer import frames_of
+from thbridge.wire.mavlink.frames.framer import parse_datagram
 
 BEATS = 2
 PATIENCE = 300
@@ -80,7 +80,7 @@ class Afternoon:
             data = await asyncio.get_running_loop().sock_recv(self._station, 65535)
             if tick != self.tick:
                 heard, tick = Counter(), self.tick
-            for frame in frames_of(data):
+            for frame in parse_datagram(data):
                 if isinstance(frame, Frame) and frame.message_id == mav.MAVLINK_MSG_ID_HEARTBEAT:
                     heard[frame.system] += 1
 

@@ -119,7 +119,7 @@ class Flight:
             tick_record = self.session.step()
             self.tick_records.append(tick_record)
             self.readings = [pilot.follow(tick_record.snapshot, tick_record.game) for pilot in self.pilots]
-            self.news += self.readings[0].news
+            self.news += self.readings[0].announcements
         return self.readings[0]
 
     def until(self, state: LegState, ticks: int = 4000) -> RobotReadings:
@@ -166,7 +166,7 @@ def taken(flight: Flight) -> Flight:
 
 def test_readings_before_anybody_has_come(flight: Flight) -> None:
     readings = flight.run()
-    assert readings.answers and not readings.lost and not readings.under_way
+    assert readings.responsive and not readings.lost and not readings.under_way
     assert (readings.commander, readings.commanded_by, readings.leg) == (None, "participant", None)
     assert (readings.energy, readings.capacity) == (100.0, 100.0)
     assert readings.base_in_map.distance(flight.pilot.start()) < 0.01
@@ -376,7 +376,7 @@ def test_a_dead_robot_says_so_and_is_refused(taken: Flight) -> None:
     taken.run(5)
     taken.session.ask("researcher", Die(0))
     readings = taken.run(120)
-    assert not readings.answers and not readings.under_way
+    assert not readings.responsive and not readings.under_way
     assert (readings.leg.state, readings.leg.reason) == (FAILED, "Robot 1 does not answer any more.")
     refused = Denied("Robot 1 does not answer any more.")
     assert taken.pilot.go_to(Target(*taken.goal_of(3))) == refused
@@ -415,7 +415,7 @@ def test_a_station_is_told_what_the_participant_asks_of_it_and_no_other_is(taken
     taken.tabui.poll_player()
     for _ in range(10):
         taken.run()
-        asked.append([readings.asked for readings in taken.readings])
+        asked.append([readings.participant_requests for readings in taken.readings])
     assert [told for told in asked if any(told)] == [[("The participant asks for robot 1 back.",), ()]]
 
 
@@ -469,11 +469,11 @@ def test_real_robots_speeds_are_not_ours() -> None:
     flight = Flight()
     pilot = Pilot(0, setting().game_setup(), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), flight.ask)
     denied = pilot.limit_speed(0.5)
-    assert isinstance(denied, Denied) and denied.refusal is DenialKind.UNSUPPORTED
+    assert isinstance(denied, Denied) and denied.kind is DenialKind.UNSUPPORTED
 
 
 def test_nothing_is_granted_before_there_is_a_game() -> None:
     pilot = Pilot(0, setting().game_setup(), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), lambda _: None)
     for refused in (pilot.take(STATION), pilot.go_to(Target(0.0, 0.0)), pilot.drive(Twist(0.0, 0.0)), pilot.leave()):
-        assert isinstance(refused, Denied) and refused.refusal is DenialKind.NOT_NOW
+        assert isinstance(refused, Denied) and refused.kind is DenialKind.NOT_NOW
     pilot.halt()

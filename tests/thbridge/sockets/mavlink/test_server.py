@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.sockets.addresses import Address, UdpTarget, target_in
+from thbridge.sockets.addresses import Address, UdpTarget, parse_target
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink import tcp as mavlink_tcp
 from thbridge.sockets.mavlink import udp as mavlink_udp
-from thbridge.sockets.mavlink.links import GARBAGE
+from thbridge.sockets.mavlink.links import GARBAGE_LIMIT
 from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
@@ -139,12 +139,12 @@ def test_a_target_of_one_robot_has_links_of_that_robot_alone(station: Station) -
 @given(st.none() | st.integers(0, 249))
 def test_a_target_is_read_as_it_is_written(robot: int | None) -> None:
     target = UdpTarget(Address("::1", 14550), robot)
-    assert target_in(str(target)) == target
+    assert parse_target(str(target)) == target
 
 
 @pytest.mark.parametrize("text", ["h:1/0", "h:1/", "h:1/x", "h:1/-1", "h:1/1/1", "h/1", "/1"])
 def test_what_is_no_target(text: str) -> None:
-    assert target_in(text) is None
+    assert parse_target(text) is None
 
 
 def test_an_answer_comes_at_once_and_on_the_link_it_was_asked_on(station: Station) -> None:
@@ -258,13 +258,13 @@ def test_a_stranger_who_sends_garbage_is_no_link(station: Station) -> None:
 def test_whoever_sends_nothing_but_garbage_is_not_listened_to_for_a_while(
     station: Station, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr(mavlink_udp, "MUTED", 0.2)
+    monkeypatch.setattr(mavlink_udp, "MUTE_SECONDS", 0.2)
 
     async def whole() -> None:
         async with served(station.address) as (exchange, _):
             exchange.say(HEARTBEAT)
             _, vehicles = await station.hear()
-            station.socket.sendto(bytes(GARBAGE + 1), vehicles)
+            station.socket.sendto(bytes(GARBAGE_LIMIT + 1), vehicles)
             station.socket.sendto(PING.to_bytes(), vehicles)
             await until(lambda: "not listened to" in caplog.text)
             assert station.hears_nothing()
@@ -308,7 +308,7 @@ def test_a_target_that_is_not_there_loses_nobody_anything(station: Station) -> N
 
 
 def test_the_silent_one_goes_when_too_many_speak(station: Station, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mavlink_udp, "PEERS", 2)
+    monkeypatch.setattr(mavlink_udp, "MAX_PEERS", 2)
     others = [Station() for _ in range(3)]
 
     async def whole() -> None:
@@ -329,7 +329,7 @@ def test_the_silent_one_goes_when_too_many_speak(station: Station, monkeypatch: 
 def test_who_has_been_silent_for_long_is_forgotten_but_never_the_target(
     station: Station, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(mavlink_udp, "SILENT", 0.2)
+    monkeypatch.setattr(mavlink_udp, "STALE_SECONDS", 0.2)
     other = Station()
 
     async def whole() -> None:
@@ -346,7 +346,7 @@ def test_who_has_been_silent_for_long_is_forgotten_but_never_the_target(
 
 
 def test_a_flood_of_strangers_drives_no_ground_station_out(station: Station, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mavlink_udp, "PEERS", 2)
+    monkeypatch.setattr(mavlink_udp, "MAX_PEERS", 2)
     strangers = [Station() for _ in range(5)]
     honest = Station()
 
@@ -454,7 +454,7 @@ def test_who_sends_garbage_alone_is_cut_off(caplog: pytest.LogCaptureFixture) ->
     async def whole() -> None:
         async with served(tcp=LISTEN) as (_, names):
             reader, writer = await connect(names[0])
-            writer.write(b"GET / HTTP/1.1\r\n" * (GARBAGE // 16 + 2))
+            writer.write(b"GET / HTTP/1.1\r\n" * (GARBAGE_LIMIT // 16 + 2))
             with pytest.raises((ConnectionError, asyncio.IncompleteReadError)):
                 await reader.readexactly(1)
             assert "sends nothing of use, and is cut off" in caplog.text

@@ -51,7 +51,7 @@ class Peer:
         self._channel: Channel = links.channel(datagrams=True)
         self._link = links.open(name, self._channel, self)
 
-    def carry(self, frames: Sequence[bytes]) -> int:
+    def send_frames(self, frames: Sequence[bytes]) -> int:
         self.received += frames
         return 0
 

@@ -110,7 +110,7 @@ def test_a_slow_subscriber_hears_the_newest_and_one_thing_at_a_time():
 
 def test_dead_and_silent_subscribers_hold_up_nobody():
     async def scenario():
-        async with serving(patience=0.2) as master, Slave() as silent, Slave() as well:
+        async with serving(timeout=0.2) as master, Slave() as silent, Slave() as well:
             silent.ready.clear()
             for number, uri in enumerate(["http://127.0.0.1:1/", "rosrpc://h:1", silent.uri, well.uri]):
                 master.call("registerSubscriber", f"/s{number}", "/chat", STRING, uri)

@@ -197,10 +197,10 @@ class Foe:
         chance = self._chance
         match chance.randrange(6):
             case 0:  # Bits fall over.
-                spoiled = bytearray(data)
+                bytes_since_good = bytearray(data)
                 for _ in range(chance.randint(1, 8)):
-                    spoiled[chance.randrange(len(spoiled))] ^= 1 << chance.randrange(8)
-                return bytes(spoiled)
+                    bytes_since_good[chance.randrange(len(bytes_since_good))] ^= 1 << chance.randrange(8)
+                return bytes(bytes_since_good)
             case 1:  # It ends early.
                 return data[: chance.randint(1, len(data))]
             case 2:  # It begins late.

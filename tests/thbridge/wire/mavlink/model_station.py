@@ -162,7 +162,7 @@ class Air:
                     self._send(self._up, number, message)
             for number, message in self._arrived("_up"):
                 for part in self._parts:
-                    self._said(part.hear(number, self._stations[number].station, message))
+                    self._said(part.handle_message(number, self._stations[number].station, message))
             for part in self._parts:
                 self._said(part.step(self.tick, self._robot.readings))
             for number, message in self._arrived("_down"):

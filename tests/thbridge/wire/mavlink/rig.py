@@ -94,7 +94,7 @@ class Rig:
     def hear(self, message, station=US, link=HERE):
         """Send a message; what is answered at once."""
         again = decoded(message.get_msgId(), payload_of(message))
-        return list(_sent(self.vehicle.hear(link, station, again)))
+        return list(_sent(self.vehicle.handle_message(link, station, again)))
 
     def long(self, command, *params, station=US, link=HERE, confirmation=0):
         """Send a command as COMMAND_LONG; the results of its acknowledgements."""

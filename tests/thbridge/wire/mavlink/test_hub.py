@@ -28,7 +28,7 @@ class Parrot:
         self.forgotten = []
         self.says = []
 
-    def hear(self, link, sender, message):
+    def handle_message(self, link, sender, message):
         self.heard.append((link, sender, message.get_type()))
         if isinstance(message, mav.MAVLink_ping_message):
             yield OutgoingMessage(message, link)
@@ -103,7 +103,7 @@ def test_on_a_link_of_one_robot_it_alone_hears_and_speaks(hub, vehicles):
     hub.receive(C, frame_of(command(1), 255, sequence=1))
     assert [len(vehicle.heard) for vehicle in vehicles] == [0, 1, 0]
     for vehicle in vehicles:
-        vehicle.says = [OutgoingMessage(HEARTBEAT, to_sleepers=True), OutgoingMessage(HEARTBEAT, C)]
+        vehicle.says = [OutgoingMessage(HEARTBEAT, to_inactive=True), OutgoingMessage(HEARTBEAT, C)]
     sent = step(hub)
     assert [one.frame.system for one in sent if one.link == C] == [2, 2]
     assert [one.frame.system for one in sent if one.link == A] == [1, 2, 3]
@@ -194,7 +194,7 @@ def test_a_link_that_is_closed_is_gone(hub, vehicles):
 
 def test_a_vehicles_own_id_from_outside_is_counted_and_heard_by_nobody(hub, vehicles):
     hub.receive(B, frame_of(HEARTBEAT, 254))
-    vehicles[0].says = [OutgoingMessage(HEARTBEAT, to_sleepers=True)]
+    vehicles[0].says = [OutgoingMessage(HEARTBEAT, to_inactive=True)]
     for one in step(hub):
         assert not hub.receive(one.link, one.frame).replies
     assert [vehicle.heard for vehicle in vehicles] == [[(B, Station(254, 190), "HEARTBEAT")]] * 3
@@ -213,7 +213,7 @@ def test_a_robots_companion_has_its_system_id_and_is_somebody(hub, vehicles):
 def test_nobody_is_called_0(hub, vehicles):
     hub.receive(A, frame_of(HEARTBEAT, 0))
     assert vehicles[0].heard == []
-    assert hub.report(A).dropped == {DropReason.NOBODY: 1}
+    assert hub.report(A).dropped == {DropReason.BROADCAST_SENDER: 1}
 
 
 def test_a_signing_key_is_told_to_nobody(hub, vehicles):
@@ -251,7 +251,7 @@ def test_who_has_been_silent_for_long_makes_room(hub, vehicles):
 
 def test_sequence_numbers_count_by_vehicle_and_link(hub, vehicles):
     hub.receive(A, frame_of(HEARTBEAT, 255))
-    vehicles[0].says = [OutgoingMessage(HEARTBEAT), OutgoingMessage(HEARTBEAT, to_sleepers=True)]
+    vehicles[0].says = [OutgoingMessage(HEARTBEAT), OutgoingMessage(HEARTBEAT, to_inactive=True)]
     vehicles[1].says = [OutgoingMessage(HEARTBEAT, A)]
     sent = [one for tick in range(300) for one in step(hub, tick)]
     for link, system in ((A, 1), (A, 2), (B, 1), (C, 1)):
@@ -261,7 +261,7 @@ def test_sequence_numbers_count_by_vehicle_and_link(hub, vehicles):
 
 
 def test_a_link_that_is_opened_again_counts_from_0(hub, vehicles):
-    vehicles[0].says = [OutgoingMessage(HEARTBEAT, to_sleepers=True)]
+    vehicles[0].says = [OutgoingMessage(HEARTBEAT, to_inactive=True)]
     step(hub)
     hub.open(A, "a")
     assert {one.link: one.frame.sequence for one in step(hub)} == {A: 0, B: 1, C: 1}
@@ -279,7 +279,7 @@ def test_a_link_sleeps_until_somebody_is_heard_and_when_they_are_not_any_more(hu
 def test_a_link_may_be_left_out(hub, vehicles):
     for link, system in ((A, 255), (B, 254)):
         hub.receive(link, frame_of(HEARTBEAT, system))
-    vehicles[0].says = [OutgoingMessage(HEARTBEAT, besides=frozenset({A}))]
+    vehicles[0].says = [OutgoingMessage(HEARTBEAT, except_links=frozenset({A}))]
     assert links_of(step(hub)) == [B]
 
 

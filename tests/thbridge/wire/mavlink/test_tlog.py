@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.framer import frames_of
+from thbridge.wire.mavlink.frames.framer import parse_datagram
 from thbridge.wire.mavlink.hub import Traffic
 from thbridge.wire.mavlink.tlog import Tlog
 
@@ -24,7 +24,7 @@ def read(data):
     while data:
         (stamp,) = struct.unpack(">Q", data[:8])
         size = 10 + data[9] + 2
-        (frame,) = frames_of(data[8 : 8 + size])
+        (frame,) = parse_datagram(data[8 : 8 + size])
         records.append((stamp, frame))
         data = data[8 + size :]
     return records

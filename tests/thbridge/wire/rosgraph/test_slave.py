@@ -12,7 +12,7 @@ from thbridge.wire.rosgraph.slave import (
     PublishersChanged,
     ShutdownRequested,
     SlaveReply,
-    answer,
+    answer_call,
 )
 from thbridge.wire.rosgraph.xmlrpc import MethodCall
 
@@ -33,7 +33,7 @@ NODE = NodeDescription(
 
 
 def asked(method: str, *params) -> SlaveReply:
-    return answer(MethodCall(method, ["/them", *params]), NODE)
+    return answer_call(MethodCall(method, ["/them", *params]), NODE)
 
 
 @pytest.mark.parametrize(
@@ -130,6 +130,6 @@ values = st.recursive(
 
 @given(st.sampled_from(sorted(METHODS | {"system.exit"})), st.lists(values, max_size=4))
 def test_no_arguments_make_it_raise_and_every_reply_is_one_of_ros(method, params):
-    code, message, _ = answer(MethodCall(method, params), NODE).reply
+    code, message, _ = answer_call(MethodCall(method, params), NODE).reply
     assert code in (-1, 0, 1)
     assert isinstance(message, str)

@@ -6,7 +6,7 @@ Without sockets and clocks.
 from dataclasses import dataclass
 
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.framer import DiscardedBytes, FrameParser, frames_of
+from thbridge.wire.mavlink.frames.framer import DiscardedBytes, FrameParser, parse_datagram
 from thbridge.wire.mavlink.frames.signing import RejectedFrame, Signing
 
 
@@ -21,7 +21,7 @@ class ChannelCounts:
     """
 
     frames: int = 0
-    noise: int = 0
+    discarded_bytes: int = 0
     refused: int = 0
 
 
@@ -39,10 +39,10 @@ class Channel:
     """
 
     def __init__(self, signing: Signing | None, *, datagrams: bool) -> None:
-        self.tally = ChannelCounts()
-        self.spoiled = 0
-        self.complaint = ""
-        self._find = frames_of if datagrams else FrameParser().receive_data
+        self.counts = ChannelCounts()
+        self.bytes_since_good = 0
+        self.last_fault = ""
+        self._find = parse_datagram if datagrams else FrameParser().receive_data
         self._signing = signing
 
     def receive_data(self, data: bytes, now: float) -> list[Frame]:
@@ -55,23 +55,23 @@ class Channel:
         good: list[Frame] = []
         for found in self._find(data):
             if isinstance(found, DiscardedBytes):
-                self.tally.noise += found.size
+                self.counts.discarded_bytes += found.size
                 self._spoil(found.size, found.reason)
                 continue
-            frame = found.unsigned() if self._signing is None else self._signing.unwrap(found, now)
+            frame = found.unsigned() if self._signing is None else self._signing.verify(found, now)
             if isinstance(frame, RejectedFrame):
-                self.tally.refused += 1
+                self.counts.refused += 1
                 self._spoil(len(found.payload), frame.reason)
                 continue
-            self.tally.frames += 1
-            self.spoiled = 0
+            self.counts.frames += 1
+            self.bytes_since_good = 0
             good.append(frame)
         return good
 
-    def bytes_of(self, frame: Frame, now: float) -> bytes:
+    def encode(self, frame: Frame, now: float) -> bytes:
         """Return a frame's bytes, signed when there is a key."""
-        return frame.to_bytes() if self._signing is None else self._signing.wrap(frame, now)
+        return frame.to_bytes() if self._signing is None else self._signing.sign(frame, now)
 
     def _spoil(self, size: int, complaint: str) -> None:
-        self.spoiled += size
-        self.complaint = complaint
+        self.bytes_since_good += size
+        self.last_fault = complaint

@@ -89,14 +89,14 @@ class FrameParser:
         return found
 
 
-def frames_of(datagram: bytes) -> list[Frame | DiscardedBytes]:
+def parse_datagram(datagram: bytes) -> list[Frame | DiscardedBytes]:
     """Return frames and discarded bytes of a datagram, which holds complete frames only."""
     return _search(datagram, ended=True)[0]
 
 
 def frame_of(data: bytes) -> Frame | None:
     """Return the frame that these bytes form exactly; None for anything else."""
-    match frames_of(data):
+    match parse_datagram(data):
         case [Frame() as frame]:
             return frame
     return None

@@ -25,13 +25,13 @@ UNITS_PER_SECOND = 100_000
 EPOCH = 1_420_070_400
 """Unix time from which timestamps count: 1 January 2015."""
 
-BEHIND = 60 * UNITS_PER_SECOND
+FIRST_TIMESTAMP_TOLERANCE = 60 * UNITS_PER_SECOND
 """Most units by which the first timestamp of a stream may be behind ours."""
 
 LATEST = (1 << 48) - (1 << 40)
 """Latest timestamp that is accepted; the rest of the range lasts four months at 100,000 frames a second."""
 
-MOST_STREAMS = 1024
+MAX_STREAMS = 1024
 """Most senders whose timestamps are kept."""
 
 _HEX_KEY = re.compile(r"[0-9a-fA-F]{64}")
@@ -73,7 +73,7 @@ class SignatureFault(StrEnum):
     REPEATED = "its timestamp is not newer than the last of its sender"
     OLD = "its sender is new, and its timestamp more than a minute old"
     FAR_AHEAD = "its timestamp is from the end of all timestamps"
-    CROWDED = f"there are {MOST_STREAMS} other senders already"
+    CROWDED = f"there are {MAX_STREAMS} other senders already"
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ class RejectedFrame:
     reason: SignatureFault
 
 
-def key_in(content: bytes) -> SigningKey | InvalidKey:
+def parse_key(content: bytes) -> SigningKey | InvalidKey:
     """Return the key in a file: 32 raw bytes, 64 hexadecimal digits, or a passphrase.
 
     A line of text is a passphrase, and its SHA-256 the key, as in MAVProxy and Mission Planner; QGroundControl has
@@ -122,18 +122,18 @@ class SignatureTimestamps:
         self._latest = max(self._latest + 1, _timestamp_at(now))
         return self._latest
 
-    def why_not(self, stream: tuple[int, int, int], timestamp: int, now: float) -> SignatureFault | None:
+    def check(self, stream: tuple[int, int, int], timestamp: int, now: float) -> SignatureFault | None:
         """Return the reason to reject a timestamp of a stream (link, system, component); None to accept it."""
         if timestamp > LATEST:
             return SignatureFault.FAR_AHEAD
         last = self._streams.get(stream)
         if last is not None:
             return SignatureFault.REPEATED if timestamp <= last else None
-        if timestamp + BEHIND < max(self._latest, _timestamp_at(now)):
+        if timestamp + FIRST_TIMESTAMP_TOLERANCE < max(self._latest, _timestamp_at(now)):
             return SignatureFault.OLD
-        return SignatureFault.CROWDED if len(self._streams) >= MOST_STREAMS else None
+        return SignatureFault.CROWDED if len(self._streams) >= MAX_STREAMS else None
 
-    def believe(self, stream: tuple[int, int, int], timestamp: int) -> None:
+    def accept(self, stream: tuple[int, int, int], timestamp: int) -> None:
         """Record the timestamp of a frame whose signature was right."""
         self._streams[stream] = timestamp
         self._latest = max(self._latest, timestamp)
@@ -153,7 +153,7 @@ class Signing:
         self._link_id: Final = link_id
         self._timestamps: Final = timestamps
 
-    def unwrap(self, frame: Frame, now: float) -> Frame | RejectedFrame:
+    def verify(self, frame: Frame, now: float) -> Frame | RejectedFrame:
         """Return the frame without its signature, if that is right and new.
 
         Args:
@@ -167,13 +167,13 @@ class Signing:
             return RejectedFrame(SignatureFault.WRONG)
         stream = (stamped[0], frame.system, frame.component)
         timestamp = int.from_bytes(stamped[1:], "little")
-        reason = self._timestamps.why_not(stream, timestamp, now)
+        reason = self._timestamps.check(stream, timestamp, now)
         if reason is not None:
             return RejectedFrame(reason)
-        self._timestamps.believe(stream, timestamp)
+        self._timestamps.accept(stream, timestamp)
         return frame.unsigned()
 
-    def wrap(self, frame: Frame, now: float) -> bytes:
+    def sign(self, frame: Frame, now: float) -> bytes:
         """Sign and encode a frame; one of version 1 becomes version 2, since only that can be signed.
 
         Args:

@@ -17,10 +17,10 @@ SYSTEM = 255
 COMPONENT = mav.MAV_COMP_ID_MISSIONPLANNER
 ROBOT = mav.MAV_COMP_ID_AUTOPILOT1
 
-HEARTBEAT_SECONDS = 1.0
-ANSWER_SECONDS = 0.5
+HEARTBEAT_PERIOD = 1.0
+ACK_TIMEOUT = 0.5
 TRIES = 5
-PROGRESS_SECONDS = 3.0
+PROGRESS_TIMEOUT = 3.0
 """Seconds to wait for the next acknowledgement of a command that is in progress."""
 
 _MOST_SYSTEMS = 255
@@ -98,9 +98,9 @@ class KnownRobot:
     autopilot: int
     custom_mode: int
     base_mode: int
-    first: float
-    heard: float
-    last: float
+    first_heartbeat: float
+    last_heartbeat: float
+    last_frame: float
     x: float = math.nan
     y: float = math.nan
     latitude: float = math.nan
@@ -122,7 +122,7 @@ class KnownRobot:
 class _Pending:
     """Command that waits for its acknowledgement until `due`."""
 
-    order: StationCommand
+    command: StationCommand
     tries: int
     due: float
     in_progress: bool = False
@@ -143,7 +143,7 @@ class GroundStation:
         self._component = component
         self._sequence = 0
         self._outgoing: list[Frame] = []
-        self._beaten: float | None = None
+        self._last_heartbeat: float | None = None
         self._pending: dict[tuple[int, int], _Pending] = {}
         self._sequences: dict[int, int] = {}
         self._texts: dict[tuple[int, int], str] = {}
@@ -153,20 +153,20 @@ class GroundStation:
         frames, self._outgoing = self._outgoing, []
         return frames
 
-    def order(self, system: int, order: StationCommand, now: float) -> None:
+    def send_command(self, system: int, command: StationCommand, now: float) -> None:
         """Send a command; `CommandAcked` or `CommandUnanswered` follows. It replaces the same command still pending."""
-        self._send_order(system, _Pending(order, 1, now + ANSWER_SECONDS))
+        self._transmit(system, _Pending(command, 1, now + ACK_TIMEOUT))
 
     def request(self, system: int, message_id: int, now: float) -> None:
         """Request one message of a robot."""
-        self.order(system, StationCommand(mav.MAV_CMD_REQUEST_MESSAGE, (float(message_id),)), now)
+        self.send_command(system, StationCommand(mav.MAV_CMD_REQUEST_MESSAGE, (float(message_id),)), now)
 
     def advance(self, now: float) -> list[StationEvent]:
         """Send heartbeats and repeat commands that are due."""
-        if self._beaten is None or now - self._beaten >= HEARTBEAT_SECONDS:
-            self._beaten = now
+        if self._last_heartbeat is None or now - self._last_heartbeat >= HEARTBEAT_PERIOD:
+            self._last_heartbeat = now
             kind, pilot, state = mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, mav.MAV_STATE_ACTIVE
-            self._say(mav.MAVLink_heartbeat_message(kind, pilot, 0, 0, state, 3))
+            self._send(mav.MAVLink_heartbeat_message(kind, pilot, 0, 0, state, 3))
         events: list[StationEvent] = []
         for (system, command), waiting in tuple(self._pending.items()):
             if now < waiting.due:
@@ -175,8 +175,8 @@ class GroundStation:
                 del self._pending[system, command]
                 events.append(CommandUnanswered(system, command))
             else:
-                again = replace(waiting, tries=waiting.tries + 1, due=now + ANSWER_SECONDS)
-                self._send_order(system, again)
+                again = replace(waiting, tries=waiting.tries + 1, due=now + ACK_TIMEOUT)
+                self._transmit(system, again)
         return events
 
     def receive_frame(self, frame: Frame, now: float) -> list[StationEvent]:
@@ -184,17 +184,17 @@ class GroundStation:
         message = decoded(frame.message_id, frame.payload)
         if message is None or frame.component != ROBOT:
             return []
-        robot = self._seen(frame.system, message, now)
+        robot = self._robot_of(frame.system, message, now)
         if robot is None:
             return []
         last = self._sequences.get(frame.system)
         robot.lost += 0 if last is None else missing_between(last, frame.sequence)
         self._sequences[frame.system] = frame.sequence
         robot.frames += 1
-        robot.last = now
-        return self._understood(robot, message, now)
+        robot.last_frame = now
+        return self._handle(robot, message, now)
 
-    def _seen(self, system: int, message: Message, now: float) -> KnownRobot | None:
+    def _robot_of(self, system: int, message: Message, now: float) -> KnownRobot | None:
         """Return the robot of this id; None before its first heartbeat."""
         robot = self.robots.get(system)
         if robot is None and isinstance(message, mav.MAVLink_heartbeat_message) and len(self.robots) < _MOST_SYSTEMS:
@@ -202,10 +202,10 @@ class GroundStation:
             self.robots[system] = robot
         return robot
 
-    def _understood(self, robot: KnownRobot, message: Message, now: float) -> list[StationEvent]:
+    def _handle(self, robot: KnownRobot, message: Message, now: float) -> list[StationEvent]:
         match message:
             case mav.MAVLink_heartbeat_message():
-                robot.autopilot, robot.heard = message.autopilot, now
+                robot.autopilot, robot.last_heartbeat = message.autopilot, now
                 robot.custom_mode, robot.base_mode = message.custom_mode, message.base_mode
             case mav.MAVLink_local_position_ned_message():
                 robot.x, robot.y = message.y, message.x
@@ -233,7 +233,7 @@ class GroundStation:
         if waiting is None:
             return []
         if ack.result == mav.MAV_RESULT_IN_PROGRESS:
-            self._pending[key] = replace(waiting, in_progress=True, due=now + PROGRESS_SECONDS)
+            self._pending[key] = replace(waiting, in_progress=True, due=now + PROGRESS_TIMEOUT)
             return []
         del self._pending[key]
         return [CommandAcked(system, ack.command, ack.result)]
@@ -250,25 +250,25 @@ class GroundStation:
         robot.text = piece
         return [StatusTextReceived(robot.system, message.severity, piece)]
 
-    def _send_order(self, system: int, waiting: _Pending) -> None:
-        order = waiting.order
-        self._pending[system, order.number] = waiting
-        given = (*order.parameters, *(0.0,) * (7 - len(order.parameters)))
+    def _transmit(self, system: int, waiting: _Pending) -> None:
+        command = waiting.command
+        self._pending[system, command.number] = waiting
+        given = (*command.parameters, *(0.0,) * (7 - len(command.parameters)))
         first, second, third, fourth, x, y, z = given
-        if order.frame is None:
-            self._say(
+        if command.frame is None:
+            self._send(
                 mav.MAVLink_command_long_message(
-                    system, ROBOT, order.number, waiting.tries - 1, first, second, third, fourth, x, y, z
+                    system, ROBOT, command.number, waiting.tries - 1, first, second, third, fourth, x, y, z
                 )
             )
         else:
-            self._say(
+            self._send(
                 mav.MAVLink_command_int_message(
-                    system, ROBOT, order.frame, order.number, 0, 0, first, second, third, fourth, int(x), int(y), z
+                    system, ROBOT, command.frame, command.number, 0, 0, first, second, third, fourth, int(x), int(y), z
                 )
             )
 
-    def _say(self, message: Message) -> None:
+    def _send(self, message: Message) -> None:
         seed = crc_extra(message.get_msgId()) or 0
         self._outgoing.append(
             Frame(self._system, self._component, self._sequence, message.get_msgId(), payload_of(message), seed)

@@ -12,7 +12,7 @@ from thbridge.wire.mavlink.conventions import ARRIVED
 from thbridge.wire.mavlink.coordinates import PER_METRE, yaw_of
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.station.ground_station import (
-    HEARTBEAT_SECONDS,
+    HEARTBEAT_PERIOD,
     CommandAcked,
     CommandUnanswered,
     GroundStation,
@@ -22,12 +22,12 @@ from thbridge.wire.mavlink.station.ground_station import (
     StatusTextReceived,
 )
 
-NEAR = 0.3
+ARRIVAL_RADIUS = 0.3
 """Metres: a robot that stands within this distance of its goal has arrived, whether it reports so or not."""
 
-DISCOVERY_SECONDS = 5.0
-SILENCE_SECONDS = 5.0
-_WORDS_SECONDS = 0.5
+DISCOVERY_TIMEOUT = 5.0
+HEARTBEAT_TIMEOUT = 5.0
+_TEXT_TIMEOUT = 0.5
 """Seconds to wait for the text with a robot's reason for its refusal."""
 _STANDING_SECONDS = 3.0
 _STANDING = 0.02
@@ -52,7 +52,7 @@ class Destination:
     heading: float | None = None
 
     @property
-    def order(self) -> StationCommand:
+    def command(self) -> StationCommand:
         """Command that sends a robot there, in MAVLink's local frame, x north and y east."""
         # NaN is the heading that does not matter.
         yaw = math.nan if self.heading is None else yaw_of(self.heading)
@@ -129,18 +129,18 @@ class StationTrip:
         """Handle the station's events and the passing of time."""
         for event in events:
             if event.system == self._system:
-                self._take(event, now)
+                self._handle_event(event, now)
         robot = self._station.robots.get(self._system)
         waited = now - self._since
         match self.stage:
             case StationTripStage.SEARCHING if robot is not None:
-                self._order(StationTripStage.TAKING, _ARM, now)
-            case StationTripStage.SEARCHING if waited > DISCOVERY_SECONDS:
+                self._send(StationTripStage.TAKING, _ARM, now)
+            case StationTripStage.SEARCHING if waited > DISCOVERY_TIMEOUT:
                 there = ", ".join(str(system) for system in sorted(self._station.robots))
                 self._fail(f"robot {self._system} is not heard; those that are: {there or 'none'}", now)
             case StationTripStage.UNDER_WAY if robot is not None:
                 self._watch(robot, now)
-            case StationTripStage.LISTENING if waited > _WORDS_SECONDS:
+            case StationTripStage.LISTENING if waited > _TEXT_TIMEOUT:
                 self._hand_back(now)
 
     def give_up(self, now: float) -> None:
@@ -149,12 +149,12 @@ class StationTrip:
         self._keep = False
         self._hand_back(now)
 
-    def _take(self, event: StationEvent, now: float) -> None:
+    def _handle_event(self, event: StationEvent, now: float) -> None:
         match event:
             case CommandAcked(_, mav.MAV_CMD_COMPONENT_ARM_DISARM, result) if self.stage is StationTripStage.TAKING:
                 if result == mav.MAV_RESULT_ACCEPTED:
                     self._commands = True
-                    self._order(StationTripStage.ASKING, self._destination.order, now)
+                    self._send(StationTripStage.ASKING, self._destination.command, now)
                 else:
                     self._fail(f"robot {self._system} gives nobody else the command ({_word(result)})", now)
             case CommandAcked(_, mav.MAV_CMD_DO_REPOSITION, result) if self.stage is StationTripStage.ASKING:
@@ -168,9 +168,9 @@ class StationTrip:
             case CommandAcked() | CommandUnanswered() if self.stage is StationTripStage.RETURNING:
                 self._end()
             case StatusTextReceived(_, severity, text):
-                self._hear(severity, text, now)
+                self._handle_text(severity, text, now)
 
-    def _hear(self, severity: int, text: str, now: float) -> None:
+    def _handle_text(self, severity: int, text: str, now: float) -> None:
         """Handle a text of the robot, which tells more than a result code."""
         if self.stage is StationTripStage.UNDER_WAY and text == ARRIVED:
             self._hand_back(now)
@@ -184,16 +184,18 @@ class StationTrip:
         """Check heartbeat, position and arming of the robot: texts may get lost."""
         if not robot.speed < _STANDING:
             self._stood = now
-        if now - robot.heard > SILENCE_SECONDS:
+        if now - robot.last_heartbeat > HEARTBEAT_TIMEOUT:
             self._fail(f"robot {self._system} is not heard any more", now)
-        elif now - self._stood > _STANDING_SECONDS and self._destination.distance(robot) < NEAR:
+        elif now - self._stood > _STANDING_SECONDS and self._destination.distance(robot) < ARRIVAL_RADIUS:
             self._hand_back(now)
-        elif not robot.armed and robot.heard - self._since > HEARTBEAT_SECONDS:  # before that it may not know it yet
+        elif (
+            not robot.armed and robot.last_heartbeat - self._since > HEARTBEAT_PERIOD
+        ):  # before that it may not know it yet
             self._fail(f"robot {self._system} is commanded by somebody else now", now)
 
-    def _order(self, stage: StationTripStage, order: StationCommand, now: float) -> None:
+    def _send(self, stage: StationTripStage, command: StationCommand, now: float) -> None:
         self.stage, self._since = stage, now
-        self._station.order(self._system, order, now)
+        self._station.send_command(self._system, command, now)
 
     def _fail(self, problem: str, now: float) -> None:
         self._problem = problem
@@ -201,7 +203,7 @@ class StationTrip:
 
     def _hand_back(self, now: float) -> None:
         if self._commands and not self._keep:
-            self._order(StationTripStage.RETURNING, _DISARM, now)
+            self._send(StationTripStage.RETURNING, _DISARM, now)
         else:
             self._end()
 

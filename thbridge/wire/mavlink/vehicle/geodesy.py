@@ -36,7 +36,7 @@ class GeoPoint:
         return abs(self.latitude) <= _POLE and abs(self.longitude) <= _WHOLE_TURN // 2
 
     @property
-    def is_none(self) -> bool:
+    def is_unset(self) -> bool:
         """True for (0, 0), which ground stations send when they name no place and mean "here"."""
         return self.latitude == 0 and self.longitude == 0
 
@@ -59,13 +59,13 @@ class MapProjection:
         self._north = math.degrees(1.0 / meridian) * PER_DEGREE
         self._east = math.degrees(1.0 / parallel) * PER_DEGREE
 
-    def place(self, x: float, y: float) -> GeoPoint:
+    def geo_point(self, x: float, y: float) -> GeoPoint:
         """Convert a point of the map, metres east and north, to one on earth; beyond a pole, the pole."""
         latitude = round(self._latitude + y * self._north)
         longitude = round(self._longitude + x * self._east)
         return GeoPoint(min(max(latitude, -_POLE), _POLE), _half_turn(longitude))
 
-    def point(self, place: GeoPoint) -> tuple[float, float]:
+    def map_point(self, place: GeoPoint) -> tuple[float, float]:
         """Convert a point on earth to one of the map, metres east and north."""
         east = _half_turn(place.longitude - self._longitude)
         return east / self._east, (place.latitude - self._latitude) / self._north

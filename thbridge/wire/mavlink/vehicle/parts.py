@@ -15,7 +15,7 @@ class Microservice(Protocol):
     It is given every message that is addressed to its vehicle, and ignores those that are not its own.
     """
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterable[OutgoingMessage]:
+    def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterable[OutgoingMessage]:
         """Handle a message and return the answers."""
 
     def step(self, tick: int, readings: RobotReadings) -> Iterable[OutgoingMessage]:
@@ -66,7 +66,7 @@ class Announce(Protocol):
         """Queue a sentence as STATUSTEXT for all links."""
 
 
-def tell_why_not(announce: Announce, denied: Denied | None) -> None:
+def announce_denial(announce: Announce, denied: Denied | None) -> None:
     """Send the sentence of a denial, if there is one, as a warning."""
     if denied is not None:
         announce(TextSeverity.WARNING, denied.sentence)

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
 from sim.common.observations import TICKS_PER_SECOND
-from thbridge.wire.mavlink.dialect import EVERYBODY, Message, mav
+from thbridge.wire.mavlink.dialect import BROADCAST, Message, mav
 from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
 from thbridge.wire.mavlink.vehicle.boot_time import microseconds
 from thbridge.wire.mavlink.vehicle.geodesy import MapProjection
@@ -50,12 +50,12 @@ class PingTimesync:
         self._earth = earth
         self._tick = 0
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
+    def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """Answer one of these requests."""
         match message:
             case mav.MAVLink_ping_message():
                 # A PING with a target is an answer, not a request.
-                if message.target_system == EVERYBODY:
+                if message.target_system == BROADCAST:
                     answer = mav.MAVLink_ping_message(message.time_usec, message.seq, sender.system, sender.component)
                     yield OutgoingMessage(answer, link)
             case mav.MAVLink_timesync_message():
@@ -65,7 +65,7 @@ class PingTimesync:
                     yield OutgoingMessage(mav.MAVLink_timesync_message(now, message.ts1), link)
             case mav.MAVLink_set_gps_global_origin_message():
                 # The study fixes the map's origin: a station that tries to set it gets the present one.
-                place = self._earth.place(0.0, 0.0)
+                place = self._earth.geo_point(0.0, 0.0)
                 altitude = round(self._earth.altitude * 1000.0)
                 yield OutgoingMessage(
                     mav.MAVLink_gps_global_origin_message(place.latitude, place.longitude, altitude), link

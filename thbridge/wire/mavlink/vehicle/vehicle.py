@@ -31,7 +31,7 @@ from thbridge.wire.mavlink.vehicle.telemetry.capabilities import Capabilities
 from thbridge.wire.mavlink.vehicle.telemetry.status_texts import StatusTexts
 from thbridge.wire.mavlink.vehicle.telemetry.streams import Streams
 from thbridge.wire.mavlink.vehicle.telemetry.telemetry import Telemetry, TelemetryState, base_mode, default_streams
-from thbridge.wire.mavlink.vehicle_interface import NOTHING_KNOWN, RobotReadings, Station, VehicleInterface
+from thbridge.wire.mavlink.vehicle_interface import NO_READINGS, RobotReadings, Station, VehicleInterface
 
 
 class Vehicle:
@@ -46,28 +46,28 @@ class Vehicle:
         options: options of the study.
     """
 
-    def __init__(self, system: int, helm: VehicleInterface, options: VehicleOptions) -> None:
+    def __init__(self, system: int, robot: VehicleInterface, options: VehicleOptions) -> None:
         self.system = system
         self._tick = 0
-        self._readings = NOTHING_KNOWN
+        self._readings = NO_READINGS
         self._shown = (Mode.HOLD, False)
         self._texts = StatusTexts()
         announce, earth, identity = self._texts.say, MapProjection(options.origin), options.identity
         ardupilot = identity is AutopilotIdentity.ARDUPILOT
-        self._command = OperatorControl(helm, options.lost_after)
-        home, hand = HomePosition(helm, earth), ManualControl(helm, identity)
-        plan = MissionRun(helm, home, earth, announce, ardupilot)
-        self._conduct = ModeStateMachine(helm, hand, self._command, plan, home, options.failsafe, announce)
+        self._control = OperatorControl(robot, options.lost_after)
+        home, hand = HomePosition(robot, earth), ManualControl(robot, identity)
+        plan = MissionRun(robot, home, earth, announce, ardupilot)
+        self._modes = ModeStateMachine(robot, hand, self._control, plan, home, options.failsafe, announce)
         self._streams = Streams(default_streams(options.position_rate, identity), system)
-        parameters = FailsafeParameters(system, helm, self._command, self._conduct)
+        parameters = FailsafeParameters(system, robot, self._control, self._modes)
         files = MetadataFiles(parameters)
-        particulars = Capabilities(system, identity, earth, files)
-        self._telemetry = Telemetry(particulars, identity, earth, home.position, plan.current)
-        requests = MessageRequests(self._streams, self._telemetry, particulars, lambda: self._standing)
-        repertoire = CommandTable(
-            helm,
-            self._conduct,
-            self._command,
+        capabilities = Capabilities(system, identity, earth, files)
+        self._telemetry = Telemetry(capabilities, identity, earth, home.position, plan.current)
+        requests = MessageRequests(self._streams, self._telemetry, capabilities, lambda: self._state)
+        commands = CommandTable(
+            robot,
+            self._modes,
+            self._control,
             home,
             lambda: self._readings.base_in_map,
             earth,
@@ -76,9 +76,9 @@ class Vehicle:
         )
         self._parts: tuple[Microservice, ...] = (
             home,
-            CommandProtocol(repertoire, self._command, self._conduct, announce),
-            ControlInputs(system, helm, self._conduct, self._command, earth, announce),
-            DeprecatedMessages(repertoire, self._conduct, self._command, home, earth, announce),
+            CommandProtocol(commands, self._control, self._modes, announce),
+            ControlInputs(system, robot, self._modes, self._control, earth, announce),
+            DeprecatedMessages(commands, self._modes, self._control, home, earth, announce),
             MissionProtocol(plan, announce),
             ParameterProtocol(parameters, announce, ardupilot),
             FileTransfer(lambda: files.contents),
@@ -88,10 +88,10 @@ class Vehicle:
     @property
     def status(self) -> VehicleStatus:
         """Status as in mavros_msgs/State."""
-        now = self._standing
+        now = self._state
         bits = base_mode(now)
         return VehicleStatus(
-            connected=self._readings.answers,
+            connected=self._readings.responsive,
             armed=bool(bits & mav.MAV_MODE_FLAG_SAFETY_ARMED),
             guided=bool(bits & mav.MAV_MODE_FLAG_GUIDED_ENABLED),
             manual_input=bool(bits & mav.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED),
@@ -99,23 +99,23 @@ class Vehicle:
             system_status=now.system_status,
         )
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
+    def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """Handle a message to this vehicle, or to all, and return the answers."""
         if isinstance(message, mav.MAVLink_heartbeat_message):
-            self._command.heartbeat(sender)
-        elif self._readings.answers:
+            self._control.heartbeat(sender)
+        elif self._readings.responsive:
             for part in self._parts:
-                yield from part.hear(link, sender, message)
+                yield from part.handle_message(link, sender, message)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
         """Advance by one tick and return the messages that are due."""
         self._tick, self._readings = tick, readings
-        self._conduct.step(tick, readings)
-        for sentence in readings.news:
+        self._modes.step(tick, readings)
+        for sentence in readings.announcements:
             self._texts.say(TextSeverity.INFO, sentence)
-        for sentence in readings.asked:
+        for sentence in readings.participant_requests:
             self._texts.say(TextSeverity.NOTICE, sentence)
-        if not readings.answers:
+        if not readings.responsive:
             return
         yield from self._stream(tick)
         for part in self._parts:
@@ -124,7 +124,7 @@ class Vehicle:
 
     def keep_alive(self) -> Iterator[OutgoingMessage]:
         """Return a heartbeat with the present state, for a time without ticks."""
-        if self._readings.answers:
+        if self._readings.responsive:
             yield from self._heartbeat()
 
     def forget(self, link: LinkId) -> None:
@@ -134,28 +134,28 @@ class Vehicle:
             part.forget(link)
 
     @property
-    def _standing(self) -> TelemetryState:
-        conduct = self._conduct
-        return TelemetryState(self._tick, self._readings, conduct.mode, conduct.armed, self._command.number)
+    def _state(self) -> TelemetryState:
+        modes = self._modes
+        return TelemetryState(self._tick, self._readings, modes.mode, modes.armed, self._control.commander_id)
 
     def _stream(self, tick: int) -> Iterator[OutgoingMessage]:
         """Yield the messages that are due, and a heartbeat at once when mode or arming has changed."""
-        standing = self._standing
-        shown = (standing.mode, standing.armed)
+        state = self._state
+        shown = (state.mode, state.armed)
         made: dict[int, Message | None] = {}
         for due in self._streams.due(tick):
             number = due.message
             if number not in made:
-                made[number] = self._telemetry.message(number, standing)
+                made[number] = self._telemetry.message(number, state)
             message = made[number]
             if message is not None:
                 is_heartbeat = number == mav.MAVLINK_MSG_ID_HEARTBEAT
-                yield OutgoingMessage(message, due.link, to_sleepers=is_heartbeat, besides=due.besides)
+                yield OutgoingMessage(message, due.link, to_inactive=is_heartbeat, except_links=due.except_links)
         if shown != self._shown and mav.MAVLINK_MSG_ID_HEARTBEAT not in made:
             yield from self._heartbeat()
         self._shown = shown
 
     def _heartbeat(self) -> Iterator[OutgoingMessage]:
-        heartbeat = self._telemetry.message(mav.MAVLINK_MSG_ID_HEARTBEAT, self._standing)
+        heartbeat = self._telemetry.message(mav.MAVLINK_MSG_ID_HEARTBEAT, self._state)
         if heartbeat is not None:
-            yield OutgoingMessage(heartbeat, to_sleepers=True)
+            yield OutgoingMessage(heartbeat, to_inactive=True)

@@ -12,7 +12,7 @@ from thbridge.ros.messages.records import SessionRecord
 from thbridge.ros.names import MAP_FRAME
 from thbridge.sockets.text_client import ConnectionLost, LossReason
 from thbridge.sockets.watch_client import WatchClient, WatchConnected
-from thbridge.wire.watch_protocol import SessionMessage, WatchStatus, status_in
+from thbridge.wire.watch_protocol import SessionMessage, WatchStatus, parse_status
 from ui.model.watching.frames import Frames
 from ui.model.watching.live import LiveSource
 from ui.model.watching.scene import Scene, ShownLayers
@@ -137,7 +137,7 @@ class SessionFeed:
                 case ConnectionLost():
                     self._connected, self._lost = False, event
                 case SessionMessage():
-                    status = status_in(event)
+                    status = parse_status(event)
                     if status is None:
                         messages.append(event)
                     else:

@@ -10,7 +10,7 @@ from pymavlink.dialects.v20 import all as mav
 from tests.thbridge.wire.mavlink.speech import frames
 from thbridge.wire.mavlink.dialect import crc_extra, payload_of
 from thbridge.wire.mavlink.frames.frame import LARGEST, V1, V2, Frame, checksum_of
-from thbridge.wire.mavlink.frames.framer import DiscardedBytes, FrameFault, FrameParser, frame_of, frames_of
+from thbridge.wire.mavlink.frames.framer import DiscardedBytes, FrameFault, FrameParser, frame_of, parse_datagram
 
 HEARTBEAT = Frame(255, 190, 7, 0, payload_of(mav.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)), 50)
 NEXT = Frame(255, 190, 8, 0, HEARTBEAT.payload, 50)
@@ -44,14 +44,14 @@ def size_of(found):
 
 @given(st.lists(frames(), max_size=6))
 def test_frames_in_a_row_come_back_whole_and_alone(said):
-    assert frames_of(b"".join(frame.to_bytes() for frame in said)) == said
+    assert parse_datagram(b"".join(frame.to_bytes() for frame in said)) == said
 
 
 @given(st.lists(frames(), max_size=6))
 def test_pymavlink_reads_the_same(said):
     data = b"".join(frame.to_bytes() for frame in said)
     theirs = mav.MAVLink(None).parse_buffer(data) or []
-    ours = good(frames_of(data))
+    ours = good(parse_datagram(data))
     assert [bytes(message.get_msgbuf()) for message in theirs] == [frame.to_bytes() for frame in ours]
 
 
@@ -68,7 +68,7 @@ def test_the_pieces_that_bytes_come_in_change_no_frame_and_lose_no_byte(said, da
 @given(frames(), st.binary(max_size=300).filter(lambda data: V1 not in data and V2 not in data))
 def test_garbage_around_a_frame_is_noise(frame, garbage):
     noise = [DiscardedBytes(len(garbage), FrameFault.GARBAGE)] if garbage else []
-    assert frames_of(garbage + frame.to_bytes() + garbage) == [*noise, frame, *noise]
+    assert parse_datagram(garbage + frame.to_bytes() + garbage) == [*noise, frame, *noise]
 
 
 def test_a_frame_is_given_with_its_last_byte():
@@ -106,32 +106,32 @@ def test_a_length_that_reaches_over_the_next_frames_costs_none_of_them():
 
 def test_flags_that_nobody_knows_are_refused_and_compat_flags_are_not():
     strange = Frame(255, 190, 7, 0, HEARTBEAT.payload, 50, incompat_flags=2)
-    assert frames_of(strange.to_bytes()) == [DiscardedBytes(strange.size, FrameFault.FLAGS)]
+    assert parse_datagram(strange.to_bytes()) == [DiscardedBytes(strange.size, FrameFault.FLAGS)]
     kind = Frame(255, 190, 7, 0, HEARTBEAT.payload, 50, compat_flags=0x80)
-    assert frames_of(kind.to_bytes()) == [kind]
+    assert parse_datagram(kind.to_bytes()) == [kind]
 
 
 def test_a_signature_comes_with_its_frame():
     signed = Frame(255, 190, 7, 0, HEARTBEAT.payload, 50, incompat_flags=1, signature=bytes(range(13)))
-    assert frames_of(signed.to_bytes() + NEXT.to_bytes()) == [signed, NEXT]
+    assert parse_datagram(signed.to_bytes() + NEXT.to_bytes()) == [signed, NEXT]
 
 
 def test_an_unknown_message_is_one_piece_of_noise():
     unknown = Frame(255, 190, 7, 54_321, b"\xfd\xfe" * 20, 0)
     assert crc_extra(54_321) is None
-    assert frames_of(unknown.to_bytes() * 2) == [DiscardedBytes(unknown.size, FrameFault.UNKNOWN)] * 2
+    assert parse_datagram(unknown.to_bytes() * 2) == [DiscardedBytes(unknown.size, FrameFault.UNKNOWN)] * 2
 
 
 def test_a_message_of_version_1_is_never_longer_than_we_know_it_and_one_of_version_2_may_be():
     long = Frame(255, 190, 7, 0, HEARTBEAT.payload + b"more", 50)
-    assert frames_of(long.to_bytes()) == [long]
+    assert parse_datagram(long.to_bytes()) == [long]
     old = Frame(255, 190, 7, 0, HEARTBEAT.payload + b"more", 50, V1)
-    assert frames_of(old.to_bytes()) == [DiscardedBytes(old.size, FrameFault.LENGTH)]
-    assert frames_of(OLD.to_bytes()) == [OLD]
+    assert parse_datagram(old.to_bytes()) == [DiscardedBytes(old.size, FrameFault.LENGTH)]
+    assert parse_datagram(OLD.to_bytes()) == [OLD]
 
 
 def test_a_signing_key_does_not_get_in():
-    assert frames_of(SECRET.to_bytes() + NEXT.to_bytes()) == [DiscardedBytes(SECRET.size, FrameFault.SECRET), NEXT]
+    assert parse_datagram(SECRET.to_bytes() + NEXT.to_bytes()) == [DiscardedBytes(SECRET.size, FrameFault.SECRET), NEXT]
 
 
 def test_one_frame_is_one_frame():

@@ -12,17 +12,17 @@ from thbridge.wire.mavlink.dialect import payload_of
 from thbridge.wire.mavlink.frames.frame import V1, V2, Frame
 from thbridge.wire.mavlink.frames.framer import frame_of
 from thbridge.wire.mavlink.frames.signing import (
-    BEHIND,
     EPOCH,
+    FIRST_TIMESTAMP_TOLERANCE,
     LATEST,
-    MOST_STREAMS,
+    MAX_STREAMS,
     InvalidKey,
     RejectedFrame,
     SignatureFault,
     SignatureTimestamps,
     Signing,
     SigningKey,
-    key_in,
+    parse_key,
 )
 
 KEY = SigningKey(bytes(range(32)))
@@ -52,7 +52,7 @@ def said(peer):
 def test_pymavlink_believes_us():
     peer, signing = theirs(), ours()
     for _ in range(3):
-        message = peer.decode(bytearray(signing.wrap(FRAME, NOW)))
+        message = peer.decode(bytearray(signing.sign(FRAME, NOW)))
         assert message.get_signed()
         assert message.get_link_id() == 3
     assert peer.signing.goodsig_count == 3
@@ -60,8 +60,8 @@ def test_pymavlink_believes_us():
 
 @given(frames())
 def test_we_believe_pymavlink_and_the_frame_is_as_it_was(frame):
-    wrapped = frame_of(ours().wrap(frame, NOW))
-    unwrapped = ours().unwrap(wrapped, NOW)
+    wrapped = frame_of(ours().sign(frame, NOW))
+    unwrapped = ours().verify(wrapped, NOW)
     assert (unwrapped.payload, unwrapped.message_id, unwrapped.version) == (frame.payload, frame.message_id, V2)
     assert (unwrapped.incompat_flags, unwrapped.signature) == (0, b"")
 
@@ -69,18 +69,18 @@ def test_we_believe_pymavlink_and_the_frame_is_as_it_was(frame):
 def test_we_believe_pymavlink():
     peer, signing = theirs(), ours()
     frame = said(peer)
-    assert signing.unwrap(frame, NOW) == frame.unsigned()
+    assert signing.verify(frame, NOW) == frame.unsigned()
 
 
 def test_what_is_not_signed_is_refused():
-    assert ours().unwrap(FRAME, NOW) == RejectedFrame(SignatureFault.UNSIGNED)
+    assert ours().verify(FRAME, NOW) == RejectedFrame(SignatureFault.UNSIGNED)
     radio = mav.MAVLink_radio_status_message(1, 1, 1, 1, 1, 1, 1)
     frame = Frame(51, 68, 0, radio.get_msgId(), payload_of(radio), radio.crc_extra)
-    assert ours().unwrap(frame, NOW) == RejectedFrame(SignatureFault.UNSIGNED)
+    assert ours().verify(frame, NOW) == RejectedFrame(SignatureFault.UNSIGNED)
 
 
 def test_another_key_is_refused():
-    assert ours().unwrap(said(theirs(key=SigningKey(b"k" * 32))), NOW) == RejectedFrame(SignatureFault.WRONG)
+    assert ours().verify(said(theirs(key=SigningKey(b"k" * 32))), NOW) == RejectedFrame(SignatureFault.WRONG)
 
 
 @given(st.integers(0, 13 * 8 - 1))
@@ -89,61 +89,63 @@ def test_any_other_bit_in_a_signature_is_refused(bit):
     spoiled = bytearray(frame.signature)
     spoiled[bit // 8] ^= 1 << bit % 8
     forged = Frame(255, 190, frame.sequence, 0, frame.payload, 50, V2, 1, 0, bytes(spoiled))
-    assert ours().unwrap(forged, NOW) == RejectedFrame(SignatureFault.WRONG)
+    assert ours().verify(forged, NOW) == RejectedFrame(SignatureFault.WRONG)
 
 
 def test_another_payload_under_a_signature_is_refused():
     frame = said(theirs())
     forged = Frame(255, 190, frame.sequence, 0, b"\x01" + frame.payload[1:], 50, V2, 1, 0, frame.signature)
-    assert ours().unwrap(forged, NOW) == RejectedFrame(SignatureFault.WRONG)
+    assert ours().verify(forged, NOW) == RejectedFrame(SignatureFault.WRONG)
 
 
 def test_a_frame_counts_once():
     signing, frame = ours(), said(theirs())
-    signing.unwrap(frame, NOW)
-    assert signing.unwrap(frame, NOW) == RejectedFrame(SignatureFault.REPEATED)
+    signing.verify(frame, NOW)
+    assert signing.verify(frame, NOW) == RejectedFrame(SignatureFault.REPEATED)
 
 
 def test_a_frame_of_one_link_is_not_believed_again_on_another():
     timestamps, frame = SignatureTimestamps(), said(theirs())
-    Signing(KEY, 0, timestamps).unwrap(frame, NOW)
-    assert Signing(KEY, 1, timestamps).unwrap(frame, NOW) == RejectedFrame(SignatureFault.REPEATED)
+    Signing(KEY, 0, timestamps).verify(frame, NOW)
+    assert Signing(KEY, 1, timestamps).verify(frame, NOW) == RejectedFrame(SignatureFault.REPEATED)
 
 
 def test_an_older_frame_behind_a_newer_is_refused_but_streams_do_not_mix():
     signing, peer = ours(), theirs()
     first, second = said(peer), said(peer)
-    assert signing.unwrap(second, NOW) == second.unsigned()
-    assert signing.unwrap(first, NOW) == RejectedFrame(SignatureFault.REPEATED)
+    assert signing.verify(second, NOW) == second.unsigned()
+    assert signing.verify(first, NOW) == RejectedFrame(SignatureFault.REPEATED)
     other = said(theirs(UNITS, component=191))
-    assert signing.unwrap(other, NOW) == other.unsigned()
+    assert signing.verify(other, NOW) == other.unsigned()
     elsewhere = said(theirs(UNITS, link_id=1))
-    assert signing.unwrap(elsewhere, NOW) == elsewhere.unsigned()
+    assert signing.verify(elsewhere, NOW) == elsewhere.unsigned()
 
 
-@pytest.mark.parametrize(("late", "refused"), [(BEHIND, False), (BEHIND + 1, True)])
+@pytest.mark.parametrize(
+    ("late", "refused"), [(FIRST_TIMESTAMP_TOLERANCE, False), (FIRST_TIMESTAMP_TOLERANCE + 1, True)]
+)
 def test_a_new_sender_may_be_a_minute_late(late, refused):
-    assert isinstance(ours().unwrap(said(theirs(UNITS - late)), NOW), RejectedFrame) is refused
+    assert isinstance(ours().verify(said(theirs(UNITS - late)), NOW), RejectedFrame) is refused
 
 
 def test_a_known_sender_may_be_later_than_that_by_our_clock():
     signing, peer = ours(), theirs()
-    signing.unwrap(said(peer), NOW)
-    assert isinstance(signing.unwrap(said(peer), NOW + 120), Frame)
+    signing.verify(said(peer), NOW)
+    assert isinstance(signing.verify(said(peer), NOW + 120), Frame)
 
 
 def test_a_wrong_signature_teaches_no_time():
     signing = ours()
-    signing.unwrap(said(theirs(UNITS + 10 * BEHIND, key=SigningKey(b"k" * 32))), NOW)
-    assert isinstance(signing.unwrap(said(theirs()), NOW), Frame)
+    signing.verify(said(theirs(UNITS + 10 * FIRST_TIMESTAMP_TOLERANCE, key=SigningKey(b"k" * 32))), NOW)
+    assert isinstance(signing.verify(said(theirs()), NOW), Frame)
 
 
 def test_we_sign_later_than_anything_that_was_believed():
-    signing, ahead = ours(), UNITS + 10 * BEHIND
-    signing.unwrap(said(theirs(ahead)), NOW)
-    stamp = int.from_bytes(frame_of(signing.wrap(FRAME, NOW)).signature[1:7], "little")
+    signing, ahead = ours(), UNITS + 10 * FIRST_TIMESTAMP_TOLERANCE
+    signing.verify(said(theirs(ahead)), NOW)
+    stamp = int.from_bytes(frame_of(signing.sign(FRAME, NOW)).signature[1:7], "little")
     assert stamp == ahead + 1
-    assert theirs(ahead).decode(bytearray(signing.wrap(FRAME, NOW))).get_signed()
+    assert theirs(ahead).decode(bytearray(signing.sign(FRAME, NOW))).get_signed()
 
 
 def test_no_two_timestamps_are_equal_even_when_the_clock_stands_or_goes_back():
@@ -159,25 +161,25 @@ def test_a_clock_before_2015_signs_all_the_same():
 
 def test_the_end_of_all_timestamps_is_not_believed():
     signing = ours()
-    assert signing.unwrap(said(theirs((1 << 48) - 1)), NOW) == RejectedFrame(SignatureFault.FAR_AHEAD)
-    assert isinstance(signing.unwrap(said(theirs(LATEST)), NOW), Frame)
-    assert signing.wrap(FRAME, NOW)
+    assert signing.verify(said(theirs((1 << 48) - 1)), NOW) == RejectedFrame(SignatureFault.FAR_AHEAD)
+    assert isinstance(signing.verify(said(theirs(LATEST)), NOW), Frame)
+    assert signing.sign(FRAME, NOW)
 
 
 def test_senders_without_end_are_not_remembered():
     signing, peer = ours(), theirs()
-    for number in range(MOST_STREAMS):
+    for number in range(MAX_STREAMS):
         peer.srcSystem, peer.srcComponent = number // 256 + 1, number % 256
-        assert isinstance(signing.unwrap(said(peer), NOW), Frame)
+        assert isinstance(signing.verify(said(peer), NOW), Frame)
     peer.srcSystem = 200
-    assert signing.unwrap(said(peer), NOW) == RejectedFrame(SignatureFault.CROWDED)
+    assert signing.verify(said(peer), NOW) == RejectedFrame(SignatureFault.CROWDED)
     peer.srcSystem = 1
-    assert isinstance(signing.unwrap(said(peer), NOW), Frame)
+    assert isinstance(signing.verify(said(peer), NOW), Frame)
 
 
 def test_a_frame_of_version_1_is_signed_as_one_of_version_2():
     old = Frame(255, 190, 7, 0, FRAME.payload, 50, V1)
-    assert theirs().decode(bytearray(ours().wrap(old, NOW))).get_signed()
+    assert theirs().decode(bytearray(ours().sign(old, NOW))).get_signed()
 
 
 @pytest.mark.parametrize(
@@ -195,12 +197,12 @@ def test_a_frame_of_version_1_is_signed_as_one_of_version_2():
     ],
 )
 def test_a_key_is_raw_or_hexadecimal_or_the_hash_of_a_passphrase(content, secret):
-    assert key_in(content) == SigningKey(secret)
+    assert parse_key(content) == SigningKey(secret)
 
 
 @pytest.mark.parametrize("content", [b"", b"\n", b"  \n", bytes(31), bytes(range(1, 34)), b"two\nlines\n"])
 def test_what_is_no_key_is_refused(content):
-    assert isinstance(key_in(content), InvalidKey)
+    assert isinstance(parse_key(content), InvalidKey)
 
 
 def test_the_text_of_a_key_does_not_show_it():

@@ -8,8 +8,8 @@ from thbridge.wire.mavlink.conventions import ARRIVED
 from thbridge.wire.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.station.ground_station import (
-    ANSWER_SECONDS,
-    PROGRESS_SECONDS,
+    ACK_TIMEOUT,
+    PROGRESS_TIMEOUT,
     TRIES,
     CommandAcked,
     CommandUnanswered,
@@ -77,7 +77,7 @@ def test_a_heartbeat_a_second(air: Air) -> None:
 
 
 def test_a_command_is_sent_again_until_it_is_given_up(air: Air) -> None:
-    air.station.order(1, StationCommand(ARM, (1.0,)), air.now)
+    air.station.send_command(1, StationCommand(ARM, (1.0,)), air.now)
     events = []
     for step in range(1, 100):
         events += air.station.advance(air.now + step * 0.05)
@@ -87,7 +87,7 @@ def test_a_command_is_sent_again_until_it_is_given_up(air: Air) -> None:
 
 def test_an_answer_ends_it(air: Air) -> None:
     air.heartbeat()
-    air.station.order(1, StationCommand(ARM, (1.0,)), air.now)
+    air.station.send_command(1, StationCommand(ARM, (1.0,)), air.now)
     assert air.ack(ARM, DENIED) == [CommandAcked(1, ARM, DENIED)]
     assert air.ack(ARM, DENIED) == []
     assert air.station.advance(air.now + 10.0) == []
@@ -96,7 +96,7 @@ def test_an_answer_ends_it(air: Air) -> None:
 def test_an_answer_to_somebody_else_is_none(air: Air) -> None:
     air.heartbeat()
     air.heartbeat(2)
-    air.station.order(1, StationCommand(ARM, (1.0,)), air.now)
+    air.station.send_command(1, StationCommand(ARM, (1.0,)), air.now)
     assert air.ack(ARM, ACCEPTED, (255, 1)) == []
     assert air.ack(ARM, ACCEPTED, (245, 190)) == []
     assert air.ack(ARM, ACCEPTED, system=2) == []
@@ -105,12 +105,12 @@ def test_an_answer_to_somebody_else_is_none(air: Air) -> None:
 
 def test_what_is_in_progress_is_waited_for_and_not_sent_again(air: Air) -> None:
     air.heartbeat()
-    air.station.order(1, StationCommand(ARM), air.now)
+    air.station.send_command(1, StationCommand(ARM), air.now)
     assert air.ack(ARM, IN_PROGRESS) == []
     air.heard()
-    assert air.station.advance(air.now + PROGRESS_SECONDS - 0.1) == []
+    assert air.station.advance(air.now + PROGRESS_TIMEOUT - 0.1) == []
     assert air.commands() == []
-    assert air.station.advance(air.now + PROGRESS_SECONDS) == [CommandUnanswered(1, ARM)]
+    assert air.station.advance(air.now + PROGRESS_TIMEOUT) == [CommandUnanswered(1, ARM)]
 
 
 def test_frames_that_did_not_come_are_counted(air: Air) -> None:
@@ -259,7 +259,7 @@ def test_a_robot_that_is_not_there(air: Air) -> None:
 def test_a_robot_that_does_not_answer(air: Air) -> None:
     journey = Journey(air)
     air.heartbeat()
-    journey.advance(ANSWER_SECONDS * TRIES + 2.0)
+    journey.advance(ACK_TIMEOUT * TRIES + 2.0)
     assert journey.trip.outcome == TripOutcome("robot 1 does not answer", unanswered=True)
 
 

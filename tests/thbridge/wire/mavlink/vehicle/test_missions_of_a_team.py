@@ -27,7 +27,7 @@ class Team:
         for link in range(2):
             self.hub.open(LinkId(link), f"link {link}")
 
-    def hear(self, link, sender, message):
+    def handle_message(self, link, sender, message):
         number = message.get_msgId()
         frame = Frame(sender.system, sender.component, 0, number, payload_of(message), crc_extra(number))
         return self._from_first(self.hub.receive(link, frame))

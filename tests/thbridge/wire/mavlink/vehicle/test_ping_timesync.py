@@ -20,7 +20,7 @@ def stream(group, rate, start=1):
 def count(rig, kind, link):
     said = rig.run(10 * SECOND)
     return sum(
-        word.message.get_type() == kind and word.link in (None, link) and link not in word.besides for word in said
+        word.message.get_type() == kind and word.link in (None, link) and link not in word.except_links for word in said
     )
 
 

@@ -32,7 +32,7 @@ def test_it_says_each_of_its_streams_at_its_rate_to_all_links(identity):
     slowly = ONCE_A_SECOND | (ARDUPILOT_TOO if identity is AutopilotIdentity.ARDUPILOT else set())
     assert counts == dict.fromkeys(slowly, 10) | dict.fromkeys(OFTEN, 100)
     assert all(word.link is None for word in said)
-    assert {word.message.get_type() for word in said if word.to_sleepers} == {"HEARTBEAT"}
+    assert {word.message.get_type() for word in said if word.to_inactive} == {"HEARTBEAT"}
 
 
 def test_what_it_says_survives_the_wire():
@@ -45,7 +45,7 @@ def test_what_it_says_survives_the_wire():
 def test_a_robot_that_does_not_answer_has_no_voice_until_it_answers_again():
     rig = Rig()
     alive = rig.robot.readings
-    rig.robot.readings = replace(alive, answers=False)
+    rig.robot.readings = replace(alive, responsive=False)
     assert rig.run(3 * SECOND) == []
     assert rig.arm() == []
     rig.robot.readings = alive
@@ -80,7 +80,7 @@ def test_it_tells_who_commands():
 def test_status_says_whether_mavros_would_hear_it():
     rig = Rig()
     assert rig.status.connected
-    rig.robot.readings = replace(rig.robot.readings, answers=False)
+    rig.robot.readings = replace(rig.robot.readings, responsive=False)
     rig.run(1)
     assert not rig.status.connected
 
@@ -107,15 +107,15 @@ def test_status_says_what_mavros_makes_of_a_heartbeat(mode, guided, manual):
 
 def test_news_of_the_game_are_told_to_people():
     rig = Rig()
-    rig.robot.readings = replace(rig.robot.readings, news=("Robot 3 has reached room 4.",))
+    rig.robot.readings = replace(rig.robot.readings, announcements=("Robot 3 has reached room 4.",))
     rig.run(1)
-    rig.robot.readings = replace(rig.robot.readings, news=())
+    rig.robot.readings = replace(rig.robot.readings, announcements=())
     assert rig.texts() == ["Robot 3 has reached room 4."]
 
 
 def test_what_the_participant_asks_for_is_more_than_news():
     rig = Rig()
-    rig.robot.readings = replace(rig.robot.readings, asked=("The participant asks for robot 3 back.",))
+    rig.robot.readings = replace(rig.robot.readings, participant_requests=("The participant asks for robot 3 back.",))
     (told,) = [word.message for word in rig.run(1) if word.message.get_type() == "STATUSTEXT"]
     assert (told.severity, told.text.rstrip("\0")) == (TextSeverity.NOTICE, "The participant asks for robot 3 back.")
 
@@ -124,4 +124,4 @@ def test_a_link_that_is_gone_takes_its_rates_along():
     rig = Rig()
     rig.long(mav.MAV_CMD_SET_MESSAGE_INTERVAL, mav.MAVLINK_MSG_ID_ATTITUDE, 20_000)
     rig.vehicle.forget(HERE)
-    assert all(word.link is None and not word.besides for word in rig.run(SECOND))
+    assert all(word.link is None and not word.except_links for word in rig.run(SECOND))

@@ -16,7 +16,7 @@ from thbridge.wire.mavlink.vehicle.geodesy import PER_DEGREE, GeoPoint, MapProje
 from thbridge.wire.mavlink.vehicle.mode.home import HomePosition
 from thbridge.wire.mavlink.vehicle.mode.operator_control import OperatorControl
 from thbridge.wire.mavlink.vehicle.mode.state_machine import ModeStateMachine
-from thbridge.wire.mavlink.vehicle.parts import Announce, TextSeverity, tell_why_not
+from thbridge.wire.mavlink.vehicle.parts import Announce, TextSeverity, announce_denial
 from thbridge.wire.mavlink.vehicle_interface import Denied, RobotReadings, Station, Target
 
 _GUIDED_ITEM = 2
@@ -42,21 +42,21 @@ class DeprecatedMessages:
 
     def __init__(
         self,
-        repertoire: CommandTable,
-        conduct: ModeStateMachine,
-        command: OperatorControl,
+        commands: CommandTable,
+        modes: ModeStateMachine,
+        control: OperatorControl,
         home: HomePosition,
         earth: MapProjection,
         announce: Announce,
     ) -> None:
-        self._repertoire = repertoire
-        self._conduct = conduct
-        self._command = command
+        self._commands = commands
+        self._modes = modes
+        self._control = control
         self._home = home
         self._earth = earth
         self._announce = announce
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
+    def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """Handle a deprecated request for a mode, a goal, another home position or the control of the robot."""
         match message:
             case mav.MAVLink_set_mode_message():
@@ -65,7 +65,7 @@ class DeprecatedMessages:
                 if message.current == _GUIDED_ITEM:
                     yield OutgoingMessage(self._guided_item(sender, message), link)
             case mav.MAVLink_set_home_position_message():
-                tell_why_not(self._announce, self._set_home(sender, GeoPoint(message.latitude, message.longitude)))
+                announce_denial(self._announce, self._set_home(sender, GeoPoint(message.latitude, message.longitude)))
             case mav.MAVLink_change_operator_control_message():
                 yield OutgoingMessage(self._operator_control(sender, message), link)
 
@@ -78,7 +78,7 @@ class DeprecatedMessages:
 
     def _set_mode(self, sender: Station, message: mav.MAVLink_set_mode_message) -> Message:
         """Set a mode; the answer is a COMMAND_ACK with the message's id in place of a command, as in ArduPilot."""
-        reply = self._repertoire.mode_reply(sender, message.base_mode, message.custom_mode, 0)
+        reply = self._commands.mode_reply(sender, message.base_mode, message.custom_mode, 0)
         if reply.sentence:
             self._announce(TextSeverity.WARNING, reply.sentence)
         number = mav.MAVLINK_MSG_ID_SET_MODE
@@ -86,33 +86,33 @@ class DeprecatedMessages:
 
     def _guided_item(self, sender: Station, item: _Item) -> Message:
         """Drive to the place of a mission item."""
-        denied = self._command.objection(sender)
+        denied = self._control.objection(sender)
         if denied is None:
             # MISSION_ITEM has degrees or metres; MISSION_ITEM_INT has degrees times ten million.
             scale = 1 if isinstance(item, mav.MAVLink_mission_item_int_message) else PER_DEGREE
             if item.frame not in GLOBAL or not (math.isfinite(item.x) and math.isfinite(item.y)):
                 denied = Denied("Only a latitude and a longitude can be gone to this way.")
             else:
-                x, y = self._earth.point(GeoPoint(round(item.x * scale), round(item.y * scale)))
-                denied = self._conduct.go(Target(x, y))
-        tell_why_not(self._announce, denied)
+                x, y = self._earth.map_point(GeoPoint(round(item.x * scale), round(item.y * scale)))
+                denied = self._modes.go(Target(x, y))
+        announce_denial(self._announce, denied)
         result = mav.MAV_MISSION_ACCEPTED if denied is None else mav.MAV_MISSION_DENIED
         return mav.MAVLink_mission_ack_message(sender.system, sender.component, result)
 
     def _set_home(self, sender: Station, place: GeoPoint) -> Denied | None:
         """Set the home position; there is no answer but HOME_POSITION, which goes to all links."""
-        reserved = self._command.reserved(sender)
+        reserved = self._control.reserved(sender)
         if reserved is not None:
             return reserved
-        return self._home.set_here() if place.is_none else self._home.set_to(Target(*self._earth.point(place)))
+        return self._home.set_here() if place.is_unset else self._home.set_to(Target(*self._earth.map_point(place)))
 
     def _operator_control(self, sender: Station, message: mav.MAVLink_change_operator_control_message) -> Message:
         """Take or release control of the robot, as arming and disarming do, but never by force."""
         granted = _CONTROL_GRANTED
         if message.control_request == _REQUEST_CONTROL:
-            denied = self._conduct.arm(sender, by_force=False)
-            tell_why_not(self._announce, denied)
+            denied = self._modes.arm(sender, by_force=False)
+            announce_denial(self._announce, denied)
             granted = _CONTROL_GRANTED if denied is None else _CONTROL_ELSEWHERE
-        elif self._command.station == sender:
-            self._conduct.disarm()
+        elif self._control.station == sender:
+            self._modes.disarm()
         return mav.MAVLink_change_operator_control_ack_message(sender.system, message.control_request, granted)

@@ -12,7 +12,7 @@ from thbridge.wire.mavlink.modes import Mode
 from thbridge.wire.mavlink.vehicle.boot_time import MICROSECONDS_PER_TICK
 from thbridge.wire.mavlink.vehicle.command.requests import (
     ACCEPTED,
-    MALFORMED,
+    INVALID_PARAM,
     CommandReply,
     CommandResult,
     CommandSpec,
@@ -37,12 +37,12 @@ class MessageRequests:
     """
 
     def __init__(
-        self, streams: Streams, telemetry: Telemetry, particulars: Capabilities, standing: Callable[[], TelemetryState]
+        self, streams: Streams, telemetry: Telemetry, capabilities: Capabilities, state: Callable[[], TelemetryState]
     ) -> None:
         self._streams = streams
         self._telemetry = telemetry
-        self._particulars = particulars
-        self._standing = standing
+        self._capabilities = capabilities
+        self._state = state
 
     def commands(self) -> Mapping[int, CommandSpec]:
         """Return the commands by their numbers; any station may give them."""
@@ -60,46 +60,46 @@ class MessageRequests:
         return lambda _: self._requested(number)
 
     def _requested(self, number: int) -> CommandReply:
-        message = self._telemetry.message(number, self._standing())
+        message = self._telemetry.message(number, self._state())
         return (
             CommandReply(CommandResult.TEMPORARILY_REJECTED)
             if message is None
             else CommandReply(CommandResult.ACCEPTED, (message,))
         )
 
-    def _request_message(self, order: ReceivedCommand) -> CommandReply:
-        number = order.whole(1)
+    def _request_message(self, request: ReceivedCommand) -> CommandReply:
+        number = request.whole_param(1)
         if number is None:
-            return MALFORMED
+            return INVALID_PARAM
         if number == mav.MAVLINK_MSG_ID_AVAILABLE_MODES:
-            place = order.whole(2, otherwise=0)
+            place = request.whole_param(2, otherwise=0)
             if place is None or place > len(Mode):
-                return MALFORMED
+                return INVALID_PARAM
             places = range(1, len(Mode) + 1) if place == 0 else (place,)
             return CommandReply(
-                CommandResult.ACCEPTED, tuple(self._particulars.available_mode(place) for place in places)
+                CommandResult.ACCEPTED, tuple(self._capabilities.available_mode(place) for place in places)
             )
         return self._requested(number) if number in self._streams else CommandReply(CommandResult.UNSUPPORTED)
 
-    def _set_message_interval(self, order: ReceivedCommand) -> CommandReply:
-        number, microseconds = order.whole(1), order.given(2)
+    def _set_message_interval(self, request: ReceivedCommand) -> CommandReply:
+        number, microseconds = request.whole_param(1), request.param(2)
         if number is None or microseconds is None or not (microseconds >= 0.0 or microseconds == -1.0):
-            return MALFORMED
+            return INVALID_PARAM
         if number not in self._streams:
             return CommandReply(CommandResult.UNSUPPORTED)
         ticks = None if microseconds == 0.0 else OFF if microseconds < 0.0 else ticks_of(microseconds)
         if number == mav.MAVLINK_MSG_ID_HEARTBEAT:
             # Stations detect a vehicle by its heartbeats, so their rate stays once a second on every link.
-            return ACCEPTED if ticks in (None, TICKS_PER_SECOND) else MALFORMED
-        self._streams.change(order.link, number, ticks)
+            return ACCEPTED if ticks in (None, TICKS_PER_SECOND) else INVALID_PARAM
+        self._streams.change(request.link, number, ticks)
         return ACCEPTED
 
-    def _get_message_interval(self, order: ReceivedCommand) -> CommandReply:
-        number = order.whole(1)
+    def _get_message_interval(self, request: ReceivedCommand) -> CommandReply:
+        number = request.whole_param(1)
         if number is None or number > _LARGEST_ID:
-            return MALFORMED
+            return INVALID_PARAM
         microseconds = 0
         if number in self._streams:
-            ticks = self._streams.every(order.link, number)
+            ticks = self._streams.every(request.link, number)
             microseconds = -1 if ticks == OFF else ticks * MICROSECONDS_PER_TICK
         return CommandReply(CommandResult.ACCEPTED, (mav.MAVLink_message_interval_message(number, microseconds),))

@@ -18,13 +18,13 @@ from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.extra_messages import CommandCancel
 from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
 from thbridge.wire.mavlink.vehicle.command.requests import (
-    MALFORMED,
+    INVALID_PARAM,
     CommandAccess,
     CommandCarrier,
     CommandReply,
     CommandResult,
     ReceivedCommand,
-    order_of,
+    parse_command,
     reply_to,
 )
 from thbridge.wire.mavlink.vehicle.command.table import CommandTable
@@ -53,7 +53,7 @@ class _Done:
         once: True when each execution has another effect.
     """
 
-    order: ReceivedCommand
+    request: ReceivedCommand
     tick: int
     result: CommandResult
     once: bool
@@ -71,11 +71,11 @@ class _Running:
         reported: tick of the last acknowledgement.
     """
 
-    order: ReceivedCommand
-    way: int
+    request: ReceivedCommand
+    leg: int
     length: float | None
     progress: int
-    told: int
+    reported: int
 
 
 class CommandProtocol:
@@ -89,41 +89,41 @@ class CommandProtocol:
     """
 
     def __init__(
-        self, repertoire: CommandTable, command: OperatorControl, conduct: ModeStateMachine, announce: Announce
+        self, commands: CommandTable, control: OperatorControl, modes: ModeStateMachine, announce: Announce
     ) -> None:
-        self._repertoire = repertoire
-        self._command = command
-        self._conduct = conduct
+        self._commands = commands
+        self._control = control
+        self._modes = modes
         self._announce = announce
         self._tick = 0
         self._done: dict[_Key, _Done] = {}
         self._running: dict[_Key, _Running] = {}
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
+    def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """Handle a command or the cancellation of one."""
         if isinstance(message, CommandCancel):
             yield from self._cancel(link, sender, message.command)
             return
-        order = order_of(link, sender, message)
-        if order is None:
+        request = parse_command(link, sender, message)
+        if request is None:
             return
-        key = (link, sender, order.number)
-        repeated = self._repeated(key, order)
+        key = (link, sender, request.number)
+        repeated = self._repeated(key, request)
         if repeated is not None:
             yield repeated
             return
         if key in self._running:
             # The running one continues, and later acknowledgements are about that one.
-            yield _ack(order, CommandResult.TEMPORARILY_REJECTED)
+            yield _ack(request, CommandResult.TEMPORARILY_REJECTED)
             return
-        reply = self._judged(order)
+        reply = self._judged(request)
         if reply.sentence:
             self._announce(TextSeverity.WARNING, reply.sentence)
-        if reply.way is not None:
-            self._running[key] = _Running(order, reply.way, None, 0, self._tick)
+        if reply.leg is not None:
+            self._running[key] = _Running(request, reply.leg, None, 0, self._tick)
         else:
-            self._remember(key, order, reply.result)
-        yield _ack(order, reply.result)
+            self._remember(key, request, reply.result)
+        yield _ack(request, reply.result)
         for answer in reply.messages:
             yield OutgoingMessage(answer, link)
 
@@ -134,10 +134,10 @@ class CommandProtocol:
             result = self._result_of(running)
             if result is not CommandResult.IN_PROGRESS:
                 del self._running[key]
-                yield _ack(running.order, result)
-            elif tick - running.told >= TICKS_PER_SECOND:
-                running.told = tick
-                yield _ack(running.order, result, running.progress)
+                yield _ack(running.request, result)
+            elif tick - running.reported >= TICKS_PER_SECOND:
+                running.reported = tick
+                yield _ack(running.request, result, running.progress)
 
     def forget(self, link: LinkId) -> None:
         """Forget a closed link; its commands continue without acknowledgements."""
@@ -146,61 +146,61 @@ class CommandProtocol:
 
     # -- the rules ----------------------------------------------------------------------------------------------------
 
-    def _judged(self, order: ReceivedCommand) -> CommandReply:
-        command = self._repertoire.find(order.number)
+    def _judged(self, request: ReceivedCommand) -> CommandReply:
+        command = self._commands.find(request.number)
         if command is None:
             return CommandReply(CommandResult.UNSUPPORTED)
-        if command.carrier is CommandCarrier.LONG and order.frame is not None:
+        if command.carrier is CommandCarrier.LONG and request.frame is not None:
             return CommandReply(CommandResult.COMMAND_LONG_ONLY)
-        if command.carrier is CommandCarrier.INT and order.frame is None:
+        if command.carrier is CommandCarrier.INT and request.frame is None:
             return CommandReply(CommandResult.COMMAND_INT_ONLY)
-        if command.frames and order.frame is not None and order.frame not in command.frames:
+        if command.frames and request.frame is not None and request.frame not in command.frames:
             return CommandReply(CommandResult.UNSUPPORTED_MAV_FRAME)
-        if any(math.isinf(value) for value in order.params):
-            return MALFORMED
-        objection = self._objection(command.who, order.station)
-        return command.do(order) if objection is None else reply_to(objection)
+        if any(math.isinf(value) for value in request.params):
+            return INVALID_PARAM
+        objection = self._objection(command.access, request.station)
+        return command.do(request) if objection is None else reply_to(objection)
 
-    def _objection(self, who: CommandAccess, station: Station) -> Denied | None:
-        match who:
+    def _objection(self, access: CommandAccess, station: Station) -> Denied | None:
+        match access:
             case CommandAccess.COMMANDER:
-                return self._command.objection(station)
+                return self._control.objection(station)
             case CommandAccess.NO_RIVAL:
-                return self._command.reserved(station)
+                return self._control.reserved(station)
             case CommandAccess.ANYBODY:
                 return None
 
-    def _repeated(self, key: _Key, order: ReceivedCommand) -> OutgoingMessage | None:
+    def _repeated(self, key: _Key, request: ReceivedCommand) -> OutgoingMessage | None:
         """Return the earlier acknowledgement again when a command is a repetition, else None."""
         done = self._done.get(key)
-        if done is None or not _same(order, done.order):
+        if done is None or not _same(request, done.request):
             return None
         age = self._tick - done.tick
-        counted = order.confirmation > done.order.confirmation and age <= _REMEMBERED
+        counted = request.confirmation > done.request.confirmation and age <= _REMEMBERED
         at_once = done.once and done.result is CommandResult.ACCEPTED and age <= TICKS_PER_SECOND
-        return _ack(order, done.result) if counted or at_once else None
+        return _ack(request, done.result) if counted or at_once else None
 
-    def _remember(self, key: _Key, order: ReceivedCommand, result: CommandResult) -> None:
-        command = self._repertoire.find(order.number)
-        if command is None or command.who is CommandAccess.ANYBODY:
+    def _remember(self, key: _Key, request: ReceivedCommand, result: CommandResult) -> None:
+        command = self._commands.find(request.number)
+        if command is None or command.access is CommandAccess.ANYBODY:
             # Commands for any station, such as a stop, are executed again: they may be needed again by now.
             return
         self._done.pop(key, None)
         while len(self._done) >= _MOST_REMEMBERED:
             del self._done[next(iter(self._done))]
-        self._done[key] = _Done(order, self._tick, result, command.once)
+        self._done[key] = _Done(request, self._tick, result, command.once)
 
     def _cancel(self, link: LinkId, sender: Station, number: int) -> Iterator[OutgoingMessage]:
         running = self._running.pop((link, sender, number), None)
         if running is not None:
-            self._conduct.stop()
-            yield _ack(running.order, CommandResult.CANCELLED)
+            self._modes.stop()
+            yield _ack(running.request, CommandResult.CANCELLED)
 
     def _result_of(self, running: _Running) -> CommandResult:
         """Return the present result of a command in progress, and update its progress."""
-        if self._conduct.sent != running.way:
+        if self._modes.leg_number != running.leg:
             return CommandResult.CANCELLED
-        leg = self._conduct.leg
+        leg = self._modes.leg
         if leg is None:
             return CommandResult.IN_PROGRESS
         if leg.state is LegState.ARRIVED:
@@ -221,9 +221,9 @@ def _same(one: ReceivedCommand, other: ReceivedCommand) -> bool:
     )
 
 
-def _ack(order: ReceivedCommand, result: CommandResult, progress: int = 0) -> OutgoingMessage:
-    station = order.station
+def _ack(request: ReceivedCommand, result: CommandResult, progress: int = 0) -> OutgoingMessage:
+    station = request.station
     return OutgoingMessage(
-        mav.MAVLink_command_ack_message(order.number, result, progress, 0, station.system, station.component),
-        order.link,
+        mav.MAVLink_command_ack_message(request.number, result, progress, 0, station.system, station.component),
+        request.link,
     )

@@ -53,14 +53,14 @@ class ReceivedCommand:
     frame: int | None
     confirmation: int
 
-    def given(self, place: int) -> float | None:
+    def param(self, place: int) -> float | None:
         """Return a parameter by its number from 1; None when it is not given."""
         value = self.params[place - 1]
         return None if math.isnan(value) else value
 
-    def whole(self, place: int, otherwise: int | None = None) -> int | None:
+    def whole_param(self, place: int, otherwise: int | None = None) -> int | None:
         """Return a parameter that must be a whole number from 0; `otherwise` when not given, None when invalid."""
-        value = self.given(place)
+        value = self.param(place)
         if value is None:
             return otherwise
         return int(value) if value >= 0.0 and value.is_integer() else None
@@ -80,7 +80,7 @@ class CommandReply:
     result: CommandResult
     messages: tuple[Message, ...] = ()
     sentence: str = ""
-    way: int | None = None
+    leg: int | None = None
 
 
 class CommandCarrier(Enum):
@@ -114,12 +114,12 @@ class CommandSpec:
     do: Callable[[ReceivedCommand], CommandReply]
     carrier: CommandCarrier = CommandCarrier.BOTH
     frames: frozenset[int] = frozenset()
-    who: CommandAccess = CommandAccess.ANYBODY
+    access: CommandAccess = CommandAccess.ANYBODY
     once: bool = False
 
 
 ACCEPTED = CommandReply(CommandResult.ACCEPTED)
-MALFORMED = CommandReply(CommandResult.DENIED)
+INVALID_PARAM = CommandReply(CommandResult.DENIED)
 """Reply to a command with an invalid parameter."""
 
 _RESULTS = {
@@ -131,10 +131,10 @@ _RESULTS = {
 
 def reply_to(denied: Denied | None) -> CommandReply:
     """Return the reply for a granted or denied command."""
-    return ACCEPTED if denied is None else CommandReply(_RESULTS[denied.refusal], sentence=denied.sentence)
+    return ACCEPTED if denied is None else CommandReply(_RESULTS[denied.kind], sentence=denied.sentence)
 
 
-def order_of(link: LinkId, station: Station, message: Message) -> ReceivedCommand | None:
+def parse_command(link: LinkId, station: Station, message: Message) -> ReceivedCommand | None:
     """Return the command in a message; None when it carries none."""
     if isinstance(message, mav.MAVLink_command_long_message):
         params = (
@@ -160,7 +160,7 @@ def decimal_of(value: float) -> float:
 
 
 def destination(
-    order: ReceivedCommand, base_in_map: Pose2, earth: MapProjection
+    request: ReceivedCommand, base_in_map: Pose2, earth: MapProjection
 ) -> tuple[float, float] | Denied | None:
     """Return the point of the map that a command names, metres east and north.
 
@@ -170,13 +170,13 @@ def destination(
         `Denied` when there is no such latitude or longitude; None when the command names no place, by leaving it out
         or by (0, 0) in degrees.
     """
-    first, second = order.params[4], order.params[5]
+    first, second = request.params[4], request.params[5]
     if math.isnan(first) or math.isnan(second):
         return None
-    if order.frame is not None and order.frame not in GLOBAL:
-        return point_in_map(order.frame, first / PER_METRE, second / PER_METRE, base_in_map)
-    scale = PER_DEGREE if order.frame is None else 1
+    if request.frame is not None and request.frame not in GLOBAL:
+        return point_in_map(request.frame, first / PER_METRE, second / PER_METRE, base_in_map)
+    scale = PER_DEGREE if request.frame is None else 1
     place = GeoPoint(round(first * scale), round(second * scale))
-    if place.is_none:
+    if place.is_unset:
         return None
-    return earth.point(place) if place.is_on_earth else Denied("There is no such place on earth.")
+    return earth.map_point(place) if place.is_on_earth else Denied("There is no such place on earth.")

@@ -11,11 +11,11 @@ from collections.abc import Callable, Mapping
 from sim.common.geometry import Pose2
 from thbridge.wire.mavlink.coordinates import GLOBAL, LOCAL, theta_of
 from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.modes import Mode, mode_asked, mode_of_standard
+from thbridge.wire.mavlink.modes import Mode, mode_from_standard, requested_mode
 from thbridge.wire.mavlink.options import AutopilotIdentity
 from thbridge.wire.mavlink.vehicle.command.requests import (
     ACCEPTED,
-    MALFORMED,
+    INVALID_PARAM,
     CommandAccess,
     CommandCarrier,
     CommandReply,
@@ -56,18 +56,18 @@ class CommandTable:
 
     def __init__(
         self,
-        helm: VehicleInterface,
-        conduct: ModeStateMachine,
-        command: OperatorControl,
+        robot: VehicleInterface,
+        modes: ModeStateMachine,
+        control: OperatorControl,
         home: HomePosition,
         base_in_map: Callable[[], Pose2],
         earth: MapProjection,
         identity: AutopilotIdentity,
         requests: Mapping[int, CommandSpec],
     ) -> None:
-        self._helm = helm
-        self._conduct = conduct
-        self._command = command
+        self._robot = robot
+        self._modes = modes
+        self._control = control
         self._home = home
         self._base_in_map = base_in_map
         self._earth = earth
@@ -84,15 +84,15 @@ class CommandTable:
             mav.MAV_CMD_NAV_LOITER_UNLIM: CommandSpec(self._hold),
             mav.MAV_CMD_DO_REPOSITION: CommandSpec(self._reposition, CommandCarrier.INT, places, by_commander),
             mav.MAV_CMD_NAV_WAYPOINT: CommandSpec(self._waypoint, CommandCarrier.INT, places, by_commander),
-            mav.MAV_CMD_NAV_RETURN_TO_LAUNCH: CommandSpec(self._return, who=by_commander),
-            mav.MAV_CMD_DO_CHANGE_SPEED: CommandSpec(self._change_speed, who=by_commander),
-            mav.MAV_CMD_MISSION_START: CommandSpec(self._start_mission, who=by_commander),
+            mav.MAV_CMD_NAV_RETURN_TO_LAUNCH: CommandSpec(self._return, access=by_commander),
+            mav.MAV_CMD_DO_CHANGE_SPEED: CommandSpec(self._change_speed, access=by_commander),
+            mav.MAV_CMD_MISSION_START: CommandSpec(self._start_mission, access=by_commander),
             mav.MAV_CMD_DO_SET_MISSION_CURRENT: CommandSpec(self._select_item),
-            mav.MAV_CMD_DO_SET_HOME: CommandSpec(self._set_home, frames=places, who=CommandAccess.NO_RIVAL),
+            mav.MAV_CMD_DO_SET_HOME: CommandSpec(self._set_home, frames=places, access=CommandAccess.NO_RIVAL),
             mav.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: CommandSpec(lambda _: _NO_REBOOT),
-            mav.MAV_CMD_IMAGE_START_CAPTURE: CommandSpec(self._photograph, who=by_commander, once=True),
-            mav.MAV_CMD_USER_1: CommandSpec(self._identify, CommandCarrier.LONG, who=by_commander, once=True),
-            mav.MAV_CMD_USER_2: CommandSpec(self._leave, CommandCarrier.LONG, who=by_commander, once=True),
+            mav.MAV_CMD_IMAGE_START_CAPTURE: CommandSpec(self._photograph, access=by_commander, once=True),
+            mav.MAV_CMD_USER_1: CommandSpec(self._identify, CommandCarrier.LONG, access=by_commander, once=True),
+            mav.MAV_CMD_USER_2: CommandSpec(self._leave, CommandCarrier.LONG, access=by_commander, once=True),
         }
 
     def find(self, number: int) -> CommandSpec | None:
@@ -101,74 +101,74 @@ class CommandTable:
 
     # -- command and modes --------------------------------------------------------------------------------------------
 
-    def _arm_disarm(self, order: ReceivedCommand) -> CommandReply:
-        match order.given(1):
+    def _arm_disarm(self, request: ReceivedCommand) -> CommandReply:
+        match request.param(1):
             case 1.0:
-                return reply_to(self._conduct.arm(order.station, by_force=order.given(2) in _FORCED))
+                return reply_to(self._modes.arm(request.station, by_force=request.param(2) in _FORCED))
             case 0.0:
-                self._conduct.disarm()
+                self._modes.disarm()
                 return ACCEPTED
-        return MALFORMED
+        return INVALID_PARAM
 
-    def _set_mode(self, order: ReceivedCommand) -> CommandReply:
-        base, main, sub = order.whole(1), order.whole(2), order.whole(3, otherwise=0)
+    def _set_mode(self, request: ReceivedCommand) -> CommandReply:
+        base, main, sub = request.whole_param(1), request.whole_param(2), request.whole_param(3, otherwise=0)
         if base is None or main is None or sub is None:
-            return MALFORMED
-        return self.mode_reply(order.station, base, main, sub)
+            return INVALID_PARAM
+        return self.mode_reply(request.station, base, main, sub)
 
     def mode_reply(self, station: Station, base: int, main: int, sub: int) -> CommandReply:
         """Change the mode to the one of these numbers of DO_SET_MODE or SET_MODE."""
         mode: Mode | None
         if base & mav.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED:
-            mode = mode_asked(self._identity, main, sub)
+            mode = requested_mode(self._identity, main, sub)
         else:
             mode = Mode.MANUAL if base & mav.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED else None
         if mode is None:
             return CommandReply(CommandResult.DENIED, sentence="There is no such mode.")
-        return reply_to(self._conduct.choose(station, mode))
+        return reply_to(self._modes.request_mode(station, mode))
 
-    def _set_standard_mode(self, order: ReceivedCommand) -> CommandReply:
-        code = order.whole(1)
-        mode = None if code is None else mode_of_standard(code)
-        return MALFORMED if mode is None else reply_to(self._conduct.choose(order.station, mode))
+    def _set_standard_mode(self, request: ReceivedCommand) -> CommandReply:
+        code = request.whole_param(1)
+        mode = None if code is None else mode_from_standard(code)
+        return INVALID_PARAM if mode is None else reply_to(self._modes.request_mode(request.station, mode))
 
-    def _pause_continue(self, order: ReceivedCommand) -> CommandReply:
-        match order.given(1):
+    def _pause_continue(self, request: ReceivedCommand) -> CommandReply:
+        match request.param(1):
             case 0.0:
-                self._conduct.pause()
+                self._modes.pause()
                 return ACCEPTED
             case 1.0:
-                objection = self._command.objection(order.station)
-                return reply_to(objection or self._conduct.proceed())
-        return MALFORMED
+                objection = self._control.objection(request.station)
+                return reply_to(objection or self._modes.resume())
+        return INVALID_PARAM
 
-    def _hold(self, order: ReceivedCommand) -> CommandReply:
-        self._conduct.stop()
+    def _hold(self, request: ReceivedCommand) -> CommandReply:
+        self._modes.stop()
         return ACCEPTED
 
     # -- goals --------------------------------------------------------------------------------------------------------
 
-    def _reposition(self, order: ReceivedCommand) -> CommandReply:
-        options = order.whole(2, otherwise=_REPOSITION_CHANGES_MODE)
+    def _reposition(self, request: ReceivedCommand) -> CommandReply:
+        options = request.whole_param(2, otherwise=_REPOSITION_CHANGES_MODE)
         if options is None:
-            return MALFORMED
-        if not options & _REPOSITION_CHANGES_MODE and self._conduct.mode not in (Mode.GUIDED, Mode.HOLD):
+            return INVALID_PARAM
+        if not options & _REPOSITION_CHANGES_MODE and self._modes.mode not in (Mode.GUIDED, Mode.HOLD):
             return CommandReply(
-                CommandResult.DENIED, sentence=f"The robot is in mode {self._conduct.mode.value}, not GUIDED."
+                CommandResult.DENIED, sentence=f"The robot is in mode {self._modes.mode.value}, not GUIDED."
             )
-        speed = order.given(1)
-        return self._go(order, decimal_of(speed) if speed is not None and speed > 0.0 else None, order.given(4))
+        speed = request.param(1)
+        return self._go(request, decimal_of(speed) if speed is not None and speed > 0.0 else None, request.param(4))
 
-    def _waypoint(self, order: ReceivedCommand) -> CommandReply:
-        yaw = order.given(4)
-        reply = self._go(order, None, None if yaw is None else math.radians(yaw))
-        way = self._conduct.sent
-        if reply.result is not CommandResult.ACCEPTED or way is None:
+    def _waypoint(self, request: ReceivedCommand) -> CommandReply:
+        yaw = request.param(4)
+        reply = self._go(request, None, None if yaw is None else math.radians(yaw))
+        leg = self._modes.leg_number
+        if reply.result is not CommandResult.ACCEPTED or leg is None:
             return reply
-        return CommandReply(CommandResult.IN_PROGRESS, way=way)
+        return CommandReply(CommandResult.IN_PROGRESS, leg=leg)
 
-    def _go(self, order: ReceivedCommand, speed: float | None, yaw: float | None) -> CommandReply:
-        point = self._destination(order)
+    def _go(self, request: ReceivedCommand, speed: float | None, yaw: float | None) -> CommandReply:
+        point = self._destination(request)
         if isinstance(point, Denied):
             return reply_to(point)
         if point is None:
@@ -177,42 +177,42 @@ class CommandTable:
         if yaw == 0.0 and self._identity is AutopilotIdentity.ARDUPILOT:
             # Stations send 0 to ArduPilot for an open heading; its own rovers ignore this parameter.
             yaw = None
-        return reply_to(self._conduct.go(Target(*point, None if yaw is None else theta_of(yaw)), speed))
+        return reply_to(self._modes.go(Target(*point, None if yaw is None else theta_of(yaw)), speed))
 
-    def _destination(self, order: ReceivedCommand) -> tuple[float, float] | Denied | None:
-        return destination(order, self._base_in_map(), self._earth)
+    def _destination(self, request: ReceivedCommand) -> tuple[float, float] | Denied | None:
+        return destination(request, self._base_in_map(), self._earth)
 
-    def _return(self, order: ReceivedCommand) -> CommandReply:
-        return reply_to(self._conduct.go_home())
+    def _return(self, request: ReceivedCommand) -> CommandReply:
+        return reply_to(self._modes.go_home())
 
-    def _change_speed(self, order: ReceivedCommand) -> CommandReply:
-        kind, speed = order.whole(1, otherwise=mav.SPEED_TYPE_GROUNDSPEED), order.given(2)
+    def _change_speed(self, request: ReceivedCommand) -> CommandReply:
+        kind, speed = request.whole_param(1, otherwise=mav.SPEED_TYPE_GROUNDSPEED), request.param(2)
         if kind not in (mav.SPEED_TYPE_AIRSPEED, mav.SPEED_TYPE_GROUNDSPEED):
-            return MALFORMED
+            return INVALID_PARAM
         if speed is None or speed == -1.0:
             return ACCEPTED
         if speed == -2.0:
-            return reply_to(self._helm.limit_speed(-1.0))
-        return reply_to(self._helm.limit_speed(decimal_of(speed))) if speed > 0.0 else MALFORMED
+            return reply_to(self._robot.limit_speed(-1.0))
+        return reply_to(self._robot.limit_speed(decimal_of(speed))) if speed > 0.0 else INVALID_PARAM
 
-    def _start_mission(self, order: ReceivedCommand) -> CommandReply:
-        first, last = order.whole(1, otherwise=0), order.whole(2, otherwise=0)
+    def _start_mission(self, request: ReceivedCommand) -> CommandReply:
+        first, last = request.whole_param(1, otherwise=0), request.whole_param(2, otherwise=0)
         if first is None or last is None:
-            return MALFORMED
+            return INVALID_PARAM
         # Stations that want to continue, or the whole mission, send zeros.
-        return reply_to(self._conduct.run(first or None, last or None))
+        return reply_to(self._modes.start_mission(first or None, last or None))
 
-    def _select_item(self, order: ReceivedCommand) -> CommandReply:
-        item = order.whole(1)
+    def _select_item(self, request: ReceivedCommand) -> CommandReply:
+        item = request.whole_param(1)
         if item is None or item > _LARGEST_ID:
-            return MALFORMED
-        objection = self._command.objection(order.station) if self._conduct.mode is Mode.AUTO else None
-        return reply_to(objection or self._conduct.select(item))
+            return INVALID_PARAM
+        objection = self._control.objection(request.station) if self._modes.mode is Mode.AUTO else None
+        return reply_to(objection or self._modes.select(item))
 
-    def _set_home(self, order: ReceivedCommand) -> CommandReply:
-        is_here, point = order.whole(1, otherwise=0), self._destination(order)
+    def _set_home(self, request: ReceivedCommand) -> CommandReply:
+        is_here, point = request.whole_param(1, otherwise=0), self._destination(request)
         if is_here not in (0, 1):
-            return MALFORMED
+            return INVALID_PARAM
         if is_here or point is None:
             return reply_to(self._home.set_here())
         if isinstance(point, Denied):
@@ -221,18 +221,18 @@ class CommandTable:
 
     # -- the game -----------------------------------------------------------------------------------------------------
 
-    def _photograph(self, order: ReceivedCommand) -> CommandReply:
-        pictures = order.whole(3, otherwise=1)
+    def _photograph(self, request: ReceivedCommand) -> CommandReply:
+        pictures = request.whole_param(3, otherwise=1)
         if pictures is None or pictures > 1:
             return CommandReply(CommandResult.DENIED, sentence="One picture at a time.")
-        return reply_to(self._helm.photograph())
+        return reply_to(self._robot.photograph())
 
-    def _identify(self, order: ReceivedCommand) -> CommandReply:
-        number = order.whole(1)
-        return MALFORMED if not number else reply_to(self._helm.identify(number))
+    def _identify(self, request: ReceivedCommand) -> CommandReply:
+        number = request.whole_param(1)
+        return INVALID_PARAM if not number else reply_to(self._robot.identify(number))
 
-    def _leave(self, order: ReceivedCommand) -> CommandReply:
-        return reply_to(self._helm.leave())
+    def _leave(self, request: ReceivedCommand) -> CommandReply:
+        return reply_to(self._robot.leave())
 
 
 _NO_REBOOT = CommandReply(CommandResult.DENIED, sentence="A robot of a running game is not restarted.")

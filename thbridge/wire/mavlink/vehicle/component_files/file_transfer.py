@@ -15,7 +15,7 @@ from struct import Struct
 from typing import TypeAlias
 
 from sim.common.observations import TICKS_PER_SECOND
-from thbridge.wire.mavlink.dialect import EVERYBODY, Message, mav
+from thbridge.wire.mavlink.dialect import BROADCAST, Message, mav
 from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
 from thbridge.wire.mavlink.vehicle.component_files.metadata_files import checksum
 from thbridge.wire.mavlink.vehicle_interface import RobotReadings, Station
@@ -169,9 +169,9 @@ class FileTransfer:
         # In the order of their turns: each sends a piece and goes to the end.
         self._bursts: dict[_Transfer, _Burst] = {}
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
+    def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """Answer a request; a repeated one gets the same answer as before."""
-        if not isinstance(message, mav.MAVLink_file_transfer_protocol_message) or message.target_system == EVERYBODY:
+        if not isinstance(message, mav.MAVLink_file_transfer_protocol_message) or message.target_system == BROADCAST:
             return
         asked = bytes(message.payload)
         request = _request_of(asked)
@@ -185,7 +185,7 @@ class FileTransfer:
             answer = self._outcome(requester, client, request)
             client.remember(request.session, asked, answer)
         if answer is not None:
-            yield _said(requester, answer)
+            yield _message(requester, answer)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
         """Send the next pieces of the bursts, in turns."""
@@ -196,7 +196,7 @@ class FileTransfer:
             transfer = next(iter(self._bursts))
             burst = self._bursts.pop(transfer)
             requester, number = transfer
-            yield _said(requester, self._piece(burst, number))
+            yield _message(requester, self._piece(burst, number))
             if burst.offset < len(burst.session.content):
                 self._bursts[transfer] = burst
 
@@ -357,7 +357,7 @@ def _answer(request: _Request, outcome: bytes | _Refused) -> bytes:
     return head + data
 
 
-def _said(requester: _Requester, payload: bytes) -> OutgoingMessage:
+def _message(requester: _Requester, payload: bytes) -> OutgoingMessage:
     link, station = requester
     padded = list(payload.ljust(_PAYLOAD, b"\0"))
     return OutgoingMessage(

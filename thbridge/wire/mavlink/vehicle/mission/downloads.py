@@ -14,7 +14,7 @@ from thbridge.wire.mavlink.vehicle.mission.items import MissionItem, message_of,
 from thbridge.wire.mavlink.vehicle.mission.peer import EMPTY_TYPES, MISSION, MissionPeer
 from thbridge.wire.mavlink.vehicle.mission.run import MissionRun
 
-DOWNLOAD_PATIENCE = 6 * 3 * TICKS_PER_SECOND // 2
+DOWNLOAD_TIMEOUT = 6 * 3 * TICKS_PER_SECOND // 2
 """Ticks without a request after which a download has ended: all six tries of 1500 ms."""
 
 _Request: TypeAlias = mav.MAVLink_mission_request_message | mav.MAVLink_mission_request_int_message
@@ -61,7 +61,7 @@ class MissionDownloads:
         if message.mission_type in EMPTY_TYPES or seq >= len(plan):
             return peer.ack(mav.MAV_MISSION_INVALID_SEQUENCE, message.mission_type)
         told = message_of if isinstance(message, mav.MAVLink_mission_request_int_message) else old_message_of
-        return OutgoingMessage(told(plan[seq], seq, seq == self._run.at, peer.station), peer.link)
+        return OutgoingMessage(told(plan[seq], seq, seq == self._run.current_item, peer.station), peer.link)
 
     def end(self, peer: MissionPeer) -> None:
         """End a download: the station has all items, or has changed the plan."""
@@ -71,7 +71,7 @@ class MissionDownloads:
         """Forget downloads without a recent request."""
         self._tick = tick
         self._downloads = {
-            peer: there for peer, there in self._downloads.items() if tick - there.asked <= DOWNLOAD_PATIENCE
+            peer: there for peer, there in self._downloads.items() if tick - there.asked <= DOWNLOAD_TIMEOUT
         }
 
     def forget(self, link: LinkId) -> None:

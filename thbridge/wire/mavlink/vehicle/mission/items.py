@@ -44,7 +44,7 @@ class MissionItem:
     @property
     def has_place(self) -> bool:
         """True when it names a place; (0, 0) in degrees is none."""
-        return _takes_place(self.command) and not (self.frame in GLOBAL and GeoPoint(self.x, self.y).is_none)
+        return _takes_place(self.command) and not (self.frame in GLOBAL and GeoPoint(self.x, self.y).is_unset)
 
     @property
     def is_here(self) -> bool:

@@ -21,7 +21,7 @@ from thbridge.wire.mavlink.vehicle_interface import DenialKind, Denied, RobotRea
 LONGEST = 700
 """Most items of a mission."""
 
-ITEM_PATIENCE = -(-TICKS_PER_SECOND // 4)
+ITEM_TIMEOUT = -(-TICKS_PER_SECOND // 4)
 """Ticks until an item is requested again: 250 ms."""
 
 RETRIES = 5
@@ -94,18 +94,18 @@ class MissionProtocol:
         self._completed: _Completed | None = None
         self._tick = 0
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
+    def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """Answer a message of this protocol."""
         peer = MissionPeer(link, sender)
         match message:
             case mav.MAVLink_mission_count_message():
-                yield from self._hear_count(peer, message.count, message.mission_type)
+                yield from self._handle_count(peer, message.count, message.mission_type)
             case mav.MAVLink_mission_write_partial_list_message():
                 first, last = message.start_index, message.end_index
-                yield from self._hear_partial(peer, first, last, message.mission_type)
+                yield from self._handle_partial(peer, first, last, message.mission_type)
             case mav.MAVLink_mission_item_int_message() | mav.MAVLink_mission_item_message():
                 if message.current not in _GUIDED:
-                    yield from self._hear_item(peer, message)
+                    yield from self._handle_item(peer, message)
             case mav.MAVLink_mission_request_list_message():
                 self._completed = None
                 yield self._downloads.begin(peer, message.mission_type)
@@ -114,11 +114,11 @@ class MissionProtocol:
             case mav.MAVLink_mission_request_partial_list_message():
                 yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
             case mav.MAVLink_mission_clear_all_message():
-                yield from self._hear_clear(peer, message.mission_type)
+                yield from self._handle_clear(peer, message.mission_type)
             case mav.MAVLink_mission_set_current_message():
-                yield from self._hear_set_current(peer, message.seq)
+                yield from self._handle_set_current(peer, message.seq)
             case mav.MAVLink_mission_ack_message(mission_type=mav.MAV_MISSION_TYPE_MISSION):
-                yield from self._hear_ack(peer, message.type)
+                yield from self._handle_ack(peer, message.type)
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
         """Request a missing item again, and step the mission."""
@@ -137,7 +137,7 @@ class MissionProtocol:
 
     def _uploaded(self, tick: int) -> Iterator[OutgoingMessage]:
         upload = self._upload
-        if upload is None or tick - upload.asked < ITEM_PATIENCE:
+        if upload is None or tick - upload.asked < ITEM_TIMEOUT:
             return
         if upload.retries == RETRIES:
             self._upload = None
@@ -147,14 +147,14 @@ class MissionProtocol:
         if not upload.items:
             # Until the first item it is unknown which form the station understands.
             upload.old_form = upload.retries >= TRIES_OF_NEW_FORM
-        yield self._asked(upload)
+        yield self._next_request(upload)
 
-    def _hear_count(self, peer: MissionPeer, count: int, mission_type: int) -> Iterator[OutgoingMessage]:
+    def _handle_count(self, peer: MissionPeer, count: int, mission_type: int) -> Iterator[OutgoingMessage]:
         if mission_type in EMPTY_TYPES and count == 0:
             yield peer.ack(mav.MAV_MISSION_ACCEPTED, mission_type)
         elif mission_type != MISSION:
             yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, mission_type)
-        elif (denied := self._denied(peer)) is not None:
+        elif (denied := self._objection(peer)) is not None:
             yield from self._refused(peer, denied)
         elif count > LONGEST:
             self._upload = None
@@ -162,23 +162,23 @@ class MissionProtocol:
         elif count == 0:
             yield from self._complete(peer, ())
         else:
-            yield self._begun(_Upload(peer, (), (), count, self._tick))
+            yield self._begin(_Upload(peer, (), (), count, self._tick))
 
-    def _hear_partial(self, peer: MissionPeer, first: int, last: int, mission_type: int) -> Iterator[OutgoingMessage]:
+    def _handle_partial(self, peer: MissionPeer, first: int, last: int, mission_type: int) -> Iterator[OutgoingMessage]:
         plan = self._run.plan
         # -1 is the end of the list; and a station may name an item more than there are.
         last = len(plan) - 1 if last == -1 else min(last, len(plan) - 1)
         if mission_type != MISSION:
             yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, mission_type)
-        elif (denied := self._denied(peer)) is not None:
+        elif (denied := self._objection(peer)) is not None:
             yield from self._refused(peer, denied)
         elif not 0 <= first <= last:
             yield peer.ack(mav.MAV_MISSION_INVALID_SEQUENCE)
         else:
             count = last - first + 1
-            yield self._begun(_Upload(peer, plan[:first], plan[last + 1 :], count, self._tick))
+            yield self._begin(_Upload(peer, plan[:first], plan[last + 1 :], count, self._tick))
 
-    def _hear_item(self, peer: MissionPeer, message: _ItemMessage) -> Iterator[OutgoingMessage]:
+    def _handle_item(self, peer: MissionPeer, message: _ItemMessage) -> Iterator[OutgoingMessage]:
         upload = self._upload
         if message.mission_type != MISSION:
             yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
@@ -187,7 +187,7 @@ class MissionProtocol:
         elif upload.peer != peer:
             yield peer.ack(mav.MAV_MISSION_DENIED)
         elif message.seq > upload.next:
-            yield self._asked(upload)
+            yield self._next_request(upload)
         elif message.seq == upload.next:
             yield from self._next_item(upload, message)
         else:
@@ -211,8 +211,8 @@ class MissionProtocol:
         upload.items.append(item)
         upload.retries = 0
         if len(upload.items) < upload.count:
-            yield self._asked(upload)
-        elif (denied := self._run.denied(upload.peer.station)) is not None:
+            yield self._next_request(upload)
+        elif (denied := self._run.objection(upload.peer.station)) is not None:
             yield from self._refused(upload.peer, denied)
         else:
             yield from self._complete(upload.peer, (*upload.kept_before, *upload.items, *upload.kept_after))
@@ -224,24 +224,24 @@ class MissionProtocol:
             return item
         return unfit(item, size) or item
 
-    def _hear_clear(self, peer: MissionPeer, mission_type: int) -> Iterator[OutgoingMessage]:
+    def _handle_clear(self, peer: MissionPeer, mission_type: int) -> Iterator[OutgoingMessage]:
         if mission_type in EMPTY_TYPES:
             yield peer.ack(mav.MAV_MISSION_ACCEPTED, mission_type)
         elif mission_type not in (MISSION, mav.MAV_MISSION_TYPE_ALL):
             yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, mission_type)
-        elif (denied := self._denied(peer)) is not None:
+        elif (denied := self._objection(peer)) is not None:
             yield from self._refused(peer, denied, mission_type)
         else:
             yield from self._complete(peer, (), mission_type)
 
-    def _hear_set_current(self, peer: MissionPeer, seq: int) -> Iterator[OutgoingMessage]:
-        denied = self._run.denied(peer.station) or self._run.select(seq)
+    def _handle_set_current(self, peer: MissionPeer, seq: int) -> Iterator[OutgoingMessage]:
+        denied = self._run.objection(peer.station) or self._run.select(seq)
         if denied is None:
             yield OutgoingMessage(self._run.current())
         else:
             self._announce(TextSeverity.WARNING, f"Mission item not set. {denied.sentence}")
 
-    def _hear_ack(self, peer: MissionPeer, result: int) -> Iterator[OutgoingMessage]:
+    def _handle_ack(self, peer: MissionPeer, result: int) -> Iterator[OutgoingMessage]:
         """Handle the station's end of a transfer, successful or not."""
         self._downloads.end(peer)
         upload = self._upload
@@ -250,15 +250,15 @@ class MissionProtocol:
         if upload.old_form and not upload.items and result == mav.MAV_MISSION_UNSUPPORTED:
             # It does not know MISSION_ITEM, which was tried because it had not answered.
             upload.old_form, upload.retries = False, 0
-            yield self._asked(upload)
+            yield self._next_request(upload)
         else:
             self._upload = None
 
-    def _denied(self, peer: MissionPeer) -> Denied | None:
+    def _objection(self, peer: MissionPeer) -> Denied | None:
         """Return the reason why this station may not change the plan now; None when it may."""
         if self._upload is not None and self._upload.peer != peer:
             return Denied(f"A mission of {self._upload.peer.station} is coming in.", DenialKind.NOT_NOW)
-        return self._run.denied(peer.station)
+        return self._run.objection(peer.station)
 
     def _refused(self, peer: MissionPeer, denied: Denied, mission_type: int = MISSION) -> Iterator[OutgoingMessage]:
         """Refuse to change the plan; an upload of the same station is aborted."""
@@ -267,12 +267,12 @@ class MissionProtocol:
         self._announce(TextSeverity.WARNING, f"Mission refused. {denied.sentence}")
         yield peer.ack(mav.MAV_MISSION_DENIED, mission_type)
 
-    def _begun(self, upload: _Upload) -> OutgoingMessage:
+    def _begin(self, upload: _Upload) -> OutgoingMessage:
         """Begin an upload; an earlier one of the same station is aborted."""
         self._upload, self._completed = upload, None
-        return self._asked(upload)
+        return self._next_request(upload)
 
-    def _asked(self, upload: _Upload) -> OutgoingMessage:
+    def _next_request(self, upload: _Upload) -> OutgoingMessage:
         """Return the request for the next item."""
         upload.asked = self._tick
         request = mav.MAVLink_mission_request_message if upload.old_form else mav.MAVLink_mission_request_int_message

@@ -79,10 +79,10 @@ class MissionRun:
     """
 
     def __init__(
-        self, helm: VehicleInterface, home: HomePosition, earth: MapProjection, announce: Announce, ardupilot: bool
+        self, robot: VehicleInterface, home: HomePosition, earth: MapProjection, announce: Announce, ardupilot: bool
     ) -> None:
         self._ardupilot = ardupilot
-        self._helm = helm
+        self._robot = robot
         self._home = home
         self._earth = earth
         self._announce = announce
@@ -113,7 +113,7 @@ class MissionRun:
         return self._plan_id
 
     @property
-    def at(self) -> int:
+    def current_item(self) -> int:
         """Number of the item that is or will be executed."""
         return self._at
 
@@ -132,7 +132,7 @@ class MissionRun:
         mode = _IN_MISSION_MODE if self.running else _SUSPENDED
         return MissionCurrent(self._at, total, state, mode, self._plan_id)
 
-    def denied(self, station: Station) -> Denied | None:
+    def objection(self, station: Station) -> Denied | None:
         """Return a denial when the mission runs by the command of another station."""
         if self.running and self._commander not in (None, str(station)):
             return Denied(f"A mission of {self._commander} is under way.", DenialKind.NOT_NOW)
@@ -200,7 +200,7 @@ class MissionRun:
         if not self.running:
             return
         item = self._plan[self._at]
-        stage = self._begun(item, tick) if self._stage is None else self._gone_on(self._stage, item, tick, readings)
+        stage = self._begin(item, tick) if self._stage is None else self._continue(self._stage, item, tick, readings)
         match stage:
             case Denied(sentence):
                 self._stand()
@@ -232,7 +232,7 @@ class MissionRun:
         """Make this item the current one, to be begun."""
         self._at, self._stage = item, None
 
-    def _begun(self, item: MissionItem, tick: int) -> _Stage | _Jump | Denied | None:
+    def _begin(self, item: MissionItem, tick: int) -> _Stage | _Jump | Denied | None:
         """Begin an item and return its stage; None when it is done at once."""
         if self.is_home(self._at):
             return None
@@ -252,15 +252,15 @@ class MissionRun:
                 return self._jump(int(first), int(second))
             case mav.MAV_CMD_DO_CHANGE_SPEED:
                 # NaN and -1 keep the limit; -2, as all numbers below zero, restores the study's.
-                return None if math.isnan(second) or second == -1 else self._helm.limit_speed(second)
+                return None if math.isnan(second) or second == -1 else self._robot.limit_speed(second)
             case mav.MAV_CMD_IMAGE_START_CAPTURE:
-                return self._helm.photograph()
+                return self._robot.photograph()
             case mav.MAV_CMD_USER_1:
-                return self._helm.identify(int(first))
+                return self._robot.identify(int(first))
             case _:
-                return self._helm.leave()
+                return self._robot.leave()
 
-    def _gone_on(self, stage: _Stage, item: MissionItem, tick: int, readings: RobotReadings) -> _Stage | Denied | None:
+    def _continue(self, stage: _Stage, item: MissionItem, tick: int, readings: RobotReadings) -> _Stage | Denied | None:
         """Return an item's stage one tick later; None when it is done."""
         if isinstance(stage, _Waiting):
             return stage if tick < stage.until else None
@@ -289,7 +289,7 @@ class MissionRun:
         yield OutgoingMessage(self.current())
 
     def _leg_to(self, target: Target) -> _Driving | Denied:
-        number = self._helm.go_to(target)
+        number = self._robot.go_to(target)
         if isinstance(number, Denied):
             return number
         self._leg = number
@@ -298,7 +298,7 @@ class MissionRun:
     def _stand(self) -> None:
         """Halt the robot if it drives for the mission."""
         if self._leg is not None:
-            self._helm.halt()
+            self._robot.halt()
             self._leg = None
 
     def _jump(self, to: int, repeats: int) -> _Jump | None:
@@ -317,7 +317,7 @@ class MissionRun:
         """Return the place of an item, metres east and north in the map."""
         if item.frame == mav.MAV_FRAME_LOCAL_NED:
             return item.y / PER_METRE, item.x / PER_METRE
-        return self._earth.point(GeoPoint(item.x, item.y))
+        return self._earth.map_point(GeoPoint(item.x, item.y))
 
 
 def _stay(item: MissionItem, tick: int) -> _Waiting | None:

@@ -13,7 +13,7 @@ from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
 from thbridge.wire.mavlink.vehicle.boot_time import microseconds
 from thbridge.wire.mavlink.vehicle.geodesy import GeoPoint, MapProjection
 from thbridge.wire.mavlink.vehicle_interface import (
-    NOTHING_KNOWN,
+    NO_READINGS,
     DenialKind,
     Denied,
     RobotReadings,
@@ -33,11 +33,11 @@ class HomePosition:
         earth: map projection.
     """
 
-    def __init__(self, helm: VehicleInterface, earth: MapProjection) -> None:
-        self._helm = helm
+    def __init__(self, robot: VehicleInterface, earth: MapProjection) -> None:
+        self._robot = robot
         self._earth = earth
-        self._readings = NOTHING_KNOWN
-        start = helm.start()
+        self._readings = NO_READINGS
+        start = robot.start()
         self._target = Target(start.x, start.y, start.theta)
         self._is_news = False
 
@@ -49,7 +49,7 @@ class HomePosition:
     @property
     def place(self) -> GeoPoint:
         """Home position on earth."""
-        return self._earth.place(self._target.x, self._target.y)
+        return self._earth.geo_point(self._target.x, self._target.y)
 
     def set_here(self) -> Denied | None:
         """Set it to the robot's present pose."""
@@ -60,7 +60,7 @@ class HomePosition:
 
     def set_to(self, target: Target) -> Denied | None:
         """Set it to another place. A robot that is returning continues to the earlier home position."""
-        denied = self._helm.misplaced(target.x, target.y)
+        denied = self._robot.misplaced(target.x, target.y)
         if denied is None:
             self._target, self._is_news = target, True
         return denied
@@ -73,7 +73,7 @@ class HomePosition:
         approach, now = (0.0, 0.0, 0.0), microseconds(tick)
         return mav.MAVLink_home_position_message(*where, list(heading), *approach, now)
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
+    def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """Return nothing: other parts handle the messages that set it."""
         return iter(())
 

@@ -34,14 +34,14 @@ class ManualControl:
         identity: autopilot that the vehicle presents itself as.
     """
 
-    def __init__(self, helm: VehicleInterface, identity: AutopilotIdentity) -> None:
-        self._helm = helm
+    def __init__(self, robot: VehicleInterface, identity: AutopilotIdentity) -> None:
+        self._robot = robot
         self._deadman = _DEADMAN[identity]
         self._wanted: Twist | VelocitySetpoint | None = None
         self._until: int | None = None
 
     @property
-    def drives(self) -> bool:
+    def is_driving(self) -> bool:
         """True while the last command holds."""
         return self._until is not None
 
@@ -52,7 +52,7 @@ class ManualControl:
             self._wanted, self._until = wanted, tick + self._deadman
         return denied
 
-    def let_go(self) -> None:
+    def release_control(self) -> None:
         """Forget the last command; the robot itself is not halted."""
         self._wanted = self._until = None
 
@@ -61,14 +61,14 @@ class ManualControl:
         if self._until is None or self._wanted is None:
             return
         if tick >= self._until:
-            self.let_go()
-            self._helm.drive(STANDSTILL)
+            self.release_control()
+            self._robot.drive(STANDSTILL)
         else:
             self._steer(self._wanted, base_in_map)
 
     def _steer(self, wanted: Twist | VelocitySetpoint, base_in_map: Pose2) -> Denied | None:
-        fastest = self._helm.fastest()
+        fastest = self._robot.fastest()
         if isinstance(wanted, Twist):
-            return self._helm.drive(bounded(wanted, fastest))
+            return self._robot.drive(bounded(wanted, fastest))
         axes = (wanted.frame, wanted.first, wanted.second, wanted.yaw_rate)
-        return self._helm.drive(twist_towards(*axes, base_in_map, fastest))
+        return self._robot.drive(twist_towards(*axes, base_in_map, fastest))

@@ -3,7 +3,7 @@
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.conventions import BY_OTHERS, BY_PARTICIPANT
 from thbridge.wire.mavlink.vehicle_interface import (
-    NOTHING_KNOWN,
+    NO_READINGS,
     PARTICIPANT,
     DenialKind,
     Denied,
@@ -28,14 +28,14 @@ class OperatorControl:
         lost_after: as above; may be changed.
     """
 
-    def __init__(self, helm: VehicleInterface, lost_after: float) -> None:
-        self._helm = helm
+    def __init__(self, robot: VehicleInterface, lost_after: float) -> None:
+        self._robot = robot
         self.lost_after = lost_after
         self._station: Station | None = None
-        self._heard = 0
+        self._last_heartbeat = 0
         self._away = 0
         self._tick = 0
-        self._readings = NOTHING_KNOWN
+        self._readings = NO_READINGS
 
     @property
     def station(self) -> Station | None:
@@ -43,7 +43,7 @@ class OperatorControl:
         return self._station
 
     @property
-    def number(self) -> int:
+    def commander_id(self) -> int:
         """Commander as one number: a station's system id, `BY_PARTICIPANT`, or `BY_OTHERS`."""
         if self._station is not None and not self.is_overruled:
             return self._station.system
@@ -52,7 +52,7 @@ class OperatorControl:
     @property
     def is_lost(self) -> bool:
         """True when heartbeats of the station in command are overdue."""
-        return self._station is not None and self._tick - self._heard > self._patience
+        return self._station is not None and self._tick - self._last_heartbeat > self._timeout
 
     @property
     def is_overruled(self) -> bool:
@@ -63,7 +63,7 @@ class OperatorControl:
         return readings.commanded_by not in (PARTICIPANT, ours)
 
     @property
-    def _patience(self) -> int:
+    def _timeout(self) -> int:
         return round(self.lost_after * TICKS_PER_SECOND)
 
     def objection(self, station: Station) -> Denied | None:
@@ -87,21 +87,21 @@ class OperatorControl:
             return None
         if self._station is not None and not by_force and not self.is_lost:
             return Denied(f"Commanded by {self._station}: arm by force to take it over.")
-        denied = self._helm.take(station)
+        denied = self._robot.take(station)
         if denied is None:
-            self._station, self._heard, self._away = station, self._tick, 0
+            self._station, self._last_heartbeat, self._away = station, self._tick, 0
         return denied
 
     def release(self) -> None:
         """Give the command back to the participant if a station has it."""
         if self._station is not None:
             self._station = None
-            self._helm.release()
+            self._robot.release()
 
     def heartbeat(self, station: Station) -> None:
         """Record a heartbeat, of any component of a station."""
         if self._station is not None and station.system == self._station.system:
-            self._heard = self._tick
+            self._last_heartbeat = self._tick
 
     def follow(self, tick: int, readings: RobotReadings) -> bool:
         """Advance by one tick; return True when the command was taken from the station."""

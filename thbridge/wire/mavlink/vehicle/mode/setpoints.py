@@ -13,9 +13,9 @@ from thbridge.wire.mavlink.vehicle.geodesy import GeoPoint, MapProjection
 from thbridge.wire.mavlink.vehicle.mode.manual_control import VelocitySetpoint
 from thbridge.wire.mavlink.vehicle.mode.operator_control import OperatorControl
 from thbridge.wire.mavlink.vehicle.mode.state_machine import ModeStateMachine
-from thbridge.wire.mavlink.vehicle.parts import Announce, tell_why_not
+from thbridge.wire.mavlink.vehicle.parts import Announce, announce_denial
 from thbridge.wire.mavlink.vehicle_interface import (
-    NOTHING_KNOWN,
+    NO_READINGS,
     Denied,
     RobotReadings,
     Station,
@@ -61,21 +61,21 @@ class ControlInputs:
     def __init__(
         self,
         system: int,
-        helm: VehicleInterface,
-        conduct: ModeStateMachine,
-        command: OperatorControl,
+        robot: VehicleInterface,
+        modes: ModeStateMachine,
+        control: OperatorControl,
         earth: MapProjection,
         announce: Announce,
     ) -> None:
         self._system = system
-        self._helm = helm
-        self._conduct = conduct
-        self._command = command
+        self._robot = robot
+        self._modes = modes
+        self._control = control
         self._earth = earth
         self._announce = announce
-        self._readings = NOTHING_KNOWN
+        self._readings = NO_READINGS
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
+    def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """Handle a stick or a setpoint; there is no answer."""
         match message:
             case mav.MAVLink_manual_control_message():
@@ -87,7 +87,7 @@ class ControlInputs:
                 mav.MAVLink_set_position_target_local_ned_message()
                 | mav.MAVLink_set_position_target_global_int_message()
             ):
-                tell_why_not(self._announce, self._setpoint(sender, message))
+                announce_denial(self._announce, self._setpoint(sender, message))
         return iter(())
 
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
@@ -116,24 +116,24 @@ class ControlInputs:
                 (value - _RC_MIDDLE) / _RC_FULL if value in _RC_RANGE else 0.0 for value in (steering, throttle)
             )
             self._drive(sender, forward, turn)
-        elif _RC_RELEASED in (steering, throttle) and self._conduct.is_by_hand:
+        elif _RC_RELEASED in (steering, throttle) and self._modes.is_by_hand:
             # Override released; there is no radio that would take over.
             self._drive(sender, 0.0, 0.0)
 
     def _drive(self, sender: Station, forward: float, turn: float) -> None:
         """Drive by hand; `forward` and `turn` (to the right) are fractions of the speed limits."""
-        if self._conduct.mode is not Mode.MANUAL:
+        if self._modes.mode is not Mode.MANUAL:
             return
-        fastest = self._helm.fastest()
+        fastest = self._robot.fastest()
         twist = Twist(forward * fastest.linear, -turn * fastest.angular)
-        tell_why_not(self._announce, self._command.objection(sender) or self._conduct.drive(twist))
+        announce_denial(self._announce, self._control.objection(sender) or self._modes.drive(twist))
 
     # -- setpoints ----------------------------------------------------------------------------------------------------
 
     def _setpoint(self, sender: Station, message: _Setpoint) -> Denied | None:
-        if self._conduct.mode is not Mode.GUIDED:
+        if self._modes.mode is not Mode.GUIDED:
             return None
-        objection = self._command.objection(sender)
+        objection = self._control.objection(sender)
         if objection is not None:
             return objection
         mask = message.type_mask
@@ -143,18 +143,18 @@ class ControlInputs:
             point = self._point(message)
             if point is None or not _all_finite(*point, yaw or 0.0):
                 return Denied("This setpoint is none that the robot understands.")
-            return self._conduct.follow_target(Target(*point, None if yaw is None else theta_of(yaw)))
+            return self._modes.follow_target(Target(*point, None if yaw is None else theta_of(yaw)))
         velocity = self._velocity(message, yaw_rate)
         if velocity is None:
             return Denied("This setpoint is none that the robot understands.")
-        return self._conduct.follow_velocity(velocity)
+        return self._modes.follow_velocity(velocity)
 
     def _point(self, message: _Setpoint) -> tuple[float, float] | None:
         """Return the point of the map of a setpoint."""
         if isinstance(message, mav.MAVLink_set_position_target_global_int_message):
             if message.coordinate_frame not in GLOBAL:
                 return None
-            return self._earth.point(GeoPoint(message.lat_int, message.lon_int))
+            return self._earth.map_point(GeoPoint(message.lat_int, message.lon_int))
         if message.coordinate_frame not in LOCAL:
             return None
         return point_in_map(message.coordinate_frame, message.x, message.y, self._readings.base_in_map)

@@ -12,9 +12,9 @@ from thbridge.wire.mavlink.options import Failsafe
 from thbridge.wire.mavlink.vehicle.mode.home import HomePosition
 from thbridge.wire.mavlink.vehicle.mode.manual_control import ManualControl, VelocitySetpoint
 from thbridge.wire.mavlink.vehicle.mode.operator_control import OperatorControl
-from thbridge.wire.mavlink.vehicle.parts import Announce, MissionControl, TextSeverity, tell_why_not
+from thbridge.wire.mavlink.vehicle.parts import Announce, MissionControl, TextSeverity, announce_denial
 from thbridge.wire.mavlink.vehicle_interface import (
-    NOTHING_KNOWN,
+    NO_READINGS,
     DenialKind,
     Denied,
     HelmLeg,
@@ -60,34 +60,34 @@ class ModeStateMachine:
 
     def __init__(
         self,
-        helm: VehicleInterface,
+        robot: VehicleInterface,
         hand: ManualControl,
-        command: OperatorControl,
+        control: OperatorControl,
         plan: MissionControl,
         home: HomePosition,
         failsafe: Failsafe,
         announce: Announce,
     ) -> None:
-        self._helm = helm
-        self._command = command
+        self._robot = robot
+        self._control = control
         self._plan = plan
         self._home = home
         self._hand = hand
         self.failsafe = failsafe
         self._announce = announce
-        self._readings = NOTHING_KNOWN
+        self._readings = NO_READINGS
         self._tick = 0
         self._mode = Mode.HOLD
         self._target: Target | None = None
         self._leg: int | None = None
         self._paused: PausedMode | None = None
         self._stopped_at = -_STOPPING
-        self._carries_on = False
+        self._continues_alone = False
 
     @property
     def mode(self) -> Mode:
         """Mode for ground stations: GUIDED while the robot drives for somebody else, such as the participant."""
-        commanded = self._command.station is not None
+        commanded = self._control.station is not None
         if self._is_moved() and (self._mode is Mode.HOLD or (not commanded and not self._is_under_way())):
             return Mode.GUIDED
         return self._mode
@@ -95,7 +95,7 @@ class ModeStateMachine:
     @property
     def armed(self) -> bool:
         """True when a station is in command, or the robot moves."""
-        return self._command.station is not None or self._is_moved()
+        return self._control.station is not None or self._is_moved()
 
     @property
     def leg(self) -> HelmLeg | None:
@@ -104,22 +104,22 @@ class ModeStateMachine:
         return leg if leg is not None and leg.number == self._leg else None
 
     @property
-    def sent(self) -> int | None:
+    def leg_number(self) -> int | None:
         """Number of the last drive that was started here; None when it was aborted."""
         return self._leg
 
     def arm(self, station: Station, by_force: bool) -> Denied | None:
         """Put a station in command. The robot continues its activity, or begins that of a mode which was requested
         while no station was in command."""
-        before = self._command.station
-        denied = self._command.take(station, by_force)
+        before = self._control.station
+        denied = self._control.take(station, by_force)
         if denied is not None or before == station:
             return denied
-        self._carries_on = False
+        self._continues_alone = False
         self._announce(TextSeverity.NOTICE, f"Commanded by {station}.")
         if before is None and self._mode is not Mode.HOLD:
             chosen, self._mode = self._mode, Mode.HOLD
-            tell_why_not(self._announce, self.enter(chosen))
+            announce_denial(self._announce, self.enter(chosen))
         return None
 
     def disarm(self) -> None:
@@ -127,23 +127,23 @@ class ModeStateMachine:
         self.stop()
         self._give_back()
 
-    def choose(self, station: Station, mode: Mode) -> Denied | None:
+    def request_mode(self, station: Station, mode: Mode) -> Denied | None:
         """Change the mode for a station. Any station may choose HOLD; without a station in command, other modes are
         only remembered until one arms the robot."""
         if mode is Mode.HOLD:
             self.stop()
             return None
-        if self._command.station is None:
+        if self._control.station is None:
             self._mode = mode
             self._announce(TextSeverity.NOTICE, f"Mode {mode.value} begins when the robot is armed.")
             return None
-        return self._command.objection(station) or self.enter(mode)
+        return self._control.objection(station) or self.enter(mode)
 
     def enter(self, mode: Mode) -> Denied | None:
         """Change the mode; when denied, it stays as it was, or becomes HOLD."""
         match mode:
             case Mode.AUTO:
-                return self.run(None, None)
+                return self.start_mission(None, None)
             case Mode.RETURN:
                 return self.go_home()
             case Mode.HOLD:
@@ -156,11 +156,11 @@ class ModeStateMachine:
     def stop(self) -> None:
         """Stop, whoever sent the robot, and enter HOLD."""
         self._leave()
-        self._helm.halt()
+        self._robot.halt()
         self._mode = Mode.HOLD
         self._stopped_at = self._tick
 
-    def run(self, first: int | None, last: int | None) -> Denied | None:
+    def start_mission(self, first: int | None, last: int | None) -> Denied | None:
         """Run the mission: see `MissionControl.start`."""
         if self._mode is Mode.AUTO and self._plan.running and first is None and last is None:
             return None
@@ -169,7 +169,7 @@ class ModeStateMachine:
             self.stop()
         denied = self._plan.start(first, last)
         if denied is None:
-            self._forget_way()
+            self._forget_leg()
             self._mode = Mode.AUTO
         return denied
 
@@ -180,7 +180,7 @@ class ModeStateMachine:
     def go(self, target: Target, speed: float | None = None) -> Denied | None:
         """Drive to a point, with this speed limit from now on if one is given."""
         if speed is not None:
-            denied = self._helm.limit_speed(speed)
+            denied = self._robot.limit_speed(speed)
             if denied is not None:
                 return denied
         return self._go(target, Mode.GUIDED)
@@ -209,7 +209,7 @@ class ModeStateMachine:
     @property
     def is_by_hand(self) -> bool:
         """True while it is driven by hand."""
-        return self._mode is Mode.MANUAL and self._hand.drives
+        return self._mode is Mode.MANUAL and self._hand.is_driving
 
     def pause(self) -> None:
         """Stop, and remember the activity."""
@@ -219,7 +219,7 @@ class ModeStateMachine:
         self.stop()
         self._paused = paused
 
-    def proceed(self) -> Denied | None:
+    def resume(self) -> Denied | None:
         """Continue the activity that a pause broke off; no effect when there was no pause."""
         if self._mode is not Mode.HOLD:
             return None
@@ -239,7 +239,7 @@ class ModeStateMachine:
         """Advance by one tick."""
         before = self.leg
         self._tick, self._readings = tick, readings
-        taken_away = self._command.follow(tick, readings)
+        taken_away = self._control.follow(tick, readings)
         if taken_away:
             self._leave()
             self._mode = Mode.HOLD
@@ -248,41 +248,41 @@ class ModeStateMachine:
         self._hand.step(tick, readings.base_in_map)
         if self._is_over():
             self._mode = Mode.HOLD
-        if self._command.is_lost:
+        if self._control.is_lost:
             self._step_failsafe()
         else:
-            self._carries_on = False
+            self._continues_alone = False
 
     def _step_failsafe(self) -> None:
-        if self._command.is_overruled:
+        if self._control.is_overruled:
             # A lost station must not stop a researcher's drive; it only gives up its own command.
             self._leave()
             self._mode = Mode.HOLD
             self._give_back()
             return
-        if self._carries_on:
+        if self._continues_alone:
             if not self._plan.running and not self._is_under_way():
                 self._mode = Mode.HOLD
                 self._give_back()
             return
         what = {Failsafe.STOP: "stops", Failsafe.HOME: "goes home", Failsafe.CONTINUE: "carries on"}[self.failsafe]
-        self._announce(TextSeverity.CRITICAL, f"{self._command.station} is lost: the robot {what}.")
+        self._announce(TextSeverity.CRITICAL, f"{self._control.station} is lost: the robot {what}.")
         if self.failsafe is Failsafe.CONTINUE:
-            self._carries_on = True
+            self._continues_alone = True
             return
         denied = self.go_home() if self.failsafe is Failsafe.HOME else None
-        tell_why_not(self._announce, denied)
+        announce_denial(self._announce, denied)
         if self.failsafe is Failsafe.STOP or denied is not None:
             self.stop()
         self._give_back()
 
     def _give_back(self) -> None:
-        if self._command.station is not None:
-            self._command.release()
+        if self._control.station is not None:
+            self._control.release()
             self._announce(TextSeverity.NOTICE, "Commanded by the participant again.")
 
     def _go(self, target: Target, mode: Mode) -> Denied | None:
-        number = self._helm.go_to(target)
+        number = self._robot.go_to(target)
         if isinstance(number, Denied):
             return number
         self._leave()
@@ -291,7 +291,7 @@ class ModeStateMachine:
 
     def _is_over(self) -> bool:
         """Return True when the activity of the mode has ended."""
-        if self._command.station is not None:
+        if self._control.station is not None:
             return self._mode is Mode.AUTO and not self._plan.running
         return self._mode is Mode.RETURN and self._leg is not None and not self._is_under_way()
 
@@ -312,11 +312,11 @@ class ModeStateMachine:
         """Abort the activity of the mode; the robot itself is not halted."""
         if self._plan.running:
             self._plan.pause()
-        self._forget_way()
+        self._forget_leg()
 
-    def _forget_way(self) -> None:
+    def _forget_leg(self) -> None:
         self._leg = self._target = self._paused = None
-        self._hand.let_go()
+        self._hand.release_control()
 
     def _tell_end(self, before: HelmLeg | None, now: HelmLeg | None) -> None:
         """Announce the end of a drive."""

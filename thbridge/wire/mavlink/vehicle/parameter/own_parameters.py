@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from thbridge.wire.mavlink.options import LONGEST_PATIENCE, SHORTEST_PATIENCE, Failsafe
+from thbridge.wire.mavlink.options import LONGEST_TIMEOUT, SHORTEST_TIMEOUT, Failsafe
 from thbridge.wire.mavlink.vehicle.mode.operator_control import OperatorControl
 from thbridge.wire.mavlink.vehicle.mode.state_machine import ModeStateMachine
 from thbridge.wire.mavlink.vehicle_interface import (
@@ -40,12 +40,12 @@ class FailsafeParameters:
     """
 
     def __init__(
-        self, system: int, robot: ParameterSettings, command: OperatorControl, conduct: ModeStateMachine
+        self, system: int, robot: ParameterSettings, control: OperatorControl, modes: ModeStateMachine
     ) -> None:
         self._system = system
         self._robot = robot
-        self._command = command
-        self._conduct = conduct
+        self._control = control
+        self._modes = modes
         self._at_first = {own.name: own.value for own in self._own()}
 
     def descriptions(self) -> Sequence[ParameterDescription]:
@@ -60,8 +60,8 @@ class FailsafeParameters:
                 _GROUP,
                 "s",
                 self._at_first[TIMEOUT],
-                SHORTEST_PATIENCE,
-                LONGEST_PATIENCE,
+                SHORTEST_TIMEOUT,
+                LONGEST_TIMEOUT,
             ),
             ParameterDescription(
                 ACTION,
@@ -96,19 +96,19 @@ class FailsafeParameters:
         if name == SYSTEM_ID:
             return Denied(f"{SYSTEM_ID} is the robot's number.", DenialKind.UNSUPPORTED)
         if name == TIMEOUT:
-            if not SHORTEST_PATIENCE <= value <= LONGEST_PATIENCE:
-                return Denied(f"{TIMEOUT} is {SHORTEST_PATIENCE:g} to {LONGEST_PATIENCE:g} s, not {value:g}.")
-            self._command.lost_after = value
+            if not SHORTEST_TIMEOUT <= value <= LONGEST_TIMEOUT:
+                return Denied(f"{TIMEOUT} is {SHORTEST_TIMEOUT:g} to {LONGEST_TIMEOUT:g} s, not {value:g}.")
+            self._control.lost_after = value
             return None
         for failsafe, told in ACTIONS.items():
             if value == told:
-                self._conduct.failsafe = failsafe
+                self._modes.failsafe = failsafe
                 return None
         return Denied(f"{ACTION} is 0 (carry on), 1 (go home) or 2 (stop), not {value:g}.")
 
     def _own(self) -> tuple[ParameterSetting, ...]:
         return (
             ParameterSetting(SYSTEM_ID, float(self._system)),
-            ParameterSetting(TIMEOUT, float(np.float32(self._command.lost_after))),
-            ParameterSetting(ACTION, float(ACTIONS[self._conduct.failsafe])),
+            ParameterSetting(TIMEOUT, float(np.float32(self._control.lost_after))),
+            ParameterSetting(ACTION, float(ACTIONS[self._modes.failsafe])),
         )

@@ -54,7 +54,7 @@ class ParameterProtocol:
         self._told: dict[str, float] = {}
         self._lists: dict[LinkId, int] = {}
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
+    def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """Answer a message of this protocol."""
         match message:
             case mav.MAVLink_param_request_list_message():
@@ -127,7 +127,7 @@ class ParameterProtocol:
         changed = self._settings.change(name, value)
         if isinstance(changed, Denied):
             self._announce(TextSeverity.WARNING, changed.sentence)
-            return _ERRORS[changed.refusal]
+            return _ERRORS[changed.kind]
         return None
 
     def _news(self, settings: Sequence[ParameterSetting], number: int) -> OutgoingMessage:

@@ -58,7 +58,7 @@ class Capabilities:
         return mav.MAVLink_available_modes_message(len(Mode), place, standard, custom, 0, mode.value.encode())
 
     def _gps_global_origin(self, tick: int) -> Message:
-        place, now = self._earth.place(0.0, 0.0), microseconds(tick)
+        place, now = self._earth.geo_point(0.0, 0.0), microseconds(tick)
         return mav.MAVLink_gps_global_origin_message(place.latitude, place.longitude, self._altitude, now)
 
     def _extended_sys_state(self, tick: int) -> Message:

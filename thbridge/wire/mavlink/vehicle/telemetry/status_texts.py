@@ -52,7 +52,7 @@ class StatusTexts:
             severity, sentence = self._waiting.popleft()
             for message in self._chunks(severity, sentence.encode("utf-8")):
                 # Critical texts go to inactive links, too: their stations may still receive.
-                yield OutgoingMessage(message, to_sleepers=severity is TextSeverity.CRITICAL)
+                yield OutgoingMessage(message, to_inactive=severity is TextSeverity.CRITICAL)
 
     def _chunks(self, severity: TextSeverity, text: bytes) -> Iterator[Message]:
         if len(text) <= TEXT_SIZE:

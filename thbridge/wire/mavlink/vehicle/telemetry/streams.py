@@ -32,7 +32,7 @@ class DueMessage:
 
     message: int
     link: LinkId | None
-    besides: frozenset[LinkId]
+    except_links: frozenset[LinkId]
 
 
 class Streams:
@@ -46,9 +46,9 @@ class Streams:
     def __init__(self, defaults: Mapping[int, int], system: int) -> None:
         self._defaults = dict(defaults)
         self._offsets = {message: (system + place) * _SPREAD for place, message in enumerate(defaults)}
-        self._unasked = [(message, every, self._offsets[message]) for message, every in defaults.items() if every]
+        self._by_default = [(message, every, self._offsets[message]) for message, every in defaults.items() if every]
         self._own: dict[LinkId, dict[int, int]] = {}
-        self._besides: dict[int, frozenset[LinkId]] = {message: frozenset() for message in defaults}
+        self._with_own_rate: dict[int, frozenset[LinkId]] = {message: frozenset() for message in defaults}
 
     def __contains__(self, message: int) -> bool:
         return message in self._defaults
@@ -73,16 +73,16 @@ class Streams:
 
     def due(self, tick: int) -> Iterator[DueMessage]:
         """Yield the messages that are due in this tick."""
-        for message, every, offset in self._unasked:
+        for message, every, offset in self._by_default:
             if (tick + offset) % every == 0:
-                yield DueMessage(message, None, self._besides[message])
+                yield DueMessage(message, None, self._with_own_rate[message])
         for link, own in self._own.items():
             for message, every in own.items():
                 if every and (tick + self._offsets[message]) % every == 0:
                     yield DueMessage(message, link, frozenset())
 
     def _renew(self, message: int) -> None:
-        self._besides[message] = frozenset(link for link, own in self._own.items() if message in own)
+        self._with_own_rate[message] = frozenset(link for link, own in self._own.items() if message in own)
 
 
 def ticks_of(microseconds: float) -> int:

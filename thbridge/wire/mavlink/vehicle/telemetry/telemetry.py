@@ -133,7 +133,7 @@ class Telemetry:
 
     def __init__(
         self,
-        particulars: Capabilities,
+        capabilities: Capabilities,
         identity: AutopilotIdentity,
         earth: MapProjection,
         home_position: Callable[[int], Message],
@@ -142,7 +142,7 @@ class Telemetry:
         self._identity = identity
         self._earth = earth
         self._altitude = round(earth.altitude * 1000.0)
-        self._particulars = particulars.makers()
+        self._capabilities = capabilities.makers()
         self._makers: dict[int, Callable[[TelemetryState], Message | None]] = {
             mav.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
             mav.MAVLINK_MSG_ID_SYS_STATUS: self._sys_status,
@@ -164,10 +164,10 @@ class Telemetry:
             mav.MAVLINK_MSG_ID_CURRENT_MODE: self._current_mode,
         }
 
-    def message(self, number: int, standing: TelemetryState) -> Message | None:
+    def message(self, number: int, state: TelemetryState) -> Message | None:
         """Return a message of `default_streams`; None when it has no content, as for a goal when there is none."""
-        constant = self._particulars.get(number)
-        return self._makers[number](standing) if constant is None else constant(standing.tick)
+        constant = self._capabilities.get(number)
+        return self._makers[number](state) if constant is None else constant(state.tick)
 
     def _heartbeat(self, now: TelemetryState) -> Message:
         ardupilot = self._identity is AutopilotIdentity.ARDUPILOT
@@ -215,7 +215,7 @@ class Telemetry:
 
     def _gps_raw_int(self, now: TelemetryState) -> Message:
         pose, twist = now.readings.base_in_map, now.readings.twist
-        place = self._earth.place(pose.x, pose.y)
+        place = self._earth.geo_point(pose.x, pose.y)
         fix = mav.GPS_FIX_TYPE_NO_FIX if now.readings.lost else mav.GPS_FIX_TYPE_3D_FIX
         heading = _hundredths(compass(pose.theta))
         course = heading if twist.linear >= 0.0 else (heading + 18_000) % 36_000
@@ -248,7 +248,7 @@ class Telemetry:
 
     def _global_position_int(self, now: TelemetryState) -> Message:
         pose = now.readings.base_in_map
-        place, (north, east) = self._earth.place(pose.x, pose.y), north_east(now.readings.twist, pose.theta)
+        place, (north, east) = self._earth.geo_point(pose.x, pose.y), north_east(now.readings.twist, pose.theta)
         speeds = (_centimetres(north), _centimetres(east), 0)
         heading = _hundredths(compass(pose.theta))
         where = (place.latitude, place.longitude, self._altitude, 0)
@@ -287,7 +287,7 @@ class Telemetry:
         goal = now.readings.goal_in_map
         if goal is None:
             return None
-        place, frame, nothing = self._earth.place(goal.x, goal.y), mav.MAV_FRAME_GLOBAL_INT, (0.0,) * 6
+        place, frame, nothing = self._earth.geo_point(goal.x, goal.y), mav.MAV_FRAME_GLOBAL_INT, (0.0,) * 6
         where = (place.latitude, place.longitude, self._earth.altitude)
         return mav.MAVLink_position_target_global_int_message(
             now.milliseconds, frame, _POSITION_ONLY, *where, *nothing, 0.0, 0.0

@@ -11,7 +11,7 @@ EARTH = MapProjection(OPTIONS.origin)
 
 def set_home(rig, x, y, station=US):
     """SET_HOME_POSITION with a point of the map; what everybody hears of home then. The rest of it is of no account."""
-    place = EARTH.place(x, y)
+    place = EARTH.geo_point(x, y)
     return set_home_on_earth(rig, place.latitude, place.longitude, station)
 
 

@@ -377,7 +377,7 @@ def test_a_link_has_its_own_rates(rig):
     assert [word.link for word in said].count(HERE) == SECOND
     others = [word for word in said if word.link is None]
     assert len(others) == 5
-    assert all(word.besides == {HERE, THERE} for word in others)
+    assert all(word.except_links == {HERE, THERE} for word in others)
 
 
 def test_an_interval_is_told_turned_off_and_forgotten(rig):

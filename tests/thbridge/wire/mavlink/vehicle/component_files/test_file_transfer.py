@@ -56,7 +56,7 @@ class Bench:
     def sends(self, payload, station=US, link=HERE, system=3):
         message = mav.MAVLink_file_transfer_protocol_message(0, system, 1, list(payload.ljust(251, b"\0")))
         again = decoded(message.get_msgId(), payload_of(message))
-        said = list(self.server.hear(link, station, again))
+        said = list(self.server.handle_message(link, station, again))
         assert all(word.link == link for word in said)
         return [Told(message) for message in messages(said)]
 

@@ -13,8 +13,8 @@ from tests.thbridge.wire.mavlink.rig import home_of
 from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
 from thbridge.wire.mavlink.options import GeoOrigin
 from thbridge.wire.mavlink.vehicle.geodesy import MapProjection
-from thbridge.wire.mavlink.vehicle.mission.downloads import DOWNLOAD_PATIENCE
-from thbridge.wire.mavlink.vehicle.mission.protocol import ITEM_PATIENCE, LONGEST, RETRIES, MissionProtocol
+from thbridge.wire.mavlink.vehicle.mission.downloads import DOWNLOAD_TIMEOUT
+from thbridge.wire.mavlink.vehicle.mission.protocol import ITEM_TIMEOUT, LONGEST, RETRIES, MissionProtocol
 from thbridge.wire.mavlink.vehicle.mission.run import MissionRun
 from thbridge.wire.mavlink.vehicle_interface import Target
 
@@ -78,12 +78,12 @@ class Field:
     def upload_goes_on(self):
         """Whether an item is asked for within the next half second."""
         before = len(self.station.of("MISSION_REQUEST_INT") + self.station.of("MISSION_REQUEST"))
-        self.air.run(2 * ITEM_PATIENCE)
+        self.air.run(2 * ITEM_TIMEOUT)
         return len(self.station.of("MISSION_REQUEST_INT") + self.station.of("MISSION_REQUEST")) > before
 
     def answers(self, message):
         """What is answered to the first station, before it has travelled."""
-        return [said.message for said in self.missions.hear(0, self.station.station, message)]
+        return [said.message for said in self.missions.handle_message(0, self.station.station, message)]
 
     @property
     def plan(self):
@@ -150,14 +150,14 @@ def test_an_item_that_does_not_come_is_asked_for_again_each_250_ms_and_then_give
     requests = field.station.of("MISSION_REQUEST_INT") + field.station.of("MISSION_REQUEST")
     assert len(requests) == 1 + RETRIES
     assert field.station.of("MISSION_ACK")[-1].type == mav.MAV_MISSION_OPERATION_CANCELLED
-    assert ITEM_PATIENCE * 20 in range(250, 270)
+    assert ITEM_TIMEOUT * 20 in range(250, 270)
     assert field.send(item_message(0, places(1)[0]))[0].type == mav.MAV_MISSION_ERROR, "nothing is under way any more"
 
 
 def test_items_are_asked_for_again_after_250_ms_and_not_before(field):
     field.send(count_message(1))
     # It came just before this tick, and counts as come with the last one.
-    field.air.run(ITEM_PATIENCE - 2)
+    field.air.run(ITEM_TIMEOUT - 2)
     assert len(field.station.of("MISSION_REQUEST_INT")) == 1
     field.air.run(1)
     assert len(field.station.of("MISSION_REQUEST_INT")) == 2
@@ -167,7 +167,7 @@ def test_who_sends_what_is_there_already_lives_and_is_waited_for(field):
     field.send(count_message(2))
     for _ in range(4):
         field.send(item_message(0, places(1)[0]))
-        field.air.run((RETRIES - 1) * ITEM_PATIENCE)
+        field.air.run((RETRIES - 1) * ITEM_TIMEOUT)
     assert field.upload_goes_on
 
 
@@ -233,9 +233,9 @@ def test_who_has_said_nothing_for_long_reads_the_plan_anew(field):
     field.upload(places(1))
     field.send(mav.MAVLink_mission_request_list_message(1, 1, 0))
     field.run_of.replace(())
-    field.air.run(DOWNLOAD_PATIENCE - 2)
+    field.air.run(DOWNLOAD_TIMEOUT - 2)
     assert field.send(mav.MAVLink_mission_request_int_message(1, 1, 0))[0].get_type() == "MISSION_ITEM_INT"
-    field.air.run(DOWNLOAD_PATIENCE + 1)
+    field.air.run(DOWNLOAD_TIMEOUT + 1)
     assert field.send(mav.MAVLink_mission_request_int_message(1, 1, 0))[0].get_type() == "MISSION_ACK"
 
 
@@ -244,7 +244,7 @@ def test_who_reads_slowly_reads_the_plan_as_it_was(field):
     field.send(mav.MAVLink_mission_request_list_message(1, 1, 0))
     field.run_of.replace(())
     for seq in range(3):
-        field.air.run(DOWNLOAD_PATIENCE - 2)
+        field.air.run(DOWNLOAD_TIMEOUT - 2)
         (item,) = field.send(mav.MAVLink_mission_request_int_message(1, 1, seq))
         assert (item.get_type(), item.seq) == ("MISSION_ITEM_INT", seq)
 
@@ -367,7 +367,7 @@ class TestOldForms:
         field.air.run(200, lambda: field.station.of("MISSION_REQUEST") != [])
         answer = field.send(mav.MAVLink_mission_ack_message(1, 1, mav.MAV_MISSION_UNSUPPORTED))
         assert names(answer) == ["MISSION_REQUEST_INT"]
-        field.air.run((RETRIES - 1) * ITEM_PATIENCE)
+        field.air.run((RETRIES - 1) * ITEM_TIMEOUT)
         assert field.upload_goes_on
 
     def test_who_asks_in_one_form_is_answered_in_it(self, field):
@@ -501,7 +501,7 @@ class TestArduPilot:
         after = field.download()[0]
         assert (after[8] - before[8], after[9]) == (pytest.approx(899, abs=2), before[9])  # 10 m north
         field.upload([waypoint(0, 0, frame=0), *places(2)])
-        assert (field.run_of.plan_id, field.run_of.at, field.run_of.running) == (plan, 1, True)
+        assert (field.run_of.plan_id, field.run_of.current_item, field.run_of.running) == (plan, 1, True)
 
     def test_home_alone_is_no_mission(self):
         field = Field(ardupilot=True)
@@ -536,7 +536,7 @@ def test_with_a_third_of_everything_lost_plans_arrive_whole(seed, count, ardupil
     field.run(8000)
     # What is still on its way of one transfer would be taken for the next one's: they have no numbers. A count that was
     # overtaken begins one that nobody goes on with.
-    field.air.run((RETRIES + 2) * ITEM_PATIENCE)
+    field.air.run((RETRIES + 2) * ITEM_TIMEOUT)
     before, new = field.plan, coordinates(places(count))
     field.station.upload(places(count))
     for _ in range(400):

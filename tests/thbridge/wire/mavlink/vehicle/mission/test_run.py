@@ -250,7 +250,7 @@ class TestFailure:
             tour.pass_()
             tour.robot.fail("Not enough energy.")
             tour.pass_()
-        assert (tour.run.running, tour.state, tour.run.at) == (False, PAUSED, 0)
+        assert (tour.run.running, tour.state, tour.run.current_item) == (False, PAUSED, 0)
         assert tour.told == ["Mission halted at item 0. Not enough energy."]
         assert tour.said[-1].mission_state == PAUSED
         assert tour.reached == []
@@ -278,7 +278,7 @@ def test_a_pause_keeps_the_place_and_going_on_sets_out_again():
     tour.pass_()
     tour.run.pause()
     tour.pass_(50)
-    assert (tour.state, tour.run.at) == (PAUSED, 1)
+    assert (tour.state, tour.run.current_item) == (PAUSED, 1)
     tour.run.start()
     tour.pass_()
     assert tour.legs == [(1, 2), (3, 4), (3, 4)]
@@ -287,7 +287,7 @@ def test_a_pause_keeps_the_place_and_going_on_sets_out_again():
 def test_an_item_that_does_not_continue_waits():
     tour = Tour(go(1, 2, autocontinue=False), go(3, 4))
     tour.arrive()
-    assert (tour.run.running, tour.state, tour.run.at, tour.reached) == (False, PAUSED, 1, [0])
+    assert (tour.run.running, tour.state, tour.run.current_item, tour.reached) == (False, PAUSED, 1, [0])
 
 
 def test_ardupilot_always_goes_on():
@@ -315,7 +315,7 @@ class TestStart:
         tour.run.start(0, 0)
         tour.run.replace((go(0, 0), go(2, 2)))
         tour.arrive()
-        assert (tour.run.at, tour.state) == (1, ACTIVE)
+        assert (tour.run.current_item, tour.state) == (1, ACTIVE)
 
     @pytest.mark.parametrize(("first", "last"), [(2, None), (-1, None), (0, 2), (1, 0)])
     def test_parts_that_are_none_are_refused(self, first, last):
@@ -423,13 +423,13 @@ class TestReplace:
         tour.arrive()
         tour.run.pause()
         tour.run.replace((go(0, 0), go(1, 1), go(7, 7)))
-        assert (tour.run.at, tour.state) == (1, PAUSED)
+        assert (tour.run.current_item, tour.state) == (1, PAUSED)
 
     def test_one_that_is_over_begins_anew_even_by_the_same_plan(self):
         tour = Tour(go(0, 0))
         tour.arrive()
         tour.run.replace((go(0, 0),))
-        assert (tour.run.at, tour.state) == (0, NOT_STARTED)
+        assert (tour.run.current_item, tour.state) == (0, NOT_STARTED)
 
     def test_no_plan_ends_the_mission(self):
         tour = Tour(go(0, 0))
@@ -442,10 +442,10 @@ class TestReplace:
         tour = Tour(go(0, 0))
         tour.robot.readings = replace(tour.robot.readings, commander=str(STATION))
         tour.pass_()
-        assert tour.run.denied(STATION) is None
-        assert tour.run.denied(Station(254, 190)).sentence == "A mission of ground station 255 is under way."
+        assert tour.run.objection(STATION) is None
+        assert tour.run.objection(Station(254, 190)).sentence == "A mission of ground station 255 is under way."
         tour.run.pause()
-        assert tour.run.denied(Station(254, 190)) is None
+        assert tour.run.objection(Station(254, 190)) is None
 
 
 ITEMS = st.one_of(

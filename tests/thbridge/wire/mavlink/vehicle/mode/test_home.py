@@ -31,7 +31,7 @@ EARTH = MapProjection(OPTIONS.origin)
 
 def on_earth(x, y):
     """A point of the map, 1e-7 degrees."""
-    place = EARTH.place(x, y)
+    place = EARTH.geo_point(x, y)
     return place.latitude, place.longitude
 
 
@@ -47,7 +47,7 @@ def told(rig):
     """HOME_POSITION as it is told to everybody within a tick, and within that one alone."""
     words = [word for word in rig.run(1) if word.message.get_type() == "HOME_POSITION"]
     assert messages(rig.run(100), "HOME_POSITION") == []
-    assert all(word.link is None and not word.to_sleepers for word in words)
+    assert all(word.link is None and not word.to_inactive for word in words)
     return [(word.message.y, word.message.x) for word in words]
 
 
@@ -61,7 +61,7 @@ def home(rig):
 def test_at_first_it_is_where_the_robot_started(away):
     _, told = messages(away.hear(mav.MAVLink_command_long_message(3, 1, 512, 0, 242, 0, 0, 0, 0, 0, 0)))
     assert (told.x, told.y, told.altitude, told.time_usec) == (2.0, 1.0, 55_000, away.tick * 20_000)
-    assert EARTH.point(GeoPoint(told.latitude, told.longitude)) == pytest.approx((1.0, 2.0), abs=0.01)
+    assert EARTH.map_point(GeoPoint(told.latitude, told.longitude)) == pytest.approx((1.0, 2.0), abs=0.01)
     east = math.pi / 2  # from north
     assert (told.q[0], told.q[3]) == pytest.approx((math.cos(east / 2), math.sin(east / 2)))
     assert messages(away.heard, "HOME_POSITION") == [], "nobody has asked, and it has not changed"

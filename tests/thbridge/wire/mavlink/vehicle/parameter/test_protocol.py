@@ -208,6 +208,6 @@ def test_no_message_whatever_its_bytes_breaks_anything(kind, payload):
     field = Field()
     message = decoded(kind.id, payload)
     for _ in range(2):
-        for said in field.parameters.hear(0, field.station.station, message):
+        for said in field.parameters.handle_message(0, field.station.station, message):
             payload_of(said.message)
     field.air.run(20)

@@ -71,7 +71,7 @@ def test_what_is_critical_is_told_to_stations_that_are_not_heard_too(severity):
     texts = StatusTexts()
     texts.say(severity, "The station is lost." * 5)
     words = list(texts.step(0))
-    assert {word.to_sleepers for word in words} == {severity is TextSeverity.CRITICAL}
+    assert {word.to_inactive for word in words} == {severity is TextSeverity.CRITICAL}
 
 
 def test_a_sentence_begins_with_a_capital():

@@ -22,7 +22,7 @@ def test_each_link_gets_each_message_at_its_own_interval(system, default, own, s
     for tick in range(start, start + 1000):
         for due in streams.due(tick):
             for link, ticks in heard.items():
-                if due.link == link or (due.link is None and link not in due.besides):
+                if due.link == link or (due.link is None and link not in due.except_links):
                     ticks.append(tick)
     for link, every in ((HERE, own), (THERE, default)):
         gaps = {after - before for before, after in pairwise(heard[link])}
@@ -44,7 +44,7 @@ def test_a_rate_that_is_taken_back_is_the_default_again():
     assert streams.every(HERE, 30) == OFF
     streams.change(HERE, 30, None)
     assert streams.every(HERE, 30) == 10
-    assert all(due.besides == frozenset() for tick in range(50) for due in streams.due(tick))
+    assert all(due.except_links == frozenset() for tick in range(50) for due in streams.due(tick))
 
 
 def test_intervals_are_whole_ticks():

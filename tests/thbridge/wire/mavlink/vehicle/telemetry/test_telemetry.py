@@ -57,7 +57,7 @@ def test_positions_agree_with_the_estimate(now):
     pose, twist = now.readings.base_in_map, now.readings.twist
     local, world = said(32, now), said(33, now)
     assert (local.x, local.y) == (pytest.approx(pose.y, abs=1e-4), pytest.approx(pose.x, abs=1e-4))
-    assert EARTH.point(GeoPoint(world.lat, world.lon)) == pytest.approx((pose.x, pose.y), abs=0.02)
+    assert EARTH.map_point(GeoPoint(world.lat, world.lon)) == pytest.approx((pose.x, pose.y), abs=0.02)
     east, north = twist.linear * math.cos(pose.theta), twist.linear * math.sin(pose.theta)
     assert (local.vx, local.vy) == (pytest.approx(north, abs=1e-5), pytest.approx(east, abs=1e-5))
     assert (world.vx / 100, world.vy / 100) == (pytest.approx(north, abs=0.006), pytest.approx(east, abs=0.006))
@@ -144,7 +144,7 @@ def test_a_goal_is_told_while_there_is_one():
         assert telemetry().message(number, standing()) is None
     assert (said(85, bound).x, said(85, bound).y) == (6.0, 4.0)
     there = said(87, bound)
-    assert EARTH.point(GeoPoint(there.lat_int, there.lon_int)) == pytest.approx((4.0, 6.0), abs=0.01)
+    assert EARTH.map_point(GeoPoint(there.lat_int, there.lon_int)) == pytest.approx((4.0, 6.0), abs=0.01)
     assert said(62, bound).wp_dist == 7
 
 
