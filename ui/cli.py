@@ -10,6 +10,7 @@ from ui.commands.bag import bag
 from ui.commands.bag.export import bag_export
 from ui.commands.bag.plot import bag_plot
 from ui.commands.drive import GoalWithYaw, drive
+from ui.commands.group import CommandGroup
 from ui.commands.localize import localize_command
 from ui.commands.mavlink import mavlink_app
 from ui.commands.measure import maps_measure
@@ -23,6 +24,7 @@ from ui.commands.watch import watch
 from ui.terminal import err
 
 app = typer.Typer(
+    cls=CommandGroup,
     name="thbridge",
     help="A treasure hunt shared by people and teams of robots: simulate it, play it, record it.",
     no_args_is_help=True,

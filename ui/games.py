@@ -14,10 +14,13 @@ from thbridge.app.session.session import TickRecord
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.study_file import Study, with_team_size
+from ui.first_start import announce_compiling
 from ui.hosting import GameVisit, PlayGame, host
 from ui.model.lobby import Offer
-from ui.options import announce_compiling, make_ready, setting_of, write_report
 from ui.outcome import show_outcome, usual_bag
+from ui.outputs import make_ready
+from ui.report import write_report
+from ui.settings import setting_of
 from ui.story import print_story
 from ui.terminal import FAILED, bad_input, fail, note
 from ui.window_process import WINDOW, WindowProcess

@@ -18,6 +18,11 @@ out = Console()
 err = Console(stderr=True)
 
 
+def say(text: str) -> None:
+    """Print a line as it is, for people and for grep."""
+    out.print(text, highlight=False, markup=False, soft_wrap=True)
+
+
 def note(text: str) -> None:
     """Print a line beside the result, on standard error."""
     err.print(text, highlight=False, markup=False, soft_wrap=True)

@@ -13,7 +13,7 @@ from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
 from thbridge.wire.mavlink.options import AutopilotIdentity
 from ui.cli import app
-from ui.options import ports_of, with_mavlink
+from ui.settings import ports_of, with_mavlink
 
 
 @pytest.fixture(autouse=True)

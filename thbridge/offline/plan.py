@@ -8,9 +8,8 @@ import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
-from sim.parameters import InflationParameters, NavfnParameters, RobotParameters, StaticParameters, WorldParameters
+from sim.parameters import InflationParameters, NavfnParameters, RobotParameters, StaticParameters
 from sim.robot.costmap.costs import CostFrame, Costs, Window
-from sim.robot.costmap.footprint import pad, radii
 from sim.robot.costmap.inflation import InflationLayer
 from sim.robot.costmap.static import StaticLayer
 from sim.robot.planning.navfn import Navfn
@@ -18,10 +17,6 @@ from sim.robot.planning.path import Path, PlanRefusalCode
 from sim.robot.planning.potential_planner import PotentialPlanner
 
 _COSTMAP = RobotParameters().global_costmap
-RADIUS, _ = radii(pad(np.array(WorldParameters().footprint), _COSTMAP.footprint_padding))
-"""Inscribed radius of our robot, metres."""
-INFLATION = _COSTMAP.inflation_layer.inflation_radius
-"""Inflation radius of our robot's global costmap, metres."""
 
 Algorithm = Literal["navfn", "astar"]
 

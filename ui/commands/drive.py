@@ -1,27 +1,14 @@
 """`thbridge drive`: one simulated robot from here to there, on any map."""
 
 import dataclasses
-import json
 import math
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 from typer.core import TyperCommand
 
-from sim.common.geometry import Pose2
-from sim.common.traversability import Polygon, area, crosses_itself, inside
-from sim.parameters import RobotParameters, WorldParameters, param
-from sim.world.physics import Misplaced
-from thbridge.files.map_files import read_grid
-from thbridge.files.ros.parameters import read_ros_parameters
-from thbridge.files.yaml.load import load_tree
-from thbridge.files.yaml.tree import Section, parse, read_text
-from thbridge.offline.drive import DriveResult, DriveTask
-from thbridge.offline.drive import drive as driven
-from ui.options import AsJson, announce_compiling
+from ui.options import AsJson
 from ui.terminal import BAD_INPUT, bad_input, fail, note, out, print_json
 
 if TYPE_CHECKING:
@@ -47,14 +34,6 @@ def _is_number(words: list[str]) -> bool:
         return False
 
 
-@dataclass(frozen=True, slots=True)
-class DriveParameters:
-    """Sections that a file of parameters may hold."""
-
-    world: WorldParameters = param(WorldParameters(), "bodies, motors and sensors")
-    robot: RobotParameters = param(RobotParameters(), "the software that drives")
-
-
 def drive(
     map_yaml: Annotated[Path, typer.Option("--map", help="A map.yaml, as map_server reads it.")],
     start: Annotated[tuple[float, float, float], typer.Option(help="Where it stands: X Y YAW, map frame.")],
@@ -74,13 +53,21 @@ def drive(
     as_json: AsJson = False,
 ) -> None:
     """Drive one simulated robot over a map: noisy sensors, localisation, planning and all."""
+    from sim.common.geometry import Pose2
+    from sim.world.physics import Misplaced
+    from thbridge.files.map_files import read_grid
+    from thbridge.offline.drive import DriveResult, DriveTask
+    from thbridge.offline.drive import drive as driven
+    from ui.actions.drive import corners_in, read_parameters
+    from ui.first_start import announce_compiling
+
     for option, numbers in (("--start", start), ("--goal", (*goal, goal_yaw or 0.0)), ("--timeout", (timeout,))):
         if not all(math.isfinite(number) for number in numbers):
             fail(BAD_INPUT, f"{option}: not a finite number. Write metres, radians, seconds.")
     with bad_input():
         grid = read_grid(map_yaml)
-        given = _given(params or [])
-    world = given.world if footprint is None else dataclasses.replace(given.world, footprint=_corners(footprint))
+        given = read_parameters(params or [])
+    world = given.world if footprint is None else dataclasses.replace(given.world, footprint=corners_in(footprint))
     announce_compiling()
     errand = DriveTask(Pose2(*start), Pose2(*goal, goal_yaw or 0.0), goal_yaw is None, timeout)
     result = driven(grid, world, given.robot, errand, seed)
@@ -95,37 +82,3 @@ def drive(
         f"{result.seconds:.1f} s, {result.distance:.2f} m, at least {result.min_clearance:.3f} m from walls,"
         f" {'collided' if result.collided else 'no collision'}"
     )
-
-
-def _given(files: list[Path]) -> DriveParameters:
-    """Parameters of the files; those of ROS first, so that sections of a study win, as in a study."""
-    ours = {file: _is_ours(file) for file in files}
-    ros = read_ros_parameters([file for file in files if not ours[file]], RobotParameters())
-    given, notices = DriveParameters(robot=ros.value), ros.notices
-    for file in files:
-        if ours[file]:
-            loaded = load_tree(file, parse(file, read_text(file)), DriveParameters, given)
-            given, notices = loaded.value, notices + loaded.notices
-    for notice in notices:
-        note(notice)
-    return given
-
-
-def _is_ours(file: Path) -> bool:
-    """Return True when a file has sections of a study, and not parameters of ROS."""
-    tree = parse(file, read_text(file), ros=True)
-    return isinstance(tree, Section) and any(key.text in {"world", "robot"} for key, _ in tree.entries)
-
-
-def _corners(text: str) -> Polygon:
-    try:
-        corners = tuple((float(x), float(y)) for x, y in json.loads(text))
-    except (ValueError, TypeError):
-        corners = ()
-    numbers = [number for corner in corners for number in corner]
-    around = corners and bool(inside(corners, np.zeros(1), np.zeros(1))[0])
-    if not numbers or not all(map(math.isfinite, numbers)) or area(corners) == 0.0 or crosses_itself(corners):
-        fail(BAD_INPUT, f"--footprint: {text!r} is no polygon. Write its corners in turn, [[x, y], [x, y], ...].")
-    if not around:
-        fail(BAD_INPUT, "--footprint: these corners do not surround (0, 0), the robot's centre. Move them around it.")
-    return corners

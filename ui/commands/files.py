@@ -6,19 +6,20 @@ from typing import Annotated
 
 import typer
 
-from thbridge.files.map_files import check_map
-from thbridge.files.resources import shipped
-from thbridge.files.template_files import read_map_times
-from thbridge.hunt.costs import CostMatrix
-from thbridge.hunt.refusals import RequestRefused
-from thbridge.hunt.rooms import Room
-from thbridge.hunt.tour import best_tour
-from thbridge.study.text import commented_study
-from ui.options import AsJson, setting_of, study_of, write_report
+from ui.commands.group import CommandGroup
+from ui.options import AsJson
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
 
-maps_app = typer.Typer(help="Maps: the arenas that robots drive in.", no_args_is_help=True)
-study_app = typer.Typer(help="Study files: everything that can be set, in one YAML file.", no_args_is_help=True)
+maps_app = typer.Typer(
+    cls=CommandGroup,
+    help="Maps: the arenas that robots drive in.",
+    no_args_is_help=True,
+)
+study_app = typer.Typer(
+    cls=CommandGroup,
+    help="Study files: everything that can be set, in one YAML file.",
+    no_args_is_help=True,
+)
 
 
 def suggest(
@@ -28,6 +29,12 @@ def suggest(
     as_json: AsJson = False,
 ) -> None:
     """Suggest the next room: the first of the cheapest tour of all rooms still to visit."""
+    from thbridge.files.template_files import read_map_times
+    from thbridge.hunt.refusals import RequestRefused
+    from thbridge.hunt.rooms import Room
+    from thbridge.hunt.tour import best_tour
+    from ui.actions.suggest import room_in
+
     with bad_input():
         matrix = read_map_times(costs)
     start = Room(at)
@@ -36,7 +43,7 @@ def suggest(
             BAD_INPUT,
             f"--at: {at} is not a place in the cost file. Write 0, the corridor, or a room up to {len(matrix.rooms)}.",
         )
-    places = [_room(matrix, text.strip()) for text in unvisited.split(",")]
+    places = [room_in(matrix, text.strip()) for text in unvisited.split(",")]
     tour = best_tour(matrix, start, places)
     if isinstance(tour, RequestRefused):
         fail(FAILED, tour.sentence)
@@ -48,13 +55,6 @@ def suggest(
         out.print(f"Next room {rooms[0]}; the cheapest tour is {' '.join(map(str, rooms))} and costs {cost}.")
 
 
-def _room(costs: CostMatrix, text: str) -> Room:
-    if not text.isdecimal() or (room := Room(int(text))) not in costs.rooms:
-        wanted = f"Write numbers of rooms, 1 to {len(costs.rooms)}, with commas between"
-        fail(BAD_INPUT, f"--unvisited: {text!r} is not a room in the cost file. {wanted}.")
-    return room
-
-
 def report(
     bag: Annotated[Path, typer.Argument(help="A ROS 1 bag.")],
     to: Annotated[Path | None, typer.Option("--to", help="The page; by default beside the bag.")] = None,
@@ -63,6 +63,8 @@ def report(
     ] = None,
 ) -> None:
     """Make a report of a bag: one HTML page with paths, errors, energy, events and talk."""
+    from ui.report import write_report
+
     with bad_input():
         write_report(bag, to or bag.with_suffix(".html"), map_yaml)
 
@@ -72,6 +74,9 @@ def maps_check(
     name: Annotated[str, typer.Argument(help="Name of a map, or the path of its folder.")], as_json: AsJson = False
 ) -> None:
     """Check a map: image, rooms, goals and start poses."""
+    from thbridge.files.map_files import check_map
+    from thbridge.files.resources import shipped
+
     wanted = f"./{name}" if "/" not in name and Path(name).is_dir() else name
     with bad_input():
         findings = check_map(shipped().find("maps", wanted, Path()))
@@ -90,6 +95,8 @@ def maps_check(
 @maps_app.command("list")
 def maps_list() -> None:
     """Name the maps that come with the project."""
+    from thbridge.files.resources import shipped
+
     for name in shipped().names("maps"):
         out.print(name)
 
@@ -97,6 +104,8 @@ def maps_list() -> None:
 @study_app.command("init")
 def study_init(file: Annotated[Path, typer.Argument(help="The file to write; must not exist.")]) -> None:
     """Write a study file with every key at its default, commented."""
+    from thbridge.study.text import commented_study
+
     try:
         with file.open("x", encoding="utf-8") as opened:
             opened.write(commented_study())
@@ -112,5 +121,7 @@ def study_init(file: Annotated[Path, typer.Argument(help="The file to write; mus
 @study_app.command("check")
 def study_check(file: Annotated[Path, typer.Argument(help="A study file.")]) -> None:
     """Check a study file and everything it names."""
+    from ui.settings import setting_of, study_of
+
     setting_of(study_of(file, {}), file)
     out.print(f"{file}: no faults", highlight=False)

@@ -1,25 +1,22 @@
 """`thbridge plan`: paths over any map."""
 
 import dataclasses
-import math
 import time
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
-from rich.table import Table
 
-from sim.common.geometry import FloatArray
-from thbridge.files.csv_files import read_columns
-from thbridge.files.map_files import read_grid
-from thbridge.offline.plan import INFLATION, RADIUS, PlanResult
-from thbridge.offline.plan import plan as planned
-from ui.options import AsJson, announce_compiling
+from ui.options import AsJson
 from ui.terminal import BAD_INPUT, bad_input, fail, out, print_json
 
+INFLATION = 0.5
+"""Inflation radius of our robot's global costmap, metres."""
+RADIUS = 0.26
+"""Inscribed radius of our robot, metres."""
 COLUMNS = ("start_x", "start_y", "goal_x", "goal_y")
+
 
 Place = tuple[float, float]
 
@@ -54,42 +51,20 @@ def plan(
     Prints a table, or one JSON object {"queries": [{"found", "length", "milliseconds", "reason", "code"}, ...]} in the
     order asked: metres, the time that planning took, and why there is no path.
     """
+    from thbridge.files.map_files import read_grid
+    from thbridge.offline.plan import plan as planned
+    from ui.actions.plan import answers_table, read_queries
+    from ui.first_start import announce_compiling
+
     for option, value in (("--inflation", inflation), ("--radius", radius)):
         if not 0.0 <= value <= 50.0:
             fail(BAD_INPUT, f"{option}: {value:g} is not between 0 and 50. Write metres, such as 0.3.")
     with bad_input():
         grid = read_grid(map_yaml)
-        queries = _queries(start, goal, batch)
+        queries = read_queries(start, goal, batch)
     announce_compiling()
     answers = planned(grid, queries, radius, inflation, planner.value, time.perf_counter)
     if as_json:
         print_json({"queries": [dataclasses.asdict(answer) for answer in answers]})
     else:
-        out.print(_table(queries, answers))
-
-
-def _queries(start: Place | None, goal: Place | None, batch: Path | None) -> FloatArray:
-    if batch is not None and start is None and goal is None:
-        return read_columns(batch, COLUMNS)
-    if batch is not None or start is None or goal is None:
-        remedy = "Write --start X Y --goal X Y, or --batch FILE.csv"
-        fail(BAD_INPUT, f"--start, --goal, --batch: either the first two are needed, or the third alone. {remedy}.")
-    for option, place in (("--start", start), ("--goal", goal)):
-        if not all(map(math.isfinite, place)):
-            fail(BAD_INPUT, f"{option}: not a finite number. Write metres, such as 1.5.")
-    return np.array([[*start, *goal]])
-
-
-def _table(queries: FloatArray, answers: list[PlanResult]) -> Table:
-    table = Table("from", "to", "path")
-    for column in ("m", "ms"):
-        table.add_column(column, justify="right")
-    for (x, y, u, v), answer in zip(queries.tolist(), answers, strict=True):
-        table.add_row(
-            f"({x:g}, {y:g})",
-            f"({u:g}, {v:g})",
-            "found" if answer.reason is None else f"none: {answer.reason}",
-            "" if answer.length is None else f"{answer.length:.2f}",
-            f"{answer.milliseconds:.2f}",
-        )
-    return table
+        out.print(answers_table(queries, answers))

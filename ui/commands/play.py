@@ -6,15 +6,10 @@ from typing import Annotated
 
 import typer
 
-from thbridge.app import play as hunt
-from thbridge.app.play import HuntUnfinished, PlayOptions
-from thbridge.app.session.session import TickRecord
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.robots_from import RobotsFrom
-from thbridge.wire import legacy
 from ui.display import why_no_window
-from ui.games import WindowGames, offer_of, play_in_window
 from ui.options import (
     AsJson,
     BagFile,
@@ -38,21 +33,8 @@ from ui.options import (
     TlogWanted,
     WatchAt,
     WatchKey,
-    announce_compiling,
-    graph_of,
-    hosts_of,
-    make_ready,
-    ports_of,
-    setting_of,
-    study_of,
-    watch_of,
-    with_mavlink,
-    with_server,
-    write_report,
 )
-from ui.outcome import show_outcome, usual_bag
-from ui.seats import run, seat_of_bot, seat_of_person
-from ui.story import print_story
+from ui.outputs import make_ready
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
 
 AN_HOUR = 3600.0
@@ -110,6 +92,17 @@ def play(
 
     Other programs may join on the TCP port; those named by --outside take the place of ours.
     """
+    from thbridge.app import play as hunt
+    from thbridge.app.play import HuntUnfinished, PlayOptions
+    from thbridge.app.session.session import TickRecord
+    from ui.first_start import announce_compiling
+    from ui.games import WindowGames, offer_of, play_in_window
+    from ui.outcome import show_outcome, usual_bag
+    from ui.report import write_report
+    from ui.seats import run, seat_of_bot, seat_of_person
+    from ui.settings import graph_of, hosts_of, ports_of, setting_of, study_of, watch_of, with_mavlink, with_server
+    from ui.story import print_story
+
     study = with_server(study_of(study_file, {"robots": robots, "map": map_name, "seed": seed}), None, port)
     study = with_mavlink(study, mavlink, identity=identity, udp=udp, udp_listen=udp_listen, tcp=tcp, tlog=tlog)
     if study.robots_from is RobotsFrom.ROS:
@@ -171,6 +164,8 @@ def play(
 
 
 def _roles(names: str) -> frozenset[str]:
+    from thbridge.wire import legacy
+
     chosen = frozenset(name.strip() for name in names.split(",") if name.strip())
     known = {legacy.TABUI, legacy.HIDER}
     wrong = sorted(chosen - known)

@@ -1,26 +1,15 @@
 """The commands that run one program each: the text server, and what joins it."""
 
 import dataclasses
-import secrets
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from thbridge.app import programs
-from thbridge.app.compose import build_hider
-from thbridge.app.programs import SimrOptions
-from thbridge.app.real_robots import simr_with_real_robots
-from thbridge.files.resources import shipped
-from thbridge.files.template_files import TemplateSet, read_template_set
-from thbridge.recording.journals import JournalStore
-from thbridge.roles.view import View
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.text_client import ConnectionLost
 from thbridge.study.robots_from import RobotsFrom
-from thbridge.study.study_file import Study
 from ui.display import why_no_window
 from ui.options import (
     ADDRESS,
@@ -42,16 +31,8 @@ from ui.options import (
     Templates,
     WatchAt,
     WatchKey,
-    announce_compiling,
-    graph_of,
-    hosts_of,
-    make_ready,
-    setting_of,
-    study_of,
-    watch_of,
-    with_server,
 )
-from ui.seats import Seat, run, seat_of_bot, seat_of_person
+from ui.outputs import make_ready
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
 
 
@@ -63,6 +44,11 @@ def server(
     new_game: Annotated[bool, typer.Option("--new-game", help="Do not go on with an unfinished game.")] = False,
 ) -> None:
     """Run the text server of 2016, and with it the keeper of the game, until stopped."""
+    from thbridge.app import programs
+    from thbridge.recording.journals import JournalStore
+    from ui.seats import run
+    from ui.settings import setting_of, study_of, with_server
+
     setting = setting_of(with_server(study_of(study_file, {}), host, port), study_file)
 
     with bad_input():
@@ -97,6 +83,14 @@ def simr(
     watch_key: WatchKey = None,
 ) -> None:
     """Run the robots (SimR) at a text server until stopped."""
+    from thbridge.app import programs
+    from thbridge.app.programs import SimrOptions
+    from thbridge.app.real_robots import simr_with_real_robots
+    from ui.actions.programs import new_token, settings_without_effect, tell_lost
+    from ui.first_start import announce_compiling
+    from ui.seats import run
+    from ui.settings import graph_of, hosts_of, setting_of, study_of, watch_of
+
     host, port = _address(server)
     changes = {"robots": robots, "robots_from": robots_from, "map": map_name, "seed": seed}
     study = study_of(study_file, changes)
@@ -118,17 +112,17 @@ def simr(
     if bag is not None:
         make_ready(bag)
     if real and graph is not None:
-        for key in _without_effect(setting.study):
+        for key in settings_without_effect(setting.study):
             note(f"{key} has no effect here: it is for simulated robots.")
-        options = SimrOptions(host, port, _token(), 1.0, bag)
-        unfit = run(simr_with_real_robots(setting, options, graph, _lost, _unreachable, _missing))
+        options = SimrOptions(host, port, new_token(), 1.0, bag)
+        unfit = run(simr_with_real_robots(setting, options, graph, tell_lost, _unreachable, _missing))
         if unfit is not None:
             fail(FAILED, unfit)
         return
     door = watch_of(setting.study, study_file, watch, watch_key)
     announce_compiling()
-    options = SimrOptions(host, port, _token(), rate or setting.study.rate or 1.0, bag, graph, door)
-    unfit = run(programs.simr(setting, options, _lost, hosts_of(graph)))
+    options = SimrOptions(host, port, new_token(), rate or setting.study.rate or 1.0, bag, graph, door)
+    unfit = run(programs.simr(setting, options, tell_lost, hosts_of(graph)))
     if unfit is not None:
         fail(FAILED, unfit)
 
@@ -139,10 +133,16 @@ def hider(
     seed: Seed = None,
 ) -> None:
     """Run the treasures' program (Hider) at a text server until stopped."""
+    from thbridge.app import programs
+    from thbridge.app.compose import build_hider
+    from thbridge.study.study_file import Study
+    from ui.actions.programs import new_token, read_templates, tell_lost
+    from ui.seats import run
+
     host, port = _address(server)
     default = Study()
-    role = build_hider(_templates(treasures or default.templates), default.seed if seed is None else seed)
-    run(programs.hider(role, host, port, _token(), _lost))
+    role = build_hider(read_templates(treasures or default.templates), default.seed if seed is None else seed)
+    run(programs.hider(role, host, port, new_token(), tell_lost))
 
 
 def tabui(
@@ -161,20 +161,24 @@ def tabui(
 ) -> None:
     """Take part (TabUI) at a text server: in a window where there is a display, else with a simulated participant."""
     if hosted:
-        from ui.windows.participant_program import play_hosted  # noqa: PLC0415 - Qt, only when a window opens
+        from ui.windows.participant_program import play_hosted
 
         raise typer.Exit(play_hosted(look.value))
+    from thbridge.app import programs
+    from ui.actions.programs import new_token, seat_of, show_nothing, tell_lost
+    from ui.seats import run
+
     host, port = _address(server)
     if participant is None and templates is None and seed is None and not as_json:
         why = why_no_window()
         if why is None:
-            from ui.windows.participant_program import play_at  # noqa: PLC0415 - Qt, only when a window opens
+            from ui.windows.participant_program import play_at
 
-            raise typer.Exit(play_at(host, port, _token(), look.value))
+            raise typer.Exit(play_at(host, port, new_token(), look.value))
         note(f"{why} A simulated participant plays.")
     participant = participant or ParticipantKind.SUGGESTION
-    seat = _seat(participant, templates, seed)
-    program = programs.tabui(seat.tabui, host, port, _token(), _lost, _nothing)
+    seat = seat_of(participant, templates, seed)
+    program = programs.tabui(seat.tabui, host, port, new_token(), tell_lost, show_nothing)
     last = run(program, seat.typed)
     if last is None:
         fail(FAILED, "stopped before the game was over")
@@ -185,43 +189,11 @@ def tabui(
         out.print(f"The game is over. Score {last.score}.")
 
 
-def _seat(who: ParticipantKind, templates: str | None, seed: int | None) -> Seat:
-    """Seat the player; a person needs neither templates nor a seed."""
-    if who is ParticipantKind.PERSON:
-        for option, value in (("--templates", templates), ("--seed", seed)):
-            if value is not None:
-                note(f"{option} has no effect here: it is for simulated participants.")
-        return seat_of_person()
-    default = Study()
-    return seat_of_bot(who, _templates(templates or default.templates), default.seed if seed is None else seed)
-
-
-def _templates(wanted: str) -> TemplateSet:
-    with bad_input():
-        return read_template_set(shipped().find("templates", wanted, Path()))
-
-
 def _address(server: str) -> tuple[str, int]:
     host, colon, port = server.rpartition(":")
     if not colon or not host or not port.isdecimal() or not 0 < int(port) < 65536:
         fail(BAD_INPUT, f"--server: {server!r} is not an address. Write HOST:PORT, such as {ADDRESS}.")
     return host, int(port)
-
-
-def _token() -> str:
-    """Marks this run of a program, so that the server knows its own connection from before a network fault."""
-    return secrets.token_hex(8)
-
-
-def _lost(lost: ConnectionLost) -> None:
-    note(programs.reason_of(lost))
-
-
-def _without_effect(study: Study) -> list[str]:
-    """Parts of a study that have no effect on real robots."""
-    standard = Study()
-    keys = ("rate", "watch", "robot", "each", "things", "mishaps")
-    return [key for key in keys if getattr(study, key) != getattr(standard, key)]
 
 
 def _unreachable(why: CannotListen) -> None:
@@ -231,7 +203,3 @@ def _unreachable(why: CannotListen) -> None:
 def _missing(sentences: Sequence[str]) -> None:
     for sentence in sentences or ["All robots are there."]:
         note(sentence)
-
-
-def _nothing(view: View) -> None:
-    """Show nothing until the game is over."""

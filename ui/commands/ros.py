@@ -1,25 +1,28 @@
 """The commands about ROS 1: message types for a ROS that is installed, a master where none is, what rviz shows."""
 
-import asyncio
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from thbridge.files.ros.package import write_packages
-from thbridge.ros.rviz import configuration
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_PORT, ListeningAddress
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.rosgraph import master_server
-from ui.options import MapName, Robots, StudyFile, setting_of, study_of
+from ui.commands.group import CommandGroup
+from ui.options import MapName, Robots, StudyFile
 from ui.terminal import BAD_INPUT, bad_input, fail, note
 
-ros_app = typer.Typer(help="ROS 1: our message types for it, a master, and rviz's configuration.", no_args_is_help=True)
+ros_app = typer.Typer(
+    cls=CommandGroup,
+    help="ROS 1: our message types for it, a master, and rviz's configuration.",
+    no_args_is_help=True,
+)
 
 
 @ros_app.command("messages")
 def ros_messages(folder: Annotated[Path, typer.Argument(help="Where packages go, e.g. a catkin `src`.")]) -> None:
     """Write our message types as the ROS package `thbridge_msgs`; where ROS lacks mavros, also those we have of it."""
+    from thbridge.files.ros.package import write_packages
+
     with bad_input():
         packages = write_packages(folder)
     for package in packages:
@@ -34,6 +37,9 @@ def ros_master(
     port: Annotated[int, typer.Option(help="TCP port; 0 takes a free one.", min=0, max=65535)] = ROS_MASTER_PORT,
 ) -> None:
     """Run a ROS master, in place of roscore, until stopped."""
+    import asyncio
+
+    from thbridge.sockets.rosgraph import master_server
 
     def ready(where: ListeningAddress | CannotListen) -> None:
         if isinstance(where, CannotListen):
@@ -51,6 +57,9 @@ def ros_rviz(
     to: Annotated[Path | None, typer.Option("--to", help="The file; by default standard output.")] = None,
 ) -> None:
     """Write a configuration of rviz that shows a study's whole team; open it by `rviz -d FILE`."""
+    from thbridge.ros.rviz import configuration
+    from ui.settings import setting_of, study_of
+
     study = study_of(study_file, {"robots": robots, "map": map_name})
     setting = setting_of(study, study_file)
     text = configuration([setting.study.software(number) for number in range(1, study.robots + 1)], setting.map.grid)

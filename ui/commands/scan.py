@@ -4,14 +4,8 @@ import math
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 
-from sim.common.geometry import FloatArray
-from thbridge.files.csv_files import read_columns
-from thbridge.files.map_files import read_grid
-from thbridge.offline.scan import beam_angles
-from thbridge.offline.scan import scan as scan_map
 from ui.options import AsJson
 from ui.terminal import BAD_INPUT, bad_input, fail, print_json
 
@@ -39,21 +33,20 @@ def scan(
     Prints a line for each pose, or one JSON object {"ranges": [[...], ...]}. A beam that meets nothing within the range
     is `inf`, in JSON null.
     """
+    from thbridge.files.map_files import read_grid
+    from thbridge.offline.scan import beam_angles
+    from thbridge.offline.scan import scan as scan_map
+    from ui.actions.scan import read_poses
+
     for option, value in (("--angle-min", angle_min), ("--angle-max", angle_max), ("--pose", sum(pose or ()))):
         if value is not None and not math.isfinite(value):
             fail(BAD_INPUT, f"{option}: not a finite number. Write a number, such as 1.5.")
     with bad_input():
         grid = read_grid(map_yaml)
-        poses = _poses(pose, batch)
+        poses = read_poses(pose, batch)
     ranges = scan_map(grid, poses, beam_angles(beams, angle_min, angle_max), range_max)
     if as_json:
         print_json({"ranges": ranges})
         return
     for row in ranges:
         typer.echo(" ".join("inf" if reach is None else f"{reach:.4f}" for reach in row))
-
-
-def _poses(pose: tuple[float, float, float] | None, batch: Path | None) -> FloatArray:
-    if (pose is None) == (batch is None):
-        fail(BAD_INPUT, "--pose, --batch: just one of the two is needed. Write --pose X Y YAW, or --batch FILE.csv.")
-    return np.array([pose]) if batch is None else read_columns(batch, ("x", "y", "yaw"))

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from ui.display import why_no_window
-from ui.options import ColourScheme, LookOption, announce_compiling
+from ui.options import ColourScheme, LookOption
 from ui.terminal import BAD_INPUT, bad_input, fail
 
 
@@ -15,12 +15,14 @@ def study_edit(
     look: LookOption = ColourScheme.SYSTEM,
 ) -> None:
     """Edit a study file in a window: all settings with their meaning, the same checks, and what noise does, drawn."""
+    from ui.first_start import announce_compiling
+
     reason = why_no_window()
     if reason is not None:
         fail(BAD_INPUT, f"{reason} Or edit {file} as text, and check it with `thbridge study check`.")
     announce_compiling()
     # A second of imports that no other command needs.
-    from ui.windows.study import edit  # noqa: PLC0415
+    from ui.windows.study import edit
 
     with bad_input():
         code = edit(file, look.value)

@@ -6,9 +6,8 @@ from typing import Annotated
 
 import typer
 
-from thbridge.sockets.watch_client import WatchClient
 from ui.display import why_no_window
-from ui.options import ColourScheme, LookOption, parse_key
+from ui.options import ColourScheme, LookOption
 from ui.terminal import BAD_INPUT, fail
 
 ADDRESS = re.compile(r"(?P<host>[^\s/]+):(?P<port>[0-9]{1,5})")
@@ -31,6 +30,8 @@ def watch(
     At a session the window also sends robots, kidnaps and kills them, puts things in their way and speaks for them;
     whatever it asks is recorded. Keys are told by F1. See docs/watching.md.
     """
+    from ui.settings import parse_key
+
     address = ADDRESS.fullmatch(what)
     if address is not None and not Path(what).exists():
         port = int(address["port"])
@@ -45,22 +46,22 @@ def watch(
 
 def _watch_session(host: str, port: int, key: str | None, look: ColourScheme) -> None:
     _need_window()
-    # Seconds of imports that no other command needs.
-    from ui.windows.researcher.feeds.session import SessionFeed, WatchConnection  # noqa: PLC0415
-    from ui.windows.researcher.show import show  # noqa: PLC0415
+    from thbridge.sockets.watch_client import WatchClient
+    from ui.windows.researcher.feeds.session import SessionFeed, WatchConnection
+    from ui.windows.researcher.show import show
 
     address = f"{host}:{port}"
     show(SessionFeed(WatchConnection(WatchClient(host, port, key)), address), address, look.value)
 
 
 def _watch_recording(path: Path, look: ColourScheme) -> None:
-    from ui.windows.researcher.feeds.recording import BagOpener, RecordingFeed  # noqa: PLC0415
+    from ui.windows.researcher.feeds.recording import BagOpener, RecordingFeed
 
     opening = BagOpener(path)
     if opening.wait(OPEN_TIMEOUT) and opening.fault is not None:
         fail(BAD_INPUT, str(opening.fault))
     _need_window()
-    from ui.windows.researcher.show import show  # noqa: PLC0415
+    from ui.windows.researcher.show import show
 
     show(RecordingFeed(opening), path.name, look.value)
     if opening.fault is not None:

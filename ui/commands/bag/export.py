@@ -1,15 +1,13 @@
 """`thbridge bag export`: recordings as tables for pandas, R and their like."""
 
 from enum import StrEnum
-from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from thbridge.recording.bag.reader import info
 from ui.options import AsJson
-from ui.terminal import BAD_INPUT, bad_input, fail, note, out, print_json
+from ui.terminal import bad_input, note, out, print_json
 
 
 class ExportFormat(StrEnum):
@@ -35,11 +33,12 @@ def bag_export(
 ) -> None:
     """Export a bag as tables, one for each topic, with a data dictionary; any ROS 1 bag will do."""
     # pyarrow's import would slow every command.
-    from thbridge.analysis.export.folder import export_bag  # noqa: PLC0415
-    from thbridge.files.table_files import TableFormat  # noqa: PLC0415
+    from thbridge.analysis.export.folder import export_bag
+    from thbridge.files.table_files import TableFormat
+    from ui.actions.export import chosen_topics
 
     with bad_input():
-        chosen = None if topics is None else _chosen(bag, [name.strip() for name in topics.split(",")])
+        chosen = None if topics is None else chosen_topics(bag, [name.strip() for name in topics.split(",")])
         formats = tuple(TableFormat) if form is ExportFormat.BOTH else (TableFormat(form),)
         exported = export_bag(bag, to, formats, chosen, start, until)
     for notice in exported.notices:
@@ -50,11 +49,3 @@ def bag_export(
     else:
         total = sum(rows.values())
         out.print(f"{to}: {len(rows)} tables, {total} rows, and README.md.", highlight=False, soft_wrap=True)
-
-
-def _chosen(bag: Path, patterns: list[str]) -> frozenset[str]:
-    names = {topic.name for topic in info(bag).topics}
-    for pattern in patterns:
-        if not any(fnmatchcase(name, pattern) for name in names):
-            fail(BAD_INPUT, f"--topics: there is no topic {pattern}. There are {', '.join(sorted(names))}.")
-    return frozenset(name for name in names if any(fnmatchcase(name, pattern) for pattern in patterns))

@@ -7,9 +7,6 @@ from typing import Annotated
 import typer
 
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.files.map_files import read_grid
-from thbridge.hunt.refusals import RequestRefused
-from thbridge.recording.bag.reader import messages
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note
 
 
@@ -44,9 +41,12 @@ def bag_plot(
 ) -> None:
     """Plot a bag for print: paths, errors, covariance, energy, speeds, or what happened when."""
     # Half a second of imports that no other command needs.
-    from thbridge.analysis.plot.figures import FigureKind, draw  # noqa: PLC0415
-    from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat  # noqa: PLC0415
-    from thbridge.analysis.report.gathering import read_report  # noqa: PLC0415
+    from thbridge.analysis.plot.figures import FigureKind, draw
+    from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat
+    from thbridge.analysis.report.gathering import read_report
+    from thbridge.files.map_files import read_grid
+    from thbridge.hunt.refusals import RequestRefused
+    from thbridge.recording.bag.reader import messages
 
     kind = to.suffix.lower().removeprefix(".")
     if kind not in set(FigureFormat):

@@ -1,0 +1,68 @@
+"""What commands load before they do anything, and before they do what needs little."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.parameters import RobotParameters, WorldParameters
+from sim.robot.costmap.footprint import pad, radii
+from ui.commands.plan import INFLATION, RADIUS
+
+ROOT = Path(__file__).parents[2]
+HEAVY = {"numpy", "numba", "scipy", "matplotlib", "pyarrow", "pymavlink", "rosbags", "PySide6", "pydantic", "asyncio"}
+PROGRAM = """
+import sys
+from ui.cli import main
+sys.argv = ["thbridge", *sys.argv[1:]]
+try:
+    main()
+finally:
+    print(*sys.modules, file=open("modules", "w"))
+"""
+
+
+def loaded(folder: Path, *arguments: str, **environment: str) -> set[str]:
+    """Names of all modules that are loaded at the end of a command."""
+    command = [sys.executable, "-c", PROGRAM, *arguments]
+    everything = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
+    subprocess.run(command, cwd=folder, env=everything, capture_output=True, check=False, timeout=120)
+    return set((folder / "modules").read_text().split())
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        "--help",
+        "plya",
+        "bag cutt",
+        "play --robts 3",
+        "play --help",
+        "server --help",
+        "bag export --help",
+        "mavlink status --nonsense",
+    ],
+)
+def test_help_and_mistakes_load_nothing_that_a_command_needs(tmp_path: Path, arguments: str) -> None:
+    modules = loaded(tmp_path, *arguments.split())
+    packages = {name.partition(".")[0] for name in modules}
+    assert not packages & HEAVY
+    assert not {name for name in modules if name.startswith("sim.")}
+
+
+@pytest.mark.parametrize("words", ["thbridge pl", "thbridge bag c", "thbridge play --ro"])
+def test_completion_loads_nothing_that_a_command_needs(tmp_path: Path, words: str) -> None:
+    place = str(words.count(" "))
+    modules = loaded(tmp_path, _THBRIDGE_COMPLETE="complete_bash", COMP_WORDS=words, COMP_CWORD=place)
+    packages = {name.partition(".")[0] for name in modules}
+    assert not packages & (HEAVY - {"pydantic"})
+    assert not {name for name in modules if name.startswith("sim.")}
+
+
+def test_the_planner_offers_the_radii_of_our_robot() -> None:
+    costmap = RobotParameters().global_costmap
+    assert radii(pad(np.array(WorldParameters().footprint), costmap.footprint_padding))[0] == RADIUS
+    assert costmap.inflation_layer.inflation_radius == INFLATION

@@ -1,0 +1,110 @@
+"""Poses, the filter's run and its results for `thbridge localize`."""
+
+import time
+from pathlib import Path
+
+import numpy as np
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from sim.common.geometry import Pose2, wrap_angle
+from sim.common.grid import OccupancyGrid
+from sim.parameters import AmclParameters
+from sim.robot.localization.amcl import Amcl
+from thbridge.files.errors import BadFile
+from thbridge.hunt.refusals import RequestRefused
+from thbridge.offline.localize import LocalizationResult, localize, warm_up
+from thbridge.offline.recording import LocalizationBag
+from thbridge.offline.tum import tum_line
+from ui.terminal import BAD_INPUT, err, fail, out
+
+ROBOT = "robot1"
+"""Key of the filter's random stream; a bag holds one robot's scans on a topic."""
+
+
+def pose_in(triple: tuple[float, float, float]) -> Pose2:
+    """The pose that three numbers mean."""
+    if not np.isfinite(triple).all():
+        fail(BAD_INPUT, f"{triple} is not a pose. Write three finite numbers X Y YAW.")
+    x, y, yaw = triple
+    return Pose2(x, y, wrap_angle(yaw))
+
+
+def run_localization(
+    recording: LocalizationBag, grid: OccupancyGrid, parameters: AmclParameters, start: Pose2 | None, seed: int
+) -> LocalizationResult | RequestRefused:
+    """Run the filter over a recording, with a bar of progress."""
+
+    def begin() -> Amcl:
+        localizer = Amcl(parameters, grid, recording.laser.mount, seed, ROBOT)
+        if start is None:
+            localizer.globalize()
+        else:
+            variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
+            localizer.start(start, np.diag(variances))
+        return localizer
+
+    warm_up(begin(), parameters, recording.laser.scan(0, recording.laser.first))
+    bar = Progress(
+        TextColumn("{task.completed} of {task.total} scans"),
+        BarColumn(),
+        TimeRemainingColumn(),
+        console=err,
+        transient=True,
+        disable=not err.is_terminal,
+    )
+    with bar:
+        task = bar.add_task("", total=recording.messages)
+        return localize(
+            begin(),
+            recording.laser,
+            recording.odometry,
+            recording.scans(),
+            time.process_time,
+            lambda: bar.advance(task),
+        )
+
+
+def write_trajectory(path: Path, result: LocalizationResult) -> None:
+    """Write a TUM trajectory."""
+    lines = "".join(f"{tum_line(fix.stamp_ns, fix.base_in_map)}\n" for fix in result.updates)
+    try:
+        path.write_text(lines, encoding="ascii")
+    except OSError as error:
+        problem = f"it cannot be written ({error.strerror})"
+        raise BadFile(path, None, None, problem, "choose another file by --out") from None
+
+
+def localized_as_json(
+    recording: LocalizationBag, result: LocalizationResult, notices: tuple[str, ...]
+) -> dict[str, object]:
+    """The result as the JSON object has it."""
+    pose = result.last.base_in_map
+    return {
+        "updates": len(result.updates),
+        "cpu_seconds": result.cpu_seconds,
+        "final_pose": [pose.x, pose.y, pose.theta],
+        "covariance": result.last.covariance.tolist(),
+        "lost": result.last.lost,
+        "scans": result.scans,
+        "skipped": {str(reason): count for reason, count in result.skipped.items()},
+        "scan_topic": recording.scan_topic,
+        "odometry": recording.odometry_source,
+        "laser_pose": recording.laser.mount.laser_in_base.array().tolist(),
+        "upside_down": recording.laser.upside_down,
+        "notices": list(notices),
+    }
+
+
+def show_localized(recording: LocalizationBag, result: LocalizationResult) -> None:
+    """Print the result."""
+    last = result.last
+    pose, deviations = last.base_in_map, np.sqrt(np.diag(last.covariance)).tolist()
+    out.print(f"At the end the robot is at x {pose.x:.3f} m, y {pose.y:.3f} m, yaw {pose.theta:.3f} rad", end="")
+    out.print(f" (standard deviations {deviations[0]:.3f}, {deviations[1]:.3f}, {deviations[2]:.3f}).")
+    if last.lost:
+        out.print("The filter holds that this is wrong: it is lost.")
+    each = 1000 * result.cpu_seconds / max(1, len(result.updates))
+    out.print(f"{len(result.updates)} updates from {result.scans} scans, {each:.2f} ms of the processor for each.")
+    for reason, count in result.skipped.items():
+        out.print(f"{count} scans were left out: {reason}.")
+    out.print(f"Scans: {recording.scan_topic}. Odometry: {recording.odometry_source}.")

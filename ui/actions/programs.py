@@ -1,0 +1,52 @@
+"""Parts of the commands that run one program each."""
+
+import secrets
+from pathlib import Path
+
+from thbridge.app import programs
+from thbridge.files.resources import shipped
+from thbridge.files.template_files import TemplateSet, read_template_set
+from thbridge.roles.view import View
+from thbridge.sockets.text_client import ConnectionLost
+from thbridge.study.study_file import Study
+from ui.options import ParticipantKind
+from ui.seats import Seat, seat_of_bot, seat_of_person
+from ui.terminal import bad_input, note
+
+
+def seat_of(who: ParticipantKind, templates: str | None, seed: int | None) -> Seat:
+    """Seat the player; a person needs neither templates nor a seed."""
+    if who is ParticipantKind.PERSON:
+        for option, value in (("--templates", templates), ("--seed", seed)):
+            if value is not None:
+                note(f"{option} has no effect here: it is for simulated participants.")
+        return seat_of_person()
+    default = Study()
+    return seat_of_bot(who, read_templates(templates or default.templates), default.seed if seed is None else seed)
+
+
+def read_templates(wanted: str) -> TemplateSet:
+    """The set of templates of a name or a folder."""
+    with bad_input():
+        return read_template_set(shipped().find("templates", wanted, Path()))
+
+
+def new_token() -> str:
+    """Marks this run of a program, so that the server knows its own connection from before a network fault."""
+    return secrets.token_hex(8)
+
+
+def tell_lost(lost: ConnectionLost) -> None:
+    """Tell why there is no connection."""
+    note(programs.reason_of(lost))
+
+
+def settings_without_effect(study: Study) -> list[str]:
+    """Parts of a study that have no effect on real robots."""
+    standard = Study()
+    keys = ("rate", "watch", "robot", "each", "things", "mishaps")
+    return [key for key in keys if getattr(study, key) != getattr(standard, key)]
+
+
+def show_nothing(view: View) -> None:
+    """Show nothing until the game is over."""

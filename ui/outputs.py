@@ -1,0 +1,26 @@
+"""Places of the files that commands write."""
+
+from pathlib import Path
+
+from thbridge.recording.recordings import make_room, try_place
+from ui.terminal import BAD_INPUT, fail, note
+
+
+def make_ready(bag: Path, option: str = "--bag") -> None:
+    """Check that a bag can be recorded where an option says, and move an older one out of the way."""
+    if bag.suffix != ".bag" or bag.is_dir():
+        fail(BAD_INPUT, f"{option}: {bag} is not the name of a bag. Give a file name that ends in .bag.")
+    try:
+        moved = make_room(bag)
+        try_place(bag)
+    except OSError as error:
+        fail(BAD_INPUT, f"{bag}: cannot record there ({error.strerror}). Choose another file by {option}.")
+    if moved is not None:
+        note(f"The older recording is now {moved}.")
+
+
+def make_copy_ready(copy: Path, recording: Path) -> None:
+    """Check that --to names a place for the bag of a replay, and not the recording that is replayed."""
+    if copy.resolve() == recording.resolve():
+        fail(BAD_INPUT, f"--to: {copy} is the recording itself. Give another name.")
+    make_ready(copy, "--to")

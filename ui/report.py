@@ -1,0 +1,27 @@
+"""The report of a recording."""
+
+from pathlib import Path
+
+from thbridge.files.errors import BadFile
+from thbridge.files.map_files import read_grid
+from ui.terminal import note
+
+
+def write_report(bag: Path, page: Path, map_yaml: Path | None = None) -> None:
+    """Make the report of a bag, on a map of its own if one is given.
+
+    Raises:
+        BadFile: the bag or the map cannot be read, or the page not be written.
+    """
+    # Half a second of imports that nobody needs who makes no report.
+    from thbridge.analysis.report.page import build_report  # noqa: PLC0415
+
+    if page.exists() and bag.exists() and page.samefile(bag):
+        raise BadFile(page, None, None, "this is the bag itself", "choose another file by --to")
+    html = build_report(bag, None if map_yaml is None else read_grid(map_yaml))
+    try:
+        page.write_text(html, encoding="utf-8")
+    except OSError as error:
+        problem = f"it cannot be written ({error.strerror})"
+        raise BadFile(page, None, None, problem, "choose another file by --to") from None
+    note(f"Report: {page}")
