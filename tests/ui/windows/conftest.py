@@ -1,10 +1,13 @@
 """Fixtures of all tests of windows."""
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 
 import pytest
-from PySide6.QtWidgets import QApplication
+from PySide6.QtCore import SignalInstance
+from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
+from pytestqt.wait_signal import SignalBlocker
 
 PATIENCE = 60_000
 """Milliseconds; pytest-qt itself waits for 5000, which a busy machine may need for a window."""
@@ -15,6 +18,17 @@ class PatientBot(QtBot):
 
     def waitUntil(self, callback: Callable[[], bool | None], *, timeout: int = PATIENCE) -> None:
         super().waitUntil(callback, timeout=timeout)
+
+    def waitSignal(
+        self, signal: SignalInstance, *, timeout: int = PATIENCE, raising: bool | None = None
+    ) -> SignalBlocker:
+        return super().waitSignal(signal, timeout=timeout, raising=raising)
+
+    def waitActive(self, widget: QWidget, *, timeout: int = PATIENCE) -> AbstractContextManager[object]:
+        return super().waitActive(widget, timeout=timeout)
+
+    def waitExposed(self, widget: QWidget, *, timeout: int = PATIENCE) -> AbstractContextManager[object]:
+        return super().waitExposed(widget, timeout=timeout)
 
 
 @pytest.fixture

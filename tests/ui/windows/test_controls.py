@@ -22,8 +22,8 @@ def palette(request: pytest.FixtureRequest, qapp: QApplication) -> Iterator[Pale
 def drawn(qtbot: QtBot, widget: QWidget) -> QImage:
     qtbot.addWidget(widget)
     widget.resize(160, 32)
-    widget.show()
-    qtbot.waitExposed(widget)
+    with qtbot.waitExposed(widget):
+        widget.show()
     return widget.grab().toImage()
 
 

@@ -322,7 +322,7 @@ def test_the_map_is_told_in_words(view: MapView, qtbot: QtBot, arena: Map) -> No
     goal = arena.rooms[1].goal
     view.show_robots([robot_at(0, 0.0, 0.0, selected=True), robot_at(1, goal.x, goal.y)])
     assert view.accessibleName() == "Map"
-    qtbot.waitUntil(lambda: view.accessibleDescription() != "", timeout=5000)
+    qtbot.waitUntil(lambda: view.accessibleDescription() != "")
     assert view.accessibleDescription() == ("Map: 8 rooms; robot 1 in the corridor, selected; robot 2 in room 2.")
 
 

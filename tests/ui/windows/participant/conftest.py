@@ -47,8 +47,8 @@ def opened(qtbot: QtBot, qapp: QApplication) -> Callable[..., Opened]:
         made.window = ParticipantWindow(model, lambda: made.now, LIGHT)
         qtbot.addWidget(made.window)
         made.window.resize(width, height)
-        made.window.show()
-        qtbot.waitExposed(made.window)
+        with qtbot.waitExposed(made.window):
+            made.window.show()
         made.window.activateWindow()
         qtbot.waitUntil(made.window.isActiveWindow)
         qapp.processEvents()

@@ -19,9 +19,6 @@ from ui.windows.researcher.feeds.session import SessionFeed, WatchConnection
 from ui.windows.researcher.map.tools import MapTool
 from ui.windows.researcher.window import ResearcherWindow
 
-PATIENCE = 60_000
-"""Milliseconds; the machine may be busy."""
-
 
 def window_on(port: int) -> ResearcherWindow:
     address = f"127.0.0.1:{port}"
@@ -42,7 +39,7 @@ def opened(tmp_path_factory: pytest.TempPathFactory, qapp: QApplication) -> Iter
 
 @pytest.fixture
 def window(opened: ResearcherWindow, qtbot: QtBot) -> ResearcherWindow:
-    qtbot.waitUntil(lambda: opened.scene is not None and len(opened.scene.robots) == 2, timeout=PATIENCE)
+    qtbot.waitUntil(lambda: opened.scene is not None and len(opened.scene.robots) == 2)
     opened.activateWindow()
     opened.canvas.setFocus()
     opened.select_tool(MapTool.LOOK)
@@ -75,7 +72,7 @@ def asked(window: ResearcherWindow) -> list[str]:
 
 
 def waits(qtbot: QtBot, until: Callable[[], bool]) -> None:
-    qtbot.waitUntil(until, timeout=PATIENCE)
+    qtbot.waitUntil(until)
 
 
 def test_it_shows_the_session_live(window: ResearcherWindow, qtbot: QtBot) -> None:

@@ -1,4 +1,5 @@
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -37,7 +38,7 @@ def window(qtbot: QtBot, qapp: QApplication, file: Path) -> Iterator[StudyWindow
 
 def opened(qtbot: QtBot, path: Path) -> StudyWindow:
     window = study_window(path)
-    with qtbot.waitActive(window, timeout=20_000):
+    with qtbot.waitActive(window):
         window.show()
         window.activateWindow()
     return window
@@ -45,21 +46,30 @@ def opened(qtbot: QtBot, path: Path) -> StudyWindow:
 
 def leave(window: StudyWindow) -> None:
     """Close without a question."""
-    QTimer.singleShot(0, lambda: answer("Discard"))
-    window.close()
+    with answering("Discard"):
+        window.close()
     window.deleteLater()
 
 
-def answer(words: str) -> None:
-    """Press a button of the question that is asked."""
-    for box in QApplication.topLevelWidgets():
-        if isinstance(box, QMessageBox) and box.isVisible():
-            next(button for button in box.buttons() if words in button.text()).click()
+@contextmanager
+def answering(words: str) -> Iterator[None]:
+    """While this lasts, press a button of each question as soon as it is asked."""
+
+    def look() -> None:
+        for box in QApplication.topLevelWidgets():
+            if isinstance(box, QMessageBox) and box.isVisible():
+                next(button for button in box.buttons() if words in button.text()).click()
+
+    timer = QTimer(interval=20)
+    timer.timeout.connect(look)
+    timer.start()
+    yield
+    timer.stop()
 
 
 def settled(qtbot: QtBot, window: StudyWindow) -> None:
     # What is typed is checked a little later.
-    qtbot.waitUntil(lambda: window.editor.settled, timeout=20_000)
+    qtbot.waitUntil(lambda: window.editor.settled)
 
 
 def retype(qtbot: QtBot, window: StudyWindow, key: str, said: str) -> QLineEdit:
@@ -78,7 +88,7 @@ def test_a_value_typed_is_saved_and_no_other_byte_moves(qtbot: QtBot, window: St
     assert window.editor.history.text == TEXT.replace("90", "120")
     assert file.read_text() == TEXT
     assert window.isWindowModified()
-    with qtbot.waitSignal(window.editor.saved, timeout=20_000):
+    with qtbot.waitSignal(window.editor.saved):
         qtbot.keyClick(window, Qt.Key.Key_S, Qt.KeyboardModifier.ControlModifier)
     assert file.read_text() == TEXT.replace("90", "120")
     assert window.isWindowModified() is False
@@ -100,13 +110,11 @@ def texts_of(window: StudyWindow) -> str:
 
 def test_a_faulty_study_is_saved_only_when_that_is_meant(qtbot: QtBot, window: StudyWindow, file: Path) -> None:
     retype(qtbot, window, "game.energy", "-3")
-    QTimer.singleShot(300, lambda: answer("Cancel"))
-    with qtbot.waitSignal(window.editor.found_faulty, timeout=20_000):
+    with answering("Cancel"), qtbot.waitSignal(window.editor.found_faulty):
         window.save()
     qtbot.waitUntil(lambda: QApplication.activeModalWidget() is None)
     assert file.read_text() == TEXT
-    QTimer.singleShot(300, lambda: answer("Save anyway"))
-    with qtbot.waitSignal(window.editor.saved, timeout=20_000):
+    with answering("Save anyway"), qtbot.waitSignal(window.editor.saved):
         window.save()
     assert "energy: -3" in file.read_text()
 
@@ -121,7 +129,7 @@ def test_reset_takes_the_key_out_of_the_file(qtbot: QtBot, window: StudyWindow) 
         window.fields.ensureWidgetVisible(button)
         return window.childAt(button.mapTo(window, button.rect().center())) is button
 
-    qtbot.waitUntil(can_be_clicked, timeout=20_000)
+    qtbot.waitUntil(can_be_clicked)
     qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
     settled(qtbot, window)
     assert window.editor.history.text == TEXT.replace("robots: 4   # two pairs", "# two pairs")
@@ -153,13 +161,13 @@ def test_a_choice_by_keyboard(qtbot: QtBot, window: StudyWindow) -> None:
 
 def test_a_noise_value_redraws_what_it_does(qtbot: QtBot, window: StudyWindow) -> None:
     window.open_section("noise")
-    qtbot.waitUntil(lambda: window.noise.drawn > 0, timeout=20_000)
+    qtbot.waitUntil(lambda: window.noise.drawn > 0)
     before = picture(window)
     drawn = window.noise.drawn
     window.noise_fields.finish()
     slider = window.noise_fields.rows["noise.odometry.alpha2"].findChild(QSlider)
     qtbot.keyClick(slider, Qt.Key.Key_PageUp)
-    qtbot.waitUntil(lambda: window.noise.drawn > drawn, timeout=20_000)
+    qtbot.waitUntil(lambda: window.noise.drawn > drawn)
     assert picture(window) != before
     settled(qtbot, window)
     assert "alpha2:" in window.editor.history.text
@@ -210,12 +218,11 @@ def test_a_file_changed_by_others_is_noticed_and_not_written_over(
 ) -> None:
     retype(qtbot, window, "game.energy", "120")
     file.write_text("robots: 3\n")
-    QTimer.singleShot(400, lambda: answer("Cancel"))
-    with qtbot.waitSignal(window.editor.conflicted, timeout=20_000):
+    with answering("Cancel"), qtbot.waitSignal(window.editor.conflicted):
         window.save()
     assert file.read_text() == "robots: 3\n"
     banner = next(button for button in window.findChildren(QPushButton) if button.text() == "Load it")
-    qtbot.waitUntil(banner.isVisible, timeout=20_000)
+    qtbot.waitUntil(banner.isVisible)
     qtbot.mouseClick(banner, Qt.MouseButton.LeftButton)
     settled(qtbot, window)
     assert window.editor.history.text == "robots: 3\n"
@@ -241,7 +248,7 @@ def test_a_new_file_is_made_when_it_is_saved(qtbot: QtBot, tmp_path: Path) -> No
     window = opened(qtbot, path)
     retype(qtbot, window, "robots", "3")
     assert not path.exists()
-    with qtbot.waitSignal(window.editor.saved, timeout=20_000):
+    with qtbot.waitSignal(window.editor.saved):
         window.save()
     assert path.read_text().startswith("# A study.")
     assert path.read_text().endswith("robots: 3\n")
@@ -261,9 +268,9 @@ def test_everything_has_a_name_and_tab_goes_as_the_eye_does(qtbot: QtBot, window
 
 def test_closing_asks_and_saves(qtbot: QtBot, window: StudyWindow, file: Path) -> None:
     retype(qtbot, window, "game.energy", "120")
-    QTimer.singleShot(300, lambda: answer("Save"))
-    window.close()
-    qtbot.waitUntil(lambda: not window.isVisible(), timeout=20_000)
+    with answering("Save"):
+        window.close()
+        qtbot.waitUntil(lambda: not window.isVisible())
     assert file.read_text() == TEXT.replace("90", "120")
 
 
@@ -271,7 +278,7 @@ def test_tab_follows_the_eye(qtbot: QtBot, window: StudyWindow) -> None:
     window.open_section("game")
     window.fields.finish()
     editors = [row.editor for row in window.fields.rows.values()]
-    qtbot.waitUntil(lambda: all(editor.isVisible() for editor in editors), timeout=20_000)
+    qtbot.waitUntil(lambda: all(editor.isVisible() for editor in editors))
     stops: list[QWidget] = []
     at: QWidget | None = window.search
     while at is not None and at not in stops:
