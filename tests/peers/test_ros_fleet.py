@@ -19,7 +19,7 @@ from sim.inputs import Drive, Go, Halt
 from sim.robot.navigator import Cancelled, Goal, GoalReached, NoPath
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.recording.real_robots import FleetRecorder
-from thbridge.ros.messages.records import SessionRecord
+from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.remote import RemoteRobot
 from thbridge.ros.remote.goals import FOREIGN_GOAL
 from thbridge.sockets.addresses import ListeningAddress

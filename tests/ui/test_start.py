@@ -10,6 +10,8 @@ import pytest
 
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.footprint import pad, radii
+from thbridge.recording.bag.writer import BagWriter
+from thbridge.ros.topics import RosMessage, Topic
 from ui.commands.plan import INFLATION, RADIUS
 
 ROOT = Path(__file__).parents[2]
@@ -66,3 +68,15 @@ def test_the_planner_offers_the_radii_of_our_robot() -> None:
     costmap = RobotParameters().global_costmap
     assert radii(pad(np.array(WorldParameters().footprint), costmap.footprint_padding))[0] == RADIUS
     assert costmap.inflation_layer.inflation_radius == INFLATION
+
+
+def test_a_summary_of_a_bag_and_a_suggestion_load_no_simulator(tmp_path: Path) -> None:
+    bag = tmp_path / "a.bag"
+    with BagWriter(bag) as writer:
+        writer.write(RosMessage(Topic("/chatter", "std_msgs/String"), 1, b"\x01\x00\x00\x00a"))
+    costs = ROOT / "templates" / "original-2016" / "mapTimes"
+    for command in (["bag", "info", str(bag)], ["suggest", "--costs", str(costs), "--at", "0", "--unvisited", "1,2"]):
+        modules = loaded(tmp_path, *command)
+        assert not {name.partition(".")[0] for name in modules} & {"numba", "scipy", "matplotlib", "pyarrow", "asyncio"}
+        assert not {name for name in modules if name.startswith(("sim.", "thbridge.app"))}
+        assert "thbridge.analysis.summary" in modules or "thbridge.hunt.tour" in modules

@@ -24,8 +24,9 @@ from thbridge.dialogue.strategies import TemplateStrategy
 from thbridge.dialogue.templates import TemplatePhrasing
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.map_files import Map, read_map
+from thbridge.files.map_times import MAP_TIMES, read_map_times
 from thbridge.files.resources import Resources, shipped
-from thbridge.files.template_files import MAP_TIMES, TemplateSet, read_map_times, read_template_set
+from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.files.yaml.tree import read_text
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Event
@@ -45,7 +46,7 @@ from thbridge.roles.vehicles.parameters import VehicleParameters
 from thbridge.roles.vehicles.pilot import GameSetup, Pilot
 from thbridge.roles.vehicles.speed_limit import SpeedLimit
 from thbridge.roles.vehicles.vehicles import RequestSink, Vehicles
-from thbridge.ros.messages.records import SessionRecord
+from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.names import CALLER
 from thbridge.ros.parameters import tree_of
 from thbridge.ros.publisher import Planners, TeamPublisher

@@ -19,7 +19,7 @@ from sim.parameters import WorldParameters
 from sim.robot.costmap.footprint import radii
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.image_files import read_image
-from thbridge.files.template_files import MAP_TIMES, read_map_times
+from thbridge.files.map_times import MAP_TIMES, read_map_times
 from thbridge.files.yaml.load import Loaded, load
 from thbridge.files.yaml.tree import quoted
 from thbridge.hunt.rooms import Room

@@ -5,21 +5,20 @@ know which picture belongs to which treasure, `treasures.participant`: the same 
 UTF-8 text; Windows line ends, a byte order mark and blank lines are accepted.
 """
 
-import codecs
 import difflib
-import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from thbridge.dialogue.moves import Scenario
 from thbridge.dialogue.templates import ScriptedQuestion, Template, word_fault
 from thbridge.files.errors import BadFile
-from thbridge.hunt.costs import NOT_A_MOVE, CostMatrix
+from thbridge.files.map_times import MAP_TIMES, read_map_times
+from thbridge.files.template_lines import count_in, first_line, numbered_lines
+from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.treasures import TreasureKind, same_name
 
-MAP_TIMES = "mapTimes"
 TREASURES = "treasures"
 PARTICIPANT_TREASURES = "treasures.participant"
 DIALOGUE_TEXT = "DialogueText"
@@ -124,56 +123,15 @@ def _picture(treasures: Path, name: str, file: Path) -> bytes:
     return data
 
 
-def read_map_times(path: Path) -> CostMatrix:
-    """Read a travel cost matrix: the number of nodes, then one row of costs per node; 99 means no move.
-
-    Costs are whole or decimal numbers and may be above 99; see `CostMatrix.of_map_times`.
-
-    Raises:
-        BadFile: as the module promises.
-    """
-    lines = _lines(path)
-    number, first = _first(path, lines, "number of nodes", "the number of nodes, the corridor and the rooms")
-    nodes = _count(path, number, "number of nodes", first, least=2)
-    rows = lines[1:]
-    if len(rows) != nodes:
-        raise BadFile(
-            path,
-            rows[nodes][0] if len(rows) > nodes else number,
-            "number of nodes",
-            f"{nodes} nodes need {nodes} rows, but {len(rows)} follow",
-            "add or remove rows, or mend the first line",
-        )
-    return CostMatrix.of_map_times(tuple(_cost_row(path, number, row, nodes) for number, row in rows))
-
-
-def map_times(seconds: Sequence[Sequence[float | None]]) -> str:
-    """The text of a travel cost matrix in whole seconds, because the programs of 2016 read only whole numbers.
-
-    Args:
-        seconds: `seconds[start][goal]`, square, the corridor first; None means no move. A trip of 99 s is written as
-            98, because 99 means no move in this format.
-    """
-    rows = [" ".join(_cost_word(cost) for cost in row) for row in seconds]
-    return "\n".join([str(len(rows)), *rows]) + "\n"
-
-
-def _cost_word(seconds: float | None) -> str:
-    if seconds is None:
-        return "99"
-    whole = round(seconds)
-    return str(98 if whole == NOT_A_MOVE else whole)
-
-
 def read_treasures(path: Path) -> TreasureList:
     """Read a list of treasures: the number of rooms, then one treasure per line, with or without its image file.
 
     Raises:
         BadFile: as the module promises.
     """
-    lines = _lines(path)
-    number, first = _first(path, lines, "number of rooms", "the number of rooms")
-    rooms = _count(path, number, "number of rooms", first, least=1)
+    lines = numbered_lines(path)
+    number, first = first_line(path, lines, "number of rooms", "the number of rooms")
+    rooms = count_in(path, number, "number of rooms", first, least=1)
     if not lines[1:]:
         raise BadFile(path, None, None, "there is no treasure in the list", f"add lines of the form {_TREASURE_FORM}")
     kinds: list[TreasureKind] = []
@@ -202,8 +160,8 @@ def read_dialogue_text(path: Path) -> Template:
     Raises:
         BadFile: as the module promises.
     """
-    lines = _lines(path)
-    number, name = _first(path, lines, "name", "a name for the template, for instance DontKnow:")
+    lines = numbered_lines(path)
+    number, name = first_line(path, lines, "name", "a name for the template, for instance DontKnow:")
     if name in _SECTIONS:
         raise BadFile(
             path,
@@ -234,75 +192,6 @@ def read_dialogue_text(path: Path) -> Template:
     return Template(name, {scenario: tuple(asked) for scenario, asked in questions.items()})
 
 
-def _lines(path: Path) -> list[tuple[int, str]]:
-    """The lines that are not empty, stripped, with their numbers from 1."""
-    try:
-        content = path.read_bytes()
-    except FileNotFoundError:
-        raise BadFile(path, None, None, "there is no such file", "add it, or check the name and the folder") from None
-    except OSError as error:
-        raise BadFile(
-            path, None, None, f"cannot be read ({error.strerror})", "make it a file that you may read"
-        ) from None
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        encoding = "UTF-16" if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) else "Latin-1"
-        raise BadFile(
-            path,
-            content.count(b"\n", 0, error.start) + 1,
-            None,
-            f"not UTF-8 text; it was probably saved as {encoding}",
-            "open it in an editor and save it with the encoding UTF-8, "
-            f"or run: iconv -f {encoding} -t UTF-8 {path.name} > {path.name}.utf8",
-        ) from None
-    # Not splitlines(): it also splits at characters that editors show within a line, which makes line numbers wrong.
-    numbered = enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1)
-    return [(number, line.strip()) for number, line in numbered if line.strip()]
-
-
-def _first(path: Path, lines: list[tuple[int, str]], key: str, wanted: str) -> tuple[int, str]:
-    if not lines:
-        raise BadFile(path, 1, key, "the file is empty", f"begin it with {wanted}")
-    return lines[0]
-
-
-def _count(path: Path, number: int, key: str, text: str, least: int) -> int:
-    # isdecimal() and isascii(): int() would also take signs, underscores and digits of other scripts.
-    if not (text.isascii() and text.isdecimal()) or len(text) > 6 or int(text) < least:
-        raise BadFile(path, number, key, f"{text!r} is not a number from {least}", f"write {key} alone on this line")
-    return int(text)
-
-
-def _cost_row(path: Path, number: int, line: str, nodes: int) -> tuple[float, ...]:
-    words = line.split()
-    if len(words) != nodes:
-        raise BadFile(
-            path,
-            number,
-            None,
-            f"{len(words)} costs in a row that needs {nodes}",
-            "give one cost for every node, with 99 where there is no move",
-        )
-    return tuple(_cost(path, number, column, word) for column, word in enumerate(words))
-
-
-def _cost(path: Path, number: int, column: int, word: str) -> float:
-    try:
-        cost = float(word)
-    except ValueError:
-        cost = math.nan
-    if not (math.isfinite(cost) and cost >= 0.0):
-        raise BadFile(
-            path,
-            number,
-            f"column {column + 1}",
-            f"{word!r} is not a cost",
-            "write a number that is not negative, and 99 where there is no move",
-        )
-    return cost
-
-
 def _treasure(path: Path, number: int, line: str) -> TreasureKind:
     fields = [field.strip() for field in line.split(",")]
     if len(fields) not in (4, 5):
@@ -326,7 +215,7 @@ def _treasure(path: Path, number: int, line: str) -> TreasureKind:
             f"{image!r} is not a plain file name",
             f"write the name alone, without folder and without blanks, and put the file into {PICTURES}/",
         )
-    return TreasureKind(colour, footprint, _count(path, number, "Points", points, least=0), name, image)
+    return TreasureKind(colour, footprint, count_in(path, number, "Points", points, least=0), name, image)
 
 
 def _section(path: Path, number: int, line: str) -> Scenario | None:

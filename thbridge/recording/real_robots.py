@@ -9,7 +9,8 @@ from typing import NamedTuple
 from sim.team import TeamSnapshot
 from thbridge.recording.bag.writer import BagWriter, ForeignTopic
 from thbridge.ros.messages import pack
-from thbridge.ros.messages.records import InputRecord, Record, SessionRecord
+from thbridge.ros.messages.records import Record
+from thbridge.ros.messages.session_records import InputRecord, SessionRecord
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.publisher import messages_of
 from thbridge.ros.remote.robot import tick_of

@@ -15,23 +15,25 @@ from thbridge.ros.messages import pack
 from thbridge.ros.messages.pack import Transform
 from thbridge.ros.messages.records import (
     CancelRequest,
-    GameEvent,
     GoalRequest,
-    HeldTurns,
     InitialPose,
-    InputRecord,
     LogLine,
     Record,
-    ScoreRecord,
     SendRobots,
-    SessionRecord,
     SimpleGoal,
     Success,
-    UtteranceRecord,
     VehicleFrame,
     VehicleRecord,
     VehicleState,
     VelocityCommand,
+)
+from thbridge.ros.messages.session_records import (
+    GameEvent,
+    HeldTurns,
+    InputRecord,
+    ScoreRecord,
+    SessionRecord,
+    UtteranceRecord,
 )
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import GRAPH_LINK, MAP_FRAME, RobotNames

@@ -9,7 +9,7 @@ from rich.table import Table
 from thbridge.analysis.comparison import RobotFigures, RunFigures
 from thbridge.app.compose import versions
 from thbridge.app.replay.replay import Difference, Replayed
-from thbridge.ros.messages.records import SessionRecord
+from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.study.overrides import StudyChange
 from ui.terminal import BAD_INPUT, fail, out
 

@@ -29,7 +29,7 @@ def suggest(
     as_json: AsJson = False,
 ) -> None:
     """Suggest the next room: the first of the cheapest tour of all rooms still to visit."""
-    from thbridge.files.template_files import read_map_times
+    from thbridge.files.map_times import read_map_times
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.hunt.rooms import Room
     from thbridge.hunt.tour import best_tour

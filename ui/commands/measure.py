@@ -28,7 +28,7 @@ def maps_measure(
     as_json: AsJson = False,
 ) -> None:
     """Measure a map: drive a robot from every place to every room; the mean seconds make a mapTimes file."""
-    from thbridge.files.template_files import map_times
+    from thbridge.files.map_times import map_times
     from thbridge.offline.measure import MeasurementSetup
     from ui.actions.measure import measure_trips, show_times, spoken_place, times_as_json, times_matrix
     from ui.first_start import announce_compiling

@@ -9,7 +9,7 @@ from thbridge.recording.bag.index import BagIndex, MessageLocation, open_index
 from thbridge.recording.bag.reader import RawMessage
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
-from thbridge.ros.messages.records import SessionRecord
+from thbridge.ros.messages.session_records import SessionRecord
 from ui.model.watching.frames import HORIZON_NS, children_of
 from ui.model.watching.messages import TF_TYPES, WatchedMessage
 from ui.model.watching.robots import RobotDiscovery

@@ -5,7 +5,7 @@ from pathlib import Path
 from thbridge.files.errors import BadFile
 from thbridge.files.map_files import MapRoom, read_map
 from thbridge.files.resources import shipped
-from thbridge.ros.messages.records import SessionRecord
+from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.study.study_file import read_study_text
 
 

@@ -3,7 +3,7 @@ import pytest
 
 from thbridge.analysis.comparison import RobotFigures, figures_of
 from thbridge.analysis.report.values import GoalAttempt, Report, Track
-from thbridge.ros.messages.records import ScoreRecord
+from thbridge.ros.messages.session_records import ScoreRecord
 
 NONE = np.empty((0, 4))
 

@@ -14,7 +14,7 @@ from thbridge.hunt.events import Failed
 from thbridge.hunt.rooms import Room
 from thbridge.ros.messages import pack, types
 from thbridge.ros.messages.pack import Transform
-from thbridge.ros.messages.records import GameEvent
+from thbridge.ros.messages.session_records import GameEvent
 from thbridge.ros.messages.types import plain_definition
 from thbridge.ros.publisher import TeamPublisher
 

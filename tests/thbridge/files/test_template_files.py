@@ -9,13 +9,8 @@ from PIL import Image
 
 from thbridge.dialogue.moves import Scenario
 from thbridge.files.errors import BadFile
-from thbridge.files.template_files import (
-    map_times,
-    read_dialogue_text,
-    read_map_times,
-    read_template_set,
-    read_treasures,
-)
+from thbridge.files.map_times import map_times, read_map_times
+from thbridge.files.template_files import read_dialogue_text, read_template_set, read_treasures
 from thbridge.hunt.rooms import CORRIDOR, Room
 
 TEMPLATES = Path(__file__).parents[3] / "templates"

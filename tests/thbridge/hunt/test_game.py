@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from thbridge.files.template_files import read_map_times
+from thbridge.files.map_times import read_map_times
 from thbridge.hunt import rules
 from thbridge.hunt.codec import from_json, to_json
 from thbridge.hunt.costs import CostMatrix

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from thbridge.files.template_files import read_map_times
+from thbridge.files.map_times import read_map_times
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room, all_rooms

@@ -6,8 +6,8 @@ from scipy.stats import spearmanr
 
 from sim.parameters import RobotParameters, WorldParameters
 from thbridge.files.map_files import read_map
+from thbridge.files.map_times import read_map_times
 from thbridge.files.resources import shipped
-from thbridge.files.template_files import read_map_times
 from thbridge.hunt.rooms import Room
 from thbridge.offline.measure import MeasurementSetup, RoomTrip, TripResult, by_pair, drive, trips
 

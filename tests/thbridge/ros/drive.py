@@ -15,17 +15,8 @@ from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
 from sim.world.physics import WorldState
 from sim.world.sensor_noise import SensorNoise
-from thbridge.ros.messages.records import (
-    GameEvent,
-    InitialPose,
-    InputRecord,
-    Record,
-    ScoreRecord,
-    SendRobots,
-    SessionRecord,
-    Success,
-    UtteranceRecord,
-)
+from thbridge.ros.messages.records import InitialPose, Record, SendRobots, Success
+from thbridge.ros.messages.session_records import GameEvent, InputRecord, ScoreRecord, SessionRecord, UtteranceRecord
 
 MOUNT = LaserMount(Pose2(0.1, 0.0, 0.0), -2.0, 4.0 / 180, 181, 0.05, 8.0)
 SCAN_PERIOD = 0.1

@@ -10,7 +10,7 @@ from thbridge.analysis.export.layout import layout_of
 from thbridge.analysis.export.tables import Table, TableRows, TopicTables
 from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages import unpack
-from thbridge.ros.messages.records import SessionRecord
+from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.messages.types import SESSION
 
 EMPTY_MD5 = "d41d8cd98f00b204e9800998ecf8427e"

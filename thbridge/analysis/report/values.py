@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
-from thbridge.ros.messages.records import ScoreRecord, SessionRecord
+from thbridge.ros.messages.session_records import ScoreRecord, SessionRecord
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,7 +24,7 @@ from thbridge.recording.bag import reader as bag_reader
 from thbridge.recording.bag.reader import BagInfo
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
-from thbridge.ros.messages.records import GameEvent
+from thbridge.ros.messages.session_records import GameEvent
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
 from thbridge.ros.names import RobotNames
 from thbridge.ros.publisher import RosMessage

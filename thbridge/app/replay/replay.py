@@ -47,7 +47,7 @@ from thbridge.roles.tabui import TabUI
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.differences import FieldDifference, differences
-from thbridge.ros.messages.records import SessionRecord
+from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
 from thbridge.ros.publisher import RosMessage
 from thbridge.study.robots_from import RobotsFrom

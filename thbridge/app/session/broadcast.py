@@ -5,7 +5,8 @@ from typing import Protocol
 
 from sim.common.grid import OccupancyGrid
 from sim.team import TeamSnapshot
-from thbridge.ros.messages.records import Record, SessionRecord
+from thbridge.ros.messages.records import Record
+from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.publisher import RosMessage, TeamPublisher
 
 

@@ -13,7 +13,7 @@ import msgspec
 import numpy as np
 
 from thbridge.roles.robot_requests import PaceRequest, Request
-from thbridge.ros.messages.records import InputRecord
+from thbridge.ros.messages.session_records import InputRecord
 from thbridge.wire.mavlink.dialect import name_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.outgoing import LinkId

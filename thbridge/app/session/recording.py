@@ -20,16 +20,8 @@ from thbridge.hunt.rooms import Room
 from thbridge.recording.tlog import TlogFile
 from thbridge.roles.keeper.dialogues import MATTERS
 from thbridge.roles.keeper.wizard import WizardState
-from thbridge.ros.messages.records import (
-    GameEvent,
-    GraphRequest,
-    HeldTurns,
-    Record,
-    ScoreRecord,
-    SendRobots,
-    Success,
-    UtteranceRecord,
-)
+from thbridge.ros.messages.records import GraphRequest, Record, SendRobots, Success
+from thbridge.ros.messages.session_records import GameEvent, HeldTurns, ScoreRecord, UtteranceRecord
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.wire import legacy
 from thbridge.wire.mavlink.outgoing import VehicleStatus

@@ -1,11 +1,9 @@
 """A reader of ROS message bytes: little-endian, fields in order, a 32-bit length before strings and arrays."""
 
-import math
 from struct import Struct, error
 
 import numpy as np
-
-from sim.common.geometry import FloatArray, Pose2
+from numpy.typing import NDArray
 
 UINT8 = Struct("<B")
 INT32 = Struct("<i")
@@ -56,7 +54,7 @@ class Cursor:
         (value,) = FLOAT32.unpack(self.take(FLOAT32.size))
         return float(value)
 
-    def reals(self, count: int) -> FloatArray:
+    def reals(self, count: int) -> NDArray[np.float64]:
         """(count,) float64."""
         return np.frombuffer(self.take(8 * count), dtype="<f8").astype(np.float64)
 
@@ -78,9 +76,3 @@ class Cursor:
         """A pose in three dimensions: x, y, z and a quaternion x, y, z, w."""
         x, y, z, qx, qy, qz, qw = POSE.unpack(self.take(POSE.size))
         return x, y, z, qx, qy, qz, qw
-
-    def pose(self) -> Pose2:
-        """A pose, seen from above; its yaw is NaN when its quaternion is."""
-        x, y, _, qx, qy, qz, qw = self.spatial_pose()
-        yaw = math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
-        return Pose2(x, y, yaw if yaw < math.pi else -math.pi)

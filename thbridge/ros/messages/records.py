@@ -9,114 +9,13 @@ from enum import IntEnum
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import Twist
-
-
-@dataclass(frozen=True, slots=True)
-class SessionRecord:
-    """All that is needed to run a session again; the first record of its bag.
-
-    Attributes:
-        study: the resolved study file, YAML.
-        seed: seed of all random numbers; 0 to 2^64 - 1.
-        versions: versions of the programs and libraries, by name.
-        program: the program that was run: "play", or "simr" by itself at a server of another process.
-        roles: the roles that ran inside it, besides the keeper.
-        participant: the participant inside it, for example "person" or "suggestion"; empty when there was none.
-    """
-
-    study: str
-    seed: int
-    versions: dict[str, str]
-    program: str
-    roles: tuple[str, ...]
-    participant: str
-
-
-@dataclass(frozen=True, slots=True)
-class GameEvent:
-    """An event of the game.
-
-    Attributes:
-        kind: one word, for example "arrived".
-        robot: the robot it concerns, or None.
-        room: the room it concerns, or None.
-        json: the whole event.
-    """
-
-    kind: str
-    robot: int | None
-    room: int | None
-    json: str
-
-
-@dataclass(frozen=True, slots=True)
-class ScoreRecord:
-    """Score, rooms and energy of a game; recorded whenever one of them changes.
-
-    Attributes:
-        score: points so far.
-        visited: rooms visited.
-        rooms: rooms there are.
-        energy: the energy left of each robot, in the game's units.
-    """
-
-    score: int
-    visited: int
-    rooms: int
-    energy: tuple[float, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class UtteranceRecord:
-    """One utterance of a dialogue.
-
-    Attributes:
-        dialogue: number of the dialogue.
-        speaker: "robot" or "human".
-        robot: the robot that speaks or is addressed.
-        room: the room it is about, or None.
-        scenario: for example "select-room".
-        text: the sentence.
-        move: the dialogue move that it makes, for example "continue".
-        author: who chose it: "robot" (its strategy), "person", or "wizard" (a person in the robot's place).
-    """
-
-    dialogue: int
-    speaker: str
-    robot: int
-    room: int | None
-    scenario: str
-    text: str
-    move: str
-    author: str
-
-
-@dataclass(frozen=True, slots=True)
-class HeldTurns:
-    """Robots' turns that wait for the wizard, a person in their place; recorded whenever they change.
-
-    Attributes:
-        json: all waiting turns.
-    """
-
-    json: str
-
-
-@dataclass(frozen=True, slots=True)
-class InputRecord:
-    """An input that came into a session from outside, exactly as it came; recorded before its effects.
-
-    Attributes:
-        kind: one word, for example "received" or "asked".
-        sender: the program, connection or window it came from; empty for the clock.
-        line: the input as one line for people.
-        json: the whole input.
-    """
-
-    kind: str
-    sender: str
-    line: str
-    json: str
+from thbridge.ros.messages.session_records import (
+    GameEvent,
+    HeldTurns,
+    InputRecord,
+    ScoreRecord,
+    UtteranceRecord,
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from thbridge.files.map_files import MapRoom
 from thbridge.ros import names
 from thbridge.ros.messages import unpack
-from thbridge.ros.messages.records import SessionRecord
+from thbridge.ros.messages.session_records import SessionRecord
 from ui.model.watching.decode_cache import DecodeCache
 from ui.model.watching.frames import HORIZON_NS, children_of
 from ui.model.watching.messages import TF_TYPES, WatchedMessage

@@ -12,7 +12,7 @@ from thbridge.files.map_files import MapRoom
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.pack import DiagnosticStatus
-from thbridge.ros.messages.records import ScoreRecord
+from thbridge.ros.messages.session_records import ScoreRecord
 from thbridge.ros.robots import usual_first
 from ui.model.scene import RoomMark
 from ui.model.watching.decode_cache import DecodeCache

@@ -10,7 +10,8 @@ from thbridge.hunt.events import Commander
 from thbridge.hunt.rules import robot_name
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
-from thbridge.ros.messages.records import GameEvent, LogLevel
+from thbridge.ros.messages.records import LogLevel
+from thbridge.ros.messages.session_records import GameEvent
 from ui.model.scene import RoomState
 from ui.model.watching.messages import WatchedMessage
 from ui.model.watching.scene import Entry, EntryKind

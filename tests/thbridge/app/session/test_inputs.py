@@ -31,7 +31,7 @@ from thbridge.app.session.inputs import (
 )
 from thbridge.roles.robot_requests import Request
 from thbridge.ros.messages import pack, unpack
-from thbridge.ros.messages.records import InputRecord
+from thbridge.ros.messages.session_records import InputRecord
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.text import TextMessage, tokens
 

@@ -7,7 +7,7 @@ from tests.thbridge.ros.drive import snapshots
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import TickRecord
 from thbridge.roles.keeper.wizard import WizardState
-from thbridge.ros.messages.records import GameEvent
+from thbridge.ros.messages.session_records import GameEvent
 
 CRATE = ThingState(Thing("crate", ((0.1, 0.1), (-0.1, 0.1), (0.0, -0.1)), Pose2(1.0, 2.0, 0.0)))
 

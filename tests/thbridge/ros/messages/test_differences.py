@@ -8,7 +8,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from thbridge.ros.messages import pack, types
 from thbridge.ros.messages.differences import MOST, FieldDifference, differences
-from thbridge.ros.messages.records import GameEvent, ScoreRecord
+from thbridge.ros.messages.session_records import GameEvent, ScoreRecord
 
 
 def odometry(x: float) -> bytes:

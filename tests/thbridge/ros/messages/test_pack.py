@@ -15,7 +15,8 @@ from tests.thbridge.ros.drive import MOUNT, SESSION, arena
 from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.goal_status import GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.messages.pack import DiagnosticLevel, DiagnosticStatus, Transform
-from thbridge.ros.messages.records import GameEvent, InputRecord, LogLevel, LogLine, ScoreRecord, UtteranceRecord
+from thbridge.ros.messages.records import LogLevel, LogLine
+from thbridge.ros.messages.session_records import GameEvent, InputRecord, ScoreRecord, UtteranceRecord
 
 TICKS = st.integers(0, 50 * 86400)
 REALS = st.floats(-1e6, 1e6)

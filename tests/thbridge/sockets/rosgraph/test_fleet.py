@@ -21,7 +21,8 @@ from thbridge.recording.real_robots import FleetRecorder
 from thbridge.ros import names
 from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, GoalStatusCode
-from thbridge.ros.messages.records import InputRecord, SendRobots, SessionRecord
+from thbridge.ros.messages.records import SendRobots
+from thbridge.ros.messages.session_records import InputRecord, SessionRecord
 from thbridge.ros.remote import RemoteNames, RemoteRobot
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.rosgraph.fleet import CALLER, Fleet

@@ -3,7 +3,8 @@ import json
 from tests.ui.model.watching.messages import StampedMessage
 from thbridge.ros import names
 from thbridge.ros.messages import pack, types
-from thbridge.ros.messages.records import GameEvent, LogLevel, LogLine
+from thbridge.ros.messages.records import LogLevel, LogLine
+from thbridge.ros.messages.session_records import GameEvent
 from ui.model.watching.session_log import MAX_ENTRIES, RoomStatus, SessionLog
 
 

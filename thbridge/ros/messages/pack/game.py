@@ -6,7 +6,7 @@ from struct import Struct
 import numpy as np
 
 from thbridge.ros.messages.pack.fields import UINT32, header, string
-from thbridge.ros.messages.records import GameEvent, InputRecord, ScoreRecord, SessionRecord, UtteranceRecord
+from thbridge.ros.messages.session_records import GameEvent, InputRecord, ScoreRecord, SessionRecord, UtteranceRecord
 
 _GAME_EVENT = Struct("<ii")
 _SCORE = Struct("<iII")

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from sim.common.geometry import Pose2
 from thbridge.ros.messages.cursor import UINT8, UINT32, Cursor
 from thbridge.ros.messages.goal_status import GoalId, GoalStatus, GoalStatusCode
+from thbridge.ros.messages.unpack.poses import read_pose
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +33,7 @@ def move_base_goal(data: bytes) -> MoveBaseGoal:
     cursor.stamp()
     goal_id = cursor.string()
     _, frame = cursor.header()
-    return MoveBaseGoal(goal_id, frame, cursor.pose())
+    return MoveBaseGoal(goal_id, frame, read_pose(cursor))
 
 
 def move_base_result(data: bytes) -> MoveBaseResult:
@@ -68,7 +69,7 @@ def move_base_feedback(data: bytes) -> tuple[GoalStatus, str, Pose2]:
     cursor.header()
     status = _status(cursor)
     _, frame = cursor.header()
-    return status, frame, cursor.pose()
+    return status, frame, read_pose(cursor)
 
 
 def _goal_id(cursor: Cursor) -> GoalId:

@@ -10,6 +10,7 @@ from sim.common.grid import OccupancyGrid
 from sim.common.observations import Twist
 from thbridge.ros.messages.cursor import FLOAT32, INT32, UINT32, Cursor
 from thbridge.ros.messages.pack import ADD, Transform
+from thbridge.ros.messages.unpack.poses import read_pose
 
 _COVARIANCE = 36
 _HEAD = 16
@@ -95,7 +96,7 @@ def odometry(data: bytes) -> OdometryMessage:
     """nav_msgs/Odometry."""
     cursor = Cursor(data)
     stamp_ns, frame = cursor.header()
-    child_frame, pose = cursor.string(), cursor.pose()
+    child_frame, pose = cursor.string(), read_pose(cursor)
     cursor.reals(_COVARIANCE)
     return OdometryMessage(stamp_ns, frame, child_frame, pose, _twist(cursor))
 
@@ -116,7 +117,7 @@ def transforms(data: bytes) -> list[tuple[int, Transform]]:
     entries = []
     for _ in range(cursor.integer(UINT32)):
         stamp_ns, parent = cursor.header()
-        entries.append((stamp_ns, Transform(parent, cursor.string(), cursor.pose())))
+        entries.append((stamp_ns, Transform(parent, cursor.string(), read_pose(cursor))))
     return entries
 
 
@@ -145,7 +146,7 @@ def pose_with_covariance(data: bytes) -> PoseInFrame:
     """geometry_msgs/PoseWithCovarianceStamped."""
     cursor = Cursor(data)
     stamp_ns, frame = cursor.header()
-    pose = cursor.pose()
+    pose = read_pose(cursor)
     return PoseInFrame(stamp_ns, frame, pose, cursor.reals(_COVARIANCE).reshape(6, 6)[np.ix_(_PLANAR, _PLANAR)])
 
 
@@ -173,7 +174,7 @@ def pose_stamped(data: bytes) -> PoseInFrame:
     """geometry_msgs/PoseStamped."""
     cursor = Cursor(data)
     stamp_ns, frame = cursor.header()
-    return PoseInFrame(stamp_ns, frame, cursor.pose(), np.full((3, 3), np.nan))
+    return PoseInFrame(stamp_ns, frame, read_pose(cursor), np.full((3, 3), np.nan))
 
 
 def occupancy_grid(data: bytes) -> OccupancyGrid:
@@ -183,7 +184,7 @@ def occupancy_grid(data: bytes) -> OccupancyGrid:
     cursor.stamp()
     resolution = round(cursor.real(), 6)  # a float32 of 0.05 is not 0.05, and grids are placed by it
     cols, rows = cursor.integer(UINT32), cursor.integer(UINT32)
-    origin = cursor.pose()
+    origin = read_pose(cursor)
     cells: NDArray[np.int8] = np.frombuffer(cursor.take(cursor.integer(UINT32)), dtype=np.int8)
     if cells.size != rows * cols:
         raise ValueError(f"a map of {rows} x {cols} cells has {cells.size} of them")
@@ -199,7 +200,7 @@ def outlines(data: bytes) -> list[tuple[str, FloatArray]]:
         name = cursor.string()
         cursor.take(2 * INT32.size)
         action = cursor.integer(INT32)
-        pose = cursor.pose()
+        pose = read_pose(cursor)
         cursor.take(_MARKER_REST)
         points = cursor.reals(3 * cursor.integer(UINT32)).reshape(-1, 3)[:, :2]
         cursor.take(4 * FLOAT32.size * cursor.integer(UINT32))
@@ -230,7 +231,7 @@ def path(data: bytes) -> FloatArray:
     poses = np.empty((count, 3))
     for row in poses:
         cursor.header()
-        row[:] = cursor.pose().array()
+        row[:] = read_pose(cursor).array()
     return poses
 
 

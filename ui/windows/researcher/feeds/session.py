@@ -8,7 +8,7 @@ from pathlib import Path
 from thbridge.app.session.watch_requests import request_line
 from thbridge.files.map_files import MapRoom
 from thbridge.roles.robot_requests import Pause, Resume, SetRate, Step
-from thbridge.ros.messages.records import SessionRecord
+from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.names import MAP_FRAME
 from thbridge.sockets.text_client import ConnectionLost, LossReason
 from thbridge.sockets.watch_client import WatchClient, WatchConnected

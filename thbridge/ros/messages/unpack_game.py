@@ -5,7 +5,7 @@ import json
 import numpy as np
 
 from thbridge.ros.messages.cursor import INT32, INT64, UINT32, UINT64, Cursor
-from thbridge.ros.messages.records import GameEvent, InputRecord, ScoreRecord, SessionRecord, UtteranceRecord
+from thbridge.ros.messages.session_records import GameEvent, InputRecord, ScoreRecord, SessionRecord, UtteranceRecord
 
 
 def session(data: bytes) -> SessionRecord:

@@ -1,0 +1,37 @@
+"""The summary that `thbridge bag info` shows."""
+
+from thbridge.analysis.summary import RecordingSummary
+from ui.terminal import say
+
+
+def show_summary(found: RecordingSummary) -> None:
+    """Print what is in a bag."""
+    files = f" in {len(found.parts)} files" if len(found.parts) > 1 else ""
+    say(f"{found.path}: {found.duration:.1f} s, {found.messages} messages, {found.size / 1e6:.1f} MB{files}")
+    say(f"compression: {found.compression}")
+    if found.session is not None:
+        versions = ", ".join(f"{name} {version}" for name, version in found.session.versions.items())
+        say(f"a session of ours, seed {found.session.seed}: {versions}")
+    rows = [("topic", "messages", "Hz", "from", "to", "", "type", "md5", "published by")]
+    for topic in found.topics:
+        rate = "" if topic.hertz is None else f"{topic.hertz:.1f}"
+        latched = "latched" if topic.latched else ""
+        times = (_seconds(topic.start_ns, found.start_ns), _seconds(topic.end_ns, found.start_ns))
+        callers = ", ".join(topic.callers)
+        rows.append((topic.name, str(topic.messages), rate, *times, latched, topic.msgtype, topic.md5, callers))
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    for row in rows:
+        # Names to the left, figures to the right.
+        cells = (f"{cell:{'>' if 1 <= column <= 4 else '<'}{widths[column]}}" for column, cell in enumerate(row))
+        say("  ".join(cells).rstrip())
+    for topic in found.topics:
+        if not topic.latched and topic.gaps:
+            longest = topic.gaps[0]
+            number = f"{len(topic.gaps)} gap{'s' if len(topic.gaps) > 1 else ''}"
+            since = _seconds(longest.start_ns, found.start_ns)
+            say(f"{topic.name}: {number}, the longest {longest.seconds:.1f} s, from {since} s on")
+
+
+def _seconds(stamp_ns: int | None, start_ns: int | None) -> str:
+    """Time of a stamp, in seconds from the recording's beginning."""
+    return "" if stamp_ns is None or start_ns is None else f"{(stamp_ns - start_ns) / 1e9:.1f}"
