@@ -1,9 +1,35 @@
 """Places of the files that commands write."""
 
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from thbridge.recording.recordings import make_room, try_place
 from ui.terminal import BAD_INPUT, fail, note
+
+STANDARD_OUTPUT = Path("-")
+
+
+@contextmanager
+def destination(path: Path, suffix: str = "") -> Iterator[Path]:
+    """The file to write; for `-` a temporary one, which goes to standard output once it is complete."""
+    if path != STANDARD_OUTPUT:
+        yield path
+        return
+    with TemporaryDirectory(prefix="thbridge-") as folder:
+        file = Path(folder) / f"output{suffix}"
+        yield file
+        sys.stdout.flush()
+        sys.stdout.buffer.write(file.read_bytes())
+        sys.stdout.buffer.flush()
+
+
+def share_no_output(path: Path | None, as_json: bool) -> None:
+    """Check that a file on standard output is alone there."""
+    if path == STANDARD_OUTPUT and as_json:
+        fail(BAD_INPUT, "--json: standard output is for the file already. Leave the option out, or name a file.")
 
 
 def make_ready(bag: Path, option: str = "--bag") -> None:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from thbridge.files.errors import BadFile
 from thbridge.files.map_files import read_grid
+from ui.outputs import STANDARD_OUTPUT, destination
 from ui.terminal import note
 
 
@@ -20,8 +21,10 @@ def write_report(bag: Path, page: Path, map_yaml: Path | None = None) -> None:
         raise BadFile(page, None, None, "this is the bag itself", "choose another file by --to")
     html = build_report(bag, None if map_yaml is None else read_grid(map_yaml))
     try:
-        page.write_text(html, encoding="utf-8")
+        with destination(page) as file:
+            file.write_text(html, encoding="utf-8")
     except OSError as error:
         problem = f"it cannot be written ({error.strerror})"
         raise BadFile(page, None, None, problem, "choose another file by --to") from None
-    note(f"Report: {page}")
+    if page != STANDARD_OUTPUT:
+        note(f"Report: {page}")

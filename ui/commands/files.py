@@ -8,6 +8,7 @@ import typer
 
 from ui.commands.group import CommandGroup
 from ui.options import AsJson
+from ui.outputs import STANDARD_OUTPUT
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
 
 maps_app = typer.Typer(
@@ -57,7 +58,9 @@ def suggest(
 
 def report(
     bag: Annotated[Path, typer.Argument(help="A ROS 1 bag.")],
-    to: Annotated[Path | None, typer.Option("--to", help="The page; by default beside the bag.")] = None,
+    to: Annotated[
+        Path | None, typer.Option("--to", help="The page; by default beside the bag. `-` is standard output.")
+    ] = None,
     map_yaml: Annotated[
         Path | None, typer.Option("--map", help="The map, a map_server YAML file; by default the bag's own.")
     ] = None,
@@ -102,10 +105,15 @@ def maps_list() -> None:
 
 
 @study_app.command("init")
-def study_init(file: Annotated[Path, typer.Argument(help="The file to write; must not exist.")]) -> None:
+def study_init(
+    file: Annotated[Path, typer.Argument(help="The file to write; must not exist. `-` is standard output.")],
+) -> None:
     """Write a study file with every key at its default, commented."""
     from thbridge.study.text import commented_study
 
+    if file == STANDARD_OUTPUT:
+        print(commented_study(), end="")  # noqa: T201 - this is what was asked for
+        return
     try:
         with file.open("x", encoding="utf-8") as opened:
             opened.write(commented_study())

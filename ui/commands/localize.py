@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from ui.options import AsJson
+from ui.outputs import STANDARD_OUTPUT, destination, share_no_output
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
 
 Triple = tuple[float, float, float]
@@ -33,7 +34,10 @@ def localize_command(
         Triple | None, typer.Option(help="Where the laser sits on the base; by default as tf says.", metavar="X Y YAW")
     ] = None,
     seed: Annotated[int, typer.Option(help="All chance is keyed by it.", min=0, max=2**31 - 1)] = 1,
-    to: Annotated[Path | None, typer.Option("--out", help="Write a TUM trajectory, one line for each update.")] = None,
+    to: Annotated[
+        Path | None,
+        typer.Option("--out", help="Write a TUM trajectory, one line for each update; `-` is standard output."),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Localise a robot after the fact (AMCL): where was it in a map, by the scans and the odometry of a bag."""
@@ -45,6 +49,7 @@ def localize_command(
     from ui.actions.localize import localized_as_json, pose_in, run_localization, show_localized, write_trajectory
     from ui.first_start import announce_compiling
 
+    share_no_output(to, as_json)
     if (initial_pose is None) == (not anywhere):
         fail(
             BAD_INPUT,
@@ -67,9 +72,9 @@ def localize_command(
     if isinstance(result, RequestRefused):
         fail(FAILED, result.sentence)
     if to is not None:
-        with bad_input():
-            write_trajectory(to, result)
+        with bad_input(), destination(to) as file:
+            write_trajectory(file, result)
     if as_json:
         print_json(localized_as_json(recording, result, notices))
-    else:
+    elif to != STANDARD_OUTPUT:
         show_localized(recording, result)

@@ -9,6 +9,7 @@ from typing import Annotated, TextIO
 import typer
 
 from ui.options import AsJson
+from ui.outputs import STANDARD_OUTPUT, share_no_output
 from ui.terminal import BAD_INPUT, FAILED, fail, note, print_json
 
 
@@ -16,7 +17,10 @@ def maps_measure(
     name: Annotated[str, typer.Argument(help="Name of a map, or the path of its folder.")],
     runs: Annotated[int, typer.Option(help="Trips from each place to each room; their mean counts.", min=1)] = 3,
     to: Annotated[
-        Path | None, typer.Option("--out", help="The mapTimes file to write; must not exist. Without it, only shown.")
+        Path | None,
+        typer.Option(
+            "--out", help="The mapTimes file to write; must not exist. `-` is standard output. Without it, only shown."
+        ),
     ] = None,
     study_file: Annotated[
         Path | None, typer.Option("--study", help="Study file; its `world` and `robot` drive.")
@@ -34,6 +38,7 @@ def maps_measure(
     from ui.first_start import announce_compiling
     from ui.settings import setting_of, study_of
 
+    share_no_output(to, as_json)
     place_name = str(Path(name).resolve()) if "/" in name or Path(name).is_dir() else name
     setting = setting_of(study_of(study_file, {"map": place_name, "robots": 1, "seed": seed}), study_file)
     study, place = setting.study, setting.map
@@ -48,9 +53,9 @@ def maps_measure(
     if as_json:
         told = None if to is None else str(to)
         print_json({"map": place.name, "runs": runs, "file": told, "trips": [times_as_json(pair) for pair in times]})
-    else:
+    elif to != STANDARD_OUTPUT:
         show_times(times, f"{place.name}: mean seconds of {runs} trips each")
-    if to is not None:
+    if to is not None and to != STANDARD_OUTPUT:
         note(f"Wrote {to}. Put it into the map's folder as mapTimes, or name it by `game: costs:` in a study.")
     if any(pair.mean is None for pair in times):
         raise typer.Exit(FAILED)
@@ -61,6 +66,9 @@ def _file(path: Path | None) -> Iterator[Callable[[str], None]]:
     """See that the file can be written before hours of driving, and leave no empty one behind when they are cut off."""
     if path is None:
         yield lambda text: None
+        return
+    if path == STANDARD_OUTPUT:
+        yield lambda text: print(text, end="")  # noqa: T201 - this is what was asked for
         return
     try:
         file = path.open("x", encoding="ascii")

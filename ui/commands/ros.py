@@ -9,6 +9,7 @@ from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_PORT, ListeningAddr
 from thbridge.sockets.errors import CannotListen
 from ui.commands.group import CommandGroup
 from ui.options import MapName, Robots, StudyFile
+from ui.outputs import STANDARD_OUTPUT
 from ui.terminal import BAD_INPUT, bad_input, fail, note
 
 ros_app = typer.Typer(
@@ -54,7 +55,9 @@ def ros_rviz(
     study_file: StudyFile = None,
     robots: Robots = None,
     map_name: MapName = None,
-    to: Annotated[Path | None, typer.Option("--to", help="The file; by default standard output.")] = None,
+    to: Annotated[
+        Path | None, typer.Option("--to", help="The file; by default, and with `-`, standard output.")
+    ] = None,
 ) -> None:
     """Write a configuration of rviz that shows a study's whole team; open it by `rviz -d FILE`."""
     from thbridge.ros.rviz import configuration
@@ -63,7 +66,7 @@ def ros_rviz(
     study = study_of(study_file, {"robots": robots, "map": map_name})
     setting = setting_of(study, study_file)
     text = configuration([setting.study.software(number) for number in range(1, study.robots + 1)], setting.map.grid)
-    if to is None:
+    if to is None or to == STANDARD_OUTPUT:
         print(text, end="")  # noqa: T201 - this is what was asked for
         return
     try:

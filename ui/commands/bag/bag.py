@@ -11,6 +11,7 @@ from thbridge.recording.bag.options import Compression
 from thbridge.recording.recordings import parts_of
 from ui.commands.group import CommandGroup
 from ui.options import AsJson
+from ui.outputs import STANDARD_OUTPUT, destination, share_no_output
 from ui.terminal import FAILED, bad_input, print_json, say
 
 bag_app = typer.Typer(
@@ -23,7 +24,9 @@ bag_app = typer.Typer(
 Bag = Annotated[Path, typer.Argument(help="A ROS 1 bag, or the name of a split one.")]
 
 
-Out = Annotated[Path | None, typer.Option("--to", help="The new file; by default beside the bag.")]
+Out = Annotated[
+    Path | None, typer.Option("--to", help="The new file; by default beside the bag. `-` is standard output.")
+]
 
 
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace a file of that name.")]
@@ -105,13 +108,14 @@ def bag_cut_command(
 
     from thbridge.analysis.cut import CutRange, cut
 
+    share_no_output(new, as_json)
     names = None if topics is None else tuple(name.strip() for name in topics.split(","))
     piece = CutRange(start, math.inf if end is None else end, names, compression)
-    with bad_input():
-        done = cut(bag, piece, new or bag.with_name(f"{bag.stem}-cut.bag"), overwrite)
+    with bad_input(), destination(new or bag.with_name(f"{bag.stem}-cut.bag"), ".bag") as file:
+        done = cut(bag, piece, file, overwrite)
     if as_json:
         print_json(msgspec.to_builtins(done, enc_hook=str))
-    else:
+    elif new != STANDARD_OUTPUT:
         carried = f", {done.carried} of them latched before" if done.carried else ""
         say(f"Cut {done.messages} messages into {done.path}{carried}.")
 
@@ -127,12 +131,12 @@ def bag_to_mcap_command(
     """Convert a bag to MCAP, for Foxglove."""
     import msgspec
 
-    # A tenth of a second of imports that no other command needs.
     from thbridge.analysis.to_mcap import to_mcap
 
-    with bad_input():
-        done = to_mcap(bag, new or bag.with_suffix(".mcap"), compression, overwrite)
+    share_no_output(new, as_json)
+    with bad_input(), destination(new or bag.with_suffix(".mcap"), ".mcap") as file:
+        done = to_mcap(bag, file, compression, overwrite)
     if as_json:
         print_json(msgspec.to_builtins(done, enc_hook=str))
-    else:
+    elif new != STANDARD_OUTPUT:
         say(f"Wrote {done.messages} messages to {done.path}.")

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from thbridge.files.errors import BadFile, reason_of
+from ui.outputs import STANDARD_OUTPUT, destination
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note
 
 
@@ -31,7 +32,10 @@ class FigureWidth(StrEnum):
 def bag_plot(
     bag: Annotated[Path, typer.Argument(help="A ROS 1 bag, or the name of a split one.")],
     what: Annotated[FigureChoice, typer.Option(help="What to plot.")],
-    to: Annotated[Path, typer.Option("--to", help="The figure: a .png, .svg or .pdf.", metavar="FILE")],
+    to: Annotated[
+        Path,
+        typer.Option("--to", help="The figure: a .png, .svg or .pdf. `-` is standard output, as SVG.", metavar="FILE"),
+    ],
     width: Annotated[
         FigureWidth, typer.Option(help="Columns of a page: `one` is 88 mm, `two` are 183 mm.")
     ] = FigureWidth.TWO,
@@ -40,7 +44,6 @@ def bag_plot(
     ] = None,
 ) -> None:
     """Plot a bag for print: paths, errors, covariance, energy, speeds, or what happened when."""
-    # Half a second of imports that no other command needs.
     from thbridge.analysis.plot.figures import FigureKind, draw
     from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat
     from thbridge.analysis.report.gathering import read_report
@@ -48,7 +51,7 @@ def bag_plot(
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.recording.bag.reader import messages
 
-    kind = to.suffix.lower().removeprefix(".")
+    kind = "svg" if to == STANDARD_OUTPUT else to.suffix.lower().removeprefix(".")
     if kind not in set(FigureFormat):
         fail(BAD_INPUT, f"--to: {to} is no figure. Give a file name that ends in .png, .svg or .pdf.")
     look = ONE_COLUMN if width is FigureWidth.ONE else TWO_COLUMNS
@@ -58,11 +61,12 @@ def bag_plot(
     drawn = draw(FigureKind(what), report, look)
     if isinstance(drawn, RequestRefused):
         fail(FAILED, f"{bag}: {drawn.sentence}")
-    with bad_input():
-        _write(to, look.rendered(drawn, FigureFormat(kind)))
+    with bad_input(), destination(to) as file:
+        _write(file, look.rendered(drawn, FigureFormat(kind)))
     for track in report.tracks:
         note(f"{track.name}: {'; '.join(track.sources)}.")
-    note(f"Figure: {to}")
+    if to != STANDARD_OUTPUT:
+        note(f"Figure: {to}")
 
 
 def _write(to: Path, data: bytes) -> None:
