@@ -38,8 +38,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import cached_property
 from typing import NewType, TypeAlias
 
+from thbridge.wire import legacy
 from thbridge.wire.notice import SERVER, UNDELIVERED, is_notice, notice
 from thbridge.wire.text import (
     EXTENDED,
@@ -48,6 +50,7 @@ from thbridge.wire.text import (
     OverlongLine,
     TextCommand,
     TextMessage,
+    UnreadableText,
     encode_line,
     parse_tokens,
     tokens,
@@ -116,7 +119,7 @@ class CloseConnection:
     reason: CloseReason
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Forwarded:
     """Message that was passed on, or could not be: for taps and recorders.
 
@@ -129,6 +132,11 @@ class Forwarded:
     message: TextMessage
     delivered: bool
     sender_extended: bool
+
+    @cached_property
+    def legacy_value(self) -> legacy.LegacyValue | UnreadableText:
+        """The message's value in the dialect of 2016; decoded once for all taps and recorders."""
+        return legacy.decode(self.message)
 
 
 @dataclass(frozen=True, slots=True)

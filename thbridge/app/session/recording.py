@@ -149,7 +149,7 @@ def _befell(kind: str, robot: int) -> GameEvent:
 
 def _lines(forwarded: Forwarded) -> Iterator[Record]:
     message = forwarded.message
-    match legacy.decode(message):
+    match forwarded.legacy_value:
         case legacy.GotoRoom() if message.receiver == legacy.SIMR:
             yield SendRobots(message.line())
         case legacy.RoomReached() if message.sender == legacy.SIMR:

@@ -145,11 +145,11 @@ class Keeper:
             if self.state is not None:
                 # Programs of 2016 hold their dialogues internally: no consent of theirs is visible here.
                 ours = item.sender_extended and item.message.sender in self._participants
-                kind = request_kind(item.message)
+                kind = request_kind(item)
                 if ours and kind is not None and self._must_agree(self.state):
                     self._game.refuse(kind, _BEFORE_AGREEING)
                     continue
-                reply = self._legacy_lines.handle(self.state, item.message, needs_consent=ours)
+                reply = self._legacy_lines.handle(self.state, item, needs_consent=ours)
                 if reply is not None:
                     self._send(legacy.HIDER, Reply(reply.command, reply.text))
 

@@ -13,6 +13,7 @@ from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.open_game import KeeperReason, OpenGame
 from thbridge.roles.view import DialogueMatter, Identify, SendRobot, Sense, TakePicture
 from thbridge.wire import legacy
+from thbridge.wire.router import Forwarded
 from thbridge.wire.text import TextMessage
 
 _WISHES: Mapping[type, str] = {
@@ -23,9 +24,9 @@ _WISHES: Mapping[type, str] = {
 }
 
 
-def request_kind(message: TextMessage) -> str | None:
+def request_kind(line: Forwarded) -> str | None:
     """Return the kind of the request in a line of 2016; None when it holds none."""
-    return _WISHES.get(type(legacy.decode(message)))
+    return _WISHES.get(type(line.legacy_value))
 
 
 class LegacyLines:
@@ -40,19 +41,19 @@ class LegacyLines:
         # An identification whose points a Hider of 2016 has not sent yet: the game's number, the room, the name.
         self._named: tuple[int, Room, str] | None = None
 
-    def handle(self, state: GameState, message: TextMessage, *, needs_consent: bool) -> TextMessage | None:
+    def handle(self, state: GameState, line: Forwarded, *, needs_consent: bool) -> TextMessage | None:
         """Handle a line that was forwarded.
 
         Args:
             state: of the game.
-            message: the line.
+            line: the line.
             needs_consent: True when the sender holds its dialogues with this keeper, and so needs an agreement.
 
         Returns:
             The message that a Hider of ours shall send to the participant now, or None.
         """
-        game = self._game
-        match legacy.decode(message):
+        game, message = self._game, line.message
+        match line.legacy_value:
             case legacy.GotoRoom(robot, room) if message.receiver == legacy.SIMR:
                 self._send(state, robot, Room.of_wire(room), needs_consent)
             case legacy.RoomReached(robot, room) if message.sender == legacy.SIMR:
