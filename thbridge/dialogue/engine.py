@@ -150,7 +150,7 @@ class Engine:
         return tuple(Choice(move, self.phrasing.say(dialogue, move)) for move in self.protocol.legal(dialogue))
 
     def utterances(self, dialogue: Dialogue) -> tuple[DialogueUtterance, ...]:
-        """Return all utterances of a dialogue so far, e.g. to show a restored one again."""
+        """Return all utterances of a dialogue so far."""
         so_far = Dialogue(dialogue.number, dialogue.topic)
         utterances: list[DialogueUtterance] = []
         for turn in dialogue.turns:

@@ -1,7 +1,7 @@
 """Values of a dialogue: topic, moves, turns, utterances.
 
 A dialogue's public record (`Dialogue`) is its topic and its moves. Everything else (turn, legal moves, sentences,
-outcome) is computed from the record, so the record alone is saved and restored.
+outcome) is computed from the record.
 
 A new kind of dialogue (arguments, for example) adds its moves to `Move`, and a protocol and a strategy for them.
 """

@@ -1,7 +1,6 @@
 """Energy costs of moves between rooms."""
 
 import math
-from dataclasses import dataclass
 
 from thbridge.hunt.rooms import Room, all_rooms
 
@@ -9,13 +8,13 @@ NOT_A_MOVE = 99.0
 """Number in a cost file that stands for no move."""
 
 
-@dataclass(frozen=True, slots=True)
 class CostMatrix:
     """Energy from every place to every place: mean travel time in seconds, which the game takes as energy.
 
-    Not symmetric. Staying is never a move, nor is going to the corridor unless a cost is given for it.
+    Not symmetric. Staying is never a move, nor is going to the corridor unless a cost is given for it. No dataclass,
+    for the reason given at `Room`.
 
-    Attributes:
+    Args:
         rows: `rows[start][goal]`, indexed by the number people use (0 is the corridor); infinite where there is no
             move. Square, at least 2 x 2, every entry non-negative and not NaN.
 
@@ -23,15 +22,16 @@ class CostMatrix:
         ValueError: the rows are not such a matrix.
     """
 
-    rows: tuple[tuple[float, ...], ...]
+    __slots__ = ("_rows",)
 
-    def __post_init__(self) -> None:
-        size = len(self.rows)
-        if size < 2 or any(len(row) != size for row in self.rows):
+    def __init__(self, rows: tuple[tuple[float, ...], ...]) -> None:
+        size = len(rows)
+        if size < 2 or any(len(row) != size for row in rows):
             raise ValueError("a cost matrix is square and has at least the corridor and one room")
         # Written as a negation so that NaN, which compares false with everything, is refused too.
-        if any(not cost >= 0.0 for row in self.rows for cost in row):
+        if any(not cost >= 0.0 for row in rows for cost in row):
             raise ValueError("a cost is a number that is not negative")
+        self._rows = rows
 
     @classmethod
     def of_map_times(cls, rows: tuple[tuple[float, ...], ...]) -> "CostMatrix":
@@ -51,6 +51,11 @@ class CostMatrix:
         )
 
     @property
+    def rows(self) -> tuple[tuple[float, ...], ...]:
+        """The rows, as given."""
+        return self._rows
+
+    @property
     def rooms(self) -> tuple[Room, ...]:
         """The rooms of the matrix, without the corridor."""
         return all_rooms(len(self.rows) - 1)
@@ -61,7 +66,16 @@ class CostMatrix:
 
     def cost(self, start: Room, goal: Room) -> float:
         """Return the energy from `start` to `goal`; infinite without a move. Raises IndexError for unknown places."""
-        return self.rows[start.people][goal.people]
+        return self._rows[start.people][goal.people]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, CostMatrix) and self._rows == other._rows
+
+    def __hash__(self) -> int:
+        return hash(self._rows)
+
+    def __repr__(self) -> str:
+        return f"CostMatrix({self._rows})"
 
 
 def energy_text(energy: float) -> str:

@@ -1,11 +1,17 @@
 """Events of a game. A game is fully described by its events, in order."""
 
-from dataclasses import dataclass
+import sys
 from enum import StrEnum
+from typing import Annotated, TypeAlias
+
+import msgspec
 
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
+
+Number: TypeAlias = Annotated[float, msgspec.Meta(ge=-sys.float_info.max, le=sys.float_info.max)]
+"""A finite number."""
 
 
 class EndReason(StrEnum):
@@ -39,8 +45,11 @@ class Commander(StrEnum):
     RESEARCHER = "researcher"
 
 
-@dataclass(frozen=True, slots=True)
-class Started:
+class _Event(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="event"):
+    """Base of the events; the tag of each is its kind in journals and recordings."""
+
+
+class Started(_Event, frozen=True, tag="started"):
     """A new game: its rules and its numbers. Every robot stands in the corridor.
 
     Attributes:
@@ -60,10 +69,10 @@ class Started:
     seed: int
     game: int
     robots: int
-    energy: float
-    picture_cost: float
-    identify_cost: float
-    wrong_share: float
+    energy: Number
+    picture_cost: Number
+    identify_cost: Number
+    wrong_share: Number
     costs: CostMatrix
 
     def __post_init__(self) -> None:
@@ -74,37 +83,32 @@ class Started:
             raise ValueError("energy, costs and the share of a wrong answer are numbers that are not negative")
 
 
-@dataclass(frozen=True, slots=True)
-class Hidden:
+class Hidden(_Event, frozen=True, tag="hidden"):
     """The treasures were hidden, one per room, room 1 first. Never shown to the participant."""
 
     treasures: tuple[TreasureKind, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Agreed:
+class Agreed(_Event, frozen=True, tag="agreed"):
     """The participant agreed to take part in the study. Recorded again in each later game of the same keeper."""
 
 
-@dataclass(frozen=True, slots=True)
-class Departed:
+class Departed(_Event, frozen=True, tag="departed"):
     """A robot set out for a room, which is reserved from now on; its energy is paid in advance."""
 
     robot: int
     room: Room
-    cost: float
+    cost: Number
 
 
-@dataclass(frozen=True, slots=True)
-class Arrived:
+class Arrived(_Event, frozen=True, tag="arrived"):
     """A robot stands in a room, which counts as visited from now on."""
 
     robot: int
     room: Room
 
 
-@dataclass(frozen=True, slots=True)
-class Failed:
+class Failed(_Event, frozen=True, tag="failed"):
     """A robot did not reach the room it drove to, or was called back; the room is free again.
 
     Attributes:
@@ -118,20 +122,18 @@ class Failed:
     robot: int
     room: Room
     reason: str
-    refund: float
+    refund: Number
     at: Room
 
 
-@dataclass(frozen=True, slots=True)
-class Reported:
+class Reported(_Event, frozen=True, tag="reported"):
     """The condition of a robot has changed."""
 
     robot: int
     condition: Condition
 
 
-@dataclass(frozen=True, slots=True)
-class Commanded:
+class Commanded(_Event, frozen=True, tag="commanded"):
     """The commander of a robot has changed.
 
     Attributes:
@@ -145,15 +147,13 @@ class Commanded:
     name: str
 
 
-@dataclass(frozen=True, slots=True)
-class AskedBack:
+class AskedBack(_Event, frozen=True, tag="asked-back"):
     """The participant asks the commander of a robot to give it back; the commander decides."""
 
     robot: int
 
 
-@dataclass(frozen=True, slots=True)
-class Sensed:
+class Sensed(_Event, frozen=True, tag="sensed"):
     """Colour and footprint of the treasure in a room, as the robot there perceives them."""
 
     room: Room
@@ -161,18 +161,16 @@ class Sensed:
     footprint: str
 
 
-@dataclass(frozen=True, slots=True)
-class Pictured:
+class Pictured(_Event, frozen=True, tag="pictured"):
     """A picture was taken; `image` is a file name without directory. Cost 0 when it was shown again."""
 
     room: Room
     robot: int
     image: str
-    cost: float
+    cost: Number
 
 
-@dataclass(frozen=True, slots=True)
-class Identified:
+class Identified(_Event, frozen=True, tag="identified"):
     """The treasure in a room was named; points are negative when the name was wrong.
 
     Attributes:
@@ -187,18 +185,16 @@ class Identified:
     robot: int | None
     name: str | None
     points: int
-    cost: float
+    cost: Number
 
 
-@dataclass(frozen=True, slots=True)
-class Left:
+class Left(_Event, frozen=True, tag="left"):
     """The participant gave up the treasure in a room."""
 
     room: Room
 
 
-@dataclass(frozen=True, slots=True)
-class Ended:
+class Ended(_Event, frozen=True, tag="ended"):
     """The game is over, with this score."""
 
     reason: EndReason

@@ -1,28 +1,35 @@
 """Room numbers: the one place that converts between the wire's counting and people's."""
 
-from dataclasses import dataclass
+from functools import total_ordering
+from typing import Self
 
 
-@dataclass(frozen=True, slots=True, order=True)
+@total_ordering
 class Room:
     """A place a robot can stand in: the corridor or a room. Ordered as people count.
 
     People count the corridor as 0 and the rooms from 1, and so do the rows and columns of the cost matrix. The text
     protocol counts rooms from 0 and has no number for the corridor. Make a room with `of_people` or `of_wire`, never by
-    adding one.
+    adding one. No dataclass: msgspec would write one as an object, and JSON holds the bare number.
 
-    Attributes:
-        people: the number people use, 0 is the corridor; never negative.
+    Args:
+        people: the number people use, 0 is the corridor.
 
     Raises:
         ValueError: the number is negative.
     """
 
-    people: int
+    __slots__ = ("_people",)
 
-    def __post_init__(self) -> None:
-        if self.people < 0:
-            raise ValueError(f"there is no room {self.people}: rooms count from 1, the corridor is 0")
+    def __init__(self, people: int) -> None:
+        if people < 0:
+            raise ValueError(f"there is no room {people}: rooms count from 1, the corridor is 0")
+        self._people = people
+
+    @property
+    def people(self) -> int:
+        """The number people use, 0 is the corridor."""
+        return self._people
 
     @classmethod
     def of_people(cls, number: int) -> "Room":
@@ -47,6 +54,18 @@ class Room:
         if self.is_corridor:
             raise ValueError("the corridor has no number on the wire")
         return self.people - 1
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Room) and self._people == other._people
+
+    def __lt__(self, other: Self) -> bool:
+        return self._people < other._people
+
+    def __hash__(self) -> int:
+        return hash((self._people,))
+
+    def __repr__(self) -> str:
+        return f"Room({self._people})"
 
     def __str__(self) -> str:
         return "the corridor" if self.is_corridor else f"room {self.people}"

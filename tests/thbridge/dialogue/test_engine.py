@@ -1,10 +1,7 @@
-import json
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.dialogue.codec import restore, snapshot
 from thbridge.dialogue.engine import DialogueReason, Dialogues, Engine
 from thbridge.dialogue.moves import Ask, Author, Continue, DialogueOutcome, DialogueTopic, Scenario, Speaker, Stop
 from thbridge.dialogue.protocols import TemplateProtocol
@@ -126,17 +123,6 @@ def test_the_seed_chooses_among_wordings():
     assert asked(7) == asked(7)
 
 
-def test_a_restored_dialogue_goes_on_as_the_first_would_have():
-    talk = engine()
-    step = talk.open(Dialogues(), TOPIC)
-    step = talk.open(step.dialogues, CHOSEN)
-    step = talk.move(step.dialogues, 1, Continue())
-    again = restore(json.loads(json.dumps(snapshot(step.dialogues))))
-    assert again == step.dialogues
-    assert talk.utterances(again.open[0]) == talk.utterances(step.dialogue)
-    assert talk.move(again, 1, Continue()) == talk.move(step.dialogues, 1, Continue())
-
-
 @given(st.lists(st.sampled_from(["open 0", "open 1", "continue 1", "continue 2", "stop 1", "stop 2", "continue 3"])))
 def test_consensus_only_ever_comes_of_as_many_continues_as_questions(requests):
     talk = engine()
@@ -152,26 +138,10 @@ def test_consensus_only_ever_comes_of_as_many_continues_as_questions(requests):
         if not hasattr(step, "outcome"):
             continue
         dialogues = step.dialogues
-        assert restore(snapshot(dialogues)) == dialogues
         said = step.dialogue.number
         agreed[said] = agreed.get(said, 0) + (verb == "continue")
         wanted = len(TEMPLATE.of(step.dialogue.topic.scenario))
         assert (step.outcome is DialogueOutcome.CONSENSUS) == (verb != "stop" and agreed[said] == wanted)
-
-
-@pytest.mark.parametrize(
-    ("value", "complaint"),
-    [
-        ([], "object"),
-        ({"v": 3, "opened": 0, "open": []}, "version 3"),
-        ({"v": 2, "opened": 0}, "'open'"),
-        ({"v": 2, "opened": 0, "open": [], "more": 1}, "'more'"),
-        ({"v": 2, "opened": 0, "open": [{"number": 1, "scenario": "duel"}]}, "duel"),
-    ],
-)
-def test_what_is_no_snapshot_is_refused(value, complaint):
-    with pytest.raises(ValueError, match=complaint):
-        restore(value)
 
 
 def test_a_held_dialogue_waits_where_the_robot_would_speak():
@@ -192,7 +162,7 @@ def test_what_is_said_in_a_robots_place_is_marked_and_said_again_in_the_same_wor
     assert talk.choices(step.dialogue) == ()
     step = talk.speak(step.dialogues, 1, Ask(1))
     step = talk.move(step.dialogues, 1, Continue())
-    said = talk.utterances(restore(json.loads(json.dumps(snapshot(step.dialogues)))).open[0])
+    said = talk.utterances(step.dialogue)
     assert [(turn.author, turn.text) for turn in said] == [
         (Author.WIZARD, "Room 4, what do you say?"),
         (Author.PERSON, "Continue"),

@@ -19,6 +19,7 @@ from thbridge.app.session.mavros import frame_in
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session, TickRecord
 from thbridge.files.errors import BadFile
+from thbridge.hunt.codec import kind_of
 from thbridge.hunt.events import Arrived
 from thbridge.recording.bag import reader as bag_reader
 from thbridge.recording.bag.reader import BagInfo
@@ -150,7 +151,7 @@ def hunt_result_of(path: Path) -> HuntResult:
 
 
 def _arrival(event: GameEvent, stamp_ns: int) -> Iterator[Arrival]:
-    if event.kind == Arrived.__name__.lower() and event.robot is not None and event.room is not None:
+    if event.kind == kind_of(Arrived) and event.robot is not None and event.room is not None:
         yield Arrival(event.robot + 1, event.room, _seconds(stamp_ns))
 
 

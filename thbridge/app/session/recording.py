@@ -14,7 +14,7 @@ from thbridge.app.session.mavros import frame_record, state_record
 from thbridge.app.session.session import TickRecord
 from thbridge.dialogue import moves
 from thbridge.hunt import events
-from thbridge.hunt.codec import to_json
+from thbridge.hunt.codec import kind_of, to_json
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.recording.tlog import TlogFile
@@ -32,6 +32,10 @@ JUMP = 0.2
 
 STATE_PERIOD = TICKS_PER_SECOND
 """Ticks after which the state of a vehicle is recorded again when it has not changed."""
+
+
+MOVES: dict[type[moves.Move], str] = {moves.Ask: "ask", moves.Continue: "continue", moves.Stop: "stop"}
+"""Moves of dialogues by their names in recordings."""
 
 
 class TickPublisher(Protocol):
@@ -159,7 +163,7 @@ def _lines(forwarded: Forwarded) -> Iterator[Record]:
 def _event(event: events.Event) -> GameEvent:
     robot: int | None = getattr(event, "robot", None)
     room: Room | None = getattr(event, "room", None)
-    return GameEvent(type(event).__name__.lower(), robot, None if room is None else room.people, to_json(event))
+    return GameEvent(kind_of(type(event)), robot, None if room is None else room.people, to_json(event))
 
 
 def _utterance(utterance: moves.DialogueUtterance) -> UtteranceRecord:
@@ -171,7 +175,7 @@ def _utterance(utterance: moves.DialogueUtterance) -> UtteranceRecord:
         scenario=MATTERS[utterance.topic.scenario],
         text=utterance.text,
         author=utterance.author,
-        move=type(utterance.move).__name__.lower(),
+        move=MOVES[type(utterance.move)],
     )
 
 
