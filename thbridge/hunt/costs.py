@@ -1,6 +1,7 @@
 """Energy costs of moves between rooms."""
 
 import math
+from collections.abc import Sequence
 
 from thbridge.hunt.rooms import Room, all_rooms
 
@@ -49,6 +50,11 @@ class CostMatrix:
                 for start, row in enumerate(rows)
             )
         )
+
+    @classmethod
+    def of_plain(cls, rows: Sequence[Sequence[float | None]]) -> "CostMatrix":
+        """Return the matrix of rows as JSON holds them: None where there is no move. Raises ValueError as the class."""
+        return cls(tuple(tuple(math.inf if cost is None else cost for cost in row) for row in rows))
 
     @property
     def rows(self) -> tuple[tuple[float, ...], ...]:

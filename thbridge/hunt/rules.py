@@ -112,6 +112,16 @@ def commanded_by_other(state: GameState, robot: int, asker: Commander) -> Reques
     )
 
 
+def unable(state: GameState, robot: int) -> RequestRefused | None:
+    """Return the reason why a robot can do nothing at all just now, whoever commands it; or None."""
+    worker = state.robots[robot]
+    if state.ended is not None:
+        return _over(state)
+    if worker.is_silent:
+        return _silent(robot)
+    return _blocked(robot) if worker.is_blocked else None
+
+
 def commander_name(by: Commander, name: str) -> str:
     """Return the name of a commander for use in a sentence; the names of researchers' programs are left out."""
     match by:
@@ -134,10 +144,9 @@ def move(state: GameState, robot: int, room: Room, asker: Commander = Commander.
     mover = state.robots[robot]
     if mover.bound_for is not None:
         return RequestRefused(RuleReason.UNDER_WAY, f"{_name(robot)} is still under way to {mover.bound_for}.")
-    if mover.is_silent:
-        return _silent(robot)
-    if mover.is_blocked:
-        return _blocked(robot)
+    refused = unable(state, robot)
+    if refused:
+        return refused
     if state.room(room).visited:
         return RequestRefused(RuleReason.ALREADY_VISITED, f"{_capital(room)} has been visited already.")
     other = state.reserved_by(room)

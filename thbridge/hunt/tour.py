@@ -61,23 +61,10 @@ def best_tour(
         IndexError: a place that the matrix does not know.
     """
     rooms = sorted(set(unvisited) - {at})
-    if not rooms:
-        return RequestRefused(NoTour.NOTHING_LEFT, "Every room has been visited.")
-    if len(rooms) > MOST_ROOMS:
-        return RequestRefused(
-            NoTour.TOO_MANY_ROOMS, f"I can compare tours of at most {MOST_ROOMS} rooms, and {len(rooms)} are left."
-        )
-    places = [*rooms, at]
-    step = np.array([[costs.cost(start, goal) for goal in rooms] for start in places])
-    if not np.isfinite(step[-1]).any():
-        return RequestRefused(NoTour.NOT_REACHABLE, f"There is no way from {at} to any room that is left.")
-    if energy < step[-1].min():
-        nearest = rooms[int(step[-1].argmin())]
-        return RequestRefused(
-            NoTour.NOT_ENOUGH_ENERGY,
-            f"The cheapest room left is {nearest} and costs {energy_text(step[-1].min())}, "
-            f"but only {energy_text(energy)} is left.",
-        )
+    refused = why_no_tour(costs, at, rooms, energy)
+    if refused is not None:
+        return refused
+    step = np.array([[costs.cost(start, goal) for goal in rooms] for start in (*rooms, at)])
     to_go, sizes = _cost_to_go(step)
     from_start = to_go[:, -1]
     spent = from_start + visit * np.maximum(sizes - 1, 0)
@@ -86,6 +73,30 @@ def best_tour(
     cheapest = most[from_start[most] == from_start[most].min()]
     order = _first_order(step, to_go, cheapest)
     return Tour(tuple(rooms[room] for room in order), float(from_start[cheapest[0]]))
+
+
+def why_no_tour(
+    costs: CostMatrix, at: Room, unvisited: Collection[Room], energy: float = math.inf
+) -> RequestRefused | None:
+    """Return the refusal of `best_tour`, or None, without comparing any tours; same arguments."""
+    rooms = sorted(set(unvisited) - {at})
+    if not rooms:
+        return RequestRefused(NoTour.NOTHING_LEFT, "Every room has been visited.")
+    if len(rooms) > MOST_ROOMS:
+        return RequestRefused(
+            NoTour.TOO_MANY_ROOMS, f"I can compare tours of at most {MOST_ROOMS} rooms, and {len(rooms)} are left."
+        )
+    nearest = min(rooms, key=lambda room: costs.cost(at, room))
+    least = costs.cost(at, nearest)
+    if math.isinf(least):
+        return RequestRefused(NoTour.NOT_REACHABLE, f"There is no way from {at} to any room that is left.")
+    if energy < least:
+        return RequestRefused(
+            NoTour.NOT_ENOUGH_ENERGY,
+            f"The cheapest room left is {nearest} and costs {energy_text(least)}, "
+            f"but only {energy_text(energy)} is left.",
+        )
+    return None
 
 
 def suggest(

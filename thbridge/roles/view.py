@@ -203,15 +203,18 @@ class View:
         return view if view._is_consistent() else None
 
     def _is_consistent(self) -> bool:
-        """Return True when every robot and room named in the view is also part of it."""
+        """Return True when every robot and room named in the view is also part of it, and no cost is negative."""
         places, robots = range(len(self.rooms) + 1), range(len(self.robots))
         rooms = places[1:]
         matters: list[DialogueView | Consent] = [*self.dialogues, *self.consents]
         return (
-            [room.room for room in self.rooms] == list(rooms)
+            len(rooms) > 0
+            and [room.room for room in self.rooms] == list(rooms)
             and [robot.robot for robot in self.robots] == list(robots)
             and len(self.costs) == len(places)
             and all(len(row) == len(places) for row in self.costs)
+            and all(cost is None or cost >= 0.0 for row in self.costs for cost in row)
+            and min(self.picture_cost, self.identify_cost) >= 0.0
             and all(robot.place in places for robot in self.robots)
             and all(robot.moving_to is None or robot.moving_to in rooms for robot in self.robots)
             and all(room.robot is None or room.robot in robots for room in self.rooms)

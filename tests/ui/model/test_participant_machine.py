@@ -11,10 +11,23 @@ from tests.ui.model.seat import Seat
 from thbridge.hunt import rules
 from thbridge.hunt.events import Condition
 from thbridge.roles.notices import PicturePiece, PoseTelemetry, RobotMotion
-from thbridge.roles.view import Consent, DialogueView, IdentificationVerdict, RefusalView, RobotView, RoomView, View
+from thbridge.roles.participant_rules import revealed
+from thbridge.roles.view import (
+    Consent,
+    DialogueView,
+    Discuss,
+    IdentificationVerdict,
+    RefusalView,
+    RobotView,
+    RoomView,
+    Select,
+    Unsure,
+    View,
+)
 from ui.model.keys import act_for
 from ui.model.participant import Participant
 from ui.model.playing.offers import offers
+from ui.model.playing.possible import is_allowed
 from ui.model.screen import (
     AskAdvice,
     AskForRobot,
@@ -167,21 +180,25 @@ class Game(RuleBasedStateMachine):
         assert screen.phase is Phase.PLAYING
         looked_at = {waiting.robot for waiting in screen.waiting} | ({screen.popup.robot} if screen.popup else set())
         selected = next(card.robot for card in screen.cards if card.selected)
-        spoken = {(talk.robot, talk.room) for talk in (*seat.view.dialogues, *seat.view.consents)}
+        situation = revealed(seat.view)
+        spoken = {(about.robot, about.room) for about in situation.discussed}
         for robot, card in enumerate(screen.cards):
             if state.robots[robot].bound_for is not None:
                 assert card.stop is not None
                 assert card.stop.enabled or card.stop.pending
-            tiles = seat.press(ChooseRobot(robot), 0).tiles
+            shown = seat.press(ChooseRobot(robot), 0)
+            advice = shown.ask_advice
+            assert advice.pending or advice.enabled == is_allowed(situation, Unsure(robot)), (robot, advice)
             for room in state.started.costs.rooms:
-                tile = tiles[room.people - 1].choose
-                allowed = isinstance(rules.move(state, robot, room), tuple)
-                others = {other for other, about in spoken if about == room.people} - {robot}
-                if allowed and not others:
+                tile = shown.tiles[room.people - 1].choose
+                allowed = is_allowed(situation, Select(robot, room.people))
+                if allowed:
                     assert tile.enabled or tile.pending, (robot, room, tile)
-                if not allowed and state.robots[robot].bound_for is None:
+                elif state.robots[robot].bound_for is None:
                     assert not tile.enabled, (robot, room, tile)
-                if allowed and others:
+                if isinstance(rules.move(state, robot, room), tuple) and not allowed:
+                    others = {other for other, about in spoken if about == room.people} - {robot}
+                    assert others
                     assert others <= looked_at or seat.view.consents
         seat.press(ChooseRobot(selected), 0)
         for room in state.started.costs.rooms:
@@ -191,6 +208,13 @@ class Game(RuleBasedStateMachine):
                 assert stander is not None
         for dialogue in seat.view.dialogues:
             assert dialogue.robot in looked_at
+        popup = screen.popup
+        if isinstance(popup, TreasurePopup) and popup.take_picture is not None:
+            allowed = is_allowed(situation, Discuss(popup.robot, "take-picture", popup.room))
+            assert popup.take_picture.pending or popup.take_picture.enabled == allowed
+        if isinstance(popup, TreasurePopup) and popup.picked:
+            allowed = is_allowed(situation, Discuss(popup.robot, "take-treasure", popup.room))
+            assert popup.name_it.pending or popup.name_it.enabled == allowed
         assert screen.end.enabled == isinstance(rules.give_up(state), tuple) or screen.end.pending
         check_cards(seat, state)
 

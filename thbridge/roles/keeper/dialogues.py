@@ -8,6 +8,7 @@ from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
+from thbridge.roles.participant_rules import Discussed
 from thbridge.roles.view import Consent, DialogueMatter, DialogueView
 
 MATTERS: dict[Scenario, DialogueMatter] = {
@@ -146,12 +147,14 @@ class GameDialogues:
         """Use up an agreement that was acted upon."""
         self._withdraw_consent(robot, matter)
 
-    def other_candidate(self, room: Room, robot: int) -> int | None:
-        """Return another robot that has an open dialogue or an agreement about going to this room, or None."""
-        candidates = [(d.topic.robot, MATTERS[d.topic.scenario], d.topic.room.people) for d in self._dialogues.open]
-        candidates += [(consent.robot, consent.matter, consent.room) for consent in self._consents]
-        others = (other for other, matter, about in candidates if matter == "select-room" and about == room.people)
-        return next((other for other in others if other != robot), None)
+    @property
+    def discussed(self) -> tuple[Discussed, ...]:
+        """Matters of open dialogues, then those of agreements not yet acted upon."""
+        topics = (dialogue.topic for dialogue in self._dialogues.open)
+        return (
+            *(Discussed(topic.robot, MATTERS[topic.scenario], topic.room.people) for topic in topics),
+            *(Discussed(consent.robot, consent.matter, consent.room) for consent in self._consents),
+        )
 
     def drop_stale(self, state: GameState) -> None:
         """Withdraw dialogues without purpose: the robot left, the room is taken, or the treasure is decided."""

@@ -4,7 +4,6 @@ It lives beside the router, sees every line that is forwarded (a *tap*), and tak
 are events; the caller must write them to the journal before it passes on the messages of the same step.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import get_args
@@ -20,7 +19,7 @@ from thbridge.hunt.rules import MOST_ROBOTS
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.disclosure import view_of
 from thbridge.roles.keeper.legacy_lines import LegacyLines, request_kind
-from thbridge.roles.keeper.open_game import KeeperReason, OpenGame
+from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.keeper.participant_requests import handle_participant_request
 from thbridge.roles.keeper.participants import Participants
 from thbridge.roles.keeper.station_requests import (
@@ -45,6 +44,7 @@ from thbridge.roles.notices import (
     decode_notice,
     encode_notice,
 )
+from thbridge.roles.participant_rules import KeeperReason
 from thbridge.roles.robot_requests import CommandRequest, GameRequest
 from thbridge.roles.view import Agree, ParticipantRequest, PlayAgain, SendRobot
 from thbridge.wire import legacy
@@ -351,7 +351,7 @@ class Keeper:
 def costs_of(rows: Sequence[Sequence[float | None]]) -> CostMatrix | RequestRefused:
     """Return the cost matrix that `plain_costs` wrote."""
     try:
-        return CostMatrix(tuple(tuple(math.inf if cost is None else cost for cost in row) for row in rows))
+        return CostMatrix.of_plain(rows)
     except ValueError as error:
         return RequestRefused("bad-costs", str(error))
 

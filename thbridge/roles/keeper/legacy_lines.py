@@ -10,7 +10,8 @@ from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.roles.keeper.open_game import KeeperReason, OpenGame
+from thbridge.roles.keeper.open_game import OpenGame
+from thbridge.roles.participant_rules import KeeperReason
 from thbridge.roles.view import DialogueMatter, Identify, SendRobot, Sense, TakePicture
 from thbridge.wire import legacy
 from thbridge.wire.router import Forwarded

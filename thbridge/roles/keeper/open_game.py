@@ -1,7 +1,6 @@
 """The open game: its state, the events of this step, the dialogues, the last refusal."""
 
 from collections.abc import Callable, Iterable, Sequence
-from enum import StrEnum
 
 from thbridge.dialogue.engine import Engine
 from thbridge.hunt import game, rules
@@ -13,17 +12,6 @@ from thbridge.roles.keeper.dialogues import GameDialogues
 from thbridge.roles.keeper.handback_requests import HandbackRequests
 from thbridge.roles.notices import MoveOrder
 from thbridge.roles.view import RefusalView
-
-
-class KeeperReason(StrEnum):
-    """Reason of the keeper for a refusal of what the rules allow."""
-
-    NO_CONSENSUS = "no-consensus"
-    NOT_READY = "not-ready"
-    UNDER_DISCUSSION = "under-discussion"
-    NO_PATH = "no-path"
-    NOT_AGREED = "not-agreed"
-    STOPPED = "stopped"
 
 
 class OpenGame:

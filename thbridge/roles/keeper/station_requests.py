@@ -7,7 +7,8 @@ from thbridge.hunt.events import Commanded, Commander
 from thbridge.hunt.game import CommandHolder, GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.roles.keeper.open_game import KeeperReason, OpenGame
+from thbridge.roles.keeper.open_game import OpenGame
+from thbridge.roles.participant_rules import KeeperReason
 from thbridge.roles.robot_requests import (
     CallBackFor,
     CommandRequest,

@@ -15,6 +15,7 @@ from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.dialogues import HeldTurn
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.keeper.participant_requests import open_suggestion, suggest_or_await, suggested_room
+from thbridge.roles.participant_rules import Situation, free_to_discuss
 from thbridge.roles.robot_requests import AdviseFor, Puppeteer, SpeakFor, WizardRequest
 
 
@@ -80,8 +81,5 @@ def _advice(game: OpenGame, state: GameState, robot: int) -> HeldAdvice:
 
 def _rooms(game: OpenGame, state: GameState, robot: int) -> list[Room]:
     """Return the rooms that a robot may suggest."""
-    return [
-        room
-        for room in state.free_rooms
-        if isinstance(rules.move(state, robot, room), tuple) and game.dialogues.other_candidate(room, robot) is None
-    ]
+    free = free_to_discuss(Situation(state, game.dialogues.discussed), robot)
+    return [room for room in free if isinstance(rules.move(state, robot, room), tuple)]

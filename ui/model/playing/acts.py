@@ -12,19 +12,17 @@ from thbridge.roles.view import (
     PlayAgain,
     Select,
     Unsure,
-    View,
 )
 from ui.model.playing.cards import card_sentence
 from ui.model.playing.popup_queue import DestinationItem, TreasureItem
 from ui.model.playing.possible import (
     undecided_beside,
     why_not_ask,
-    why_not_command,
     why_not_end,
     why_not_go,
     why_not_name,
     why_not_picture,
-    why_not_work,
+    why_not_stop,
 )
 from ui.model.playing.state import EndGameEarly, HuntMemory, LeaveUndecided, ParticipantMemory, PendingStep, Reroute
 from ui.model.playing.view_update import is_open, note, settle
@@ -118,7 +116,7 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
         case ShowWaiting(robot, room):
             _show(hunt, robot, room)
         case EndGame():
-            if not _refused(memory, why_not_end(hunt.view), now):
+            if not _refused(memory, why_not_end(hunt.known), now):
                 hunt.pending_step = EndGameEarly()
         case _:
             _in_popup(memory, hunt, act, now)
@@ -149,13 +147,15 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
                 hunt.picked_names[room] = name
                 memory.history.announce(f"{name} is picked.")
         case TakeThePicture():
-            if view.room(room).picture is None and not _refused(memory, why_not_picture(view, item.robot, room), now):
+            if view.room(room).picture is None and not _refused(
+                memory, why_not_picture(hunt.known, item.robot, room), now
+            ):
                 _discuss(hunt, Discuss(item.robot, "take-picture", room))
         case SubmitName():
             name = hunt.picked_names.get(room)
             if name is None:
                 note(memory, "Pick a name from the list first.", now)
-            elif not _refused(memory, why_not_name(view, item.robot, room), now):
+            elif not _refused(memory, why_not_name(hunt.known, item.robot, room), now):
                 hunt.submitted_names[room] = name
                 _discuss(hunt, Discuss(item.robot, "take-treasure", room))
         case LeaveTreasure():
@@ -199,7 +199,7 @@ def _choose(memory: ParticipantMemory, hunt: HuntMemory, room: int, now: float) 
     elif hunt.destination_considered(robot) == room:
         if DestinationItem(robot) in (*hunt.popups.waiting, hunt.popups.shown):
             hunt.popups.show(DestinationItem(robot))
-    elif not _refused(memory, why_not_go(view, robot, room), now):
+    elif not _refused(memory, why_not_go(hunt.known, robot, room), now):
         if view.robots[robot].moving_to is not None:
             hunt.pending_step = Reroute(robot, room)
         else:
@@ -209,15 +209,15 @@ def _choose(memory: ParticipantMemory, hunt: HuntMemory, room: int, now: float) 
 def _ask_advice(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
     robot = memory.selected
     already = isinstance(hunt.pending.destination_request(robot), Unsure)
-    if not already and not _refused(memory, why_not_ask(hunt.view, robot), now):
+    if not already and not _refused(memory, why_not_ask(hunt.known, robot), now):
         _ask_to_go(memory, hunt, Unsure(robot))
 
 
 def _ask_to_go(memory: ParticipantMemory, hunt: HuntMemory, request: Select | Unsure) -> None:
     """Ask a robot to go, unless it would leave something behind that it can still name: then ask for confirmation."""
     view, robot = hunt.view, request.robot
-    room = undecided_beside(view, robot)
-    if room is not None and view.room(room).sensed and why_not_name(view, robot, room) is None:
+    room = undecided_beside(hunt.known, robot)
+    if room is not None and view.room(room).sensed and why_not_name(hunt.known, robot, room) is None:
         hunt.pending_step = LeaveUndecided(request, room)
     else:
         memory.history.add_request(robot, hunt.ask_to_go(request))
@@ -260,10 +260,7 @@ def _finish(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
 def _stop(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: float) -> None:
     if not 0 <= robot < len(hunt.view.robots):
         return
-    if hunt.view.robots[robot].moving_to is None:
-        note(memory, _stands(hunt.view, robot), now)
-        return
-    if _refused(memory, why_not_command(hunt.view, robot), now):
+    if _refused(memory, why_not_stop(hunt.known, robot), now):
         return
     hunt.reroutes.pop(robot, None)
     hunt.pending.ask(CallBack(robot), hunt.view)
@@ -279,10 +276,6 @@ def _ask_back(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: floa
         note(memory, f"You have just asked for {robot_name(robot)}. You can ask again in some seconds.", now)
     else:
         hunt.pending.ask(AskBack(robot), hunt.view)
-
-
-def _stands(view: View, robot: int) -> str:
-    return why_not_work(view, robot) or "This robot is not on its way."
 
 
 def _put_aside(memory: ParticipantMemory, hunt: HuntMemory) -> None:

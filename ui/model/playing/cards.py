@@ -2,11 +2,11 @@
 
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
-from thbridge.hunt.rules import robot_name
+from thbridge.hunt.rules import affordable, robot_name
 from thbridge.roles.notices import RobotMotion
 from thbridge.roles.view import AskBack, CallBack, RobotView
 from ui.model.keys import key_of
-from ui.model.playing.possible import undecided_beside, why_not_command
+from ui.model.playing.possible import is_allowed, undecided_beside, why_not_command
 from ui.model.playing.state import HuntMemory, ParticipantMemory
 from ui.model.playing.words import as_sentence, how_it_comes_back, place_name, titled
 from ui.model.screen import Action, AskForRobot, ChooseRobot, NextRobot, RobotCard, StopRobot
@@ -69,11 +69,11 @@ def _select(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> Action:
             key = key_of(NextRobot(step))
     chosen = robot == memory.selected
     yours = f"You command {robot_name(robot)}." if chosen else f"Command {robot_name(robot)}."
-    return Action(ChooseRobot(robot), titled(robot), key, hint=why_not_command(hunt.view, robot) or yours)
+    return Action(ChooseRobot(robot), titled(robot), key, hint=why_not_command(hunt.known, robot) or yours)
 
 
 def _stop(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
-    if robot.moving_to is None or robot.other_commander:
+    if not is_allowed(hunt.known, CallBack(robot.robot)):
         return None
     stopping = CallBack(robot.robot) in hunt.pending or robot.robot in hunt.reroutes
     hint = f"{titled(robot.robot)} is about to stop." if stopping else "The energy for the rest of the way comes back."
@@ -86,7 +86,7 @@ def _ask_back(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | No
     busy = AskBack(robot.robot) in hunt.pending
     asked = robot.asked_back or busy
     commander = as_sentence(f"{robot.other_commander} commands {robot_name(robot.robot)}")
-    hint = f"{commander} {how_it_comes_back(robot)}"
+    hint = f"{commander} {how_it_comes_back(robot.commander)}"
     if asked:
         hint += " You have asked for it, and can ask again in some seconds."
     return Action(
@@ -143,7 +143,7 @@ def _resting(hunt: HuntMemory, robot: RobotView) -> str:
     goal = hunt.destination_considered(number)
     if goal is not None:
         return f"about to set out for {place_name(goal)}"
-    room = undecided_beside(hunt.view, number)
+    room = undecided_beside(hunt.known, number)
     if room is not None:
         return "found something" if hunt.view.room(room).sensed else "looking at what is here"
     return "at rest" if robot.other_commander else "ready"
@@ -151,11 +151,9 @@ def _resting(hunt: HuntMemory, robot: RobotView) -> str:
 
 def _is_stranded(hunt: HuntMemory, robot: RobotView) -> bool:
     """Return True when rooms are left, and this robot at rest can reach none of them for want of energy alone."""
-    view = hunt.view
-    free = [room.room for room in view.rooms if room.state == "unvisited"]
-    if not free or robot.moving_to is not None or is_in_trouble(robot) or view.over is not None:
+    view, state = hunt.view, hunt.known.state
+    if robot.moving_to is not None or is_in_trouble(robot) or view.over is not None:
         return False
-    if undecided_beside(view, robot.robot) is not None:
+    if undecided_beside(hunt.known, robot.robot) is not None or affordable(state, robot.robot):
         return False
-    costs = [cost for room in free if (cost := view.costs[robot.place][room]) is not None]
-    return bool(costs) and min(costs) > robot.energy
+    return any(view.costs[robot.place][room.people] is not None for room in state.free_rooms)

@@ -10,7 +10,6 @@ from ui.model.playing.popups.confirmations import confirmation
 from ui.model.playing.popups.dialogues import destination_popup, dialogue_title
 from ui.model.playing.popups.game_over import game_over_page
 from ui.model.playing.popups.treasures import PICTURE_TIMEOUT, treasure_popup
-from ui.model.playing.possible import robot_in_room
 from ui.model.playing.state import HuntMemory, ParticipantMemory
 from ui.model.playing.tiles import dont_know, end, tiles
 from ui.model.playing.words import titled, verdict_words
@@ -175,6 +174,6 @@ def _waits(hunt: HuntMemory, item: PopupItem) -> str:
     room = hunt.view.room(item.room)
     if room.verdict is not None:
         return f"Room {item.room}: {verdict_words(room.verdict.name, room.verdict.points)}"
-    if robot_in_room(hunt.view, item.room) is None:
+    if hunt.robot_in_room(item.room) is None:
         return f"{name} found something in room {item.room}"
     return f"{name} is in room {item.room}" + (" and found something" if room.sensed else "")

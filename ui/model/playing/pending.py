@@ -1,5 +1,8 @@
 """Requests of the participant that the view does not show as granted yet."""
 
+from thbridge.hunt.game import GameState
+from thbridge.hunt.rooms import Room
+from thbridge.roles.participant_rules import Situation, revealed
 from thbridge.roles.view import (
     Agree,
     Answer,
@@ -16,9 +19,6 @@ from thbridge.roles.view import (
     View,
 )
 from ui.model.playing.possible import (
-    deciding_robot,
-    discussed_matters,
-    robot_in_room,
     why_not_command,
     why_not_go,
     why_not_work,
@@ -74,12 +74,13 @@ class PendingRequests:
     def receive(self, view: View) -> tuple[str, ...]:
         """Drop the requests that this view grants or makes obsolete; return reasons to be told."""
         reasons = []
+        known = revealed(view)
         for request, before in list(self._requests.items()):
             if isinstance(request, Unsure) and _open_dialogue(view, request.robot) is None:
                 self._requests[request] = None
-            if _granted(request, view, before):
+            if _granted(request, view, known, before):
                 del self._requests[request]
-            elif (reason := _moot(request, view)) is not None:
+            elif (reason := _moot(request, view, known)) is not None:
                 del self._requests[request]
                 reasons.append(reason)
         return tuple(reasons)
@@ -100,12 +101,12 @@ def _open_dialogue(view: View, robot: int) -> int | None:
     return next((dialogue.dialogue for dialogue in view.dialogues if dialogue.robot == robot), None)
 
 
-def _granted(request: ParticipantRequest, view: View, before: int | None) -> bool:
+def _granted(request: ParticipantRequest, view: View, known: Situation, before: int | None) -> bool:
     match request:
         case Agree():
             return view.consent is None
         case Select(robot, room):
-            return (robot, "select-room", room) in discussed_matters(view) or view.robots[robot].moving_to == room
+            return (robot, "select-room", room) in known.discussed or view.robots[robot].moving_to == room
         case Unsure(robot):
             fresh = _open_dialogue(view, robot) not in (None, before)
             agreed = any(consent.robot == robot and consent.matter == "select-room" for consent in view.consents)
@@ -118,7 +119,7 @@ def _granted(request: ParticipantRequest, view: View, before: int | None) -> boo
             return view.robots[robot].asked_back
         case Discuss(robot, matter, room):
             done = view.room(room).picture is not None if matter == "take-picture" else not view.room(room).undecided
-            return done or (robot, matter, room) in discussed_matters(view)
+            return done or (robot, matter, room) in known.discussed
         case Leave(room):
             return not view.room(room).undecided
         case GiveUp(game):
@@ -129,26 +130,26 @@ def _granted(request: ParticipantRequest, view: View, before: int | None) -> boo
             return False
 
 
-def _moot(request: ParticipantRequest, view: View) -> str | None:
+def _moot(request: ParticipantRequest, view: View, known: Situation) -> str | None:
     """The reason why a request cannot come true any more; empty where it goes without saying, None while it can."""
     if view.over is not None:
         return None if isinstance(request, PlayAgain) else ""
     match request:
         case Select(robot, room):
-            return why_not_go(view, robot, room)
+            return why_not_go(known, robot, room)
         case Unsure(robot):
-            return why_not_work(view, robot) or why_not_command(view, robot)
+            return why_not_work(known, robot) or why_not_command(known, robot)
         case CallBack(robot):
-            return why_not_command(view, robot)
+            return why_not_command(known, robot)
         case AskBack(robot):
             # A robot that came back is announced anyway.
             return None if view.robots[robot].other_commander else ""
-        case Discuss(robot, matter, room) if robot != _worker(view, matter, room):
-            return why_not_work(view, robot) or ""
+        case Discuss(robot, matter, room) if robot != _worker(known.state, matter, room):
+            return why_not_work(known, robot) or ""
         case _:
             return None
 
 
-def _worker(view: View, matter: str, room: int) -> int | None:
+def _worker(state: GameState, matter: str, room: int) -> int | None:
     """The robot with which this can be discussed."""
-    return deciding_robot(view, room) if matter == "take-treasure" else robot_in_room(view, room)
+    return state.decider(Room(room)) if matter == "take-treasure" else state.standing_in(Room(room))

@@ -1,150 +1,165 @@
-"""Acts that the rules allow, as far as a view shows it; for the others the reason, in words for a hint.
+"""Reasons why an act is not possible just now, in words for a hint.
 
-The game's own rules (`thbridge.hunt.rules`, `thbridge.roles.keeper.participant_requests`) decide. These functions tell
-the same beforehand, so that no act is offered which would be refused. Those called `why_not_...` return the reason, or
-None where the act is possible.
+`thbridge.roles.participant_rules` decides, as it does for the keeper; here its refusals become hints. Functions called
+`why_not_...` return the reason, or None where the act is possible.
 """
 
+from dataclasses import replace
+
+from thbridge.hunt import rules
 from thbridge.hunt.costs import energy_text
-from thbridge.hunt.events import Condition
-from thbridge.hunt.rules import robot_name
-from thbridge.roles.view import Consent, DialogueMatter, DialogueView, RobotView, View
-from ui.model.playing.words import how_it_comes_back, place_name, titled
+from thbridge.hunt.events import Arrived, Commander
+from thbridge.hunt.game import apply
+from thbridge.hunt.refusals import RequestRefused
+from thbridge.hunt.rooms import CORRIDOR, Room
+from thbridge.hunt.rules import RuleReason, commander_name, robot_name
+from thbridge.roles.participant_rules import JudgedRequest, KeeperReason, Situation, judge, other_candidate
+from thbridge.roles.view import CallBack, Discuss, GiveUp, Select, Unsure
+from ui.model.playing.words import how_it_comes_back, titled
 
 
-def robot_in_room(view: View, room: int) -> int | None:
-    """The robot that stands in a room and is not driving."""
-    return next((robot.robot for robot in view.robots if robot.place == room and robot.moving_to is None), None)
+def is_allowed(known: Situation, request: JudgedRequest) -> bool:
+    """Return True when the rules allow a request."""
+    return isinstance(judge(known, request), tuple)
 
 
-def deciding_robot(view: View, room: int) -> int | None:
-    """The robot that may name a treasure: it stands in the room, or found it and was sent on by others."""
-    stander, known = robot_in_room(view, room), view.room(room)
-    return known.robot if stander is None and known.undecided else stander
-
-
-def undecided_beside(view: View, robot: int) -> int | None:
+def undecided_beside(known: Situation, robot: int) -> int | None:
     """The room in which this robot stands beside a treasure that is neither named nor left."""
-    place = view.robots[robot].place
-    found = place > 0 and view.room(place).undecided and robot_in_room(view, place) == robot
-    return place if found else None
-
-
-def discussed_matters(view: View) -> tuple[tuple[int, DialogueMatter, int], ...]:
-    """(robot, matter, room) of all open dialogues, and of all agreements that are not carried out yet."""
-    matters: list[DialogueView | Consent] = [*view.dialogues, *view.consents]
-    return tuple((matter.robot, matter.matter, matter.room) for matter in matters)
-
-
-def competing_robot(view: View, robot: int, room: int) -> int | None:
-    """Another robot that is in dialogue or agreement with the participant about going to this room."""
-    others = (other for other, matter, about in discussed_matters(view) if (matter, about) == ("select-room", room))
-    return next((other for other in others if other != robot), None)
-
-
-def why_not_work(view: View, robot: int) -> str | None:
-    """Reason why a robot can do nothing at all just now, or None."""
-    if view.over is not None:
-        return "The game is over."
-    if view.robots[robot].condition is Condition.SILENT:
-        return f"{titled(robot)} does not answer."
-    if view.robots[robot].blocked:
-        return f"{titled(robot)} has no energy left."
-    return None
-
-
-def why_not_command(view: View, robot: int) -> str | None:
-    """Reason why the participant may not send or stop a robot just now, or None."""
-    other = view.robots[robot].other_commander
-    return f"{titled(robot)} is commanded by {other}. {how_it_comes_back(view.robots[robot])}" if other else None
-
-
-def why_not_free(view: View, robot: int, room: int) -> str | None:
-    """Reason why no robot, or not this one, may go to a room, whatever its place and energy; or None."""
-    known = view.room(room)
-    if known.state == "visited":
-        return "This room has been visited."
-    if known.state == "reserved":
-        return f"{titled(robot if known.robot is None else known.robot)} is on its way there."
-    other = competing_robot(view, robot, room)
-    return None if other is None else f"{titled(other)} is asking you about this room."
-
-
-def why_not_go(view: View, robot: int, room: int) -> str | None:
-    """Reason why a robot cannot go to a room, or None; a robot that is driving would be called back first."""
-    refused = why_not_work(view, robot) or why_not_command(view, robot) or why_not_free(view, robot, room)
-    if refused is not None:
-        return refused
-    mover = view.robots[robot]
-    # To the game, a robot that stops on its path stands in the corridor.
-    place = mover.place if mover.moving_to is None else 0
-    energy = mover.energy if mover.moving_to is None else mover.energy + energy_paid(view, mover)
-    cost = view.costs[place][room]
-    if cost is None:
-        return f"There is no way there from {place_name(place)}."
-    if cost > energy:
-        return f"This costs {energy_text(cost)}; {robot_name(robot)} has {energy_text(energy)} energy."
-    return None
-
-
-def why_not_ask(view: View, robot: int) -> str | None:
-    """Reason why a robot cannot be asked for advice, or None."""
-    refused = why_not_work(view, robot) or why_not_command(view, robot)
-    if refused is not None:
-        return refused
-    bound_for = view.robots[robot].moving_to
-    if bound_for is not None:
-        return f"{titled(robot)} is on its way to {place_name(bound_for)}."
-    if all(why_not_go(view, robot, room.room) for room in view.rooms):
-        return f"There is no room left that {titled(robot)} can go to."
-    return None
-
-
-def why_not_picture(view: View, robot: int, room: int) -> str | None:
-    """Reason why a robot cannot take a picture in the room where it stands, or None."""
-    return _why_not_pay(view, robot, room, robot_in_room(view, room), "A picture", view.picture_cost)
-
-
-def why_not_name(view: View, robot: int, room: int) -> str | None:
-    """Reason why the treasure in the room where a robot stands cannot be named, or None."""
-    if view.room(room).verdict is not None or view.room(room).left:
-        return "This is decided."
-    return _why_not_pay(view, robot, room, deciding_robot(view, room), "Naming it", view.identify_cost)
-
-
-def why_not_end(view: View) -> str | None:
-    """Reason why the game cannot be ended just now, or None."""
-    if view.over is not None:
-        return "The game is over."
-    moving = next((robot for robot in view.robots if robot.moving_to is not None), None)
-    if moving is None:
+    state, place = known.state, known.state.robots[robot].at
+    if state.standing_in(place) != robot or not state.has_room(place):
         return None
-    theirs = why_not_command(view, moving.robot)
-    return f"{titled(moving.robot)} is still on its way. {theirs or 'Stop it, or wait for it.'}"
+    room = state.room(place)
+    return place.people if room.visited and not room.is_decided else None
 
 
-def energy_paid(view: View, robot: RobotView) -> float:
-    """Energy that a robot has paid for the move it is making."""
-    return 0.0 if robot.moving_to is None else view.costs[robot.place][robot.moving_to] or 0.0
+def why_not_work(known: Situation, robot: int) -> str | None:
+    """Reason why a robot can do nothing at all just now, or None."""
+    return _hint(known, robot, rules.unable(known.state, robot))
 
 
-def energy_warning(view: View, robot: int, room: int) -> str:
+def why_not_command(known: Situation, robot: int) -> str | None:
+    """Reason why the participant may not send or stop a robot just now, or None."""
+    return _hint(known, robot, rules.commanded_by_other(known.state, robot, Commander.PARTICIPANT))
+
+
+def why_not_go(known: Situation, robot: int, room: int) -> str | None:
+    """Reason why a robot cannot go to a room, or None; a robot that is driving would be called back first."""
+    goes_there = known.state.robots[robot].bound_for == Room(room)
+    then = known if goes_there else _called_back(known, robot)
+    refused = judge(then, Select(robot, room))
+    if isinstance(refused, tuple):
+        return None
+    mover = then.state.robots[robot]
+    match refused.reason:
+        case RuleReason.ALREADY_VISITED:
+            return "This room has been visited."
+        case RuleReason.UNDER_WAY:
+            return f"{titled(robot)} is on its way there."
+        case RuleReason.RESERVED:
+            going = then.state.reserved_by(Room(room))
+            return f"{titled(robot if going is None else going)} is on its way there."
+        case KeeperReason.UNDER_DISCUSSION:
+            other = other_candidate(then.discussed, Room(room), robot)
+            return f"{titled(robot if other is None else other)} is asking you about this room."
+        case RuleReason.NOT_A_MOVE:
+            return f"There is no way there from {mover.at}."
+        case RuleReason.NOT_ENOUGH_ENERGY:
+            cost = then.state.started.costs.cost(mover.at, Room(room))
+            return f"This costs {energy_text(cost)}; {robot_name(robot)} has {energy_text(mover.energy)} energy."
+    return _hint(known, robot, refused)
+
+
+def why_not_ask(known: Situation, robot: int) -> str | None:
+    """Reason why a robot cannot be asked for advice, or None."""
+    refused = judge(known, Unsure(robot))
+    if isinstance(refused, tuple):
+        return None
+    bound_for = known.state.robots[robot].bound_for
+    if refused.reason == RuleReason.UNDER_WAY and bound_for is not None:
+        return f"{titled(robot)} is on its way to {bound_for}."
+    if refused.reason in {RuleReason.GAME_OVER, RuleReason.COMMANDED, RuleReason.SILENT, RuleReason.BLOCKED}:
+        return _hint(known, robot, refused)
+    return f"There is no room left that {titled(robot)} can go to."
+
+
+def why_not_picture(known: Situation, robot: int, room: int) -> str | None:
+    """Reason why a robot cannot take a picture in the room where it stands, or None."""
+    return _why_not_discuss(known, Discuss(robot, "take-picture", room), "A picture", known.state.started.picture_cost)
+
+
+def why_not_name(known: Situation, robot: int, room: int) -> str | None:
+    """Reason why the treasure in the room where a robot stands cannot be named, or None."""
+    if known.state.room(Room(room)).is_decided:
+        return "This is decided."
+    return _why_not_discuss(
+        known, Discuss(robot, "take-treasure", room), "Naming it", known.state.started.identify_cost
+    )
+
+
+def why_not_stop(known: Situation, robot: int) -> str | None:
+    """Reason why a robot cannot be stopped, or None."""
+    refused = judge(known, CallBack(robot))
+    if isinstance(refused, tuple):
+        return None
+    if refused.reason == RuleReason.NOT_UNDER_WAY:
+        return why_not_work(known, robot) or "This robot is not on its way."
+    return _hint(known, robot, refused)
+
+
+def why_not_end(known: Situation) -> str | None:
+    """Reason why the game cannot be ended just now, or None."""
+    refused = judge(known, GiveUp(known.state.started.game))
+    if isinstance(refused, tuple):
+        return None
+    moving = (number for number, robot in enumerate(known.state.robots) if robot.bound_for is not None)
+    if refused.reason == RuleReason.UNDER_WAY and (mover := next(moving, None)) is not None:
+        theirs = why_not_command(known, mover)
+        return f"{titled(mover)} is still on its way. {theirs or 'Stop it, or wait for it.'}"
+    return refused.sentence
+
+
+def energy_warning(known: Situation, robot: int, room: int) -> str:
     """Warning that a robot's energy suffices to go to a room, but not to name its treasure; or empty."""
-    mover = view.robots[robot]
-    cost = view.costs[mover.place][room]
-    if mover.moving_to is not None or cost is None or cost > mover.energy:
+    departure = rules.move(known.state, robot, Room(room))
+    if isinstance(departure, RequestRefused):
         return ""
-    left = mover.energy - cost
-    return "" if left > 0.0 and view.identify_cost <= left else "Enough to get there, not to name what is there."
+    there = known.state
+    for event in (*departure, Arrived(robot, Room(room))):
+        there = apply(there, event)
+    named = rules.identify(there, Room(room), "", 0)
+    return "" if isinstance(named, tuple) else "Enough to get there, not to name what is there."
 
 
-def _why_not_pay(view: View, robot: int, room: int, worker: int | None, what: str, cost: float) -> str | None:
-    refused = why_not_work(view, robot)
-    if refused is not None:
-        return refused
-    if worker != robot:
-        return f"{titled(robot)} is not in room {room} any more."
-    energy = view.robots[robot].energy
-    if cost > energy:
-        return f"{what} costs {energy_text(cost)}; {robot_name(robot)} has {energy_text(energy)} energy."
-    return None
+def _called_back(known: Situation, robot: int) -> Situation:
+    """Return the known when a driving robot is stopped at once: to the game, it stands in the corridor then."""
+    events = rules.fail(known.state, robot, "", 0.0, CORRIDOR)
+    return known if isinstance(events, RequestRefused) else replace(known, state=apply(known.state, events[0]))
+
+
+def _why_not_discuss(known: Situation, request: Discuss, what: str, cost: float) -> str | None:
+    robot = request.robot
+    refused = judge(known, request)
+    if isinstance(refused, tuple):
+        return None
+    match refused.reason:
+        case RuleReason.NOBODY_THERE:
+            return why_not_work(known, robot) or f"{titled(robot)} is not in room {request.room} any more."
+        case RuleReason.NOT_ENOUGH_ENERGY:
+            energy = energy_text(known.state.robots[robot].energy)
+            return f"{what} costs {energy_text(cost)}; {robot_name(robot)} has {energy} energy."
+    return _hint(known, robot, refused)
+
+
+def _hint(known: Situation, robot: int, refused: RequestRefused | None) -> str | None:
+    """The hint for a refusal that is about the robot or the game; None where there is no such refusal."""
+    if refused is None:
+        return None
+    match refused.reason:
+        case RuleReason.SILENT:
+            return f"{titled(robot)} does not answer."
+        case RuleReason.COMMANDED:
+            command = known.state.robots[robot].command
+            other = commander_name(command.by, command.name)
+            return f"{titled(robot)} is commanded by {other}. {how_it_comes_back(command.by)}"
+        case _:
+            return refused.sentence

@@ -3,7 +3,9 @@
 import math
 from dataclasses import dataclass, field
 
+from thbridge.hunt.rooms import Room
 from thbridge.roles.notices import FloorPlan, RobotMotion
+from thbridge.roles.participant_rules import Situation, revealed
 from thbridge.roles.view import DialogueView, Select, Unsure, View
 from ui.model.playing.connection import ConnectionStatus
 from ui.model.playing.history import GameHistory
@@ -43,6 +45,7 @@ class HuntMemory:
 
     Attributes:
         view: the newest one.
+        known: what the view reveals, for the rules.
         pending: requests without an outcome yet.
         opening_sentences: by robot, the sentence with which the participant opened the current dialogue.
         reroutes: by robot that is called back, the room where it is to go then.
@@ -57,6 +60,7 @@ class HuntMemory:
     """
 
     view: View
+    known: Situation = field(init=False)
     pending: PendingRequests = field(default_factory=PendingRequests)
     opening_sentences: dict[int, str] = field(default_factory=dict)
     reroutes: dict[int, int] = field(default_factory=dict)
@@ -68,6 +72,17 @@ class HuntMemory:
     most_energy: float = 0.0
     last_points: int | None = None
     pending_step: PendingStep | None = None
+
+    def __post_init__(self) -> None:
+        self.receive(self.view)
+
+    def receive(self, view: View) -> None:
+        """Take a new view of this game."""
+        self.view, self.known = view, revealed(view)
+
+    def robot_in_room(self, room: int) -> int | None:
+        """The robot that stands in a room and is not driving."""
+        return self.known.state.standing_in(Room(room))
 
     def ask_to_go(self, request: Select | Unsure) -> str:
         """Ask a robot to go somewhere, and show the dialogue at once; return the sentence said to the robot."""

@@ -21,7 +21,7 @@ def tiles(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RoomTile, ...]:
 def dont_know(memory: ParticipantMemory, hunt: HuntMemory) -> Action:
     """The action that asks the selected robot for its advice."""
     robot = memory.selected
-    refused = why_not_ask(hunt.view, robot)
+    refused = why_not_ask(hunt.known, robot)
     asked = isinstance(hunt.pending.destination_request(robot), Unsure)
     hint = f"{titled(robot)} suggests where to go." if refused is None else refused
     return Action(AskAdvice(), "Don't know", key_of(AskAdvice()), refused is None and not asked, hint, asked)
@@ -29,7 +29,7 @@ def dont_know(memory: ParticipantMemory, hunt: HuntMemory) -> Action:
 
 def end(hunt: HuntMemory) -> Action:
     """The action that ends the game."""
-    refused = why_not_end(hunt.view)
+    refused = why_not_end(hunt.known)
     asked = GiveUp(hunt.view.game) in hunt.pending
     hint = "End the game as it stands." if refused is None else refused
     return Action(EndGame(), "End the game", key_of(EndGame()), refused is None and not asked, hint, asked)
@@ -48,13 +48,13 @@ def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Ma
         considered=room.room == (memory.considered() or hunt.destination_considered(robot)),
         found=_found(room),
         choose=_choose(memory, hunt, room),
-        warning="" if why_not_go(hunt.view, robot, room.room) else energy_warning(hunt.view, robot, room.room),
+        warning="" if why_not_go(hunt.known, robot, room.room) else energy_warning(hunt.known, robot, room.room),
     )
 
 
 def _choose(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView) -> Action:
     robot, number = memory.selected, room.room
-    refused = why_not_go(hunt.view, robot, number)
+    refused = why_not_go(hunt.known, robot, number)
     busy = Select(robot, number) in hunt.pending or hunt.reroutes.get(robot) == number
     discussed = hunt.destination_considered(robot) == number
     if refused is not None:
@@ -76,7 +76,7 @@ def _price(hunt: HuntMemory, robot: int, room: int) -> str:
     cost = view.costs[mover.place][room] or 0.0
     left = mover.energy - cost
     hint = f"Costs {energy_text(cost)}; {robot_name(robot)} keeps {energy_text(left)}."
-    concern = energy_warning(view, robot, room)
+    concern = energy_warning(hunt.known, robot, room)
     if concern:
         return f"{hint} {concern}"
     if left < view.picture_cost + view.identify_cost:

@@ -1,9 +1,12 @@
 """Updates the participant's memory by each new view of the game."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from thbridge.hunt.events import Condition
+from thbridge.hunt import rules
+from thbridge.hunt.game import GameState
+from thbridge.hunt.rooms import Room
 from thbridge.hunt.rules import robot_name
+from thbridge.roles.participant_rules import Discussed
 from thbridge.roles.view import (
     Answer,
     Discuss,
@@ -20,9 +23,6 @@ from thbridge.roles.view import (
 from ui.model.playing.history import GameHistory
 from ui.model.playing.popup_queue import DestinationItem, PopupItem, TreasureItem
 from ui.model.playing.possible import (
-    deciding_robot,
-    discussed_matters,
-    robot_in_room,
     why_not_command,
     why_not_end,
     why_not_go,
@@ -47,11 +47,12 @@ def receive_view(memory: ParticipantMemory, view: View, now: float) -> None:
     if hunt is None or not _goes_on(hunt.view, view):
         _begin(memory, view)
         return
-    before, hunt.view = hunt.view, view
+    before, former = hunt.view, hunt.known
+    hunt.receive(view)
     hunt.most_energy = max([hunt.most_energy, *(robot.energy for robot in view.robots)])
     memory.history.receive(before, view)
-    _receive_rooms(memory, hunt, before, now)
-    _receive_commanders(memory, hunt, before, now)
+    _receive_rooms(memory, hunt, before, former.state, now)
+    _receive_commanders(memory, hunt, before, former.discussed, now)
     _receive_refusal(memory, hunt, now)
     for reason in hunt.pending.receive(view):
         if reason:
@@ -87,14 +88,13 @@ def open_requests(hunt: HuntMemory) -> tuple[ParticipantRequest, ...]:
                 agreed.append(TakePicture(consent.room))
             case "take-treasure" if consent.room in hunt.submitted_names:
                 agreed.append(Identify(consent.room, hunt.submitted_names[consent.room]))
-    sense = [Sense(room.room) for room in view.rooms if room.undecided and not room.sensed and _can_look(view, room)]
+    sense = [Sense(room.room) for room in view.rooms if room.undecided and not room.sensed and _can_look(hunt, room)]
     return (*hunt.pending.requests, *agreed, *sense)
 
 
-def _can_look(view: View, room: RoomView) -> bool:
+def _can_look(hunt: HuntMemory, room: RoomView) -> bool:
     """Return True when a robot stands in a room that would tell what it sees."""
-    stander = robot_in_room(view, room.room)
-    return stander is not None and view.robots[stander].condition is not Condition.SILENT
+    return isinstance(rules.sense(hunt.known.state, Room(room.room)), tuple)
 
 
 def _begin(memory: ParticipantMemory, view: View) -> None:
@@ -129,25 +129,29 @@ def _goes_on(before: View, view: View) -> bool:
     )
 
 
-def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, now: float) -> None:
+def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, former: GameState, now: float) -> None:
+    state = hunt.known.state
     for old, new in zip(before.rooms, hunt.view.rooms, strict=True):
+        place = Room(new.room)
         if new.picture is not None and old.picture is None:
             hunt.picture_times[new.room] = now
         if new.verdict is not None and old.verdict is None:
             hunt.last_points = new.verdict.points
-            stander = robot_in_room(hunt.view, new.room)
-            worker = deciding_robot(before, new.room) if stander is None else stander
+            stander = state.standing_in(place)
+            worker = former.decider(place) if stander is None else stander
             if worker is not None:
                 hunt.verdicts[new.room] = worker
-        finder = robot_in_room(before, new.room)
-        gone = robot_in_room(hunt.view, new.room) is None and deciding_robot(hunt.view, new.room) == finder
+        finder = former.standing_in(place)
+        gone = state.standing_in(place) is None and state.decider(place) == finder
         if finder is not None and gone and hunt.view.over is None:
-            yours = why_not_name(hunt.view, finder, new.room) or "You may still say what it is."
+            yours = why_not_name(hunt.known, finder, new.room) or "You may still say what it is."
             sentence = f"{titled(finder)} was sent on, and what it found stays in room {new.room}. {yours}"
             _announce(memory, sentence, hunt.view.robots[finder], now)
 
 
-def _receive_commanders(memory: ParticipantMemory, hunt: HuntMemory, before: View, now: float) -> None:
+def _receive_commanders(
+    memory: ParticipantMemory, hunt: HuntMemory, before: View, discussed: Sequence[Discussed], now: float
+) -> None:
     """Announce each robot that the participant lost or got back, and each request to its commander.
 
     A dialogue about where that robot should go is void then.
@@ -161,8 +165,8 @@ def _receive_commanders(memory: ParticipantMemory, hunt: HuntMemory, before: Vie
         if not other:
             sentence = f"{name} is yours again."
         else:
-            sentence = f"{name} is commanded by {other} now. {how_it_comes_back(robot)}"
-            if any((other, matter) == (robot.robot, "select-room") for other, matter, _ in discussed_matters(before)):
+            sentence = f"{name} is commanded by {other} now. {how_it_comes_back(robot.commander)}"
+            if any((about.robot, about.matter) == (robot.robot, "select-room") for about in discussed):
                 sentence += " Where it should go need not be talked over any more."
         _announce(memory, sentence, robot, now)
 
@@ -194,7 +198,7 @@ def _reroute(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
         if mover.moving_to is not None:
             continue
         del hunt.reroutes[robot]
-        refused = why_not_go(hunt.view, robot, room)
+        refused = why_not_go(hunt.known, robot, room)
         if hunt.view.over is not None:
             continue
         if mover.place > 0 and hunt.view.room(mover.place).undecided:
@@ -212,13 +216,13 @@ def _drop_obsolete_step(memory: ParticipantMemory, hunt: HuntMemory, now: float)
             place = hunt.view.robots[robot].place
             arrived = hunt.view.robots[robot].moving_to is None
             reason = (
-                f"{titled(robot)} is in {place_name(place)} now." if arrived else why_not_go(hunt.view, robot, room)
+                f"{titled(robot)} is in {place_name(place)} now." if arrived else why_not_go(hunt.known, robot, room)
             )
         case LeaveUndecided(request, room):
-            decided = not hunt.view.room(room).undecided or robot_in_room(hunt.view, room) != request.robot
-            reason = why_not_command(hunt.view, request.robot) or ("That is decided by now." if decided else None)
+            decided = not hunt.view.room(room).undecided or hunt.robot_in_room(room) != request.robot
+            reason = why_not_command(hunt.known, request.robot) or ("That is decided by now." if decided else None)
         case EndGameEarly():
-            reason = why_not_end(hunt.view)
+            reason = why_not_end(hunt.known)
         case None:
             return
     if reason is not None:
@@ -234,7 +238,7 @@ def _is_talked_over(hunt: HuntMemory, room: int) -> bool:
         isinstance(request, Discuss) and (request.matter, request.room) == ("take-treasure", room)
         for request in hunt.pending.requests
     )
-    return asked or any((matter, about) == ("take-treasure", room) for _, matter, about in discussed_matters(hunt.view))
+    return asked or any((about.matter, about.room) == ("take-treasure", room) for about in hunt.known.discussed)
 
 
 def _items(hunt: HuntMemory) -> Iterator[PopupItem]:
@@ -247,7 +251,7 @@ def _items(hunt: HuntMemory) -> Iterator[PopupItem]:
         ):
             yield DestinationItem(robot.robot)
     for room in view.rooms:
-        worker = deciding_robot(view, room.room)
+        worker = hunt.known.state.decider(Room(room.room))
         if room.undecided and worker is not None:
             yield TreasureItem(worker, room.room)
         elif room.room in hunt.verdicts:

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 from thbridge.hunt.events import Commander
 from thbridge.hunt.rules import robot_name
-from thbridge.roles.view import RobotView
 
 
 def titled(robot: int) -> str:
@@ -12,9 +11,9 @@ def titled(robot: int) -> str:
     return robot_name(robot).capitalize()
 
 
-def how_it_comes_back(robot: RobotView) -> str:
-    """A sentence: the condition for getting back a robot that somebody else commands."""
-    researcher = robot.commander is Commander.RESEARCHER
+def how_it_comes_back(commander: Commander) -> str:
+    """A sentence: the condition for getting back a robot that this other commander has."""
+    researcher = commander is Commander.RESEARCHER
     return f"You get it back when the {'researcher is done' if researcher else 'ground station releases it'}."
 
 

@@ -2,9 +2,7 @@
 
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.rules import robot_name
-from thbridge.roles.view import View
 from ui.model.keys import key_of
-from ui.model.playing.possible import energy_paid
 from ui.model.playing.state import EndGameEarly, HuntMemory, LeaveUndecided, ParticipantMemory, Reroute
 from ui.model.playing.words import as_sentence, counted, place_name, scored, titled
 from ui.model.screen import Action, Cancel, Confirm, Confirmation
@@ -16,7 +14,7 @@ def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | 
         case Reroute(robot, room):
             return Confirmation(
                 f"Send {robot_name(robot)} to room {room} instead?",
-                _reroute_text(memory, hunt.view, robot, room),
+                _reroute_text(memory, hunt, robot, room),
                 Action(Confirm(), f"Stop it, then room {room}", key_of(Confirm())),
                 Action(Cancel(), "Let it go on", key_of(Cancel())),
             )
@@ -40,10 +38,10 @@ def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | 
             return None
 
 
-def _reroute_text(memory: ParticipantMemory, view: View, robot: int, room: int) -> str:
-    mover = view.robots[robot]
-    back = energy_paid(view, mover) * (1.0 - min(max(memory.motion(robot).progress, 0.0), 1.0))
-    cost = view.costs[0][room]
+def _reroute_text(memory: ParticipantMemory, hunt: HuntMemory, robot: int, room: int) -> str:
+    mover = hunt.view.robots[robot]
+    back = hunt.known.state.robots[robot].paid * (1.0 - min(max(memory.motion(robot).progress, 0.0), 1.0))
+    cost = hunt.view.costs[0][room]
     price = "" if cost is None else f", which costs about {energy_text(round(cost, 1))}"
     return (
         f"{titled(robot)} is on its way to {place_name(mover.moving_to or 0)}. If it stops, the energy for the rest of "

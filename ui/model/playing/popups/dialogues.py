@@ -41,7 +41,7 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
         for number, (text, key) in enumerate(zip(dialogue.choices, choice_keys(dialogue.choices), strict=True))
     )
     later = Action(ShowNext(), "Later", key_of(ShowNext()), hint="The robot waits for your answer.")
-    mind = energy_warning(hunt.view, dialogue.robot, dialogue.room) if dialogue.matter == "select-room" else ""
+    mind = energy_warning(hunt.known, dialogue.robot, dialogue.room) if dialogue.matter == "select-room" else ""
     return DialoguePopup(dialogue.robot, dialogue_title(hunt, dialogue), tuple(sentences), choices, later, mind)
 
 

@@ -7,7 +7,7 @@ from ui.model.keys import key_of
 from ui.model.playing.pictures import Pictures
 from ui.model.playing.popup_queue import TreasureItem
 from ui.model.playing.popups.dialogues import dialogue_popup
-from ui.model.playing.possible import robot_in_room, why_not_name, why_not_picture, why_not_work
+from ui.model.playing.possible import is_allowed, why_not_name, why_not_picture, why_not_work
 from ui.model.playing.state import HuntMemory
 from ui.model.playing.words import titled, verdict_words
 from ui.model.screen import Action, DialoguePopup, LeaveTreasure, ShowNext, SubmitName, TakeThePicture, TreasurePopup
@@ -50,7 +50,7 @@ def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: flo
 
 def _title(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str:
     name = titled(item.robot)
-    gone = robot_in_room(hunt.view, item.room) is None
+    gone = hunt.robot_in_room(item.room) is None
     if not room.undecided:
         return f"What {robot_name(item.robot)} found in room {item.room}" if gone else f"{name} in room {item.room}"
     if gone:
@@ -60,7 +60,7 @@ def _title(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str:
 
 def _picture_note(hunt: HuntMemory, room: RoomView, now: float) -> str:
     if room.picture is None:
-        return "" if robot_in_room(hunt.view, room.room) is not None or not room.undecided else "No picture was taken."
+        return "" if hunt.robot_in_room(room.room) is not None or not room.undecided else "No picture was taken."
     if now < hunt.picture_times.get(room.room, now) + PICTURE_TIMEOUT:
         return "The picture is on its way."
     return f"The picture cannot be shown here. It is called {room.picture}."
@@ -73,7 +73,7 @@ def _take_picture(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> Actio
     asked = Discuss(item.robot, "take-picture", item.room) in hunt.pending or any(
         (consent.matter, consent.room) == ("take-picture", item.room) for consent in view.consents
     )
-    refused = why_not_picture(view, item.robot, item.room)
+    refused = why_not_picture(hunt.known, item.robot, item.room)
     hint = refused or f"Costs {energy_text(view.picture_cost)} of {energy_text(robot.energy)} energy."
     if refused is None and robot.energy - view.picture_cost < view.identify_cost <= robot.energy:
         hint += " Then too little is left to name what it is."
@@ -86,7 +86,7 @@ def _name_it(hunt: HuntMemory, item: TreasureItem) -> Action:
     view = hunt.view
     picked = hunt.picked_names.get(item.room)
     busy = item.room in hunt.submitted_names
-    refused = why_not_name(view, item.robot, item.room)
+    refused = why_not_name(hunt.known, item.robot, item.room)
     if refused is None and picked is None:
         refused = "Pick a name from the list first." if view.names else "Wait until it is known what it may be called."
     cost = f"Costs {energy_text(view.identify_cost)} energy. A right name wins points, a wrong one loses some."
@@ -95,8 +95,8 @@ def _name_it(hunt: HuntMemory, item: TreasureItem) -> Action:
 
 def _leave(hunt: HuntMemory, item: TreasureItem) -> Action:
     busy = Leave(item.room) in hunt.pending
-    possible = hunt.view.over is None and hunt.view.room(item.room).undecided
-    silent = why_not_work(hunt.view, item.robot)
+    possible = is_allowed(hunt.known, Leave(item.room))
+    silent = why_not_work(hunt.known, item.robot)
     hint = "For good; it costs nothing." if possible else "This is decided."
     return Action(
         LeaveTreasure(),
