@@ -15,6 +15,7 @@ import numpy as np
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import Neighbour
+from sim.common.robot_numbers import namespace_of
 from sim.inputs import (
     Carry,
     ClearCostmaps,
@@ -157,21 +158,21 @@ class Team:
         # Robots plan one after the other: one workspace is enough, and stays in the processor's cache.
         space = Workspace(*grid.cells.shape)
         self._robots: list[Robot] = []
-        for number, parameters in enumerate(robots):
-            localizer = self._localizer(number, parameters, grid, world, seed)
-            localizer.start(starts[number], START_COVARIANCE)
-            navigator = Navigator(parameters, footprint, grid, number, space)
-            self._robots.append(Robot(number, localizer, navigator, footprint))
+        for index, parameters in enumerate(robots):
+            localizer = self._localizer(index, parameters, grid, world, seed)
+            localizer.start(starts[index], START_COVARIANCE)
+            navigator = Navigator(parameters, footprint, grid, index, space)
+            self._robots.append(Robot(index, localizer, navigator, footprint))
 
     def _localizer(
-        self, number: int, parameters: RobotParameters, grid: OccupancyGrid, world: WorldParameters, seed: int
+        self, index: int, parameters: RobotParameters, grid: OccupancyGrid, world: WorldParameters, seed: int
     ) -> Localizer:
         if parameters.localization in {"truth", "fake_localization"}:
             truth = parameters.fake_localization
-            return FakeLocalization(truth, lambda: Pose2(*(float(value) for value in self._state.poses[number])))
+            return FakeLocalization(truth, lambda: Pose2(*(float(value) for value in self._state.poses[index])))
         if parameters.localization == "ekf":
             return Ekf(parameters.ekf, grid, mount_of(world.laser))
-        return Amcl(parameters.amcl, grid, mount_of(world.laser), seed, f"robot{number + 1}")
+        return Amcl(parameters.amcl, grid, mount_of(world.laser), seed, namespace_of(index))
 
     @property
     def size(self) -> int:
@@ -229,11 +230,11 @@ class Team:
         return output.neighbour.robot not in self._dead and not output.estimate.lost
 
     def _step_robot(self, robot: Robot) -> RobotOutput:
-        last = self._outputs[robot.number]
-        if robot.number in self._dead and last is not None:
+        last = self._outputs[robot.index]
+        if robot.index in self._dead and last is not None:
             return last
-        output = robot.step(self._sensors.sense(self._state, robot.number), self._others(robot.number))
-        self._outputs[robot.number] = output
+        output = robot.step(self._sensors.sense(self._state, robot.index), self._others(robot.index))
+        self._outputs[robot.index] = output
         return output
 
     def _others(self, robot: int) -> tuple[Neighbour, ...]:

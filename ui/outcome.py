@@ -4,6 +4,7 @@ from pathlib import Path
 
 from rich.table import Table
 
+from sim.common.robot_numbers import robot_name
 from thbridge.app.compose import StudySetting
 from thbridge.app.play import HuntOutcome
 from thbridge.recording.recordings import parts_of
@@ -23,7 +24,7 @@ def show_outcome(outcome: HuntOutcome) -> None:
     table.add_row("rooms visited", str(outcome.rooms_visited))
     table.add_row("treasures named", str(outcome.identified))
     for robot, energy in enumerate(outcome.energy):
-        table.add_row(f"energy of robot {robot + 1}", f"{energy:g}")
+        table.add_row(f"energy of {robot_name(robot)}", f"{energy:g}")
     table.add_row("simulated time", f"{outcome.sim_seconds:.1f} s in {outcome.wall_seconds:.1f} s")
     table.add_row("collisions", str(outcome.collisions))
     if outcome.bag is not None:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from sim.common.observations import TICK
+from sim.common.robot_numbers import robot_name
 from thbridge.app.session.session import TickRecord
 from thbridge.dialogue.moves import Author, DialogueUtterance, Speaker
 from thbridge.hunt.costs import energy_text
@@ -26,7 +27,7 @@ from thbridge.hunt.events import (
     Sensed,
     Started,
 )
-from thbridge.hunt.rules import commander_name, robot_name
+from thbridge.hunt.rules import commander_name
 from ui.terminal import out
 
 

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
+from sim.common.robot_numbers import index_of, robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
-from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import (
     Agree,
     Answer,
@@ -97,13 +97,13 @@ class TerminalPlayer:
             case ["l", room] if _is_number(room):
                 self._wanted = (Leave(int(room)),)
             case ["b", robot] if _is_number(robot):
-                self._wanted = (CallBack(int(robot) - 1),)
+                self._wanted = (CallBack(index_of(int(robot))),)
             case ["a", robot] if _is_number(robot):
-                self._wanted = (AskBack(int(robot) - 1),)
+                self._wanted = (AskBack(index_of(int(robot))),)
             case [robot, "?"] if _is_number(robot):
-                self._wanted = (Unsure(int(robot) - 1),)
+                self._wanted = (Unsure(index_of(int(robot))),)
             case [robot, room] if _is_number(robot) and _is_number(room):
-                self._wanted = (Select(int(robot) - 1, int(room)),)
+                self._wanted = (Select(index_of(int(robot)), int(room)),)
             case _:
                 self.show(HELP)
 

@@ -31,12 +31,12 @@ class Robot:
     """The software of one robot: a localiser and a navigator, joined; it knows nothing but its observations.
 
     Args:
-        number: its index in the team.
+        index: its index in the team.
         footprint: (n, 2) corners of its body in the base frame, metres.
     """
 
-    def __init__(self, number: int, localizer: Localizer, navigator: Navigator, footprint: FloatArray) -> None:
-        self.number = number
+    def __init__(self, index: int, localizer: Localizer, navigator: Navigator, footprint: FloatArray) -> None:
+        self.index = index
         self.localizer = localizer
         self.navigator = navigator
         self._footprint = footprint
@@ -59,7 +59,7 @@ class Robot:
             observations.tick, estimate.base_in_map, odometry.twist, observations.scan, neighbours, estimate.lost
         )
         neighbour = Neighbour(
-            self.number,
+            self.index,
             estimate.base_in_map,
             odometry.twist,
             self._footprint,

@@ -28,6 +28,7 @@ from sim.common.polygons import (
     placed_at,
     within_margin,
 )
+from sim.common.robot_numbers import namespace_of, robot_name
 from sim.parameters import WorldParameters
 from sim.world.sensor_noise import SensorNoise, WheelNoise, measured_increment
 from sim.world.things import RobotBodies, Thing, ThingState, polygons_of, step_things
@@ -253,7 +254,7 @@ def _step(
 @lru_cache(maxsize=64)
 def _odometry_keys(seed: int, robots: int) -> NDArray[np.uint64]:
     """(robots,) keys of the wheels' noise."""
-    return np.array([key(seed, f"robot{i + 1}", "odometry") for i in range(robots)], dtype=np.uint64)
+    return np.array([key(seed, namespace_of(i), "odometry") for i in range(robots)], dtype=np.uint64)
 
 
 def with_charge(state: WorldState, robot: int, charge: float) -> WorldState:
@@ -400,7 +401,7 @@ class World:
     def _obstacle(self, robot: int, poses: FloatArray, bodies: Polygons) -> Misplaced | None:
         """Refuse this robot's pose in (n, 3) `poses`, among the bodies of things; None when its body can be there."""
         x, y = float(poses[robot, 0]), float(poses[robot, 1])
-        where = f"robot {robot + 1} cannot be at ({x:.2f}, {y:.2f})"
+        where = f"{robot_name(robot)} cannot be at ({x:.2f}, {y:.2f})"
         if not self._grid.contains(*self._grid.cell_of(x, y)):
             return Misplaced(robot, "outside", f"{where}: that is outside the map")
         touched = np.zeros(poses.shape[0], dtype=np.bool_)
@@ -410,7 +411,7 @@ class World:
         if wall:
             return Misplaced(robot, "wall", f"{where}: its body would be in a wall")
         if other:
-            return Misplaced(robot, "robot", f"{where}: robot {int(np.argmax(touched)) + 1} stands there")
+            return Misplaced(robot, "robot", f"{where}: {robot_name(int(np.argmax(touched)))} stands there")
         if thing:
             return Misplaced(robot, "thing", f"{where}: something stands there")
         return None

@@ -14,6 +14,7 @@ from sim.common.noise import key, normals, uniforms
 from sim.common.observations import TICKS_PER_SECOND, Battery, Imu, LaserMount, Observations, Odometry, Scan, Twist
 from sim.common.polygons import Polygons
 from sim.common.raycast import BeamFan, FreeSquares, cast_beams, directions_of, free_squares_of, shorten_fan_by_polygon
+from sim.common.robot_numbers import namespace_of
 from sim.parameters import LaserParameters, WorldParameters
 from sim.world.physics import WorldState
 
@@ -110,7 +111,7 @@ class _Keys(NamedTuple):
 @lru_cache(maxsize=1024)
 def _keys(seed: int, robot: int) -> _Keys:
     """The streams of the robot with this index."""
-    name = f"robot{robot + 1}"
+    name = namespace_of(robot)
     return _Keys(key(seed, name, "gyro"), key(seed, name, "laser"), key(seed, name, "laser", "dropout"))
 
 

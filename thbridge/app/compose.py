@@ -11,6 +11,7 @@ import numpy as np
 from sim.common import noise
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
+from sim.common.robot_numbers import number_of, robot_numbers
 from sim.common.traversability import TraversabilityMap
 from sim.inputs import Go, ScheduledInput
 from sim.robot.costmap.footprint import radii
@@ -85,13 +86,13 @@ class StudySetting:
     def team(self) -> Team:
         """Return the simulated robots at their start poses."""
         study = self.study
-        return self._team(range(1, study.robots + 1), schedule_of(study.things, study.mishaps))
+        return self._team(range(study.robots), schedule_of(study.things, study.mishaps))
 
-    def _team(self, numbers: Sequence[int], schedule: Sequence[ScheduledInput]) -> Team:
-        """Return some of the study's robots, by number from 1, at their start poses."""
+    def _team(self, robots: Sequence[int], schedule: Sequence[ScheduledInput]) -> Team:
+        """Return some of the study's robots at their start poses."""
         study = self.study
-        starts = [self.map.starts[number - 1] for number in numbers]
-        software = [study.software(number) for number in numbers]
+        starts = [self.map.starts[robot] for robot in robots]
+        software = [study.software(number_of(robot)) for robot in robots]
         return Team(self.map.grid, study.world, software, starts, study.seed, study.game.energy, schedule)
 
     def rehearse(self) -> None:
@@ -100,8 +101,8 @@ class StudySetting:
         A few robots of a large team suffice, together with those that have software parameters of their own.
         """
         study, rooms = self.study, self.map.rooms
-        numbers = [number for number in range(1, study.robots + 1) if number <= REHEARSERS or number in study.each]
-        team = self._team(numbers, schedule_of(study.things, ()))
+        robots = [robot for robot in range(study.robots) if robot < REHEARSERS or number_of(robot) in study.each]
+        team = self._team(robots, schedule_of(study.things, ()))
         orders = [Go(robot, Goal(0, rooms[robot % len(rooms)].goal)) for robot in range(team.size)]
         for tick in range(REHEARSAL):
             team.step(orders if tick == 0 else [])
@@ -150,7 +151,7 @@ class StudySetting:
         def made(ask: RequestSink) -> Vehicles:
             pilots = []
             for robot, start in enumerate(self.map.starts[: study.robots]):
-                speed_limit = SpeedLimit(robot, study.software(robot + 1), simr)
+                speed_limit = SpeedLimit(robot, study.software(number_of(robot)), simr)
                 pilots.append(Pilot(robot, setup, start, speed_limit, VehicleParameters(robot, simr), ask))
             return Vehicles(pilots, study.mavlink.options)
 
@@ -164,7 +165,7 @@ class StudySetting:
     def publisher(self) -> TeamPublisher:
         """Return the publisher of these robots' ROS messages."""
         study, laser = self.study, self.study.world.laser
-        planners = [Planners.of(study.software(number)) for number in range(1, study.robots + 1)]
+        planners = [Planners.of(study.software(number)) for number in robot_numbers(study.robots)]
         return TeamPublisher(study.robots, mount_of(laser), 1.0 / laser.rate, planners, vehicles=study.mavlink.on)
 
     def writer(self, path: Path, caller: str = CALLER) -> BagWriter:

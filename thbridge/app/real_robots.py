@@ -65,7 +65,7 @@ async def simr_with_real_robots(
         footprint = np.array(setting.study.world.footprint, dtype=np.float64)
         named = setting.study.fleet.names(setting.study.robots)
         stale_ns = round(setting.study.fleet.silence * 1e9)
-        robots = [RemoteRobot(number, each, CALLER, footprint, stale_ns) for number, each in enumerate(named)]
+        robots = [RemoteRobot(robot, each, CALLER, footprint, stale_ns) for robot, each in enumerate(named)]
         fleet = Fleet(graph, robots, recorder or _NoRecorder())
         opened.push_async_callback(fleet.stop)
         started = await fleet.start()

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Protocol
 
+from sim.common.robot_numbers import robot_name
 from thbridge.dialogue.moves import (
     Author,
     Dialogue,
@@ -24,7 +25,6 @@ from thbridge.dialogue.moves import (
 from thbridge.dialogue.protocols import DialogueProtocol
 from thbridge.dialogue.strategies import Strategy, StrategyInput
 from thbridge.hunt.refusals import RequestRefused
-from thbridge.hunt.rules import robot_name
 
 
 class DialogueReason(StrEnum):

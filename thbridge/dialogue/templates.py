@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from sim.common.noise import NoiseStream
+from sim.common.robot_numbers import number_of
 from thbridge.dialogue.moves import Ask, Continue, Dialogue, DialogueTopic, Move, Scenario, Stop
 from thbridge.hunt.costs import energy_text
 
@@ -90,7 +91,7 @@ def words_of(topic: DialogueTopic) -> dict[str, str]:
         "room": str(topic.room.people),
         "cost": energy_text(topic.cost),
         "energy": energy_text(topic.energy),
-        "robot": str(topic.robot + 1),
+        "robot": str(number_of(topic.robot)),
         "colour": topic.colour,
         "footprint": topic.footprint,
     }

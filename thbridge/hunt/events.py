@@ -55,7 +55,7 @@ class Started(_Event, frozen=True, tag="started"):
     Attributes:
         seed: of all random numbers of this game.
         game: number of the game, from 1, unique within a journal folder.
-        robots: size of the team; robots are numbered from 0 as on the wire.
+        robots: size of the team; in events a robot is its index, from 0, as on the wire.
         energy: of each robot at the start.
         picture_cost: energy of the first picture in a room.
         identify_cost: energy of identifying.

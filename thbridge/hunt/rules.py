@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable
 from enum import StrEnum
 
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import (
     Agreed,
@@ -343,11 +344,6 @@ def affordable(state: GameState, robot: int) -> tuple[Room, ...]:
     if mover.is_blocked or mover.is_silent:
         return ()
     return tuple(room for room in state.free_rooms if state.started.costs.cost(mover.at, room) <= mover.energy)
-
-
-def robot_name(robot: int) -> str:
-    """Return the name of a robot for people: index 0 is robot 1, as `/robot1` in ROS."""
-    return f"robot {robot + 1}"
 
 
 def _intervenes(robot: int, researcher: str) -> Commanded:

@@ -1,7 +1,7 @@
 """Sentences for the participant about moves that failed; all of them stand here."""
 
+from sim.common.robot_numbers import robot_name
 from sim.robot.navigator.goals import NoPathReason
-from thbridge.hunt.rules import robot_name
 
 CALLED_BACK = "It was called back."
 STOPPED = "It was stopped."

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import NamedTuple, TypeAlias
 
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Commander, Ended, EndReason, Sensed, Started
@@ -144,9 +145,7 @@ def _select(now: Situation, robot: int, room: Room) -> rules.Ruling:
     other = other_candidate(now.discussed, room, robot)
     if isinstance(ruling, RequestRefused) or other is None:
         return ruling
-    return RequestRefused(
-        KeeperReason.UNDER_DISCUSSION, f"You are talking with {rules.robot_name(other)} about {room}."
-    )
+    return RequestRefused(KeeperReason.UNDER_DISCUSSION, f"You are talking with {robot_name(other)} about {room}.")
 
 
 def _immovable(now: Situation, robot: int) -> RequestRefused | None:

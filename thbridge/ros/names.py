@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from sim.common.robot_numbers import namespace_of
+
 MAP_FRAME = "map"
 CALLER = "/thbridge"
 """Name of our node, the only publisher in bags and in a live graph."""
@@ -42,8 +44,8 @@ class RobotNames:
 
     @classmethod
     def of(cls, robot: int) -> "RobotNames":
-        """The names of a robot by its index in the team, from 0; ROS and people count from 1."""
-        return cls(f"/robot{robot + 1}")
+        """The names of a robot by its index in the team."""
+        return cls(f"/{namespace_of(robot)}")
 
     def frame(self, name: str) -> str:
         """This robot's frame `name`: "odom" gives "robot1/odom"."""

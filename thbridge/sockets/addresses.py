@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from sim.common.robot_numbers import index_of, number_of
+
 LOCALHOST = "127.0.0.1"
 TEXT_SERVER_PORT = 6009
 WATCH_PORT = 6010
@@ -52,7 +54,7 @@ class UdpTarget(NamedTuple):
     robot: int | None = None
 
     def __str__(self) -> str:
-        return f"{self.address}" if self.robot is None else f"{self.address}/{self.robot + 1}"
+        return f"{self.address}" if self.robot is None else f"{self.address}/{number_of(self.robot)}"
 
 
 def parse_target(text: str) -> UdpTarget | None:
@@ -63,4 +65,4 @@ def parse_target(text: str) -> UdpTarget | None:
         return None if address is None else UdpTarget(address)
     if not (number.isascii() and number.isdecimal() and int(number) > 0):
         return None
-    return UdpTarget(address, int(number) - 1)
+    return UdpTarget(address, index_of(int(number)))

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple, TypeVar, cast
 
+from sim.common.robot_numbers import RobotNumber, robot_numbers
 from sim.parameters import param
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
@@ -51,8 +52,8 @@ class FleetNames:
         "further topics of any type, for the bag only",
     )
 
-    def names(self, number: int) -> RemoteNames:
-        """Return the names of the robot with this number, from 1."""
+    def names(self, number: RobotNumber) -> RemoteNames:
+        """Return the names of the robot with this number."""
         space = self._said("namespace", number)
 
         def topic(name: str) -> str:
@@ -90,9 +91,9 @@ class FleetNames:
 
 
 class NameClash(NamedTuple):
-    """A name that is used twice: the robot, from 1, and the field."""
+    """A name that is used twice: the robot's number, and the field."""
 
-    robot: int
+    robot: RobotNumber
     field: str
     problem: str
 
@@ -112,12 +113,12 @@ class FleetSection:
 
     def names(self, robots: int) -> list[RemoteNames]:
         """Return the names of a team of this size."""
-        return [self.each.get(number, self.robot).names(number) for number in range(1, robots + 1)]
+        return [self.each.get(number, self.robot).names(number) for number in robot_numbers(robots)]
 
     def clash(self, robots: int) -> NameClash | None:
         """Return the first name that is used twice in a team of this size, or None."""
         taken: dict[str, tuple[int, str]] = {}
-        for number, own in enumerate(self.names(robots), 1):
+        for number, own in zip(robot_numbers(robots), self.names(robots), strict=True):
             for field in _OWN:
                 name = cast(str, getattr(own, field))
                 first, other = taken.setdefault(name, (number, field))

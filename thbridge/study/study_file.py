@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Never, cast
 
 from sim.common.observations import TICKS_PER_SECOND
+from sim.common.robot_numbers import RobotNumber
 from sim.parameters import MIN_MAX_PAIRS, RobotParameters, WorldParameters, param
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.ros.parameters import read_ros_parameters
@@ -163,8 +164,8 @@ class Study:
     )
     mishaps: tuple[MishapEntry, ...] = param((), "what befalls robots: each is a line - {key: value, ...}")
 
-    def software(self, number: int) -> RobotParameters:
-        """Return the software of the robot with this number, from 1."""
+    def software(self, number: RobotNumber) -> RobotParameters:
+        """Return the software of the robot with this number."""
         return self.each.get(number, self.robot)
 
 

@@ -9,6 +9,7 @@ from typing import TypeVar
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
+from sim.common.robot_numbers import index_of
 from sim.common.traversability import Polygon, area, crosses_itself
 from sim.parameters import param
 from sim.team import Carry, Die, PutThing, RemoveThing, Revive, ScheduledInput, TeamInput
@@ -100,7 +101,7 @@ class MishapEntry:
 
     def input(self) -> TeamInput:
         """Return it as an input of the team."""
-        robot = self.robot - 1
+        robot = index_of(self.robot)
         if self.to is not None:
             return Carry(robot, Pose2(*self.to))
         return Die(robot) if self.what is Mishap.DIES else Revive(robot)

@@ -15,6 +15,7 @@ import numpy as np
 
 from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
+from sim.common.robot_numbers import namespace_of
 from thbridge.analysis.report.tracks import PoseSeries, SeriesByTopic, deviations
 from thbridge.analysis.report.values import GoalAttempt, ObstacleTrack, Report, TimelineEntry, Track
 from thbridge.ros.frames import frame_name
@@ -214,13 +215,14 @@ class _ReportBuilder:
 
     def _event(self, time: float, topic: str, data: bytes) -> None:
         event = unpack.game_event(data)
-        who = "" if event.robot is None else f"robot{event.robot + 1}"
+        who = "" if event.robot is None else namespace_of(event.robot)
         text, points = _event_text(event)
         self._timeline.append(TimelineEntry(time, event.kind, who, event.room, text, points))
 
     def _utterance(self, time: float, topic: str, data: bytes) -> None:
         message: UtteranceRecord = unpack.utterance(data)
-        who = f"robot{message.robot + 1}" if message.speaker == "robot" else f"participant to robot{message.robot + 1}"
+        robot = namespace_of(message.robot)
+        who = robot if message.speaker == "robot" else f"participant to {robot}"
         who += " (by a wizard)" if message.author == "wizard" else ""
         self._timeline.append(TimelineEntry(time, "said", who, message.room, message.text or message.move))
 

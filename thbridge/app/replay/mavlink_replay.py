@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
+from sim.common.robot_numbers import RobotNumber, index_of, number_of
 from thbridge.app.compose import StudySetting
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.session.broadcast import Broadcast, Listener
@@ -60,12 +61,12 @@ class Arrival:
     """A robot reached a room.
 
     Attributes:
-        robot: its number, from 1.
+        robot: its number.
         room: its number as people count.
         seconds: session time.
     """
 
-    robot: int
+    robot: RobotNumber
     room: int
     seconds: float
 
@@ -83,7 +84,7 @@ class HuntResult:
     score: int
 
     @property
-    def order(self) -> tuple[tuple[int, int], ...]:
+    def order(self) -> tuple[tuple[RobotNumber, int], ...]:
         """Pairs of robot and room, in the order of arrival."""
         return tuple((arrival.robot, arrival.room) for arrival in self.arrivals)
 
@@ -152,7 +153,7 @@ def hunt_result_of(path: Path) -> HuntResult:
 
 def _arrival(event: GameEvent, stamp_ns: int) -> Iterator[Arrival]:
     if event.kind == kind_of(Arrived) and event.robot is not None and event.room is not None:
-        yield Arrival(event.robot + 1, event.room, _seconds(stamp_ns))
+        yield Arrival(number_of(event.robot), event.room, _seconds(stamp_ns))
 
 
 async def replay_frames(
@@ -258,7 +259,7 @@ class _RecordedFrames:
 def _robot_of(topic: str) -> int | None:
     """Return the robot, from 0, that receives a topic's frames (0 without a number); None for another topic."""
     match = _TOPIC.fullmatch(topic)
-    return None if match is None else int(match[1] or 1) - 1
+    return None if match is None else index_of(int(match[1] or 1))
 
 
 class _PoseComparison:
@@ -303,7 +304,7 @@ class _HuntRecorder:
         for event in record.events:
             if isinstance(event, Arrived) and record.snapshot is not None:
                 seconds = record.snapshot.tick * TICK
-                self.arrivals.append(Arrival(event.robot + 1, event.room.people, round(seconds, 2)))
+                self.arrivals.append(Arrival(number_of(event.robot), event.room.people, round(seconds, 2)))
         self.score = 0 if record.game is None else record.game.score
 
 

@@ -6,6 +6,7 @@ does not reveal them; then the game learns from its answers.
 
 from collections.abc import Callable, Mapping
 
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
@@ -82,7 +83,7 @@ class LegacyLines:
             and needs_consent
             and not self._game.dialogues.is_agreed(robot, "select-room", room)
         ):
-            name = rules.robot_name(robot)
+            name = robot_name(robot)
             ruling = RequestRefused(
                 KeeperReason.NO_CONSENSUS, f"You have not agreed with {name} that it goes to {room}."
             )
@@ -138,9 +139,7 @@ class LegacyLines:
         if isinstance(ruling, RequestRefused) or robot is None:
             return ruling
         if not self._game.dialogues.is_agreed(robot, matter, room):
-            return RequestRefused(
-                KeeperReason.NO_CONSENSUS, f"You have not agreed on that with {rules.robot_name(robot)}."
-            )
+            return RequestRefused(KeeperReason.NO_CONSENSUS, f"You have not agreed on that with {robot_name(robot)}.")
         self._game.dialogues.use_consent(robot, matter)
         return ruling
 

@@ -2,6 +2,7 @@
 
 from typing import TypeAlias
 
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
 from thbridge.hunt.events import Commanded, Commander
 from thbridge.hunt.game import CommandHolder, GameState
@@ -84,7 +85,7 @@ def return_robots(game: OpenGame) -> None:
 def _stop(game: OpenGame, state: GameState, robot: int) -> None:
     """Call a robot back, once; a participant who commands it learns by a refusal who stopped it."""
     if not game.is_recalled(robot) and state.robots[robot].command.by is Commander.PARTICIPANT:
-        sentence = f"A ground station has stopped {rules.robot_name(robot)}."
+        sentence = f"A ground station has stopped {robot_name(robot)}."
         game.refuse(SendRobot.__name__, RequestRefused(KeeperReason.STOPPED, sentence))
     game.recall(robot)
 
@@ -103,7 +104,7 @@ def _ruling(state: GameState, request: _Judged) -> rules.Ruling:
 
 def _about_treasure(state: GameState, request: PictureFor | IdentifyFor | LeaveFor) -> rules.Ruling:
     if not state.has_robot(request.robot):
-        return RequestRefused(rules.RuleReason.UNKNOWN_ROBOT, f"There is no {rules.robot_name(request.robot)}.")
+        return RequestRefused(rules.RuleReason.UNKNOWN_ROBOT, f"There is no {robot_name(request.robot)}.")
     refused = rules.commanded_by_other(state, request.robot, Commander.GROUND_STATION)
     if refused is not None:
         return refused

@@ -12,6 +12,7 @@ import numpy as np
 
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
+from sim.common.robot_numbers import robot_name
 from sim.common.traversability import TraversabilityMap, inside
 from sim.inputs import Drive, Go, Halt
 from sim.robot.navigator import Goal
@@ -317,7 +318,7 @@ class Pilot:
             intervenes = robot.command.by is Commander.RESEARCHER
             return Denied(refused.sentence, DenialKind.NOT_NOW if intervenes else DenialKind.DENIED)
         if robot.is_blocked:
-            return Denied(f"{rules.robot_name(self._robot).capitalize()} has no energy left.")
+            return Denied(f"{robot_name(self._robot).capitalize()} has no energy left.")
         return state
 
     def _judge(self, state: GameState, room: Room) -> rules.Ruling:

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import Commander
 from thbridge.hunt.game import GameState, RoomState
 from thbridge.hunt.rooms import Room
-from thbridge.hunt.rules import robot_name
 
 
 def game_texts(robot: int, before: GameState | None, now: GameState) -> Iterator[str]:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from itertools import count
 from typing import Protocol, TypeAlias
 
+from sim.common.robot_numbers import number_of
 from sim.team import TeamSnapshot
 from thbridge.hunt.game import GameState
 from thbridge.roles.robot_requests import Request
@@ -36,7 +37,7 @@ class Vehicles:
 
     def __init__(self, pilots: Sequence[VehiclePilot], options: VehicleOptions) -> None:
         self._pilots = tuple(pilots)
-        systems = [Vehicle(number, pilot, options) for number, pilot in enumerate(pilots, 1)]
+        systems = [Vehicle(number_of(robot), pilot, options) for robot, pilot in enumerate(pilots)]
         self._hub = Hub(systems, options.lost_after)
         self._numbers = count()
 

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 
+from sim.common.robot_numbers import index_of
 from thbridge.ros.messages.cursor import INT32, INT64, UINT32, UINT64, Cursor
 from thbridge.ros.messages.session_records import GameEvent, InputRecord, ScoreRecord, SessionRecord, UtteranceRecord
 
@@ -45,7 +46,7 @@ def utterance(data: bytes) -> UtteranceRecord:
     cursor = Cursor(data)
     cursor.header()
     dialogue, speaker = cursor.integer(INT64), cursor.string()
-    robot, room = cursor.integer(INT32) - 1, _room(cursor.integer(INT32))
+    robot, room = index_of(cursor.integer(INT32)), _room(cursor.integer(INT32))
     scenario, text, move = cursor.string(), cursor.string(), cursor.string()
     author = cursor.string() if cursor.has_more else "robot" if speaker == "robot" else "person"
     return UtteranceRecord(dialogue, speaker, robot, room, scenario, text, move, author)
@@ -59,7 +60,7 @@ def outside_input(data: bytes) -> InputRecord:
 
 
 def _robot(number: int) -> int | None:
-    return None if number == 0 else number - 1
+    return None if number == 0 else index_of(number)
 
 
 def _room(number: int) -> int | None:

@@ -13,6 +13,7 @@ import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import STANDSTILL, Battery, Imu, LaserMount, Neighbour, Observations, Odometry, Scan, Twist
+from sim.common.robot_numbers import namespace_of, robot_name
 from sim.inputs import Drive, Go, Halt, Localize
 from sim.robot.navigator import Navigation
 from sim.robot.software import RobotOutput
@@ -53,7 +54,7 @@ class RemoteRobot:
     """One real robot.
 
     Args:
-        number: its index in the team.
+        robot: its index in the team.
         named: names of its topics and frames.
         caller: name of our node, with which the ids of our goals begin.
         footprint: (n, 2) corners of its body in the base frame, metres.
@@ -67,15 +68,15 @@ class RemoteRobot:
     """
 
     def __init__(
-        self, number: int, named: RemoteNames, caller: str, footprint: FloatArray, stale_ns: int = STALE_NS
+        self, robot: int, named: RemoteNames, caller: str, footprint: FloatArray, stale_ns: int = STALE_NS
     ) -> None:
         self.outgoing: list[RosMessage] = []
-        self._number = number
+        self._robot = robot
         self.names = named
         self._stale_ns = stale_ns
         self._footprint = footprint
         self._pose = RemotePose(named, stale_ns)
-        self._goals = MoveBaseClient(f"{caller}-robot{number + 1}-", stale_ns)
+        self._goals = MoveBaseClient(f"{caller}-{namespace_of(robot)}-", stale_ns)
         self._set_goal = Topic(named.action("goal"), types.MOVE_BASE_GOAL)
         self._cancel = Topic(named.action("cancel"), types.GOAL_ID)
         self._cmd_vel = Topic(named.cmd_vel, types.TWIST)
@@ -166,7 +167,7 @@ class RemoteRobot:
             Battery(tick_of(self._battery[2]), self._battery[0], self._battery[1]),
         )
         neighbour = Neighbour(
-            self._number, estimate.base_in_map, self._pose.twist, self._footprint, navigation.plan[:, :2], _NO_TIMES
+            self._robot, estimate.base_in_map, self._pose.twist, self._footprint, navigation.plan[:, :2], _NO_TIMES
         )
         return RobotOutput(observations, estimate, navigation, neighbour)
 
@@ -304,7 +305,7 @@ class RemoteRobot:
 def missing_of(robots: Sequence[RemoteRobot]) -> list[str]:
     """Sentences about the messages that are missing before all robots can take part, one for each robot."""
     return [
-        f"robot {number} is not there yet: {'; '.join(parts)}"
-        for number, robot in enumerate(robots, 1)
-        if (parts := robot.missing())
+        f"{robot_name(robot)} is not there yet: {'; '.join(parts)}"
+        for robot, remote in enumerate(robots)
+        if (parts := remote.missing())
     ]

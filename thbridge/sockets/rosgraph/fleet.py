@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
+from sim.common.robot_numbers import robot_name
 from sim.inputs import Drive, Go, Halt, Localize, Place, SetCharge, TeamInput
 from sim.parameters import RobotParameters, WorldParameters
 from sim.team import TeamSnapshot
@@ -109,11 +110,11 @@ class Fleet:
 
     def _not_subscribed(self) -> Iterator[str]:
         """Yield a sentence for each robot that does not subscribe to its goals yet."""
-        for number, robot in enumerate(self._robots, 1):
-            goal = robot.names.action("goal")
+        for robot, remote in enumerate(self._robots):
+            goal = remote.names.action("goal")
             if all(connection.peer == CALLER for connection in self._publications[goal].connections()):
                 yield (
-                    f"robot {number} does not listen to {goal} yet: its machine must be able to reach this one at "
+                    f"{robot_name(robot)} does not listen to {goal} yet: its machine must be able to reach this one at "
                     f"{self._node.host} (--ros-host)"
                 )
 
@@ -169,7 +170,9 @@ class Fleet:
                     self._last is None
                     or self._last.robots[robot].estimate.base_in_map.distance(pose) > PLACEMENT_TOLERANCE
                 ):
-                    _log.warning("robot %d belongs at (%.2f, %.2f): somebody must bring it", robot + 1, pose.x, pose.y)
+                    _log.warning(
+                        "%s belongs at (%.2f, %.2f): somebody must bring it", robot_name(robot), pose.x, pose.y
+                    )
             case _:
                 self._complaints.warn(f"real robots cannot be asked to {type(item).__name__}")
 

@@ -45,7 +45,7 @@ class Traffic:
     """Frame that a vehicle received or sent.
 
     Attributes:
-        robot: number of the vehicle, from 0.
+        robot: index of the vehicle in the team.
         incoming: True when the vehicle received it; False when it sent it.
         link: name of the link.
         frame: frame without its signature.

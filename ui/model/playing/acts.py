@@ -1,6 +1,6 @@
 """Effects of the participant's acts. Each act is judged against the screen that the participant saw."""
 
-from thbridge.hunt.rules import robot_name
+from sim.common.robot_numbers import robot_name
 from thbridge.roles.view import (
     Agree,
     Answer,

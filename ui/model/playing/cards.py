@@ -1,8 +1,9 @@
 """Cards of the robots, and the sentences that describe a robot's activity."""
 
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
-from thbridge.hunt.rules import affordable, robot_name
+from thbridge.hunt.rules import affordable
 from thbridge.roles.notices import RobotMotion
 from thbridge.roles.view import AskBack, CallBack, RobotView
 from ui.model.keys import key_of

@@ -1,7 +1,7 @@
 """The whole screen, made from the participant's memory."""
 
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import Condition
-from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import Agree
 from ui.model.keys import HELP, help_lines, key_of
 from ui.model.playing.cards import cards

@@ -4,9 +4,9 @@ from collections import deque
 from collections.abc import Iterator
 from typing import Literal
 
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
-from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import DialogueView, RobotView, RoomView, View
 from ui.model.playing.words import counted, place_name, scored, seen_words, titled, verdict_words
 from ui.model.screen import HistoryLine

@@ -3,6 +3,7 @@
 import numpy as np
 
 from sim.common.geometry import FloatArray
+from sim.common.robot_numbers import number_of
 from thbridge.roles.notices import FloorPlan
 from thbridge.roles.view import View
 from ui.model.motion import DisplayedRobot
@@ -44,7 +45,7 @@ class MapMarks:
         return tuple(
             RobotMark(
                 robot=robot.robot,
-                label=str(robot.robot + 1),
+                label=str(number_of(robot.robot)),
                 pose=motion.pose,
                 footprint=self._footprint,
                 selected=robot.robot == selected,

@@ -6,13 +6,14 @@
 
 from dataclasses import replace
 
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Arrived, Commander
 from thbridge.hunt.game import apply
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room
-from thbridge.hunt.rules import RuleReason, commander_name, robot_name
+from thbridge.hunt.rules import RuleReason, commander_name
 from thbridge.roles.participant_rules import JudgedRequest, KeeperReason, Situation, judge, other_candidate
 from thbridge.roles.view import CallBack, Discuss, GiveUp, Select, Unsure
 from ui.model.playing.words import how_it_comes_back, titled

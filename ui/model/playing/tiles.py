@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
-from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import GiveUp, RoomView, Select, Unsure
 from ui.model.keys import key_of
 from ui.model.playing.possible import energy_warning, why_not_ask, why_not_end, why_not_go

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator, Sequence
 
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
-from thbridge.hunt.rules import robot_name
 from thbridge.roles.participant_rules import Discussed
 from thbridge.roles.view import (
     Answer,

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import Commander
-from thbridge.hunt.rules import robot_name
 
 
 def titled(robot: int) -> str:

@@ -4,8 +4,8 @@ import re
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
+from sim.common.robot_numbers import index_of, robot_name
 from thbridge.analysis.report.tracks import BATTERIES, ESTIMATES, NO_ESTIMATES
-from thbridge.hunt.rules import robot_name
 from thbridge.ros.frames import frame_name
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.robots import (
@@ -114,7 +114,7 @@ class RobotDiscovery:
         numbers = [_OURS.fullmatch(key) for key in keys]
         ours = bool(keys) and all(numbers)
         return tuple(
-            self._watched_robot(int(number[1]) - 1 if ours and number else index, key, frozenset(keys), ours)
+            self._watched_robot(index_of(int(number[1])) if ours and number else index, key, frozenset(keys), ours)
             for index, (key, number) in enumerate(zip(keys, numbers, strict=True))
         )
 

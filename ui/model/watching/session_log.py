@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeGuard, get_args
 
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import Commander
-from thbridge.hunt.rules import robot_name
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.records import LogLevel

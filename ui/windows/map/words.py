@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from sim.common.robot_numbers import robot_name
 from ui.model.scene import RobotMark, RoomMark
 from ui.windows.map.geometry import contains
 
@@ -20,7 +21,7 @@ def describe(rooms: Sequence[RoomMark], robots: Sequence[RobotMark]) -> str:
         trouble = ", in trouble" if robot.trouble else ""
         commanded = f", commanded by {robot.commander}" if robot.commander else ""
         chosen = ", selected" if robot.selected else ""
-        sentences.append(f"robot {robot.robot + 1} {where}{going}{trouble}{commanded}{chosen}")
+        sentences.append(f"{robot_name(robot.robot)} {where}{going}{trouble}{commanded}{chosen}")
     return "; ".join(sentences) + "."
 
 

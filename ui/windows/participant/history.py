@@ -3,7 +3,7 @@
 from PySide6.QtGui import QColor, QFont, QTextCharFormat, QTextCursor
 from PySide6.QtWidgets import QFrame, QPlainTextEdit, QWidget
 
-from thbridge.hunt.rules import robot_name
+from sim.common.robot_numbers import robot_name
 from ui.model.screen import HistoryLine
 from ui.windows import look
 from ui.windows.look import GAP, colours, font

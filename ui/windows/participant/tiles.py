@@ -4,6 +4,7 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QEnterEvent, QFocusEvent, QFontMetricsF, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from ui.model.screen import ConsiderRoom, RoomTile
 from ui.windows.look import GAP, RADIUS, colours, font
@@ -230,7 +231,7 @@ def below(tile: RoomTile) -> tuple[str, ...]:
 
 def spoken_tile(tile: RoomTile) -> str:
     """Return a room as screen readers say it."""
-    who = f"robot {tile.robot + 1}" if tile.robot is not None else ""
+    who = robot_name(tile.robot) if tile.robot is not None else ""
     state = {"visited": f"visited by {who}", "reserved": f"{who} is under way"}.get(tile.state) if who else None
     cost = f"costs {energy_text(tile.cost)}" if tile.cost is not None and tile.state == "unvisited" else ""
     parts = [f"Room {tile.room}", tile.name, state or STATES[tile.state], tile.found, cost, tile.warning]

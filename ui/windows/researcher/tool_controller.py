@@ -8,8 +8,8 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMessageBox
 
 from sim.common.geometry import FloatArray, Pose2
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt.refusals import RequestRefused
-from thbridge.hunt.rules import robot_name
 from ui.model.watching.scene import PendingTurn, RobotScene, Scene
 from ui.model.watching.tools import Tools, dragged_pose
 from ui.windows.map import MapView

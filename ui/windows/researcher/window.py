@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QCloseEvent
 
 from sim.common.geometry import FloatArray
-from thbridge.hunt.rules import robot_name
+from sim.common.robot_numbers import number_of, robot_name
 from thbridge.roles.keeper.floor_plan import floor_plan_of
 from ui.model.scene import RobotMark
 from ui.model.theme import Palette
@@ -173,7 +173,7 @@ class ResearcherWindow(DockedWindow):
         on = self.displays.shows
         return RobotMark(
             robot=robot.robot,
-            label=str(robot.robot + 1) if robot.name == robot_name(robot.robot) else robot.name,
+            label=str(number_of(robot.robot)) if robot.name == robot_name(robot.robot) else robot.name,
             pose=place,
             footprint=self._bodies.get(robot.robot, DEFAULT_FOOTPRINT),
             selected=robot.robot == self._selected,

@@ -5,6 +5,7 @@ from struct import Struct
 
 import numpy as np
 
+from sim.common.robot_numbers import number_of
 from thbridge.ros.messages.pack.fields import UINT32, header, string
 from thbridge.ros.messages.session_records import GameEvent, InputRecord, ScoreRecord, SessionRecord, UtteranceRecord
 
@@ -66,7 +67,7 @@ def outside_input(tick: int, record: InputRecord) -> bytes:
 
 
 def _robot(robot: int | None) -> int:
-    return 0 if robot is None else robot + 1
+    return 0 if robot is None else number_of(robot)
 
 
 def _room(room: int | None) -> int:

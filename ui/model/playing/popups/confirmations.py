@@ -1,7 +1,7 @@
 """Questions that ask for confirmation before steps that cannot be undone."""
 
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
-from thbridge.hunt.rules import robot_name
 from ui.model.keys import key_of
 from ui.model.playing.state import EndGameEarly, HuntMemory, LeaveUndecided, ParticipantMemory, Reroute
 from ui.model.playing.words import as_sentence, counted, place_name, scored, titled

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from thbridge.hunt.rules import robot_name
+from sim.common.robot_numbers import robot_name
 from thbridge.roles.view import DialogueView, Select
 from ui.model.keys import choice_keys, key_of
 from ui.model.playing.history import speaker_of

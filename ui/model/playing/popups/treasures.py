@@ -1,7 +1,7 @@
 """Pop-up of a treasure that a robot found, with the acts that are possible on it."""
 
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
-from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import Discuss, Leave, RoomView
 from ui.model.keys import key_of
 from ui.model.playing.pictures import Pictures

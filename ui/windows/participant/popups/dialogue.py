@@ -3,6 +3,7 @@
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
+from sim.common.robot_numbers import robot_name
 from ui.model.screen import DialoguePopup
 from ui.windows import look
 from ui.windows.look import GAP
@@ -44,7 +45,7 @@ class DialoguePanel(TitledPanel):
         self.entitle(pop.title, pop.robot)
         self.aside.show_action(pop.aside)
         self.transcript.show_sentences(pop.sentences, pop.robot)
-        self._thinking.setText(f"Robot {pop.robot + 1} is thinking …")
+        self._thinking.setText(f"{robot_name(pop.robot).capitalize()} is thinking …")
         self._thinking.setVisible(not pop.choices)
         self._warning.setText(f"⚠ {pop.warning}")
         self._warning.setVisible(bool(pop.warning))

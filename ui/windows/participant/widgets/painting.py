@@ -5,6 +5,7 @@ from typing import Literal
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QColor, QFontMetricsF, QPainter, QPainterPath, QPen, QPixmap
 
+from sim.common.robot_numbers import number_of
 from ui.windows.look import GAP, RADIUS, RING, colours, font, text_colour_on
 
 Sign = Literal["open", "arrow", "tick", "trouble", "busy", "talk", "mast"]
@@ -55,7 +56,7 @@ def chip(painter: QPainter, centre: QPointF, robot: int) -> None:
     painter.drawEllipse(around)
     painter.setFont(font("small", bold=True))
     painter.setPen(QColor(text_colour_on(colour)))
-    painter.drawText(around, Qt.AlignmentFlag.AlignCenter, str(robot + 1))
+    painter.drawText(around, Qt.AlignmentFlag.AlignCenter, str(number_of(robot)))
 
 
 def key_size(key: str) -> tuple[float, float]:

@@ -6,6 +6,7 @@ from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QRectF, QSiz
 from PySide6.QtGui import QColor, QFontMetricsF, QMouseEvent, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
 
+from sim.common.robot_numbers import robot_name
 from ui.windows import look
 from ui.windows.look import GAP, colours, font
 from ui.windows.participant.widgets.focus import make_region
@@ -30,7 +31,7 @@ class RobotChip(QWidget):
         if robot == self._robot:
             return
         self._robot = robot
-        self.setAccessibleName(f"Robot {robot + 1}" if robot is not None else "")
+        self.setAccessibleName(robot_name(robot).capitalize() if robot is not None else "")
         self.setVisible(robot is not None)
         self.update()
 
@@ -102,7 +103,7 @@ class SpeechBubble(QWidget):
         self._speaker = speaker
         self._text = text
         self._robot = robot
-        who = f"Robot {robot + 1}" if speaker == "robot" else "You"
+        who = robot_name(robot).capitalize() if speaker == "robot" else "You"
         self.setAccessibleName(f"{who}: {text}")
         policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
         policy.setHeightForWidth(True)

@@ -14,8 +14,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
-from thbridge.hunt.rules import robot_name
 from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
 from ui.windows.controls import CheckBox
 

@@ -1,0 +1,35 @@
+"""Numbers of robots: the one place that converts between the program's counting and people's.
+
+In the program a robot is an `int`, its index in the team, from 0; text lines of 2016 carry that index, too. People,
+ROS names, MAVLink system ids, study files and bags count from 1. Convert with these functions, never by adding one.
+"""
+
+from typing import NewType
+
+RobotNumber = NewType("RobotNumber", int)
+"""A robot's number as people count, from 1."""
+
+
+def number_of(robot: int) -> RobotNumber:
+    """Return the number of the robot with this index; it is also the robot's MAVLink system id."""
+    return RobotNumber(robot + 1)
+
+
+def index_of(number: int) -> int:
+    """Return the index of the robot with this number, which people, a file or a message gave."""
+    return number - 1
+
+
+def robot_numbers(robots: int) -> list[RobotNumber]:
+    """Return the numbers of a team of this size."""
+    return [number_of(robot) for robot in range(robots)]
+
+
+def robot_name(robot: int) -> str:
+    """Return the name of a robot for people: "robot 1" for index 0."""
+    return f"robot {number_of(robot)}"
+
+
+def namespace_of(robot: int) -> str:
+    """Return the name of a robot for programs, such as its namespace in ROS: "robot1" for index 0."""
+    return f"robot{number_of(robot)}"
