@@ -4,7 +4,6 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from sim.common.robot_numbers import robot_name
 from thbridge.app.compose import StudySetting, read_setting
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.files.errors import BadFile
@@ -110,8 +109,8 @@ def with_mavlink(
                 BAD_INPUT,
                 f"--udp: {text!r} is no address. Write HOST:PORT, such as 127.0.0.1:14550, or HOST:PORT/ROBOT.",
             )
-        if target.robot is not None and target.robot >= study.robots:
-            fail(BAD_INPUT, f"--udp: {text!r}: there is no {robot_name(target.robot)}. There are {study.robots}.")
+        if target.number is not None and target.number > study.robots:
+            fail(BAD_INPUT, f"--udp: {text!r}: there is no robot {target.number}. There are {study.robots}.")
         if target.address in taken:
             fail(BAD_INPUT, f"--udp: {target.address} is there for other robots already. Give {text!r} another port.")
         taken.add(target.address)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from thbridge.recording.bag.contents import BagContents, ConnectionStamps, contents
 from thbridge.recording.bag.reader import messages
 from thbridge.recording.recordings import parts_of
-from thbridge.ros.messages import unpack_game
+from thbridge.ros.messages import unpack_session
 from thbridge.ros.messages.types import SESSION
 
 GAP_PERIODS = 5.0
@@ -186,7 +186,7 @@ def _session(bag: Path, topics: Sequence[TopicSummary]) -> SessionSummary | None
     if first is None:
         return None
     try:
-        session = unpack_game.session(first.data)
+        session = unpack_session.session(first.data)
     except ValueError:
         return None  # of a release with other fields
     return SessionSummary(session.seed, session.versions, session.study)

@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from sim.common.robot_numbers import index_of, number_of
-
 LOCALHOST = "127.0.0.1"
 TEXT_SERVER_PORT = 6009
 WATCH_PORT = 6010
@@ -47,14 +45,14 @@ class UdpTarget(NamedTuple):
 
     Attributes:
         address: address of the station.
-        robot: the only robot on the link, from 0; None: all robots.
+        number: of the only robot on the link, from 1; None: all robots.
     """
 
     address: Address
-    robot: int | None = None
+    number: int | None = None
 
     def __str__(self) -> str:
-        return f"{self.address}" if self.robot is None else f"{self.address}/{number_of(self.robot)}"
+        return f"{self.address}" if self.number is None else f"{self.address}/{self.number}"
 
 
 def parse_target(text: str) -> UdpTarget | None:
@@ -65,4 +63,4 @@ def parse_target(text: str) -> UdpTarget | None:
         return None if address is None else UdpTarget(address)
     if not (number.isascii() and number.isdecimal() and int(number) > 0):
         return None
-    return UdpTarget(address, index_of(int(number)))
+    return UdpTarget(address, int(number))

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from sim.common.robot_numbers import robot_name
 from sim.parameters import param
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
@@ -86,8 +85,8 @@ def faults_of_mavlink(loaded: Loaded[S], section: MavlinkSection, robots: int) -
             yield loaded.fault(key, _no_address(text), "Write HOST:PORT, such as 127.0.0.1:14550, or HOST:PORT/ROBOT")
         elif taken.setdefault(target.address, index) != index:
             yield loaded.fault(key, f"{target.address} stands in this list twice", "Write each address once")
-        elif target.robot is not None and target.robot >= robots:
-            problem = f"there is no {robot_name(target.robot)}: the study has {robots}"
+        elif target.number is not None and target.number > robots:
+            problem = f"there is no robot {target.number}: the study has {robots}"
             yield loaded.fault(key, problem, f"Write a number from 1 to {robots}, or raise robots")
     for name, listens, usual in (("udp_listen", section.udp_listen, 14555), ("tcp", section.tcp, 5760)):
         if listens is not None and parse_address(listens) is None:

@@ -40,7 +40,7 @@ mavlink:
     section = study.mavlink
     assert section.on
     assert section.tlog
-    assert section.targets == (UdpTarget(Address("::1", 14550)), UdpTarget(Address("ground.example", 1), 1))
+    assert section.targets == (UdpTarget(Address("::1", 14550)), UdpTarget(Address("ground.example", 1), 2))
     assert section.options.identity is AutopilotIdentity.ARDUPILOT
     assert section.options.failsafe is Failsafe.HOME
     assert (section.options.origin.latitude, section.options.origin.altitude) == (-33.9, 1080.0)

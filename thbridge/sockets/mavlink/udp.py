@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, cast
 
+from sim.common.robot_numbers import index_of
 from thbridge.files.errors import reason_of
 from thbridge.sockets.addresses import Address, UdpTarget
 from thbridge.sockets.errors import CannotListen
@@ -181,7 +182,8 @@ class UdpPort:
 async def udp_port(links: MavlinkLinks, target: UdpTarget) -> UdpPort | CannotListen:
     """Open a socket for a target, on the loopback interface if the target is there; not in use yet."""
     found = await _bound(target.address, lambda there, family: (_local(there[0], family), 0))
-    return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, found.given, target.robot)
+    robot = None if target.number is None else index_of(target.number)
+    return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, found.given, robot)
 
 
 async def udp_listener(links: MavlinkLinks, where: Address) -> UdpPort | CannotListen:

@@ -14,6 +14,7 @@ from thbridge.ros.messages.unpack.actions import (
     move_base_goal,
     move_base_result,
 )
+from thbridge.ros.messages.unpack.game import game_event, outside_input, score, utterance
 from thbridge.ros.messages.unpack.logs import diagnostic_array, log, string
 from thbridge.ros.messages.unpack.robots import (
     BatteryCharge,
@@ -37,7 +38,7 @@ from thbridge.ros.messages.unpack.robots import (
     twist,
 )
 from thbridge.ros.messages.unpack.vehicles import mavlink
-from thbridge.ros.messages.unpack_game import game_event, outside_input, score, session, utterance
+from thbridge.ros.messages.unpack_session import session
 
 __all__ = [
     "BatteryCharge",

@@ -1,26 +1,10 @@
-"""Our own message types: session, game events, score, utterances, inputs."""
-
-import json
+"""Our own message types: game events, score, utterances, inputs."""
 
 import numpy as np
 
 from sim.common.robot_numbers import index_of
-from thbridge.ros.messages.cursor import INT32, INT64, UINT32, UINT64, Cursor
-from thbridge.ros.messages.session_records import GameEvent, InputRecord, ScoreRecord, SessionRecord, UtteranceRecord
-
-
-def session(data: bytes) -> SessionRecord:
-    """thbridge_msgs/Session."""
-    cursor = Cursor(data)
-    cursor.header()
-    study, seed = cursor.string(), cursor.integer(UINT64)
-    versions = json.loads(cursor.string())
-    if not isinstance(versions, dict):
-        raise ValueError("the versions are not a JSON object")
-    texts = {str(name): str(version) for name, version in versions.items()}
-    program = cursor.string()
-    roles = tuple(cursor.string() for _ in range(cursor.integer(UINT32)))
-    return SessionRecord(study, seed, texts, program, roles, cursor.string())
+from thbridge.ros.messages.cursor import INT32, INT64, UINT32, Cursor
+from thbridge.ros.messages.session_records import GameEvent, InputRecord, ScoreRecord, UtteranceRecord
 
 
 def game_event(data: bytes) -> GameEvent:

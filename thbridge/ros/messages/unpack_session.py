@@ -1,0 +1,20 @@
+"""Our own message type Session, which a summary of a bag reads without loading anything of the simulator."""
+
+import json
+
+from thbridge.ros.messages.cursor import UINT32, UINT64, Cursor
+from thbridge.ros.messages.session_records import SessionRecord
+
+
+def session(data: bytes) -> SessionRecord:
+    """thbridge_msgs/Session."""
+    cursor = Cursor(data)
+    cursor.header()
+    study, seed = cursor.string(), cursor.integer(UINT64)
+    versions = json.loads(cursor.string())
+    if not isinstance(versions, dict):
+        raise ValueError("the versions are not a JSON object")
+    texts = {str(name): str(version) for name, version in versions.items()}
+    program = cursor.string()
+    roles = tuple(cursor.string() for _ in range(cursor.integer(UINT32)))
+    return SessionRecord(study, seed, texts, program, roles, cursor.string())
