@@ -26,8 +26,8 @@ check: setup ## Style, types, and that no import points back.
 test-slow: setup peers ## The tests that take their time.
 	$(BIN)/pytest -m slow
 
-bench: setup ## Speed, as ratios in one run, held against tests/bench/budgets.toml.
-	$(BIN)/pytest -m bench $(ARGS)
+bench: setup ## Speed, held against tests/bench/budgets.toml; ARGS="--write-budgets" renews it.
+	$(BIN)/pytest -m bench -s $(ARGS)
 
 stress: setup ## Play hundreds of random hunts on all cores; more with ARGS="--help".
 	$(BIN)/python scripts/stress_hunts.py $(ARGS)

@@ -1,4 +1,4 @@
-"""Budgets of speed: figures as ratios to a fixed reference of the same run, held against `budgets.toml`.
+"""Budgets of speed: figures as ratios to a reference of the same run, held against `budgets.toml`.
 
 A second of one machine, or of one hour of it, is not that of another; a ratio of two things measured in the same minute
 is. The reference is a fixed piece of work, half interpreter and half numpy, or a peer that does what we do.
@@ -23,8 +23,14 @@ def cpu_seconds(work: Callable[[], object]) -> float:
     return time.process_time() - began
 
 
+def best(work: Callable[[], object], times: int) -> float:
+    """Processor time of the quickest of so many calls, after one that compiles and warms up."""
+    work()
+    return min(cpu_seconds(work) for _ in range(times))
+
+
 def reference() -> None:
-    """Some 25 ms of work that never changes: it depends on nothing of the project."""
+    """Some 13 ms of work that never changes: it depends on nothing of the project."""
     table: dict[int, float] = {}
     for i in range(60_000):
         table[i % 997] = table.get(i % 991, 0.0) * 0.5 + i
@@ -37,19 +43,20 @@ def reference() -> None:
 class Budgets:
     """The figures of one run, each judged when it is told.
 
-    Attributes:
-        figures: what was measured, by name; written into the file by `pytest --write-budgets`.
+    Args:
+        file: the budgets, by name.
+        write: nothing fails, and `save` writes what was measured into the file.
     """
 
-    def __init__(self, *, write: bool) -> None:
-        self.figures: dict[str, float] = {}
+    def __init__(self, file: Path, *, write: bool) -> None:
+        self._file = file
         self._write = write
-        self._budgets: dict[str, float] = tomllib.loads(FILE.read_text()) if FILE.exists() else {}
-        reference()
+        self._budgets = _read(file)
+        self._figures: dict[str, float] = {}
 
     def time(self, name: str, seconds: float) -> None:
         """Judge processor time: its ratio to the reference, which is measured now, at its best of nine."""
-        self.ratio(name, seconds / min(cpu_seconds(reference) for _ in range(9)))
+        self.ratio(name, seconds / best(reference, 9))
 
     def ratio(self, name: str, ratio: float) -> None:
         """Judge a ratio to something else of this run; less is better.
@@ -57,24 +64,27 @@ class Budgets:
         Raises:
             AssertionError: it is over its budget by more than `SLACK`, or has none.
         """
-        self.figures[name] = ratio
+        assert name not in self._figures, f"{name} is told twice"
+        self._figures[name] = ratio
         if self._write:
             return
         assert name in self._budgets, (
             f"{name} has no budget: measured {ratio:.4g}; `make bench ARGS=--write-budgets` adds it"
         )
         budget = self._budgets[name]
-        assert ratio <= SLACK * budget, (
-            f"{name}: {ratio:.4g} times the reference, {ratio / budget:.2f} times its budget"
-        )
+        assert ratio <= SLACK * budget, f"{name}: {ratio:.4g}, {ratio / budget:.2f} times its budget of {budget:.4g}"
 
     def save(self) -> None:
-        """Write what was measured into the file; figures that were not measured stay."""
+        """Write what was measured into the file, if asked to; what was not measured stays as the file has it now."""
         if not self._write:
             return
-        figures = dict(sorted((self._budgets | self.figures).items()))
-        FILE.write_text(
+        figures = dict(sorted((_read(self._file) | self._figures).items()))
+        self._file.write_text(
             "# Processor time as a ratio to a fixed reference of the same run, or to a peer; see budget.py.\n"
             "# Written by `make bench ARGS=--write-budgets` on a quiet machine; a bench test fails beyond 1.3 times.\n"
             + "".join(f'"{name}" = {figure:.4g}\n' for name, figure in figures.items())
         )
+
+
+def _read(file: Path) -> dict[str, float]:
+    return tomllib.loads(file.read_text()) if file.exists() else {}

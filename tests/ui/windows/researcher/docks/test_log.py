@@ -1,12 +1,10 @@
 """Lists keep up with the time, hold what they can, and find words."""
 
-import time
-
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QLineEdit, QTableView
+from PySide6.QtWidgets import QLineEdit
 from pytestqt.qtbot import QtBot
 
 from ui.model.theme import DARK, LIGHT
@@ -104,17 +102,3 @@ def test_enter_on_a_row_asks_for_its_moment(log: LogView, qtbot: QtBot) -> None:
     with qtbot.waitSignal(log.chosen) as asked:
         QTest.keyClick(log.table, Qt.Key.Key_Return)
     assert asked.args == [7.0]
-
-
-@pytest.mark.bench
-def test_bench_a_full_list(log: LogView) -> None:
-    log.extend(rows(0, MAX_ROWS - 1))
-    for what, act in (
-        ("one more row", lambda: log.extend(rows(MAX_ROWS, 1))),
-        ("filter", lambda: log.findChild(QLineEdit).setText("sentence 3")),
-        ("full", lambda: log.extend(rows(MAX_ROWS + 1, 10))),
-    ):
-        start = time.perf_counter()
-        act()
-        log.findChild(QTableView).grab()
-        print(f"{what}: {1000.0 * (time.perf_counter() - start):.1f} ms")

@@ -19,7 +19,8 @@ from PySide6.QtCore import QEvent, QEventLoop, QObject, QPoint, Qt, QTimer
 from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 
-from tests.bench.film import Film, Shown, shoot
+from tests.bench.budget import Budgets
+from tests.bench.windows.film import Film, Shown, shoot
 from tests.peers.desktop import desktop, needs_desktop
 from tests.ui.windows.researcher.hunts import watched_hunt
 from thbridge.sockets.watch_client import WatchClient
@@ -41,6 +42,8 @@ RATE = 60.0
 PLAYED = 6.0
 """Seconds for which a window is watched at its own pace."""
 PRESSES = 100
+NOTICED = 100.0
+"""Milliseconds after which people notice that a window has kept them waiting."""
 
 film: Callable[[int], Film] = cache(lambda robots: shoot(robots, SECONDS))
 
@@ -72,6 +75,10 @@ def tell(text: str) -> None:
     print(f"\n{os.environ['QT_QPA_PLATFORM']}: {text}", end="")
 
 
+def judge(budgets: Budgets, what: str, seconds: float) -> None:
+    budgets.time(f"windows, {os.environ['QT_QPA_PLATFORM']}: {what}", seconds)
+
+
 def spread(milliseconds: list[float]) -> str:
     early, median, late = np.percentile(milliseconds, [5, 50, 95])
     return f"{early:.1f} undisturbed, median {median:.1f}, 95 % below {late:.1f}, longest {max(milliseconds):.1f} ms"
@@ -93,7 +100,7 @@ class Paints(QObject):
 
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("robots", COUNTS)
-def test_frames_flat_out(qtbot: QtBot, robots: int, size: tuple[int, int]) -> None:
+def test_frames_flat_out(qtbot: QtBot, budgets: Budgets, robots: int, size: tuple[int, int]) -> None:
     clock = Clock()
     clock.fixed = 0.0
     window = opened(qtbot, robots, size, clock)
@@ -117,11 +124,13 @@ def test_frames_flat_out(qtbot: QtBot, robots: int, size: tuple[int, int]) -> No
         f"{spread(walls)}; {spent:.1f} ms of processor time: {spent * RATE / 10:.0f} % of a core at 60 frames/s "
         f"({len(paints.times)} of {FRAMES} painted)"
     )
+    assert np.median(walls) < 1e3 / RATE
+    judge(budgets, f"a frame of {robots} robots, {size[0]} x {size[1]}", 1e-3 * spent)
 
 
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("robots", COUNTS)
-def test_frames_at_its_own_pace(qtbot: QtBot, robots: int, size: tuple[int, int]) -> None:
+def test_frames_at_its_own_pace(qtbot: QtBot, budgets: Budgets, robots: int, size: tuple[int, int]) -> None:
     window = opened(qtbot, robots, size, Clock())
     qtbot.wait(3000)
     paints = Paints(window.map)
@@ -134,6 +143,9 @@ def test_frames_at_its_own_pace(qtbot: QtBot, robots: int, size: tuple[int, int]
         f"{size[0]} x {size[1]}, {robots} robots, at its own pace: {len(gaps) / PLAYED:.0f} frames/s, "
         f"{100 * kept:.0f} % within one and a half sixtieths, {spread(gaps)} apart; {100 * share:.0f} % of a core"
     )
+    assert np.median(gaps) < 1.5 * 1e3 / RATE
+    what = f"a frame of {robots} robots at its own pace, {size[0]} x {size[1]}"
+    judge(budgets, what, share * PLAYED / len(paints.times))
 
 
 def test_nothing_holds_the_window_up(qtbot: QtBot) -> None:
@@ -150,6 +162,7 @@ def test_nothing_holds_the_window_up(qtbot: QtBot) -> None:
         f"10 robots, a timer of 5 ms in {SECONDS:.0f} s of a hunt: longest gaps {np.sort(wall)[-5:].round(1)} ms, "
         f"of which the window itself worked at most {own.max():.1f} ms"
     )
+    assert own.max() < NOTICED
 
 
 class Presses(QObject):
@@ -210,7 +223,7 @@ class Presses(QObject):
 
 @pytest.mark.skipif(os.environ.get("QT_QPA_PLATFORM") != "xcb", reason="xdotool presses on an X server")
 @pytest.mark.parametrize("what", ["card clicked", "room pointed at", "Tab pressed"])
-def test_from_a_press_to_the_screen(qtbot: QtBot, what: str) -> None:
+def test_from_a_press_to_the_screen(qtbot: QtBot, budgets: Budgets, what: str) -> None:
     chance = Random(1)
     window = opened(qtbot, 10, SIZES[0], Clock())
     qtbot.wait(3000)
@@ -250,13 +263,16 @@ def test_from_a_press_to_the_screen(qtbot: QtBot, what: str) -> None:
         f"{what} with 10 robots moving, to the screen: {spread(presses.took)}, in which the window works "
         f"{spread(presses.worked)}; {len(presses.took)} of {PRESSES} changed something"
     )
+    assert len(presses.took) > 0.9 * PRESSES
+    assert np.median(presses.took) < NOTICED
+    judge(budgets, f"work until the screen shows: {what}", 1e-3 * float(np.median(presses.worked)))
 
 
 def at(place: QPoint) -> str:
     return f"mousemove {place.x()} {place.y()}"
 
 
-def test_a_researcher_watches_ten_robots(qtbot: QtBot, tmp_path: Path) -> None:
+def test_a_researcher_watches_ten_robots(qtbot: QtBot, budgets: Budgets, tmp_path: Path) -> None:
     """A session under way in another process, with clouds, scans, plans and plots."""
     with watched_hunt(tmp_path / "hunt.bag", "--robots", "10", "--map", "warehouse12") as port:
         session = SessionFeed(WatchConnection(WatchClient("127.0.0.1", port)), "the session")
@@ -279,14 +295,19 @@ def test_a_researcher_watches_ten_robots(qtbot: QtBot, tmp_path: Path) -> None:
         f"researcher's window, 10 robots: {len(gaps) / PLAYED:.0f} frames/s, {spread(gaps)} apart; "
         f"{100 * share:.0f} % of a core; it works at most {1e3 * np.diff(beats).max():.0f} ms at once"
     )
+    assert np.median(gaps) < NOTICED
+    assert 1e3 * np.diff(beats).max() < 2 * NOTICED
+    judge(budgets, "a frame of the researcher's, 10 robots", share * PLAYED / len(paints.times))
 
 
 @needs_desktop
-def test_the_same_on_an_x_server() -> None:
+def test_the_same_on_an_x_server(pytestconfig: pytest.Config) -> None:
     """All of the above once more, in a process of its own."""
     if os.environ.get("QT_QPA_PLATFORM") == "xcb":
         pytest.skip("this is that process")
     command = [sys.executable, "-m", "pytest", "-m", "bench", "-s", "-q", "-p", "no:randomly", __file__]
+    if pytestconfig.getoption("--write-budgets"):
+        command.append("--write-budgets")
     with desktop(1920, 1080) as there:
         done = subprocess.run(
             command, env={**there.environment, "QT_QPA_PLATFORM": "xcb"}, capture_output=True, text=True, check=False

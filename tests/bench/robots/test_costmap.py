@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from itertools import cycle
 
 import numpy as np
 import pytest
@@ -23,11 +24,12 @@ from sim.robot.costmap.costmap_2d import Costmap2D
 from sim.robot.costmap.costs import Window
 from sim.robot.costmap.inflation import InflationLayer
 from sim.robot.costmap.static import StaticLayer
+from tests.bench.budget import Budgets
 
 pytestmark = pytest.mark.bench
 
 BODY = np.array(WorldParameters().footprint)
-TIMES = 50
+TIMES = 200
 
 
 def office() -> OccupancyGrid:
@@ -62,19 +64,20 @@ def milliseconds(work: Callable[[], object], before: Callable[[], object] = lamb
     return float(np.median(taken[1:])), min(taken[1:])
 
 
-def told(what: str, figures: tuple[float, float], capsys: pytest.CaptureFixture[str]) -> None:
+def judge(what: str, figures: tuple[float, float], budgets: Budgets, capsys: pytest.CaptureFixture[str]) -> None:
     with capsys.disabled():
         print(f"\n{what}: {figures[0]:.2f} ms (best {figures[1]:.2f})", end="")
+    budgets.time(f"costmap: {what}", 1e-3 * figures[0])
 
 
 @pytest.mark.parametrize("radius", [0.5, 0.55, 1.0])
-def test_full_inflation(radius: float, capsys: pytest.CaptureFixture[str]) -> None:
+def test_full_inflation(radius: float, budgets: Budgets, capsys: pytest.CaptureFixture[str]) -> None:
     layer = InflationLayer(InflationParameters(inflation_radius=radius), GRID.resolution, 0.26)
     whole = Window(0, 0, GRID.rows, GRID.cols)
     costs = np.zeros(GRID.cells.shape, np.uint8)
     static = StaticLayer(StaticParameters(), GRID)
     figures = milliseconds(lambda: layer.write(costs, (0, 0), whole), lambda: static.write(costs, (0, 0), whole))
-    told(f"inflation of 520 x 280 cells, {radius} m", figures, capsys)
+    judge(f"inflation of 520 x 280 cells, {radius} m", figures, budgets, capsys)
 
 
 def neighbours(step: int) -> list[Neighbour]:
@@ -92,12 +95,12 @@ def neighbours(step: int) -> list[Neighbour]:
     ]
 
 
-def test_an_update_with_ten_moved_robots(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_update_with_ten_moved_robots(budgets: Budgets, capsys: pytest.CaptureFixture[str]) -> None:
     costmap = Costmap2D(GlobalCostmapParameters(robot_radius=None), BODY, GRID)
     costmap.update(0.0, 0.0)
     steps = iter([neighbours(step) for step in range(TIMES + 1)])
     figures = milliseconds(lambda: (costmap.update_neighbours(next(steps)), costmap.update(0.0, 0.0)))
-    told("update with ten moved robots", figures, capsys)
+    judge("update with ten moved robots", figures, budgets, capsys)
 
 
 def laser(pose: Pose2) -> Scan:
@@ -108,23 +111,23 @@ def laser(pose: Pose2) -> Scan:
 
 
 @pytest.mark.parametrize(("side", "robots"), [(4.0, 0), (4.0, 10), (10.0, 0)])
-def test_a_rolling_update(side: float, robots: int, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_rolling_update(side: float, robots: int, budgets: Budgets, capsys: pytest.CaptureFixture[str]) -> None:
     costmap = Costmap2D(LocalCostmapParameters(width=side, height=side, robot_radius=None), BODY, GRID)
-    places = iter(np.linspace(2.0, 20.0, TIMES + 1))
+    places = cycle(np.linspace(2.0, 20.0, 51))
     costmap.update_neighbours(neighbours(0)[:robots])
     figures = milliseconds(lambda: costmap.update(float(next(places)), 7.0))
-    told(f"rolling update of {side} x {side} m, {robots} robots", figures, capsys)
+    judge(f"rolling update of {side} x {side} m, {robots} robots", figures, budgets, capsys)
 
 
-def test_taking_in_a_scan(capsys: pytest.CaptureFixture[str]) -> None:
+def test_taking_in_a_scan(budgets: Budgets, capsys: pytest.CaptureFixture[str]) -> None:
     source = ObservationSource(clearing=True, inf_is_valid=True)
     parameters = ObstacleParameters(observation_sources=(source,), explained_distance=0.2, clear_between_beams=True)
     costmap = Costmap2D(GlobalCostmapParameters(robot_radius=None, obstacle_layer=parameters), BODY, GRID)
     pose = Pose2(10.0, 7.0, 0.3)
     scan = laser(pose)
     figures = milliseconds(lambda: costmap.observe(pose, scan, np.empty((0, 3))))
-    told("taking in a scan of 181 beams", figures, capsys)
+    judge("taking in a scan of 181 beams", figures, budgets, capsys)
     figures = milliseconds(lambda: costmap.update(0.0, 0.0), lambda: costmap.observe(pose, scan, np.empty((0, 3))))
-    told("update after a scan", figures, capsys)
+    judge("update after a scan", figures, budgets, capsys)
     with capsys.disabled():
         print()

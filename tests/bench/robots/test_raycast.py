@@ -1,13 +1,12 @@
 """Ray casting as others measure it: 360 beams of 10 m on 500 x 300 cells of 0.1 m; prints scans per CPU second."""
 
-import time
-
 import numpy as np
 import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.grid import Cells, OccupancyGrid
 from sim.common.raycast import Raycaster
+from tests.bench.budget import Budgets, best
 
 pytestmark = pytest.mark.bench
 
@@ -75,7 +74,7 @@ def maze() -> Cells:
 
 
 @pytest.mark.parametrize("draw", [hall, boxes, office, cluttered, maze])
-def test_scans_per_second(draw, capsys):
+def test_scans_per_second(draw, budgets: Budgets, capsys):
     cells = draw()
     raycaster = Raycaster.of(OccupancyGrid(cells, RESOLUTION, Pose2(0.0, 0.0, 0.0)))
     chance = np.random.default_rng(3)
@@ -84,11 +83,7 @@ def test_scans_per_second(draw, capsys):
     places = (chosen[:, ::-1] + chance.random((500, 2))) * RESOLUTION
     poses = np.column_stack((places, chance.uniform(-np.pi, np.pi, 500)))
     angles = np.linspace(-np.pi, np.pi, 360, endpoint=False)
-    raycaster.ranges(poses, angles, 10.0)
-    spent = []
-    for _ in range(7):
-        begin = time.process_time()
-        raycaster.ranges(poses, angles, 10.0)
-        spent.append(time.process_time() - begin)
+    spent = best(lambda: raycaster.ranges(poses, angles, 10.0), 7)
     with capsys.disabled():
-        print(f"\n{draw.__name__:>10}: {500 / min(spent):8.0f} scans of 360 beams per CPU second")
+        print(f"\n{draw.__name__:>10}: {500 / spent:8.0f} scans of 360 beams per CPU second")
+    budgets.time(f"beams: 500 scans of 360 beams, {draw.__name__}", spent)

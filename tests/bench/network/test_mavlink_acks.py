@@ -10,13 +10,16 @@ import os
 import time
 from collections import defaultdict
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import cycle
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.bench.halls import hall_for_fifty
+from sim.common.observations import TICK
+from tests.bench.budget import Budgets
+from tests.bench.network.hall_for_fifty import hall_for_fifty
 from tests.peers.rovers import free_udp_port
 from tests.system.programs import Program, until
 from thbridge.sockets.addresses import Address
@@ -71,7 +74,28 @@ async def listen(link: StationSocket, seconds: float) -> None:
         await link.poll()
 
 
-async def measured(port: int, robots: int, driven: bool, process: int) -> str:
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """Processor seconds a second of the game's process, frames received and lost, milliseconds to acks by command."""
+
+    share: float
+    rate: float
+    lost: int
+    waits: dict[int, np.ndarray]
+
+    @property
+    def every(self) -> np.ndarray:
+        return np.concatenate(list(self.waits.values()))
+
+    def told(self) -> str:
+        text = f"{1e3 * self.share:.0f} ms of processor time a second; {self.rate:.0f} frames/s, {self.lost} lost; "
+        text += f"{len(self.every)} acks: {spread(self.every)}"
+        for command, one in sorted(self.waits.items()):
+            text += f"\n    {mav.enums['MAV_CMD'][command].name}: {spread(one)}"
+        return text
+
+
+async def measured(port: int, robots: int, driven: bool, process: int) -> Measured:
     async with open_station(Address("127.0.0.1", port), False, None) as link:
         while len(link.station.robots) < robots:
             await link.poll()
@@ -91,12 +115,7 @@ async def measured(port: int, robots: int, driven: bool, process: int) -> str:
         took, spent = time.monotonic() - begun, processor_time(process) - spent
         frames = sum(each.frames for each in link.station.robots.values()) - frames
         lost = sum(each.lost for each in link.station.robots.values())
-    every = np.concatenate([np.array(one) for one in waits.values()])
-    told = f"{1e3 * spent / took:.0f} ms of processor time a second; {frames / took:.0f} frames/s, {lost} lost; "
-    told += f"{len(every)} acks: {spread(every)}"
-    for command, one in sorted(waits.items()):
-        told += f"\n    {mav.enums['MAV_CMD'][command].name}: {spread(np.array(one))}"
-    return told
+    return Measured(spent / took, frames / took, lost, {command: np.array(one) for command, one in waits.items()})
 
 
 def spread(waits: np.ndarray) -> str:
@@ -111,15 +130,19 @@ def processor_time(process: int) -> float:
 
 @pytest.mark.parametrize("driven", [False, True], ids=["standing", "driving"])
 @pytest.mark.parametrize("robots", [3, 10, 50])
-def test_acks(robots: int, driven: bool, tmp_path: Path) -> None:
+def test_acks(robots: int, driven: bool, budgets: Budgets, tmp_path: Path) -> None:
     port = free_udp_port()
     (tmp_path / "study.yaml").write_text(f"map: {hall_for_fifty(tmp_path)}/\nrobots: {robots}\n")
     alone = ("--headless", "--outside", "TabUI", "--port", "0", "--bag", "a.bag", "--no-report")
     play = Program(tmp_path, "play", "study.yaml", "--mavlink", "--udp", f"127.0.0.1:{port}", *alone)
     try:
         until("treasures to be hidden", lambda: "treasures are hidden" in play.text, [play])
-        told = asyncio.run(measured(port, robots, driven, play.process.pid))
+        found = asyncio.run(measured(port, robots, driven, play.process.pid))
         lag = ", too slow for it" if "lags behind" in play.text else ""
     finally:
         play.close()
-    print(f"\n{robots} robots, {'driving' if driven else 'standing'}{lag}: {told}")
+    what = f"{robots} robots, {'driving' if driven else 'standing'}"
+    print(f"\n{what}{lag}: {found.told()}")
+    assert found.lost < 1e-3 * SECONDS * found.rate
+    assert np.median(found.every) < 1e3 * TICK
+    budgets.time(f"MAVLink: a second of a game, {what}, commands meanwhile", found.share)

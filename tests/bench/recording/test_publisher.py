@@ -1,6 +1,5 @@
 """How many messages a second of CPU makes, from what the robots did in a tick to packed bytes; nothing is written."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +7,7 @@ import pytest
 
 from sim.common.observations import TICKS_PER_SECOND
 from sim.team import TeamSnapshot
+from tests.bench.budget import Budgets, best
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, records, snapshots
 from thbridge.ros.publisher import TeamPublisher
 
@@ -30,21 +30,24 @@ def filmed(robots: int) -> list[TeamSnapshot]:
 
 
 @pytest.mark.parametrize("robots", [3, 10])
-def test_messages_from_snapshots_to_bytes(robots: int) -> None:
+def test_messages_from_snapshots_to_bytes(robots: int, budgets: Budgets) -> None:
     film = filmed(robots)
-    best, count, size = float("inf"), 0, 0
-    for _ in range(5):
+    count = size = 0
+
+    def publish() -> None:
+        nonlocal count, size
         publisher = TeamPublisher(robots, MOUNT, SCAN_PERIOD)
         count = size = 0
-        begin = time.process_time()
         for snapshot in film:
             messages = publisher.tick(snapshot, records(snapshot.tick))
             count += len(messages)
             size += sum(len(message.data) for message in messages)
-        best = min(best, time.process_time() - begin)
-    share = 100 * best / SECONDS
+
+    spent = best(publish, 5)
+    share = 100 * spent / SECONDS
     print(
-        f"{robots} robots: {count / best:,.0f} messages per CPU second"
+        f"{robots} robots: {count / spent:,.0f} messages per CPU second"
         f" ({count / SECONDS:,.0f} a second of the session, {size / SECONDS / 1e6:.2f} MB; {share:.1f} % of a core)"
     )
     assert count > 0
+    budgets.time(f"messages: a second of {robots} robots", spent / SECONDS)

@@ -1,6 +1,6 @@
 """`thbridge`, which writes down meanwhile where robots believe they are and where they are drawn, and when that was.
 
-    python -m tests.bench.observed FOLDER ARGUMENTS OF thbridge...
+    python -m tests.bench.windows.observed FOLDER ARGUMENTS OF thbridge...
 
 Each tick of a team goes into FOLDER/believed, each painting of a map into FOLDER/drawn: lines of monotonic seconds and
 x, y of each robot. A participant's window plays by itself, by the keys that its screen offers.
@@ -25,7 +25,7 @@ def main() -> None:
         observe_team(folder / "believed")
     from ui import cli, games  # noqa: PLC0415 - only now: it reads the arguments
 
-    games.WINDOW = (sys.executable, "-m", "tests.bench.observed", str(folder), "tabui", "--hosted")
+    games.WINDOW = (sys.executable, "-m", "tests.bench.windows.observed", str(folder), "tabui", "--hosted")
     cli.main()
 
 
@@ -50,7 +50,7 @@ def observe_window(path: Path) -> None:
     """Each painting of the map, when it is done."""
     from PySide6.QtCore import QTimer  # noqa: PLC0415 - Qt, only in the window
 
-    from tests.bench.film import key_for  # noqa: PLC0415
+    from tests.bench.windows.film import key_for  # noqa: PLC0415
     from ui.model.keys import act_for  # noqa: PLC0415
     from ui.windows.map import MapView  # noqa: PLC0415
     from ui.windows.participant.pages.start import StartPage  # noqa: PLC0415

@@ -16,7 +16,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.bench.halls import hall_for_fifty
+from sim.common.observations import TICK
+from tests.bench.budget import Budgets
+from tests.bench.network.hall_for_fifty import hall_for_fifty
 from thbridge.app import play
 from thbridge.app.compose import read_setting
 from thbridge.app.play import HuntUnfinished, PlayOptions
@@ -31,6 +33,7 @@ pytestmark = pytest.mark.bench
 ROBOTS = 50
 WARM_UP = 6.0
 SECONDS = 26.0
+TICK_MS = 1e3 * TICK
 
 STATION = """
 import asyncio, json, sys, time
@@ -74,7 +77,7 @@ asyncio.run(main())
 
 @pytest.mark.parametrize("recorded", [True, False], ids=["recorded", "unrecorded"])
 @pytest.mark.parametrize("vehicles", ["none", "unheard", "heard"])
-def test_fifty_robots(vehicles: str, recorded: bool, tmp_path: Path) -> None:
+def test_fifty_robots(vehicles: str, recorded: bool, budgets: Budgets, tmp_path: Path) -> None:
     hall = hall_for_fifty(tmp_path)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
@@ -104,8 +107,9 @@ def test_fifty_robots(vehicles: str, recorded: bool, tmp_path: Path) -> None:
         asyncio.run(play.play(setting, None, options, lambda _: None, watch))
     assert begun is not None
     share = (ended[1] - begun[1]) / (ended[0] - begun[0])
-    how = f"MAVLink: {vehicles}, {'recorded' if recorded else 'not recorded'}"
-    print(f"\n{ROBOTS} robots, {how}: {1e3 * share:.0f} ms of processor time per simulated second")
+    how = f"{vehicles}, {'recorded' if recorded else 'not recorded'}"
+    print(f"\n{ROBOTS} robots, MAVLink: {how}: {1e3 * share:.0f} ms of processor time per simulated second")
+    budgets.time(f"MAVLink: a second of {ROBOTS} robots, {how}", share)
     if station is not None:
         told, _ = station.communicate(timeout=60)
         heard = json.loads(told)
@@ -114,3 +118,5 @@ def test_fifty_robots(vehicles: str, recorded: bool, tmp_path: Path) -> None:
             f"{heard['frames'] / heard['took']:.0f} frames/s at the station, {heard['lost']} lost; {len(waits)} acks: "
             f"median {np.median(waits):.1f} ms, 95 % {np.percentile(waits, 95):.1f} ms, longest {waits.max():.1f} ms"
         )
+        assert heard["lost"] == 0
+        assert np.median(waits) < TICK_MS

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.bench.budget import Budgets
+
 pytestmark = [
     pytest.mark.bench,
     pytest.mark.skipif(shutil.which("rosmaster") is None, reason="Debian's python3-rosmaster is not installed"),
@@ -18,7 +20,7 @@ pytestmark = [
 
 CALLS = 1000
 NODES = 50
-ROUNDS = 2
+ROUNDS = 3
 OURS = [sys.executable, "-c", "from ui.cli import main; main()", "ros", "master", "--port"]
 THEIRS = ["rosmaster", "--core", "-p"]
 
@@ -72,7 +74,7 @@ def _processor_seconds(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def test_calls_of_the_master() -> None:
+def test_calls_of_the_master(budgets: Budgets) -> None:
     best: dict[str, dict[str, float]] = {"ours": {}, "rosmaster": {}}
     for _ in range(ROUNDS):
         for who, command in (("ours", OURS), ("rosmaster", THEIRS)):
@@ -82,3 +84,4 @@ def test_calls_of_the_master() -> None:
     for name in best["ours"]:
         ours, theirs = best["ours"][name], best["rosmaster"][name]
         print(f"  {name:18} ours {ours:7.0f} us, rosmaster {theirs:7.0f} us, ratio {ours / theirs:.2f}")
+        budgets.ratio(f"master: {name}, beside rosmaster", ours / theirs)

@@ -1,7 +1,5 @@
-"""How fast the world and its sensors are, as ratios; nothing here can fail but by being wrong."""
+"""How fast the world and its sensors are, beams beside numpy."""
 
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,27 +11,17 @@ from sim.common.raycast import Raycaster
 from sim.parameters import WorldParameters
 from sim.world.physics import World, WorldState
 from sim.world.sensors import Sensors
+from tests.bench.budget import Budgets, best
 from thbridge.files.map_files import Map, read_map
 
 pytestmark = pytest.mark.bench
 
-ARENA = Path(__file__).parents[2] / "maps" / "arena8"
+ARENA = Path(__file__).parents[3] / "maps" / "arena8"
 
 
 @pytest.fixture(scope="module")
 def arena() -> Map:
     return read_map(ARENA)
-
-
-def cpu_seconds(work: Callable[[], object], times: int) -> float:
-    """Of the best of `times` calls, after one to compile and warm up."""
-    work()
-    taken = []
-    for _ in range(times):
-        begin = time.process_time()
-        work()
-        taken.append(time.process_time() - begin)
-    return min(taken)
 
 
 def sampled_ranges(grid: OccupancyGrid, poses: FloatArray, angles: FloatArray, max_range: float) -> FloatArray:
@@ -51,7 +39,7 @@ def sampled_ranges(grid: OccupancyGrid, poses: FloatArray, angles: FloatArray, m
     return out
 
 
-def test_beams_against_numpy(arena: Map, capsys: pytest.CaptureFixture[str]) -> None:
+def test_beams_against_numpy(arena: Map, budgets: Budgets, capsys: pytest.CaptureFixture[str]) -> None:
     poses = np.array([room.goal.array() for room in arena.rooms])
     angles = np.linspace(-np.pi, np.pi, 360, endpoint=False)
     raycaster = Raycaster.of(arena.grid)
@@ -59,14 +47,17 @@ def test_beams_against_numpy(arena: Map, capsys: pytest.CaptureFixture[str]) -> 
     seen = np.isfinite(ours) & np.isfinite(peers)
     # A sample may step over a corner, but it cannot see through a wall.
     assert np.median(np.abs(ours[seen] - peers[seen])) < arena.grid.resolution / 10
-    fast = cpu_seconds(lambda: [raycaster.ranges(poses, angles, 12.0) for _ in range(50)], 5) / 50
-    slow = cpu_seconds(lambda: sampled_ranges(arena.grid, poses, angles, 12.0), 3)
+    fast = best(lambda: [raycaster.ranges(poses, angles, 12.0) for _ in range(50)], 5) / 50
+    slow = best(lambda: sampled_ranges(arena.grid, poses, angles, 12.0), 3)
     with capsys.disabled():
         print(f"\n360 beams: {fast / len(poses) * 1e3:.3f} ms; {slow / fast:.0f} times as fast as numpy sampling")
+    budgets.ratio("beams: 360 beams, beside numpy sampling", fast / slow)
 
 
 @pytest.mark.parametrize("robots", [2, 10])
-def test_the_world_and_its_sensors(arena: Map, robots: int, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_world_and_its_sensors(
+    arena: Map, robots: int, budgets: Budgets, capsys: pytest.CaptureFixture[str]
+) -> None:
     world = World(arena.grid, WorldParameters(), 1, 100.0)
     sensors = Sensors(arena.grid, WorldParameters(), 1, 100.0)
     begin = world.start((*arena.starts, *(room.goal for room in arena.rooms))[:robots])
@@ -83,11 +74,13 @@ def test_the_world_and_its_sensors(arena: Map, robots: int, capsys: pytest.Captu
                         sensors.sense(state, robot)
 
     simulated = 10.0
-    moving = cpu_seconds(lambda: drive(sensing=False), 3)
-    all_of_it = cpu_seconds(lambda: drive(sensing=True), 3)
+    moving = best(lambda: drive(sensing=False), 3)
+    all_of_it = best(lambda: drive(sensing=True), 3)
     with capsys.disabled():
         print(
             f"\n{robots} robots: {simulated / all_of_it:.0f} simulated seconds per CPU second,"
             f" {all_of_it / simulated / robots * 1e3:.2f} ms per robot and second;"
             f" a step of the world {moving / 500 * 1e6:.0f} us"
         )
+    budgets.time(f"world: a simulated second without sensors, {robots} robots", moving / simulated)
+    budgets.time(f"world: a simulated second with sensors, {robots} robots", all_of_it / simulated)

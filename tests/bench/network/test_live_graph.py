@@ -17,6 +17,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sim.common.observations import TICK
+from tests.bench.budget import Budgets
 from tests.system.ports import free_port
 from thbridge.app import play
 from thbridge.app.compose import build_bot, read_setting
@@ -124,6 +126,12 @@ class Measured:
             )
         return text
 
+    def judge(self, name: str, budgets: Budgets) -> None:
+        """Ticks come every 20 ms, here and at a listener, and take no longer than they did."""
+        for clock in (self.walls, self.clock):
+            assert clock is None or np.median(np.diff(clock)) == pytest.approx(TICK, abs=0.1 * TICK)
+        budgets.time(f"live graph: a tick, {name}", float(np.diff(self.cpus).mean()))
+
 
 def hunt(monkeypatch: pytest.MonkeyPatch, graph: GraphAddress | None) -> Measured:
     study = dataclasses.replace(Study(), robots=ROBOTS, map="warehouse12", seed=1)
@@ -174,7 +182,7 @@ def beside(monkeypatch: pytest.MonkeyPatch, stalled: bool) -> Measured:
             process.communicate()
 
 
-def test_ten_robots_under_way_on_a_graph(monkeypatch, capsys):
+def test_ten_robots_under_way_on_a_graph(budgets: Budgets, monkeypatch, capsys):
     alone = hunt(monkeypatch, None)
     heard = beside(monkeypatch, stalled=False)
     keep_alive = tcpros_server.keep_alive
@@ -188,5 +196,7 @@ def test_ten_robots_under_way_on_a_graph(monkeypatch, capsys):
     with capsys.disabled():
         print(f"\nload of the machine: {os.getloadavg()[0]:.1f}")
         print(alone.told("alone"), heard.told("on a graph"), stalled.told("one of four stalled"))
+    for name, measured in (("alone", alone), ("three listeners", heard), ("and a stalled one", stalled)):
+        measured.judge(name, budgets)
     assert heard.dropped == 0
     assert stalled.dropped > 0

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from sim.common.geometry import FloatArray
+from sim.common.observations import TICK
 from tests.peers.desktop import desktop, needs_desktop
 
 pytestmark = [pytest.mark.bench, needs_desktop]
@@ -25,7 +26,7 @@ NEAR = 0.03
 
 
 def started(opened: ExitStack, folder: Path, environment: dict[str, str], *arguments: str) -> subprocess.Popen[str]:
-    command = [sys.executable, "-m", "tests.bench.observed", str(folder), *arguments]
+    command = [sys.executable, "-m", "tests.bench.windows.observed", str(folder), *arguments]
     program = opened.enter_context(
         subprocess.Popen(
             command,
@@ -65,7 +66,7 @@ def test_programs_apart(tmp_path: Path, robots: int) -> None:
         started(opened, tmp_path, there.environment, "simr", "--server", at, *team)
         started(opened, tmp_path, there.environment, "tabui", "--server", at)
         watched(tmp_path)
-    tell(f"server, simr, hider and the window apart, {robots} robots", tmp_path)
+    judge(f"server, simr, hider and the window apart, {robots} robots", tmp_path)
 
 
 @pytest.mark.parametrize("robots", [4, 10])
@@ -75,7 +76,7 @@ def test_hosted(tmp_path: Path, robots: int) -> None:
         options = ["--robots", str(robots), "--map", "warehouse12", "--port", "0", "--no-report"]
         started(opened, tmp_path, there.environment, "play", *options)
         watched(tmp_path)
-    tell(f"thbridge play, {robots} robots", tmp_path)
+    judge(f"thbridge play, {robots} robots", tmp_path)
 
 
 def table(path: Path) -> FloatArray:
@@ -110,7 +111,7 @@ def late(believed: FloatArray, drawn: FloatArray) -> tuple[list[float], list[flo
     return seconds, metres
 
 
-def tell(what: str, folder: Path) -> None:
+def judge(what: str, folder: Path) -> None:
     seconds, metres = late(table(folder / "believed"), table(folder / "drawn"))
     ticks = 1e3 * np.diff(table(folder / "believed")[:, 0])
     beats, worked = 1e3 * np.diff(table(folder / "beats"), axis=0).T
@@ -120,6 +121,10 @@ def tell(what: str, folder: Path) -> None:
         f"event loop turns after {figures(beats)} ms, of which it works {figures(worked)}",
         end="",
     )
+    assert np.median(seconds) < 5 * TICK
+    assert np.median(metres) < 0.1
+    assert np.median(ticks) == pytest.approx(1e3 * TICK, abs=1.0)
+    assert np.percentile(worked, 95) < 1e3 * TICK
 
 
 def figures(values: FloatArray) -> str:

@@ -14,6 +14,7 @@ import time
 
 import pytest
 
+from tests.bench.budget import Budgets
 from thbridge.sockets.rosgraph.http_client import XmlRpcClient
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 from thbridge.sockets.rosgraph.publications import Publication
@@ -138,7 +139,7 @@ async def _ours(node: RosNode) -> dict[Publication, tuple[bytes, int]]:
     return work
 
 
-def test_ten_robots(master, capsys):
+def test_ten_robots(master, budgets: Budgets, capsys):
     async def ours() -> tuple[int, float, float, int, int]:
         process = await _listeners(master)
         node = RosNode("/bench", master)
@@ -179,9 +180,12 @@ def test_ten_robots(master, capsys):
         )
     assert heard == SUBSCRIBERS * sent
     assert dropped == 0
+    budgets.ratio(
+        f"publishing: a message to {SUBSCRIBERS} subscribers, beside rospy", cpu / sent / (their_cpu / their_sent)
+    )
 
 
-def test_a_stalled_subscriber(master, capsys):
+def test_a_stalled_subscriber(master, budgets: Budgets, capsys):
     async def measured() -> tuple[list[float], list[float], int]:
         node = RosNode("/bench", master)
         scan = node.advertise("/scan", *TYPE, "string data\n")
@@ -213,3 +217,5 @@ def test_a_stalled_subscriber(master, capsys):
             f"on average {1e6 * sum(walls) / len(walls):.1f} us"
         )
     assert dropped > 0
+    assert max(cpus) < TICK / 2
+    budgets.time("publishing: 1000 messages to a subscriber that never reads", 1e3 * sum(cpus) / len(cpus))

@@ -3,7 +3,6 @@
 ROS's stands beside ours only with a checkout of github.com/ros-planning/navigation: `NAVIGATION_SRC=/path make bench`.
 """
 
-import os
 import subprocess
 import time
 from dataclasses import dataclass
@@ -15,7 +14,8 @@ import pytest
 from sim.common.geometry import FloatArray, Pose2
 from sim.parameters import AmclParameters
 from sim.robot.localization.amcl import Amcl
-from tests.bench.recorded_run import Run, kidnapped, part, tour, write_for_peer
+from tests.bench.budget import Budgets
+from tests.bench.robots.recorded_run import Run, kidnapped, part, tour, write_for_peer
 from thbridge.files.map_files import Map, read_map
 from thbridge.files.resources import shipped
 
@@ -49,11 +49,10 @@ class Tracked:
 
 
 @pytest.fixture(scope="session")
-def peer(request, tmp_path_factory) -> Path | None:
+def peer(navigation, tmp_path_factory) -> Path | None:
     """ROS's filter, built as ROS builds it for release; None without its source."""
-    if not os.environ.get("NAVIGATION_SRC"):
+    if navigation is None:
         return None
-    navigation = request.getfixturevalue("navigation")
     package, folder = navigation / "amcl", tmp_path_factory.mktemp("amcl")
     flags = ["-O3", "-DNDEBUG", "-DHAVE_DRAND48", "-DHAVE_UNISTD_H"]
     flags += [f"-I{package / 'include'}", f"-I{package / 'include/amcl'}", f"-I{package / 'src/include'}"]
@@ -105,11 +104,18 @@ def ours(run: Run, place: Map, parameters: AmclParameters, seed: int, known: boo
 
 
 def theirs(
-    peer: Path | None, run: Run, place: Map, folder: Path, model: str, particles: tuple[int, int], seed: int,
+    peer: Path | None, runs: dict[int, Run], place: Map, folder: Path, model: str, particles: tuple[int, int],
     known: bool = True,
-) -> Tracked:  # fmt: skip
+) -> list[Tracked]:  # fmt: skip
+    """What ROS's filter makes of the runs; nothing without its source."""
     if peer is None:
-        return Tracked(NONE, NONE, NONE, NONE)
+        return []
+    return [run_peer(peer, run, place, folder, model, particles, seed, known) for seed, run in runs.items()]
+
+
+def run_peer(
+    peer: Path, run: Run, place: Map, folder: Path, model: str, particles: tuple[int, int], seed: int, known: bool
+) -> Tracked:
     drawn, log = write_for_peer(run, place, folder)
     start = [str(value) for value in run.truth[0]] if known else ["global"]
     words = [peer, drawn, log, model, *particles, seed, *start]
@@ -120,10 +126,9 @@ def theirs(
 
 
 def told(name: str, tracked: list[Tracked]) -> str:
-    if not tracked[0].errors.size:
+    if not tracked:
         return f"{name:>44}: not measured"
-    errors = np.concatenate([one.errors[SETTLED:] for one in tracked])
-    seconds = np.concatenate([one.seconds[SETTLED:] for one in tracked])
+    errors, seconds = settled(tracked, "errors"), settled(tracked, "seconds")
     return (
         f"{name:>44}: mean {100 * errors.mean():5.1f} cm, 95 % {100 * np.percentile(errors, 95):5.1f} cm, "
         f"worst {100 * errors.max():5.1f} cm; {1e3 * np.median(seconds):6.2f} ms an update, longest "
@@ -134,55 +139,74 @@ def told(name: str, tracked: list[Tracked]) -> str:
 def told_besides(tracked: list[Tracked]) -> str:
     if not tracked[0].covered.size:
         return ""
-    covered, lost = (np.concatenate([getattr(one, name)[SETTLED:] for one in tracked]) for name in ("covered", "lost"))
+    covered, lost = settled(tracked, "covered"), settled(tracked, "lost")
     return f"; 95 % ellipse held the truth in {covered.mean():.2f}, lost {np.count_nonzero(lost)} of {len(lost)}"
 
 
-def found(tracked: list[Tracked]) -> int | str:
+def settled(tracked: list[Tracked], what: str) -> FloatArray:
+    """Of all runs together, after the first uncertainty."""
+    return np.concatenate([getattr(one, what)[SETTLED:] for one in tracked])
+
+
+def judge(what: str, mine: list[Tracked], other: list[Tracked], budgets: Budgets) -> None:
+    """Errors stay small, ellipses hold the truth, and updates are as quick as they were."""
+    assert settled(mine, "errors").mean() < 0.04
+    assert settled(mine, "covered").mean() > 0.9
+    seconds = float(np.median(settled(mine, "seconds")))
+    budgets.time(f"amcl: an update, {what}", seconds)
+    if other:
+        budgets.ratio(f"amcl: an update, {what}, beside ROS's", seconds / np.median(settled(other, "seconds")))
+
+
+def found(tracked: list[Tracked]) -> int:
     """How many end within 0.5 m."""
-    if not tracked[0].errors.size:
-        return "not measured"
     return sum(float(np.mean(one.errors[-5:])) < 0.5 for one in tracked)
 
 
 @pytest.mark.parametrize("model", ["likelihood_field", "likelihood_field_prob", "beam"])
-def test_accuracy_of_tracking(model, peer, office, runs, tmp_path, capsys):
+def test_accuracy_of_tracking(model, peer, office, runs, budgets, tmp_path, capsys):
     defaults = AmclParameters(laser_model_type=model, laser_max_beams=60)
     mine = [ours(run, office, defaults, seed) for seed, run in runs.items()]
-    other = [theirs(peer, run, office, tmp_path, model, (100, 5000), seed) for seed, run in runs.items()]
+    other = theirs(peer, runs, office, tmp_path, model, (100, 5000))
     with capsys.disabled():
         print(f"\n{told(f'ours, {model}', mine)}\n{told(f'amcl, {model}', other)}")
+    judge(model, mine, other, budgets)
 
 
 @pytest.mark.parametrize("count", [500, 2000, 5000, 20000])
-def test_error_and_cost_against_the_number_of_particles(count, peer, office, runs, tmp_path, capsys):
+def test_error_and_cost_against_the_number_of_particles(count, peer, office, runs, budgets, tmp_path, capsys):
     fixed = AmclParameters(min_particles=count, max_particles=count, laser_max_beams=60)
     few = {seed: runs[seed] for seed in list(SEEDS)[:2]}
     mine = [ours(run, office, fixed, seed) for seed, run in few.items()]
-    other = [theirs(peer, run, office, tmp_path, "likelihood_field", (count, count), seed) for seed, run in few.items()]
+    other = theirs(peer, few, office, tmp_path, "likelihood_field", (count, count))
     with capsys.disabled():
         print(f"\n{told(f'ours, {count} particles', mine)}\n{told(f'amcl, {count} particles', other)}")
+    judge(f"{count} particles", mine, other, budgets)
 
 
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("name", ["office", "arena8"])
 @pytest.mark.parametrize("count", [500, 2000, 5000, 20000])
-def test_global_localisation_and_kidnapping(count, name, peer, office, arena, runs, arena_runs, tmp_path, capsys):
+def test_global_localisation_and_kidnapping(
+    count, name, peer, office, arena, runs, arena_runs, budgets, tmp_path, capsys
+):
     place, tours = (office, runs) if name == "office" else (arena, arena_runs)
     most = AmclParameters(max_particles=count, laser_max_beams=60)
     # With more particles that never agree its resampling, quadratic in them, takes long.
     rival = peer if count == 2000 else None
-    for task, known in (("found itself anywhere", False), ("found itself after a kidnapping", True)):
+    for task, known in (("anywhere", False), ("after a kidnapping", True)):
         begun = {seed: kidnapped(run, seed) if known else part(run, 100, 600) for seed, run in tours.items()}
         mine = [ours(run, place, most, seed, known) for seed, run in begun.items()]
-        other = [
-            theirs(rival, run, place, tmp_path, "likelihood_field", (100, count), seed, known)
-            for seed, run in begun.items()
-        ]
+        other = theirs(rival, begun, place, tmp_path, "likelihood_field", (100, count), known)
         sure = [np.count_nonzero((one.errors > 1.0) & ~one.lost) / len(one.errors) for one in mine]
-        longest = 1e3 * max(one.seconds.max() for one in mine)
+        longest = [one.seconds.max() for one in mine]
         with capsys.disabled():
             print(
-                f"\n{name}, {count} particles at most, {task} within 0.5 m: ours {found(mine)}, amcl {found(other)} of "
-                f"{len(tours)}; over 1 m off and not lost in {np.mean(sure):.3f} of updates; longest {longest:.0f} ms"
+                f"\n{name}, {count} particles at most, found itself {task} within 0.5 m: ours {found(mine)}, amcl "
+                f"{found(other) if other else 'not measured:'} of {len(tours)}; over 1 m off and not lost in "
+                f"{np.mean(sure):.3f} of updates; longest {1e3 * max(longest):.0f} ms"
             )
+        assert found(mine) == len(tours)
+        assert np.mean(sure) < 0.1
+        budgets.time(f"amcl: finding itself {task}, {name}, {count} particles", float(settled(mine, "seconds").sum()))
+        budgets.time(f"amcl: longest update {task}, {name}, {count} particles", float(np.median(longest)))

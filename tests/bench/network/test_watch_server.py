@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.bench.budget import Budgets
 from thbridge.app import play
 from thbridge.app.compose import build_bot, read_setting
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
@@ -52,7 +53,7 @@ print(total)
 
 
 @pytest.mark.parametrize(("reading", "stalled"), [(0, 0), (1, 0), (8, 0), (1, 1)])
-def test_a_tick_with_watchers(reading: int, stalled: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_tick_with_watchers(reading: int, stalled: int, budgets: Budgets, monkeypatch: pytest.MonkeyPatch) -> None:
     setting = read_setting(STUDY, Path())
     taken: list[float] = []
     readers: list[subprocess.Popen[str]] = []
@@ -92,3 +93,6 @@ def test_a_tick_with_watchers(reading: int, stalled: int, monkeypatch: pytest.Mo
         f"\n{ROBOTS} robots, {reading} watchers, {stalled} stalled: the door takes {warm.mean():.0f} us of a tick on "
         f"average, 99 %: {np.percentile(warm, 99):.0f} us, longest {warm.max():.0f} us; {each:.2f} MB/s each"
     )
+    assert each > 1.0 or not reading
+    assert np.percentile(warm, 99) < 10_000.0  # half a tick
+    budgets.time(f"watching: a tick, {reading} watchers, {stalled} stalled", 1e-6 * float(warm.mean()))

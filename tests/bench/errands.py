@@ -1,0 +1,56 @@
+"""Robots that are always under way: what whole teams are measured with."""
+
+import gc
+import time
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.noise import NoiseStream
+from sim.common.observations import TICKS_PER_SECOND
+from sim.robot.navigator.goals import Goal
+from sim.team import Go, Team, TeamInput, TeamSnapshot
+
+
+class Errands:
+    """Sends every robot that stands to another place that nobody is at or under way to."""
+
+    def __init__(self, goals: Sequence[Pose2], robots: int) -> None:
+        self._goals = goals
+        self._bound = [-1] * robots
+        self._chance = NoiseStream.named(1, "errands")
+        self._count = 0
+
+    def next(self, snapshot: TeamSnapshot | None) -> list[TeamInput]:
+        inputs: list[TeamInput] = []
+        for robot in range(len(self._bound)):
+            if snapshot is not None and snapshot.robots[robot].navigation.goal is not None:
+                continue
+            free = [room for room in range(len(self._goals)) if room not in self._bound]
+            if not free:
+                continue
+            self._count += 1
+            self._bound[robot] = free[int(self._chance.uniforms(self._count, 1)[0] * len(free))]
+            inputs.append(Go(robot, Goal(self._count, self._goals[self._bound[robot]])))
+        return inputs
+
+
+def drive(
+    team: Team, goals: Sequence[Pose2], seconds: int, watch: Callable[[TeamSnapshot], None] = lambda _: None
+) -> FloatArray:
+    """CPU seconds of each tick of so many simulated seconds; without goals all stand."""
+    gc.freeze()  # as a session does before its first tick
+    errands = Errands(goals, team.size)
+    snapshot, spent = None, []
+    for _ in range(seconds * TICKS_PER_SECOND):
+        began = time.process_time()
+        snapshot = team.step(errands.next(snapshot))
+        watch(snapshot)
+        spent.append(time.process_time() - began)
+    return np.array(spent)
+
+
+def best_ticks(runs: Sequence[FloatArray]) -> FloatArray:
+    """CPU seconds of each tick of the same drive, the least of several runs: all of them work out the same."""
+    return np.minimum.reduce(list(runs))
