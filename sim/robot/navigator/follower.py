@@ -5,30 +5,23 @@ The path ahead goes to the local planner as far as the right of way and the obst
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sim.common.geometry import IDENTITY, FloatArray, Pose2, wrap_angle
-from sim.common.grid import OccupancyGrid
+from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.kernels import njit
-from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Scan, Twist
-from sim.parameters import RobotParameters
-from sim.robot.control.braking import LATENCY, Surroundings, beside_obstacles, surroundings
-from sim.robot.control.local_planner import LocalPlanner, PlannedCommand
-from sim.robot.control.planners import local_planner
-from sim.robot.costmap.costmap_2d import Costmap2D, CostmapObservation
+from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Neighbour, Twist
+from sim.robot.control.braking import Surroundings
+from sim.robot.control.local_planner import PlannedCommand
 from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
-from sim.robot.navigator.scan_obstacles import may_turn, seen_around
+from sim.robot.navigator.controller import Controller
+from sim.robot.navigator.transitions import check_transition
 from sim.robot.planning.itinerary import Itinerary, itineraries_of, reached_index, relevant_neighbours, right_of_way
 from sim.robot.planning.itinerary_planner import ItineraryPlanner
 from sim.robot.planning.path import headings
 
-LOOK_AHEAD = 1.75
-"""Metres of path given to the local planner at most."""
-RIM_MARGIN = 0.25
-"""Metres from it to the local costmap's rim, toward which the robot drives until the next update."""
 HALT_DISTANCE = 0.12
 """Metres before a point that may not be passed at which a robot waits."""
 TURN_BACK_DISTANCE = 0.06
@@ -40,136 +33,126 @@ STUCK_TIMEOUT = 2.0
 QUEUE_TIMEOUT = 20.0
 """Seconds that it may be held up by right of way before it plans anew."""
 
-SEARCH_TURN = 0.5
-"""Radians by which the heading that a lost robot turns to is ahead of its own: its rate of turn in rad/s."""
-SEARCH_SPEED = 0.1
-"""Metres a second at which it drives on where it cannot turn."""
-
 NO_POSES: FloatArray = np.empty((0, 3))
 NO_TIMES: FloatArray = np.empty(0)
 
 
-class Follower:
-    """Follows one itinerary after the other.
+@dataclass(frozen=True, slots=True)
+class Following:
+    """The robot drives along the itinerary, or waits for its right of way."""
 
-    Args:
-        parameters: this robot's software's.
-        static: the map.
-        clearance: (rows, cols) metres from each of its cells to the nearest wall.
-        costmap: the local one.
-        seen: the global costmap, for the obstacles that the laser has seen; the navigator keeps it up to date.
-        separation: metres between robots' centres by right of way.
-        robot: its index in the team.
+
+@dataclass(frozen=True, slots=True)
+class AtEnd:
+    """The robot is at the last point: it stops, and turns to the heading there."""
+
+
+@dataclass(frozen=True, slots=True)
+class Escaping:
+    """The robot backs up, since no command leads on.
 
     Attributes:
-        control_ticks: from one command to the next.
-        last_valid: the last tick with a valid command, or with a good reason to wait.
-        itinerary: the one that is followed; None without one.
-        arrived: True when the robot stands at its end.
+        begun: pose where it began to.
+        then: the state to go on in.
+    """
+
+    begun: Pose2
+    then: Following | AtEnd
+
+
+FollowerState = Following | AtEnd | Escaping
+FollowerEvent = Literal["end reached", "end left", "no command", "escaped"]
+
+TRANSITIONS: set[tuple[type[FollowerState], FollowerEvent, type[FollowerState]]] = {
+    (Following, "end reached", AtEnd),  # Stop, then turn to the heading there.
+    (AtEnd, "end left", Following),  # Drive back, unless latch_xy_goal_tolerance is set.
+    (Following, "no command", Escaping),  # Back up.
+    (Escaping, "end reached", Escaping),  # Back up all the same, to turn then.
+    (Escaping, "end left", Escaping),
+    (Escaping, "escaped", Following),  # Turn to the path, and drive on.
+    (Escaping, "escaped", AtEnd),
+}
+"""All changes of a follower's state; a new one is Following."""
+
+
+@dataclass(frozen=True, slots=True)
+class FollowerOutput:
+    """A command along an itinerary.
+
+    Attributes:
+        command: the velocity asked for.
+        local_plan: (k, 3) map poses it leads through.
+        arrived: True when the robot stands at the end of the itinerary.
         waiting: True while it waits for its right of way.
         waits_for: the robot before whose itinerary or body it stands.
         blocked_by_others: True while others keep it from going farther.
-        local_plan: (k, 3) map poses the last command would lead through.
-        pending: the last scan, until the costmap has taken it in.
+        valid: True for a command that leads on, or a good reason to wait.
+    """
+
+    command: Twist
+    local_plan: FloatArray
+    arrived: bool = False
+    waiting: bool = False
+    waits_for: int | None = None
+    blocked_by_others: bool = False
+    valid: bool = False
+
+
+STANDING = FollowerOutput(STANDSTILL, NO_POSES)
+
+
+class Follower:
+    """Follows one itinerary.
+
+    Args:
+        controller: chooses the commands.
+        itinerary_planner: the one that made the itinerary.
+        tick: the present one.
+        itinerary: its first point is where the robot is.
+        heading: that of the pose at its last point.
+        turns_at_end: True when the robot has to turn to it there.
+
+    Attributes:
         ahead: (m, 3) poses still to be passed, their (m,) times, and their length in metres.
     """
 
     def __init__(
         self,
-        parameters: RobotParameters,
-        static: OccupancyGrid,
-        clearance: NDArray[np.float32],
-        costmap: Costmap2D,
-        seen: Costmap2D,
-        separation: float,
-        robot: int,
+        controller: Controller,
+        itinerary_planner: ItineraryPlanner,
+        tick: int,
+        itinerary: Itinerary,
+        heading: float,
+        turns_at_end: bool,
     ) -> None:
-        self._costmap = costmap
-        self._clearance = clearance
-        self._seen = seen
-        self._frame = CostFrame(static.origin.x, static.origin.y, static.resolution)
-        self._robot = robot
-        self._use(parameters, separation)
-        self._planner = self._chosen_planner(parameters)
-        self.pending: CostmapObservation | None = None
-        self.last_valid = 0
-        self.drop()
-
-    def _use(self, parameters: RobotParameters, separation: float) -> None:
-        self._parameters, self._separation = parameters, separation
-        costmap, local = self._costmap, parameters.local_costmap
-        self._width = max(local.width, local.height)
-        self._reach = min(LOOK_AHEAD, min(costmap.costs.shape) / 2 * costmap.frame.resolution - RIM_MARGIN)
-        self.control_ticks = max(1, round(TICKS_PER_SECOND / parameters.move_base.controller_frequency))
-        self._costmap_ticks = max(1, round(TICKS_PER_SECOND / local.update_frequency))
-        self._hold = self.control_ticks * TICK + LATENCY
-
-    def _chosen_planner(self, parameters: RobotParameters) -> LocalPlanner:
-        costmap = self._costmap
-        return local_planner(parameters, costmap.footprint, costmap.costs.shape, self.control_ticks * TICK)
-
-    def configure(self, parameters: RobotParameters, separation: float) -> None:
-        """Go on along the itinerary with these parameters; the costmap has been configured already.
-
-        A planner that they change begins as with a new itinerary: it forgets, say, that it was turning.
-
-        Args:
-            parameters: this robot's software's.
-            separation: metres between robots' centres by right of way.
-        """
-        before = self._parameters
-        self._use(parameters, separation)
-        if _made_from(parameters) != _made_from(before):
-            self._planner = self._chosen_planner(parameters)
-
-    def restart(self, tick: int) -> None:
-        """Begin with another goal."""
-        self.last_valid = tick
-
-    def drop(self) -> None:
-        """Stand, and follow nothing."""
-        self.itinerary: Itinerary | None = None
-        self.arrived = False
-        self.waiting = False
-        self.waits_for: int | None = None
-        self.blocked_by_others = False
-        self.local_plan = NO_POSES
-        self.ahead = (NO_POSES, NO_TIMES, 0.0)
-        self._poses = NO_POSES
-        self._left = NO_TIMES
-        self._index = 0
-        self._turns_at_end = False
-        self._at_end = False
-        self._escaping_from: Pose2 | None = None
-
-    def follow(self, tick: int, itinerary: Itinerary, heading: float, turns_at_end: bool) -> None:
-        """Follow an itinerary from now on.
-
-        Args:
-            tick: the present one.
-            itinerary: its first point is where the robot is.
-            heading: that of the pose at its last point.
-            turns_at_end: True when the robot has to turn to it there.
-        """
-        self.drop()
-        self.itinerary = itinerary
+        self._controller = controller
+        self._itinerary_planner = itinerary_planner
+        self._itinerary = itinerary
         self._poses = headings(itinerary.points, heading)
         steps = np.hypot(*np.diff(itinerary.points, axis=0).T)
         self._left = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
         self._turns_at_end = turns_at_end
-        self._pass(itinerary, 0)
-        self._progress, self._free = tick, tick - 1
-        self._planner.reset()
+        self._state: FollowerState = Following()
+        self._blocked_by_others = False
+        self._pass(0)
+        self._came_on(tick)
+        controller.planner.reset()
 
-    def _pass(self, itinerary: Itinerary, index: int) -> None:
+    def _pass(self, index: int) -> None:
         """Take note that this point of the itinerary is reached."""
         self._index = index
-        self.ahead = (self._poses[index:], itinerary.times[index:], float(self._left[index]))
+        self.ahead = (self._poses[index:], self._itinerary.times[index:], float(self._left[index]))
+
+    def _came_on(self, tick: int) -> None:
+        """Take note that the robot is not held up: if at all, only from now on."""
+        self._held_up_since = tick
+        # True when something other than right of way has held it up since.
+        self._stuck = False
 
     @property
     def time(self) -> float:
-        """Time of the point of the itinerary that has been reached; -inf without one."""
-        return float(self.itinerary.times[self._index]) if self.itinerary is not None else -math.inf
+        """Time of the point of the itinerary that has been reached."""
+        return float(self._itinerary.times[self._index])
 
     @property
     def remaining(self) -> float:
@@ -178,15 +161,15 @@ class Follower:
 
     def held_up(self, tick: int) -> bool:
         """Return True when the robot has not come on along the itinerary for too long."""
-        timeout = STUCK_TIMEOUT if self._progress <= self._free else QUEUE_TIMEOUT
-        return tick - self._progress > timeout * TICKS_PER_SECOND
+        timeout = STUCK_TIMEOUT if self._stuck else QUEUE_TIMEOUT
+        return tick - self._held_up_since > timeout * TICKS_PER_SECOND
 
-    def obstructed(self, router: ItineraryPlanner) -> bool:
+    def obstructed(self) -> bool:
         """Return True when an obstacle that was seen lies on the itinerary ahead."""
-        return router.obstructed(self.ahead[0][:, :2])
+        return self._itinerary_planner.obstructed(self.ahead[0][:, :2])
 
-    def step(self, tick: int, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> Twist:
-        """Return the command that leads on; `arrived`, `waiting` and the other attributes hold the state.
+    def step(self, tick: int, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> FollowerOutput:
+        """Return the command that leads on.
 
         Args:
             tick: the present one; a command is due.
@@ -194,176 +177,112 @@ class Follower:
             twist: its velocity.
             neighbours: the last states of the others.
         """
-        self.local_plan, self.waiting, self.waits_for = NO_POSES, False, None
-        itinerary = self.itinerary
-        if itinerary is None:
-            return STANDSTILL
-        if (tick - self._robot) % self._costmap_ticks < self.control_ticks or self._progress == tick:
-            self._update_costmap(pose, neighbours)
-        index = int(reached_index(itinerary.points, self._index, pose.x, pose.y))
+        if self._controller.update_due(tick) or self._held_up_since == tick:
+            self._controller.update_costmap(pose, neighbours)
+        index = int(reached_index(self._itinerary.points, self._index, pose.x, pose.y))
         if index > self._index:
-            self._pass(itinerary, index)
-            self._progress = tick
-        drive = self._drive(tick, pose, twist, itinerary, neighbours)
-        if drive is None:
-            return STANDSTILL
-        if not drive.stuck:
-            self.last_valid = tick
-        self.local_plan = drive.local_plan
-        return drive.command
+            self._pass(index)
+            self._came_on(tick)
+        around = self._controller.surroundings(pose, neighbours)
+        self._look_for_end(pose)
+        match self._state:
+            case Following():
+                return self._drive_on(tick, pose, twist, neighbours, around)
+            case AtEnd():
+                return self._finish(tick, pose, twist, around)
+            case Escaping():
+                return self._escape(self._state, pose, twist, around)
 
-    def keep_scan(self, pose: Pose2, scan: Scan, discs: FloatArray) -> None:
-        """Keep a scan for the costmap's next update; as in ROS, the last one before it counts.
+    def _enter(self, event: FollowerEvent, state: FollowerState) -> None:
+        """Change the state."""
+        check_transition(TRANSITIONS, self._state, event, state)
+        self._state = state
 
-        Args:
-            pose: pose of the robot when it scanned.
-            scan: the readings.
-            discs: (n, 3) x, y and radius of the other robots, metres.
-        """
-        self.pending = CostmapObservation(pose, scan, discs)
+    def _output(self, drive: PlannedCommand) -> FollowerOutput:
+        blocked = self._blocked_by_others
+        return FollowerOutput(drive.command, drive.local_plan, blocked_by_others=blocked, valid=not drive.stuck)
 
-    def rotate_recovery(self, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> PlannedCommand:
-        """Turn in place (rotate_recovery)."""
-        return self._planner.turn(pose, twist, pose.theta + 0.5 * math.pi, self._surroundings(pose, neighbours))
+    def _look_for_end(self, pose: Pose2) -> None:
+        """Take note of whether the robot is at the end of the itinerary."""
+        limits, state = self._controller.planner.limits, self._state
+        x, y, _ = self._poses[-1].tolist()
+        off = math.hypot(x - pose.x, y - pose.y)
+        at_end = bool(self._left[self._index] < 3 * limits.xy_goal_tolerance and off <= limits.xy_goal_tolerance)
+        now: Following | AtEnd = AtEnd() if at_end else Following()
+        if not at_end and limits.latch_xy_goal_tolerance:
+            return
+        event: FollowerEvent = "end reached" if at_end else "end left"
+        if not isinstance(state, Escaping) and now != state:
+            self._enter(event, now)
+        elif isinstance(state, Escaping) and now != state.then:
+            self._enter(event, replace(state, then=now))
 
-    def look_around(self, twist: Twist, scan: Scan) -> Twist:
-        """Turn slowly to see more; without room for that drive on slowly; without room for that stand.
-
-        A robot that does not know where it is may trust its laser, but no map.
-
-        Args:
-            twist: its velocity.
-            scan: the latest.
-        """
-        around = seen_around(scan, len(self._costmap.footprint))
-        if may_turn(scan, self._costmap.circumscribed_radius):
-            drive = self._planner.turn(IDENTITY, twist, SEARCH_TURN, around)
-            if not drive.stuck:
-                return drive.command
-        ahead = Twist(SEARCH_SPEED, 0.0)
-        return ahead if self._planner.safe(IDENTITY, twist, ahead, around) else STANDSTILL
-
-    def _update_costmap(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
-        if self.pending is not None:
-            self._costmap.observe(*self.pending)
-            self.pending = None
-        reach = self._width
-        self._costmap.update_neighbours(
-            [
-                other
-                for other in neighbours
-                if abs(other.base_in_map.x - pose.x) < reach and abs(other.base_in_map.y - pose.y) < reach
-            ]
-        )
-        self._costmap.update(pose.x, pose.y)
-
-    def _surroundings(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Surroundings:
-        clearance, frame = self._clearance, self._frame
-        if self._seen.any_marks:
-            clearance, frame = beside_obstacles(clearance, self._seen.marks, frame, pose.x, pose.y)
-        return surroundings(
-            clearance, frame, self._costmap.footprint, pose, neighbours, self._planner.limits.acc_lim_x, self._hold
-        )
-
-    def _drive(
-        self, tick: int, pose: Pose2, twist: Twist, itinerary: Itinerary, neighbours: Sequence[Neighbour]
-    ) -> PlannedCommand | None:
-        limits = self._planner.limits
-        around = self._surroundings(pose, neighbours)
-        end_x, end_y, end_heading = self._poses[-1].tolist()
-        off = math.hypot(end_x - pose.x, end_y - pose.y)
-        if self._left[self._index] < 3 * limits.xy_goal_tolerance and off <= limits.xy_goal_tolerance:
-            self._at_end = True
-        elif not limits.latch_xy_goal_tolerance:
-            self._at_end = False
-        if self._escaping_from is not None:
-            return self._escape(self._escaping_from, pose, twist, around)
-        if self._at_end:
-            return self._finish(tick, pose, twist, end_heading, around)
-        last = _as_far_as(self._left, self._index, self._reach)
+    def _drive_on(
+        self, tick: int, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour], around: Surroundings
+    ) -> FollowerOutput:
+        """Drive as far as right of way and obstacles allow."""
+        controller, itinerary = self._controller, self._itinerary
+        separation = self._itinerary_planner.separation_driven
+        last = _as_far_as(self._left, self._index, controller.reach)
         x, y, _ = self._poses[self._index].tolist()
-        others = relevant_neighbours(neighbours, x, y, self._reach + self._separation)
+        others = relevant_neighbours(neighbours, x, y, controller.reach + separation)
         allowed, barring, stands = right_of_way(
-            itinerary.points,
-            itinerary.times,
-            self._index,
-            last,
-            pose.x,
-            pose.y,
-            itineraries_of(others),
-            self._separation,
+            itinerary.points, itinerary.times, self._index, last, pose.x, pose.y, itineraries_of(others), separation
         )
-        self.blocked_by_others = allowed < last
-        path, slow_down, obstructed = self._drivable_stretch(pose, itinerary, int(allowed), allowed < last)
+        self._blocked_by_others = blocked = allowed < last
+        path, slow_down, obstructed = self._drivable_stretch(pose, int(allowed), blocked)
         if path is None:
-            self.waiting = allowed < last and not stands
-            if barring >= 0 and not obstructed:
-                self.waits_for = others[barring].robot
-            if self.waiting:
-                self.last_valid = tick
-            else:
-                self._free = tick
-            return None
-        drive = self._planner.follow(pose, twist, self._costmap.costs, self._costmap.frame, path, slow_down, around)
+            waiting = blocked and not stands
+            waits_for = others[barring].robot if barring >= 0 and not obstructed else None
+            self._stuck = self._stuck or not waiting
+            return replace(STANDING, waiting=waiting, waits_for=waits_for, blocked_by_others=blocked, valid=waiting)
+        costmap = controller.costmap
+        drive = controller.planner.follow(pose, twist, costmap.costs, costmap.frame, path, slow_down, around)
         if drive.stuck:
-            self._free = tick
-            self._escaping_from = pose
-            return self._escape(pose, pose, twist, around)
+            self._stuck = True
+            self._enter("no command", escaping := Escaping(pose, Following()))
+            return self._escape(escaping, pose, twist, around)
         if drive.command.linear == 0.0 and drive.command.angular != 0.0:
             # Turning toward the path is progress, although no further point is reached by it.
-            self._progress = tick
-        return drive
+            self._came_on(tick)
+        return self._output(drive)
 
-    def _escape(self, begun: Pose2, pose: Pose2, twist: Twist, around: Surroundings) -> PlannedCommand:
+    def _escape(self, state: Escaping, pose: Pose2, twist: Twist, around: Surroundings) -> FollowerOutput:
         """Get a little off the place where no command led on, then turn toward the path."""
-        drive = self._planner.escape(pose, twist, around)
-        limits = self._planner.limits
+        planner, begun = self._controller.planner, state.begun
+        drive = planner.escape(pose, twist, around)
+        limits = planner.limits
         turned = abs(wrap_angle(pose.theta - begun.theta))
         if drive.stuck or begun.distance(pose) > limits.escape_reset_dist or turned > limits.escape_reset_theta:
-            self._escaping_from = None
-            self._planner.turn_first()
-        return drive
+            self._enter("escaped", state.then)
+            planner.turn_first()
+        return self._output(drive)
 
-    def _finish(
-        self, tick: int, pose: Pose2, twist: Twist, heading: float, around: Surroundings
-    ) -> PlannedCommand | None:
+    def _finish(self, tick: int, pose: Pose2, twist: Twist, around: Surroundings) -> FollowerOutput:
         """Stop at the end of the itinerary, turn to its heading if need be, and arrive."""
-        limits = self._planner.limits
+        planner = self._controller.planner
+        limits = planner.limits
+        heading = float(self._poses[-1, 2])
         standing = abs(twist.linear) < limits.trans_stopped_vel and abs(twist.angular) < limits.theta_stopped_vel
-        off = abs(wrap_angle(heading - pose.theta))
-        if not self._turns_at_end or off <= limits.yaw_goal_tolerance:
-            self.arrived = standing
-            return None
-        self._progress = tick
-        return self._planner.turn(pose, twist, heading, around)
+        if not self._turns_at_end or abs(wrap_angle(heading - pose.theta)) <= limits.yaw_goal_tolerance:
+            return replace(STANDING, arrived=standing, blocked_by_others=self._blocked_by_others)
+        self._came_on(tick)
+        return self._output(planner.turn(pose, twist, heading, around))
 
-    def _drivable_stretch(
-        self, pose: Pose2, itinerary: Itinerary, allowed: int, yields: bool
-    ) -> tuple[FloatArray | None, float, bool]:
+    def _drivable_stretch(self, pose: Pose2, allowed: int, yields: bool) -> tuple[FloatArray | None, float, bool]:
         """Return the part of the path to drive along now, None where the robot has to wait.
 
         Also return how early to slow down, in seconds, and whether an obstacle ends that part.
         """
-        points = itinerary.points[self._index : allowed + 1]
-        count, stopped, turns = _drivable(points, self._costmap.costs, self._costmap.frame, pose.x, pose.y)
+        points, costmap = self._itinerary.points[self._index : allowed + 1], self._controller.costmap
+        count, stopped, turns = _drivable(points, costmap.costs, costmap.frame, pose.x, pose.y)
         points = points[:count]
         yields = stopped or (yields and not turns)
         if len(points) == 0 or (yields and math.hypot(points[-1, 0] - pose.x, points[-1, 1] - pose.y) < HALT_DISTANCE):
             return None, 0.0, stopped
-        ends = not yields and self._index + len(points) == len(itinerary.points)
-        slow_down = self._planner.limits.sim_time if ends else YIELD_TIME if yields else 0.1
+        ends = not yields and self._index + len(points) == len(self._poses)
+        slow_down = self._controller.planner.limits.sim_time if ends else YIELD_TIME if yields else 0.1
         return points, slow_down, stopped
-
-
-def _made_from(parameters: RobotParameters) -> tuple[object, ...]:
-    """All parameters that a local planner depends on."""
-    return (
-        parameters.move_base.base_local_planner,
-        parameters.move_base.controller_frequency,
-        parameters.TrajectoryPlannerROS,
-        parameters.DWAPlannerROS,
-        replace(parameters.local_costmap, publish_frequency=0.0),
-    )
 
 
 @njit(cache=True)

@@ -15,6 +15,7 @@ from sim.common.grid import OccupancyGrid
 from sim.parameters import LaserParameters, RobotParameters, WorldParameters
 from sim.robot.costmap.costmap_2d import Costmap2D
 from sim.robot.localization.amcl import Amcl
+from sim.robot.navigator.controller import Controller
 from sim.robot.navigator.follower import Follower
 from sim.robot.navigator.move_base import Navigator
 from sim.robot.planning.itinerary_planner import ItineraryPlanner
@@ -44,7 +45,7 @@ STAGES = {
         (Costmap2D, "as_updated"),
     ),
     "planning": ((ItineraryPlanner, "plan"), (ItineraryPlanner, "refuge"), (ItineraryPlanner, "obstructed")),
-    "control": ((Follower, "step"), (Follower, "rotate_recovery")),
+    "control": ((Follower, "step"), (Controller, "rotate_recovery")),
     "rest of the navigator": ((Navigator, "step"),),
 }
 

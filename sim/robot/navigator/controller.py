@@ -1,0 +1,158 @@
+"""The controller of move_base: the local planner with its costmap.
+
+It also makes the turns that follow no path: the recovery rotation, and the search of a robot that is lost.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from sim.common.geometry import IDENTITY, FloatArray, Pose2
+from sim.common.grid import OccupancyGrid, clearance_field
+from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Scan, Twist
+from sim.parameters import RobotParameters
+from sim.robot.control.braking import LATENCY, Surroundings, beside_obstacles, surroundings
+from sim.robot.control.local_planner import LocalPlanner, PlannedCommand
+from sim.robot.control.planners import local_planner
+from sim.robot.costmap.costmap_2d import CostmapObservation
+from sim.robot.costmap.costs import CostFrame
+from sim.robot.navigator.costmaps import Costmaps
+from sim.robot.navigator.scan_obstacles import may_turn, seen_around
+
+LOOK_AHEAD = 1.75
+"""Metres of path given to the local planner at most."""
+RIM_MARGIN = 0.25
+"""Metres from it to the local costmap's rim, toward which the robot drives until the next update."""
+
+SEARCH_TURN = 0.5
+"""Radians by which the heading that a lost robot turns to is ahead of its own: its rate of turn in rad/s."""
+SEARCH_SPEED = 0.1
+"""Metres a second at which it drives on where it cannot turn."""
+
+
+class Controller:
+    """The local planner of one robot, with its costmap.
+
+    Args:
+        parameters: this robot's software's.
+        static: the map.
+        costmaps: the robot's; the navigator keeps the global one, for the obstacles seen, up to date.
+        robot: its index in the team.
+
+    Attributes:
+        costmap: the local one.
+        planner: the local planner.
+        reach: metres of path that it may be given.
+        control_ticks: from one command to the next.
+        pending: the last scan, until the costmap has taken it in.
+    """
+
+    def __init__(self, parameters: RobotParameters, static: OccupancyGrid, costmaps: Costmaps, robot: int) -> None:
+        self.costmap = costmaps.local_costmap
+        self._seen = costmaps.global_costmap
+        self._clearance = clearance_field(static)
+        self._frame = CostFrame(static.origin.x, static.origin.y, static.resolution)
+        self._robot = robot
+        self._use(parameters)
+        self.planner = self._chosen_planner()
+        self.pending: CostmapObservation | None = None
+
+    def _use(self, parameters: RobotParameters) -> None:
+        costmap = self.costmap
+        self._parameters = parameters
+        self.reach = min(LOOK_AHEAD, min(costmap.costs.shape) / 2 * costmap.frame.resolution - RIM_MARGIN)
+        self.control_ticks = _ticks(parameters.move_base.controller_frequency)
+
+    def _chosen_planner(self) -> LocalPlanner:
+        costmap = self.costmap
+        return local_planner(self._parameters, costmap.footprint, costmap.costs.shape, self.control_ticks * TICK)
+
+    def configure(self, parameters: RobotParameters) -> None:
+        """Go on with these parameters; the costmaps have been configured already.
+
+        A planner that they change begins as with a new itinerary: it forgets, say, that it was turning.
+        """
+        before = self._parameters
+        self._use(parameters)
+        if _made_from(parameters) != _made_from(before):
+            self.planner = self._chosen_planner()
+
+    def command_due(self, tick: int) -> bool:
+        """Return True when a command is due in this tick."""
+        return (tick - self._robot) % self.control_ticks == 0
+
+    def update_due(self, tick: int) -> bool:
+        """Return True when the costmap is to be updated before the command of this tick."""
+        return (tick - self._robot) % _ticks(self._parameters.local_costmap.update_frequency) < self.control_ticks
+
+    def keep_scan(self, pose: Pose2, scan: Scan, discs: FloatArray) -> None:
+        """Keep a scan for the costmap's next update; as in ROS, the last one before it counts.
+
+        Args:
+            pose: pose of the robot when it scanned.
+            scan: the readings.
+            discs: (n, 3) x, y and radius of the other robots, metres.
+        """
+        self.pending = CostmapObservation(pose, scan, discs)
+
+    def update_costmap(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
+        """Bring the costmap up to date with the last scan and the other robots."""
+        if self.pending is not None:
+            self.costmap.observe(*self.pending)
+            self.pending = None
+        reach = max(self._parameters.local_costmap.width, self._parameters.local_costmap.height)
+        self.costmap.update_neighbours(
+            [
+                other
+                for other in neighbours
+                if abs(other.base_in_map.x - pose.x) < reach and abs(other.base_in_map.y - pose.y) < reach
+            ]
+        )
+        self.costmap.update(pose.x, pose.y)
+
+    def surroundings(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Surroundings:
+        """Return the walls, obstacles seen and neighbours that the robot may hit."""
+        clearance, frame = self._clearance, self._frame
+        if self._seen.any_marks:
+            clearance, frame = beside_obstacles(clearance, self._seen.marks, frame, pose.x, pose.y)
+        hold = self.control_ticks * TICK + LATENCY
+        return surroundings(
+            clearance, frame, self.costmap.footprint, pose, neighbours, self.planner.limits.acc_lim_x, hold
+        )
+
+    def rotate_recovery(self, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> PlannedCommand:
+        """Turn in place (rotate_recovery)."""
+        return self.planner.turn(pose, twist, pose.theta + 0.5 * math.pi, self.surroundings(pose, neighbours))
+
+    def look_around(self, twist: Twist, scan: Scan) -> Twist:
+        """Turn slowly to see more; without room for that drive on slowly; without room for that stand.
+
+        A robot that does not know where it is may trust its laser, but no map.
+
+        Args:
+            twist: its velocity.
+            scan: the latest.
+        """
+        around = seen_around(scan, len(self.costmap.footprint))
+        if may_turn(scan, self.costmap.circumscribed_radius):
+            drive = self.planner.turn(IDENTITY, twist, SEARCH_TURN, around)
+            if not drive.stuck:
+                return drive.command
+        ahead = Twist(SEARCH_SPEED, 0.0)
+        return ahead if self.planner.safe(IDENTITY, twist, ahead, around) else STANDSTILL
+
+
+def _ticks(frequency: float) -> int:
+    """Ticks from one time to the next of what is done so often, Hz."""
+    return max(1, round(TICKS_PER_SECOND / frequency))
+
+
+def _made_from(parameters: RobotParameters) -> tuple[object, ...]:
+    """All parameters that a local planner depends on."""
+    return (
+        parameters.move_base.base_local_planner,
+        parameters.move_base.controller_frequency,
+        parameters.TrajectoryPlannerROS,
+        parameters.DWAPlannerROS,
+        replace(parameters.local_costmap, publish_frequency=0.0),
+    )

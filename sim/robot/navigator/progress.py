@@ -1,0 +1,82 @@
+"""Progress of a goal: how long it has been planned for, and how long the robot has not come nearer to it."""
+
+import math
+
+from sim.common.observations import TICKS_PER_SECOND
+from sim.robot.planning.itinerary import ITINERARY_SPEED
+
+PROGRESS_TIMEOUT = 120.0
+"""Seconds, beside those that its longest path takes, in which the remaining path must become shorter than ever before,
+or the goal is given up: so every goal ends."""
+PROGRESS_DISTANCE = 0.5
+"""Metres by which it must become shorter."""
+GIVE_WAY_TIME = 5.0
+"""Seconds for which a robot that gave way lets the other one plan first."""
+
+
+class GoalProgress:
+    """The clocks of one goal, in ticks.
+
+    Args:
+        tick: at which it was taken up.
+
+    Attributes:
+        began: that tick.
+        planned: the last tick in which a plan was tried.
+        last_valid: the last tick with a valid command, or with a good reason to wait.
+    """
+
+    def __init__(self, tick: int) -> None:
+        self.began = tick
+        self.planned = tick
+        self._longest = 0.0
+        self._gave_way: tuple[int, int] | None = None
+        self.restart_patience(tick)
+        self.restart_distance(tick)
+        self.last_valid = tick
+
+    def restart_patience(self, tick: int) -> None:
+        """Take note that there is a plan, or that a recovery behaviour may make one possible."""
+        self._planning_since, self._retries = tick, 0
+
+    def note_others_arriving(self, tick: int) -> None:
+        """Take note that robots are still to arrive on the path: they can be asked to clear it only then."""
+        self._planning_since = tick
+
+    def count_retry(self) -> int:
+        """Count a plan that was refused; return how many were, one after the other."""
+        self._retries += 1
+        return self._retries
+
+    def patience_over(self, tick: int, seconds: float) -> bool:
+        """Return True when there has been no plan for more than so many seconds."""
+        return tick - self._planning_since > seconds * TICKS_PER_SECOND
+
+    def restart_distance(self, tick: int) -> None:
+        """Measure anew how near the robot comes."""
+        self._shortest, self._shortest_tick = math.inf, tick
+
+    def note_path(self, length: float) -> None:
+        """Take note of a path of so many metres."""
+        self._longest = max(self._longest, length)
+
+    def watch(self, tick: int, remaining: float) -> bool:
+        """Take note of the metres of path that are left; return True when the robot has come nearer than ever."""
+        if remaining >= self._shortest - PROGRESS_DISTANCE:
+            return False
+        self._shortest, self._shortest_tick = remaining, tick
+        return True
+
+    def timed_out(self, tick: int) -> bool:
+        """Return True when the robot has not come nearer for too long."""
+        return tick - self._shortest_tick > (PROGRESS_TIMEOUT + self._longest / ITINERARY_SPEED) * TICKS_PER_SECOND
+
+    def note_way_given(self, tick: int, robot: int) -> None:
+        """Take note that this robot begins to give way to another one."""
+        self._gave_way = tick, robot
+
+    def yields_to(self, tick: int) -> int | None:
+        """Return the robot that is to plan first, because this one has just given way to it."""
+        if self._gave_way is None or tick - self._gave_way[0] >= GIVE_WAY_TIME * TICKS_PER_SECOND:
+            return None
+        return self._gave_way[1]

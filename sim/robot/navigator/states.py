@@ -1,0 +1,143 @@
+"""The states of move_base, and the transitions between them.
+
+Source: ros-planning/navigation, move_base/include/move_base/move_base.h (MoveBaseState).
+Differs: a robot without a goal is Idle; one that does not know where it is is Lost.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from sim.common.geometry import FloatArray
+from sim.common.observations import Claim
+from sim.robot.navigator.follower import STANDING, Follower, FollowerOutput
+
+
+@dataclass(frozen=True, slots=True)
+class WantedPath:
+    """A path that other robots are asked to clear.
+
+    Attributes:
+        poses: (m, 3) in the map.
+        claim: priority of the robot that it is for.
+    """
+
+    poses: FloatArray
+    claim: Claim | None
+
+
+@dataclass(frozen=True, slots=True)
+class Idle:
+    """The robot stands without a goal.
+
+    Attributes:
+        wanted: the path it would make way by, for a robot that has asked it to.
+    """
+
+    wanted: WantedPath | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Planning:
+    """The robot stands, and has no plan to its goal yet.
+
+    Attributes:
+        wanted: the path to its goal, or the one it would make way by, if others stand in it.
+        waits_for: the robot that goes first.
+    """
+
+    wanted: WantedPath | None = None
+    waits_for: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Controlling:
+    """The robot follows an itinerary.
+
+    Attributes:
+        follower: follows it.
+        gives_way: True when the itinerary leads out of another robot's path, with or without a goal of its own.
+        output: that of the follower's last step.
+    """
+
+    follower: Follower
+    gives_way: bool
+    output: FollowerOutput = STANDING
+
+
+@dataclass(frozen=True, slots=True)
+class Clearing:
+    """The robot turns once around, to see more (rotate_recovery).
+
+    Attributes:
+        turn_left: radians.
+        then: the state to go on in.
+    """
+
+    turn_left: float
+    then: Idle | Planning | Controlling
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """The robot does not know where it is; with a goal, it looks around."""
+
+
+State = Idle | Planning | Controlling | Clearing | Lost
+Event = Literal[
+    "goal received",
+    "goal ended",
+    "plan made",
+    "deferred",
+    "blocked by robots",
+    "plan refused",
+    "asked to clear",
+    "no longer asked",
+    "command due",
+    "way given",
+    "recovery",
+    "recovery ended",
+    "told to replan",
+    "lost",
+    "located",
+]
+
+TRANSITIONS: set[tuple[type[State], Event, type[State]]] = {
+    (Idle, "goal received", Planning),  # Plan as soon as it is this robot's turn.
+    (Idle, "asked to clear", Controlling),  # Drive to a refuge off the other robot's path.
+    (Idle, "asked to clear", Idle),  # There is none: ask the robots around to clear the way to one.
+    (Idle, "no longer asked", Idle),  # Ask them no longer.
+    (Idle, "told to replan", Idle),  # Ask them no longer.
+    (Idle, "lost", Lost),  # Forget the obstacles seen.
+    (Planning, "plan made", Controlling),  # Follow it.
+    (Planning, "deferred", Planning),  # The goal lies on the path of a robot with an older one: let that one go first.
+    (Planning, "blocked by robots", Planning),  # Ask them to clear the path; give up after CLEARING_TIMEOUT.
+    (Planning, "plan refused", Planning),  # Try again; after planner_patience try a recovery behaviour, then give up.
+    (Planning, "asked to clear", Controlling),
+    (Planning, "asked to clear", Planning),
+    (Planning, "recovery", Clearing),  # rotate_recovery: turn once around. Resets of costmaps change no state.
+    (Planning, "told to replan", Planning),
+    (Planning, "goal ended", Idle),  # Given up or cancelled.
+    (Planning, "lost", Lost),
+    (Controlling, "command due", Controlling),  # Ask the follower for a command.
+    (Controlling, "plan made", Controlling),  # An obstacle or a delay, or planner_frequency, made a new plan due.
+    (Controlling, "blocked by robots", Planning),
+    (Controlling, "plan refused", Planning),
+    (Controlling, "recovery", Clearing),  # Oscillation, or no valid command for controller_patience.
+    (Controlling, "way given", Idle),  # Stand off the other robot's path.
+    (Controlling, "way given", Planning),  # For GIVE_WAY_TIME, the other robot plans first.
+    (Controlling, "told to replan", Idle),
+    (Controlling, "told to replan", Planning),
+    (Controlling, "goal ended", Idle),  # Reached, given up or cancelled.
+    (Controlling, "lost", Lost),
+    (Clearing, "command due", Clearing),  # Turn on, as far as that is safe.
+    (Clearing, "asked to clear", Clearing),  # Give way after the turn.
+    (Clearing, "recovery ended", Idle),
+    (Clearing, "recovery ended", Planning),
+    (Clearing, "recovery ended", Controlling),
+    (Clearing, "told to replan", Clearing),
+    (Clearing, "goal ended", Clearing),  # Cancelled: end the turn all the same.
+    (Clearing, "lost", Lost),
+    (Lost, "located", Idle),
+    (Lost, "located", Planning),
+}
+"""All changes of the state, with what is done. A goal that comes while the robot gives way or is lost waits."""

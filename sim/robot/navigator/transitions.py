@@ -1,0 +1,18 @@
+"""The check that a state changes only as its transition table says."""
+
+from collections.abc import Set
+
+
+def check_transition(
+    table: Set[tuple[type[object], str, type[object]]], state: object, event: str, following: object
+) -> None:
+    """Raise RuntimeError unless a transition table has this transition.
+
+    Args:
+        table: all transitions: state, event, next state.
+        state: the present one.
+        event: cause of the change.
+        following: the next state.
+    """
+    if (type(state), event, type(following)) not in table:
+        raise RuntimeError(f"the state {state} does not change to {following} by the event {event!r}")
