@@ -75,7 +75,6 @@ class _Move:
     """A move in progress. `length` is its longest plan so far, metres; 0 until there is one."""
 
     order: MoveOrder
-    recalled: bool = False
     length: float = 0.0
     remaining: float = 0.0
 
@@ -119,9 +118,8 @@ class SimR:
         self._results: list[MoveResult | None] = [None] * robots.size
         self._conditions = (Condition.WELL,) * robots.size
         self._researchers: tuple[str | None, ...] = (None,) * robots.size
-        self._taken: tuple[int, ...] = ()
-        self._obeyed = [0] * robots.size
-        self._game = 0
+        # The keeper's last orders; None until a keeper gives some.
+        self._orders: Orders | None = None
         self._waiting: list[tuple[int, legacy.GotoRoom]] = []
         self._without_keeper = 0
         self._telemetry = TelemetryPublisher(self.name, telemetry or TelemetryOptions())
@@ -230,25 +228,21 @@ class SimR:
 
     def _follow(self, orders: Orders) -> None:
         """Start and stop moves as the keeper orders."""
-        if orders.game != self._game:
-            self._begin(orders)
+        former, self._orders = self._orders, orders
+        if former is None or former.game != orders.game:
+            self._begin(orders, again=former is not None)
         for robot, order in enumerate(orders.moves):
-            if order is not None and order.move != self._obeyed[robot]:
+            if order is not None and order.move != self._last_move(robot):
                 self._go(robot, order)
             elif order is None and robot in self._moves:
-                self._moves[robot] = replace(self._moves[robot], recalled=True)
                 self._inputs.append(Halt(robot))
-        self._taken = orders.taken
         self._inputs += [SetCharge(robot, charge) for robot, charge in enumerate(orders.energy)]
 
-    def _begin(self, orders: Orders) -> None:
+    def _begin(self, orders: Orders, *, again: bool) -> None:
         """Put every robot in its place for a new game, or for one in progress that SimR comes back to."""
-        again = self._game != 0
-        self._game = orders.game
         self._waiting.clear()
         self._moves.clear()
         self._results = [None] * self._team.size
-        self._obeyed = [0] * self._team.size
         if orders.poses is not None:
             places = [Pose2(*pose) for pose in orders.poses]
         elif again or any(orders.at):
@@ -262,17 +256,23 @@ class SimR:
         return self._game_map.starts[robot] if room == 0 else self._game_map.goals[Room.of_people(room).wire]
 
     def _go(self, robot: int, order: MoveOrder) -> None:
-        self._obeyed[robot] = order.move
         self._results[robot] = None
         self._moves[robot] = _Move(order)
         self._inputs.append(Go(robot, self._goal(order)))
+
+    def _last_move(self, robot: int) -> int:
+        """Return the number of the robot's move in progress, or else of its last one; 0 before the first."""
+        move, result = self._moves.get(robot), self._results[robot]
+        if move is not None:
+            return move.order.move
+        return 0 if result is None else result.move
 
     def _goal(self, order: MoveOrder) -> Goal:
         return Goal(order.move, self._game_map.goals[Room.of_people(order.room).wire])
 
     def _obey_without_keeper(self, tick: int) -> None:
         """Obey lines that have waited for a keeper until the timeout; with a keeper only its orders count."""
-        if self._game != 0:
+        if self._orders is not None:
             self._waiting.clear()
         while self._waiting and tick - self._waiting[0][0] >= KEEPER_TIMEOUT:
             _, goto = self._waiting.pop(0)
@@ -281,7 +281,8 @@ class SimR:
 
     def _is_free(self, robot: int) -> bool:
         """Return True when a text line may drive a robot: it has no move of the game, and nobody else commands it."""
-        return 0 <= robot < self._team.size and robot not in self._moves and robot not in self._taken
+        taken = () if self._orders is None else self._orders.taken
+        return 0 <= robot < self._team.size and robot not in self._moves and robot not in taken
 
     def _go_to_point(self, goto: GotoPoint) -> None:
         if self._snapshot is None:
@@ -316,7 +317,7 @@ class SimR:
             elif isinstance(result, NoPath):
                 self._fail(robot, move, reasons.failure_sentence(robot, result.reason))
             elif navigation.goal is None and output.observations.tick == snapshot.tick:
-                if move.recalled:
+                if self._orders is not None and self._orders.moves[robot] is None:
                     self._fail(robot, move, reasons.CALLED_BACK)
                 elif not self._controls.is_driven(robot):
                     # It was dead for a while, or sent elsewhere or driven by hand: its navigator has lost the goal.
@@ -347,7 +348,8 @@ class SimR:
             places = _estimated(snapshot)
         else:
             places = tuple((float(x), float(y), float(theta)) for x, y, theta in snapshot.world.poses)
-        return Status(self._game, places, tuple(self._results), self._conditions, self._researchers)
+        game = 0 if self._orders is None else self._orders.game
+        return Status(game, places, tuple(self._results), self._conditions, self._researchers)
 
 
 def _estimated(snapshot: TeamSnapshot) -> tuple[tuple[float, float, float], ...]:

@@ -43,9 +43,7 @@ _UNLIMITED = -1
 
 @dataclass(frozen=True, slots=True)
 class _Driving:
-    """Stage of an item that waits for the end of this leg."""
-
-    leg: int
+    """Stage of an item that waits for the end of the mission's leg."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -265,7 +263,7 @@ class MissionRun:
         if isinstance(stage, _Waiting):
             return stage if tick < stage.until else None
         leg = readings.leg
-        if leg is None or leg.number != stage.leg or leg.state is LegState.UNDER_WAY:
+        if leg is None or leg.number != self._leg or leg.state is LegState.UNDER_WAY:
             return stage
         self._leg = None
         if leg.state is LegState.FAILED:
@@ -293,7 +291,7 @@ class MissionRun:
         if isinstance(number, Denied):
             return number
         self._leg = number
-        return _Driving(number)
+        return _Driving()
 
     def _stand(self) -> None:
         """Halt the robot if it drives for the mission."""

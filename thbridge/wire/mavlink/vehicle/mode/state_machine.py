@@ -42,6 +42,14 @@ class PausedMode:
     target: Target | None
 
 
+@dataclass(frozen=True, slots=True)
+class _Drive:
+    """A drive to a point that was started here, by its number."""
+
+    leg: int
+    target: Target
+
+
 class ModeStateMachine:
     """Mode state machine of one robot.
 
@@ -78,8 +86,7 @@ class ModeStateMachine:
         self._readings = NO_READINGS
         self._tick = 0
         self._mode = Mode.HOLD
-        self._target: Target | None = None
-        self._leg: int | None = None
+        self._drive: _Drive | None = None
         self._paused: PausedMode | None = None
         self._stopped_at = -_STOPPING
         self._continues_alone = False
@@ -101,12 +108,12 @@ class ModeStateMachine:
     def leg(self) -> HelmLeg | None:
         """Progress of the last drive that was started here; None when another one has replaced it."""
         leg = self._readings.leg
-        return leg if leg is not None and leg.number == self._leg else None
+        return leg if leg is not None and leg.number == self.leg_number else None
 
     @property
     def leg_number(self) -> int | None:
         """Number of the last drive that was started here; None when it was aborted."""
-        return self._leg
+        return None if self._drive is None else self._drive.leg
 
     def arm(self, station: Station, by_force: bool) -> Denied | None:
         """Put a station in command. The robot continues its activity, or begins that of a mode which was requested
@@ -197,7 +204,7 @@ class ModeStateMachine:
             return None
         denied = self._hand.follow(velocity, self._tick, self._readings.base_in_map)
         if denied is None:
-            self._leg = self._target = self._paused = None
+            self._drive = self._paused = None
         return denied
 
     def drive(self, twist: Twist) -> Denied | None:
@@ -215,7 +222,8 @@ class ModeStateMachine:
         """Stop, and remember the activity."""
         paused = self._paused
         if paused is None and self._mode is not Mode.HOLD:
-            paused = PausedMode(self._mode, self._target if self._is_under_way() else None)
+            drive = self._drive if self._is_under_way() else None
+            paused = PausedMode(self._mode, None if drive is None else drive.target)
         self.stop()
         self._paused = paused
 
@@ -286,24 +294,24 @@ class ModeStateMachine:
         if isinstance(number, Denied):
             return number
         self._leave()
-        self._leg, self._target, self._mode = number, target, mode
+        self._drive, self._mode = _Drive(number, target), mode
         return None
 
     def _is_over(self) -> bool:
         """Return True when the activity of the mode has ended."""
         if self._control.station is not None:
             return self._mode is Mode.AUTO and not self._plan.running
-        return self._mode is Mode.RETURN and self._leg is not None and not self._is_under_way()
+        return self._mode is Mode.RETURN and self._drive is not None and not self._is_under_way()
 
     def _is_same(self, target: Target) -> bool:
         leg = self.leg
         failed = leg is not None and leg.state is LegState.FAILED
-        return self._leg is not None and target == self._target and not failed
+        return self._drive is not None and target == self._drive.target and not failed
 
     def _is_under_way(self) -> bool:
         """Return True while the drive lasts, or is about to begin: the readings show a new leg some ticks late."""
         leg = self.leg
-        return self._leg is not None and (leg is None or leg.state is LegState.UNDER_WAY)
+        return self._drive is not None and (leg is None or leg.state is LegState.UNDER_WAY)
 
     def _is_moved(self) -> bool:
         return self._readings.under_way and self._tick - self._stopped_at >= _STOPPING
@@ -315,7 +323,7 @@ class ModeStateMachine:
         self._forget_leg()
 
     def _forget_leg(self) -> None:
-        self._leg = self._target = self._paused = None
+        self._drive = self._paused = None
         self._hand.release_control()
 
     def _tell_end(self, before: HelmLeg | None, now: HelmLeg | None) -> None:
