@@ -59,6 +59,7 @@ class RobotState:
         holder: its commander, who also gets it back after a researcher's intervention.
         intervention: the researcher who intervenes now, or None.
         asked_back: number of times the participant has asked its present commander to give it back.
+        failure: reason for which the last move that ended did not arrive, for people; empty when it arrived.
     """
 
     at: Room
@@ -69,6 +70,7 @@ class RobotState:
     holder: CommandHolder = CommandHolder()
     intervention: CommandHolder | None = None
     asked_back: int = 0
+    failure: str = ""
 
     @property
     def command(self) -> CommandHolder:
@@ -228,7 +230,8 @@ def apply(state: GameState, event: Event) -> GameState:
         case Failed():
             robot = _robot(state, event.robot)
             refund = min(event.refund, robot.paid)
-            return _with_robot(state, event.robot, replace(_standing(robot, event.at), energy=robot.energy + refund))
+            stopped = _standing(robot, event.at, event.reason)
+            return _with_robot(state, event.robot, replace(stopped, energy=robot.energy + refund))
         case Reported():
             robot = _robot(state, event.robot)
             return _with_robot(state, event.robot, replace(robot, condition=event.condition))
@@ -266,8 +269,8 @@ def apply(state: GameState, event: Event) -> GameState:
             assert_never(event)
 
 
-def _standing(robot: RobotState, at: Room) -> RobotState:
-    return replace(robot, at=at, bound_for=None, paid=0.0)
+def _standing(robot: RobotState, at: Room, failure: str = "") -> RobotState:
+    return replace(robot, at=at, bound_for=None, paid=0.0, failure=failure)
 
 
 def _robot(state: GameState, number: int) -> RobotState:

@@ -127,6 +127,15 @@ def test_all_energy_may_be_spent_on_a_move():
 # --- failures
 
 
+def test_the_reason_of_a_failure_stays_until_the_next_move_has_ended():
+    state = new_game()
+    state = after(state, rules.move(state, 0, ROOM_4))
+    state = after(state, rules.fail(state, 0, "It is stuck.", 0.25))
+    assert state.robots[0].failure == "It is stuck."
+    state = after(state, rules.move(state, 0, ROOM_4))
+    assert after(state, rules.arrive(state, 0, ROOM_4)).robots[0].failure == ""
+
+
 def test_a_failure_gives_back_the_unspent_share_and_frees_the_room():
     state = new_game()
     state = after(state, rules.move(state, 0, ROOM_4))

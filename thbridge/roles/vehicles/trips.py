@@ -38,7 +38,6 @@ class VehicleTrip:
         room: destination of a move of the game; None: a goal beside the game.
         stage: of the execution.
         unanswered_ticks: ticks without news of the goal from the navigator.
-        failure: the navigator's reason when it gave up a move, for people; the game records only the failure.
     """
 
     leg: HelmLeg
@@ -46,7 +45,6 @@ class VehicleTrip:
     room: Room | None
     stage: TripStage = TripStage.WAITING
     unanswered_ticks: int = 0
-    failure: str = ""
 
     @property
     def goal(self) -> int:
@@ -77,22 +75,20 @@ def advanced(trip: VehicleTrip, snapshot: TeamSnapshot, game: GameState, robot: 
     trip = _with_remaining(trip, snapshot.robots[robot])
     if trip.stage is TripStage.WAITING:
         return trip
-    return _by_navigator(trip, snapshot, robot) if trip.room is None else _by_game(trip, snapshot, game, robot)
+    return _by_navigator(trip, snapshot, robot) if trip.room is None else _by_game(trip, game, robot)
 
 
-def _by_game(trip: VehicleTrip, snapshot: TeamSnapshot, game: GameState, robot: int) -> VehicleTrip:
+def _by_game(trip: VehicleTrip, game: GameState, robot: int) -> VehicleTrip:
     """Return the trip of a move of the game, by the state of the game."""
-    result, mover = snapshot.robots[robot].navigation.result, game.robots[robot]
-    if isinstance(result, NoPath):
-        trip = replace(trip, failure=reasons.failure_sentence(robot, result.reason))
+    mover = game.robots[robot]
     if mover.bound_for is not None and mover.bound_for == trip.room:
         return replace(trip, stage=TripStage.GOING)
     if mover.bound_for is None and mover.at == trip.room:
         return trip.ended(LegState.ARRIVED)
     if trip.stage is TripStage.ASKED:
         return trip.failed(reasons.NOT_READY)
-    silent = reasons.unresponsive_sentence(robot) if mover.is_silent else ""
-    return trip.failed(trip.failure or silent or reasons.CALLED_BACK)
+    # A game that begins anew ends moves without a reason.
+    return trip.failed(mover.failure or reasons.CALLED_BACK)
 
 
 def _by_navigator(trip: VehicleTrip, snapshot: TeamSnapshot, robot: int) -> VehicleTrip:
