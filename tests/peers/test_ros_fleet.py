@@ -19,9 +19,9 @@ from sim.inputs import Drive, Go, Halt
 from sim.robot.navigator import Cancelled, Goal, GoalReached, NoPath
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.recording.real_robots import FleetRecorder
+from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.remote import RemoteRobot
-from thbridge.ros.remote.goals import FOREIGN_GOAL
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
 from thbridge.sockets.rosgraph.joining import GraphAddress
@@ -211,7 +211,7 @@ async def _drive(folder: Path, bag: Path) -> None:
                 # Who cancelled it is told by another connection than what for.
                 while (theirs := (await ticks.tick()).goal) is None:
                     pass
-                assert theirs == Goal(FOREIGN_GOAL, Pose2(11.0, 0.0, 0.0))
+                assert theirs == Goal(0, Pose2(11.0, 0.0, 0.0), GoalOwner.STRANGER)
                 while (await ticks.tick()).goal is not None:
                     pass
                 assert await asyncio.to_thread(client.communicate) == ("3\n", None)

@@ -21,6 +21,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import Go, Halt
 from sim.robot.navigator import Cancelled, Goal, GoalReached, GoalResult, Navigation, NoPath
+from thbridge.ros.goal_owners import GoalOwner, recorded_number
 from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal
 from thbridge.ros.messages.stamps import stamp_ns
@@ -143,12 +144,14 @@ class MoveBaseServer:
         for request in requests:
             match request:
                 case GoalRequest(_, goal_id, stamp, base, number, refusal):
-                    self._receive_goal(GoalId(goal_id, stamp), base, number, refusal)
-                case SimpleGoal(_, base, number, refusal):
+                    target = None if base is None else Goal(number, base, GoalOwner.ROS_CLIENT)
+                    self._receive_goal(GoalId(goal_id, stamp), target, refusal)
+                case SimpleGoal(_, base, number, refusal, owner):
+                    target = None if base is None else Goal(number, base, owner)
                     goal = GoalId(self._new_name(), self._now)
                     if base is not None:
                         self._outgoing.append(GoalSet(goal, base))
-                    self._receive_goal(goal, base, number, refusal)
+                    self._receive_goal(goal, target, refusal)
                 case CancelRequest(_, goal_id, stamp):
                     self._receive_cancel(GoalId(goal_id, stamp))
                 case _:
@@ -183,7 +186,7 @@ class MoveBaseServer:
 
     # Requests of clients
 
-    def _receive_goal(self, goal: GoalId, base: Pose2 | None, number: int, refusal: str) -> None:
+    def _receive_goal(self, goal: GoalId, target: Goal | None, refusal: str) -> None:
         known = next((entry for entry in self._listed if entry.goal.id == goal.id), None)
         if known is not None:
             # A goal whose cancel request came first ends at once; a known goal that comes again is ignored.
@@ -193,7 +196,6 @@ class MoveBaseServer:
                 known.left_ns = self._now
             return
         named = GoalId(goal.id or self._new_name(), goal.stamp_ns or self._now)
-        target = None if base is None else Goal(number, base)
         entry = _Entry(named, GoalStatusCode.PENDING, target=target, refusal=refusal)
         self._listed.append(entry)
         # A goal without a time stamp is never too old: here counts the client's stamp, not the one that we fill in.
@@ -287,7 +289,7 @@ class MoveBaseServer:
         """Add a goal that the navigator took from the game; None when it is a known goal of a client."""
         if any(entry.target == goal and entry.is_active for entry in self._listed):
             return None
-        named = GoalId(f"{self._names.namespace[1:]}-{goal.id}", self._now)
+        named = GoalId(f"{self._names.namespace[1:]}-{recorded_number(goal.owner, goal.id)}", self._now)
         # The game may set the same goal again.
         self._listed = [entry for entry in self._listed if entry.goal.id != named.id]
         entry = _Entry(named, GoalStatusCode.ACTIVE, _ACCEPTED, goal)

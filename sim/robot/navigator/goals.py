@@ -18,12 +18,14 @@ class Goal:
     """A pose to drive to.
 
     Attributes:
-        id: the caller's number; comes back with the result.
+        id: the owner's number; comes back with the result.
         base_in_map: pose that the base shall end at.
+        owner: who has set it; goals of two owners differ even if their numbers do not.
     """
 
     id: int
     base_in_map: Pose2
+    owner: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,6 +19,7 @@ from thbridge.ros.actionlib import (
     MoveBaseServer,
     StatusList,
 )
+from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.goal_status import GoalStatusCode
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal
 
@@ -87,7 +88,7 @@ def test_a_goal_becomes_active_and_its_end_a_result() -> None:
     robot = Robot()
     robot.step()
     messages = robot.step(goal("a", 7))
-    assert robot.inputs == [Go(0, Goal(7, Pose2(7.0, 0.0, 0.0)))]
+    assert robot.inputs == [Go(0, Goal(7, Pose2(7.0, 0.0, 0.0), GoalOwner.ROS_CLIENT))]
     assert lists(messages) == [[("a", GoalStatusCode.ACTIVE)]]
     robot.end(GoalReached)
     messages = robot.step()
@@ -108,7 +109,7 @@ def test_a_newer_goal_preempts() -> None:
     robot = Robot()
     robot.step(goal("a", 1))
     messages = robot.step(goal("b", 2))
-    assert robot.inputs == [Go(0, Goal(2, Pose2(2.0, 0.0, 0.0)))]
+    assert robot.inputs == [Go(0, Goal(2, Pose2(2.0, 0.0, 0.0), GoalOwner.ROS_CLIENT))]
     assert ends(messages) == [("a", GoalStatusCode.PREEMPTED)]
     assert lists(messages)[-1] == [("a", GoalStatusCode.PREEMPTED), ("b", GoalStatusCode.ACTIVE)]
     assert ends(robot.wait(20)) == []
@@ -200,7 +201,7 @@ def test_a_place_that_was_pointed_at_becomes_a_goal_with_a_name() -> None:
     messages = robot.step(SimpleGoal(0, Pose2(1.0, 1.0, 0.0), 4))
     (set_goal,) = [item for item in messages if isinstance(item, GoalSet)]
     assert lists(messages)[-1] == [(set_goal.goal.id, GoalStatusCode.ACTIVE)]
-    assert robot.inputs == [Go(0, Goal(4, Pose2(1.0, 1.0, 0.0)))]
+    assert robot.inputs == [Go(0, Goal(4, Pose2(1.0, 1.0, 0.0), GoalOwner.ROS_CLIENT))]
 
 
 def test_the_game_is_a_client_whose_goals_always_count() -> None:
@@ -238,7 +239,7 @@ def test_a_client_and_the_game_in_one_tick_end_each_goal_once() -> None:
     robot.go(Goal(5, HERE))
     robot.step()
     robot.server.take(robot.tick, [goal("a", 100)])
-    robot.go(Goal(100, Pose2(100.0, 0.0, 0.0)))
+    robot.go(Goal(100, Pose2(100.0, 0.0, 0.0), GoalOwner.ROS_CLIENT))
     robot.go(Goal(6, HERE))
     messages = robot.step() + robot.wait(5)
     assert ends(messages) == [("robot1-5", GoalStatusCode.PREEMPTED), ("a", GoalStatusCode.PREEMPTED)]
@@ -284,7 +285,7 @@ def test_a_dead_robot_hears_and_says_nothing_and_ends_its_goal_when_it_revives()
     messages = robot.step()
     assert ends(messages) == [("a", GoalStatusCode.PREEMPTED)]
     robot.step(goal("c", 3))
-    assert robot.inputs == [Go(0, Goal(3, Pose2(3.0, 0.0, 0.0)))]
+    assert robot.inputs == [Go(0, Goal(3, Pose2(3.0, 0.0, 0.0), GoalOwner.ROS_CLIENT))]
 
 
 def test_two_accounts_of_the_same_requests_are_alike() -> None:

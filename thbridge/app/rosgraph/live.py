@@ -45,9 +45,6 @@ _log = logging.getLogger(__name__)
 
 NO_POSES: FloatArray = np.empty((0, 3))
 
-FIRST_GOAL = 1_000_000_000
-"""Number of the first goal of a client; those of the game are far below."""
-
 
 class SimulatedTeam(Protocol):
     """A simulated team, as the graph uses it; see `sim.team.Team`."""
@@ -100,7 +97,7 @@ class LiveGraph:
         self._team = team
         self._ask = ask
         self._robots = [RobotNames.of(robot) for robot in range(len(team.parameters))]
-        self._goals = count(FIRST_GOAL)
+        self._goals = count()
         self._limiter = RateLimiter()
         self._turns = RequestQueue()
         self._complaints = WarnOnce(_log)

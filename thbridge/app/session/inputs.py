@@ -6,13 +6,16 @@ a session that is given the same ones in the same ticks does the same.
 """
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias, TypeVar, get_args
 
 import msgspec
 import numpy as np
 
+from sim.team import Go
 from thbridge.roles.robot_requests import PaceRequest, Request
+from thbridge.ros.goal_owners import GoalOwner, owned_number, recorded_number
+from thbridge.ros.messages.records import GoalRequest, SimpleGoal
 from thbridge.ros.messages.session_records import InputRecord
 from thbridge.wire.mavlink.dialect import name_of
 from thbridge.wire.mavlink.frames.frame import Frame
@@ -208,7 +211,7 @@ def decode_request(value: object) -> ClientRequest:
     """
     match value:
         case {"sender": str(sender), "request": str(name), "fields": fields} if name in _REQUESTS:
-            return ClientRequest(sender, decode_value(fields, _REQUESTS[name]))
+            return ClientRequest(sender, _with_owner(decode_value(fields, _REQUESTS[name])))
     raise ValueError("nobody can be asked for that")
 
 
@@ -248,7 +251,36 @@ def _readable(text: str) -> str:
 
 def _json(value: object) -> str:
     """Return a dataclass as JSON: floats to their last bit, infinities and NaN by Python's names, bytes in base 64."""
-    return json.dumps(msgspec.to_builtins(value, enc_hook=_plain), separators=(",", ":"))
+    return json.dumps(_fields(value), separators=(",", ":"))
+
+
+def _fields(value: object) -> object:
+    """Return a dataclass as builtins; a goal has no owner there, but its number in recordings."""
+    fields: dict[str, object] = msgspec.to_builtins(value, enc_hook=_plain)
+    match value:
+        case Go(_, goal):
+            number = recorded_number(goal.owner, goal.id)
+            fields["goal"] = {"id": number, "base_in_map": msgspec.to_builtins(goal.base_in_map)}
+        case SimpleGoal(number=number):
+            fields["number"] = recorded_number(value.owner, number)
+            del fields["owner"]
+        case GoalRequest(number=number):
+            fields["number"] = recorded_number(GoalOwner.ROS_CLIENT, number)
+    return fields
+
+
+def _with_owner(request: Request) -> Request:
+    """Return a request as it came from a recording, with its goal's owner, and the number that the owner counts."""
+    match request:
+        case Go(_, goal):
+            owner, number = owned_number(goal.id)
+            return replace(request, goal=replace(goal, id=number, owner=owner))
+        case SimpleGoal(number=recorded):
+            owner, number = owned_number(recorded)
+            return replace(request, number=number, owner=owner)
+        case GoalRequest(number=recorded):
+            return replace(request, number=owned_number(recorded)[1])
+    return request
 
 
 def _plain(value: object) -> object:

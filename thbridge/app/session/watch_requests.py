@@ -40,14 +40,12 @@ from thbridge.roles.robot_requests import (
 )
 from thbridge.roles.simr.team import RobotTeam
 from thbridge.ros.clients import FARTHEST, is_covariance
+from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.records import CancelRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.ros.topics import RosMessage
 from thbridge.sockets.watch_server import SessionPace
 from thbridge.study.things import fault_of_thing
 from thbridge.timing.pacer import Pacer
-
-FIRST_GOAL = 2_000_000_000
-"""Number of the first goal of a watcher; those of the game and of clients on a graph are below."""
 
 MOST_PENDING = 200
 """Requests that may come between two ticks; more than a person makes in a pause."""
@@ -114,7 +112,7 @@ class WatchRequestHandler:
         self._pacer = pacer
         self._has_game = has_game
         self._puppets: set[int] = set()
-        self._goals = count(FIRST_GOAL)
+        self._goals = count()
         self._waiting = 0
 
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
@@ -178,12 +176,12 @@ class WatchRequestHandler:
         return None
 
     def _numbered(self, request: WatchRequest) -> WatchRequest:
-        """Return a request in which a goal has a new number, whatever the watcher gave it."""
+        """Return a request in which a goal is a researcher's and has a new number, whatever the watcher gave it."""
         match request:
             case Go(_, goal):
-                return replace(request, goal=replace(goal, id=next(self._goals)))
+                return replace(request, goal=replace(goal, id=next(self._goals), owner=GoalOwner.RESEARCHER))
             case SimpleGoal():
-                return replace(request, number=next(self._goals))
+                return replace(request, number=next(self._goals), owner=GoalOwner.RESEARCHER)
         return request
 
 

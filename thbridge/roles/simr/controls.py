@@ -9,6 +9,7 @@ from sim.team import Configure, Disturb, Drive, Go, Halt, Localize, PutThing, Re
 from thbridge.roles.robot_requests import ParameterValue, RobotRequest, SetParameters, Tuning
 from thbridge.roles.simr.team import RobotTeam
 from thbridge.ros.actionlib import ActionRequest, MoveBaseServer
+from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 
 MANUAL_DRIVE_TICKS = TICKS_PER_SECOND // 2
@@ -36,8 +37,8 @@ class RobotControls:
         self._actions: list[ActionRequest] = []
         self._inputs: list[TeamInput] = []
         self._by_hand: dict[int, _ManualDrive] = {}
-        # Researchers, by robot and number of the goal that they have set.
-        self._goals: dict[tuple[int, int], str] = {}
+        # Researchers, by robot, owner and number of the goal that they have set.
+        self._goals: dict[tuple[int, str, int], str] = {}
         self._researchers: tuple[str | None, ...] = (None,) * robots.size
 
     def ask(self, request: RobotRequest, researcher: str | None = None) -> None:
@@ -51,10 +52,12 @@ class RobotControls:
             return
         if researcher is not None:
             match request:
-                case GoalRequest(robot=robot, number=number) | SimpleGoal(robot=robot, number=number):
-                    self._goals[robot, number] = researcher
+                case GoalRequest(robot=robot, number=number):
+                    self._goals[robot, GoalOwner.ROS_CLIENT, number] = researcher
+                case SimpleGoal(robot=robot, number=number, owner=owner):
+                    self._goals[robot, owner, number] = researcher
                 case Go(robot, goal):
-                    self._goals[robot, goal.id] = researcher
+                    self._goals[robot, goal.owner, goal.id] = researcher
         match request:
             case GoalRequest() | SimpleGoal() | CancelRequest():
                 self._actions.append(request)
@@ -81,9 +84,10 @@ class RobotControls:
         self._by_hand = {
             robot: replace(hand, ticks=hand.ticks - 1) for robot, hand in self._by_hand.items() if hand.ticks > 1
         }
-        goals = [None if output.navigation.goal is None else output.navigation.goal.id for output in snapshot.robots]
-        self._goals = {key: name for key, name in self._goals.items() if goals[key[0]] == key[1]}
-        set_by = {robot: name for (robot, _), name in self._goals.items()}
+        goals = [output.navigation.goal for output in snapshot.robots]
+        current = {(robot, goal.owner, goal.id) for robot, goal in enumerate(goals) if goal is not None}
+        self._goals = {key: name for key, name in self._goals.items() if key in current}
+        set_by = {robot: name for (robot, *_), name in self._goals.items()}
         driven_by = {robot: hand.researcher for robot, hand in self._by_hand.items()}
         self._researchers = tuple(driven_by.get(robot, set_by.get(robot)) for robot in range(self._robots.size))
         for robot, (server, output) in enumerate(zip(self._servers, snapshot.robots, strict=True)):

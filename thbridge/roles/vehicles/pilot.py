@@ -15,7 +15,6 @@ from sim.common.observations import Twist
 from sim.common.robot_numbers import robot_name
 from sim.common.traversability import TraversabilityMap, inside
 from sim.inputs import Drive, Go, Halt
-from sim.robot.navigator import Goal
 from sim.team import TeamSnapshot
 from thbridge.hunt import rules
 from thbridge.hunt.events import Commanded, Commander
@@ -273,7 +272,7 @@ class Pilot:
         if trip.room is None:
             if mover.intervention is not None:
                 return trip.failed(reasons.ELSEWHERE)
-            self._ask(Go(self._robot, Goal(trip.goal, trip.target)))
+            self._ask(Go(self._robot, trip.goal))
             return replace(trip, stage=TripStage.GOING)
         ruling = rules.move(state, self._robot, trip.room, Commander.GROUND_STATION)
         if isinstance(ruling, RequestRefused):

@@ -5,16 +5,14 @@ from enum import Enum
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
-from sim.robot.navigator import Cancelled, GoalReached, NoPath
+from sim.robot.navigator import Cancelled, Goal, GoalReached, NoPath
 from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.roles import failure_reasons as reasons
+from thbridge.ros.goal_owners import GoalOwner
 from thbridge.wire.mavlink.vehicle_interface import HelmLeg, LegState
-
-FIRST_GOAL = 3_000_000_000
-"""Number of the first goal of a ground station; those of the game and of researchers are below."""
 
 RESPONSE_TIMEOUT = TICKS_PER_SECOND
 """Ticks without observations after which a robot counts as silent, and without news of a goal after which it fails."""
@@ -47,9 +45,9 @@ class VehicleTrip:
     unanswered_ticks: int = 0
 
     @property
-    def goal(self) -> int:
-        """Number of the navigator's goal beside the game."""
-        return FIRST_GOAL + self.leg.number
+    def goal(self) -> Goal:
+        """The navigator's goal beside the game."""
+        return Goal(self.leg.number, self.target, GoalOwner.GROUND_STATION)
 
     @property
     def under_way(self) -> bool:
@@ -97,13 +95,13 @@ def _by_navigator(trip: VehicleTrip, snapshot: TeamSnapshot, robot: int) -> Vehi
     # The last result of a dead robot is outdated.
     if robot not in snapshot.dead:
         match navigation.result:
-            case GoalReached(goal) if goal.id == trip.goal:
+            case GoalReached(goal) if goal == trip.goal:
                 return trip.ended(LegState.ARRIVED)
-            case NoPath(goal, reason) if goal.id == trip.goal:
+            case NoPath(goal, reason) if goal == trip.goal:
                 return trip.failed(reasons.failure_sentence(robot, reason))
-            case Cancelled(goal) if goal.id == trip.goal:
+            case Cancelled(goal) if goal == trip.goal:
                 return trip.failed(reasons.ELSEWHERE)
-        if navigation.goal is not None and navigation.goal.id == trip.goal:
+        if navigation.goal == trip.goal:
             return replace(trip, unanswered_ticks=0)
     if trip.unanswered_ticks < RESPONSE_TIMEOUT:
         return replace(trip, unanswered_ticks=trip.unanswered_ticks + 1)

@@ -9,6 +9,7 @@ from enum import IntEnum
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import Twist
+from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.session_records import (
     GameEvent,
     HeldTurns,
@@ -56,7 +57,7 @@ class GoalRequest:
         goal_id: the client's id of the goal; empty when the server shall choose one.
         stamp_ns: the client's time stamp, nanoseconds of ROS time; 0: now.
         base_in_map: the goal of the base; None where it cannot be used.
-        number: the `Goal.id` it has in the simulation, unique for every goal.
+        number: the `Goal.id` it has in the simulation, unique among the goals of its owner: here, clients of ROS.
         refusal: the reason why it cannot be used, for people.
     """
 
@@ -85,12 +86,13 @@ class CancelRequest:
 
 @dataclass(frozen=True, slots=True)
 class SimpleGoal:
-    """A goal that a person pointed at on the map (rviz: 2D Nav Goal); attributes as in `GoalRequest`."""
+    """A goal that a person pointed at on the map (rviz: 2D Nav Goal); its owner, and attributes as in `GoalRequest`."""
 
     robot: int
     base_in_map: Pose2 | None
     number: int
     refusal: str = ""
+    owner: GoalOwner = GoalOwner.ROS_CLIENT
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from sim.common.geometry import Pose2
 from sim.robot.navigator import Cancelled, Goal, GoalReached, GoalResult, NoPath
 from sim.robot.navigator.goals import NoPathReason
+from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.remote.pose import STALE_NS
 
@@ -27,8 +28,6 @@ PREEMPTION_WINDOW_NS = 1_000_000_000
 """Longest time between the end of a goal and the message about the goal that preempted it."""
 CANCEL_RETRY_NS = 1_000_000_000
 """Time between two attempts to cancel a stray goal."""
-FOREIGN_GOAL = -1
-"""`Goal.id` of the goals of other clients."""
 
 _REASONS: tuple[tuple[str, NoPathReason], ...] = (
     ("valid plan", "no_way"),
@@ -124,7 +123,7 @@ class MoveBaseClient:
         if self._current is not None:
             return self._current.goal
         name = self._foreign_goal(now_ns)
-        return None if name is None else Goal(FOREIGN_GOAL, self._foreign[name][0] if name in self._foreign else here)
+        return None if name is None else Goal(0, self._foreign.get(name, (here, 0))[0], GoalOwner.STRANGER)
 
     def go(self, goal: Goal, now_ns: int) -> None:
         """Send the robot to a goal; the goal before it ends as cancelled."""

@@ -14,13 +14,12 @@ from sim.team import Carry, ClearCostmaps, Die, PutThing, RemoveThing, Revive
 from sim.world.things import Thing
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.roles.robot_requests import AdviseFor, Puppeteer, Request, SpeakFor, WizardRequest
+from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.records import InitialPose, SimpleGoal
 from ui.model.watching.scene import PendingTurn, RobotScene, Scene
 
 SENDER = "watch"
 """Name of the sender in records of these requests."""
-FIRST_GOAL = 1_500_000_000
-"""Numbers of goals begin here; those of the game, and of others, are smaller."""
 COVARIANCE = np.diag([0.25, 0.25, (math.pi / 12.0) ** 2])
 """Covariance of a pose that is set by hand on the map: rviz's, half a metre and 15 degrees.
 
@@ -53,20 +52,17 @@ class Tools:
     """Makes requests from a researcher's gestures, for a running session.
 
     Each method takes the scene that the researcher sees. A recording takes no requests: see `RECORDED`.
-
-    Args:
-        first_goal: number of the first goal; windows on one session had better differ in it by some thousands.
     """
 
-    def __init__(self, first_goal: int = FIRST_GOAL) -> None:
-        self._goals = count(first_goal)
+    def __init__(self) -> None:
+        self._goals = count()
 
     def goal(self, scene: Scene, robot: int, base_in_map: Pose2) -> Request | RequestRefused:
         """Send a robot somewhere (rviz: 2D Nav Goal)."""
         found = _alive_robot(scene, robot)
         if isinstance(found, RequestRefused):
             return found
-        return _off_map(scene, base_in_map) or SimpleGoal(robot, base_in_map, next(self._goals))
+        return _off_map(scene, base_in_map) or SimpleGoal(robot, base_in_map, next(self._goals), owner=GoalOwner.WINDOW)
 
     def pose(self, scene: Scene, robot: int, base_in_map: Pose2) -> Request | RequestRefused:
         """Tell a robot where it is (rviz: 2D Pose Estimate)."""

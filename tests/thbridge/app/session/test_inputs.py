@@ -9,7 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
+from sim.inputs import Go
 from sim.parameters import RobotParameters
+from sim.robot.navigator import Goal
 from sim.world.things import Thing
 from thbridge.app.session.inputs import (
     BytesReceived,
@@ -30,7 +32,9 @@ from thbridge.app.session.inputs import (
     to_record,
 )
 from thbridge.roles.robot_requests import Request
+from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages import pack, unpack
+from thbridge.ros.messages.records import GoalRequest, SimpleGoal
 from thbridge.ros.messages.session_records import InputRecord
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.text import TextMessage, tokens
@@ -53,6 +57,17 @@ st.register_type_strategy(Thing, THINGS)
 st.register_type_strategy(RobotParameters, st.just(RobotParameters(localization="ekf")))
 st.register_type_strategy(
     np.ndarray, st.lists(FLOATS, min_size=9, max_size=9).map(lambda values: np.array(values).reshape(3, 3))
+)
+# Far more goals than an owner sets in one session; every owner's range in recordings holds them.
+COUNTED = st.integers(0, 400_000_000)
+OWNERS = st.sampled_from([owner for owner in GoalOwner if owner is not GoalOwner.STRANGER])
+POSES = st.from_type(Pose2)
+st.register_type_strategy(Goal, st.builds(Goal, COUNTED, POSES, OWNERS))
+st.register_type_strategy(
+    SimpleGoal, st.builds(SimpleGoal, st.integers(), st.none() | POSES, COUNTED, st.text(), OWNERS)
+)
+st.register_type_strategy(
+    GoalRequest, st.builds(GoalRequest, st.integers(), st.text(), st.integers(), st.none() | POSES, COUNTED, st.text())
 )
 REQUESTS = st.one_of(*(st.from_type(kind) for kind in get_args(Request)))
 BYTES = st.integers(0, 255)
@@ -93,6 +108,38 @@ def bits(value: object) -> object:
 def test_any_input_comes_out_of_a_bag_as_it_went_in(item: Input) -> None:
     record = unpack.outside_input(pack.outside_input(7, to_record(item)))
     assert bits(from_record(record)) == bits(item)
+
+
+THERE = '"base_in_map":{"x":1.5,"y":-2.0,"theta":0.25}'
+
+
+@pytest.mark.parametrize(
+    ("request_", "text"),
+    [
+        (
+            Go(1, Goal(4, Pose2(1.5, -2.0, 0.25), GoalOwner.RESEARCHER)),
+            f'Go {{"robot":1,"goal":{{"id":2000000004,{THERE}}}}}',
+        ),
+        (
+            SimpleGoal(0, Pose2(1.5, -2.0, 0.25), 5, owner=GoalOwner.RESEARCHER),
+            f'SimpleGoal {{"robot":0,{THERE},"number":2000000005,"refusal":""}}',
+        ),
+        (
+            SimpleGoal(0, Pose2(1.5, -2.0, 0.25), 6),
+            f'SimpleGoal {{"robot":0,{THERE},"number":1000000006,"refusal":""}}',
+        ),
+        (
+            GoalRequest(2, "a", 7, Pose2(1.5, -2.0, 0.25), 8),
+            f'GoalRequest {{"robot":2,"goal_id":"a","stamp_ns":7,{THERE},"number":1000000008,"refusal":""}}',
+        ),
+    ],
+)
+def test_a_goals_owner_is_in_its_recorded_number(request_: Request, text: str) -> None:
+    record = to_record(ClientRequest("w", request_))
+    assert record.line == text
+    name, _, fields = text.partition(" ")
+    assert record.json == f'{{"sender":"w","request":"{name}","fields":{fields}}}'
+    assert from_record(record) == ClientRequest("w", request_)
 
 
 def test_people_can_read_what_came_in() -> None:

@@ -38,7 +38,6 @@ from sim.world.things import Thing
 from thbridge.app.compose import read_setting
 from thbridge.app.session.inputs import decode_value
 from thbridge.app.session.watch_requests import (
-    FIRST_GOAL,
     MOST_PENDING,
     WatchRequest,
     WatchRequestHandler,
@@ -58,6 +57,7 @@ from thbridge.roles.robot_requests import (
     WizardRequest,
 )
 from thbridge.roles.simr.controls import RobotControls
+from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.records import CancelRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.study.study_file import Study
 from thbridge.timing.pacer import Pacer
@@ -128,9 +128,9 @@ def test_what_is_granted_is_asked_in_the_watchers_name(visited: Visited, request
     assert sender == "window"
     match request_:
         case Go(robot, goal):
-            assert asked == Go(robot, Goal(FIRST_GOAL, goal.base_in_map))
+            assert asked == Go(robot, Goal(0, goal.base_in_map, GoalOwner.RESEARCHER))
         case SimpleGoal():
-            assert asked == dataclasses.replace(request_, number=FIRST_GOAL)
+            assert asked == dataclasses.replace(request_, number=0, owner=GoalOwner.RESEARCHER)
         case _:
             assert same(asked, request_)
 

@@ -4,11 +4,11 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.robot.navigator import Cancelled, Goal, GoalReached, NoPath
+from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.goal_status import GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.remote.goals import (
     CANCEL_RETRY_NS,
     CANCEL_TIMEOUT_NS,
-    FOREIGN_GOAL,
     LOST_TIMEOUT_NS,
     PREEMPTION_WINDOW_NS,
     UNLISTED_TIMEOUT_NS,
@@ -209,7 +209,7 @@ def test_another_clients_goal_takes_over_and_is_not_fought(server):
     server.listed["rviz-1"] = (GoalStatusCode.ACTIVE, "")
     server.run(1)
     assert server.client.results == [Cancelled(GOAL)]
-    assert server.client.goal(server.now, THERE) == Goal(FOREIGN_GOAL, HERE)
+    assert server.client.goal(server.now, THERE) == Goal(0, HERE, GoalOwner.STRANGER)
     server.client.halt(server.now)
     assert server.sent() == []
     assert server.cancels == []
