@@ -4,6 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from msgspec import structs
+
 from sim.common.observations import TICK
 from thbridge.app.compose import read_setting
 from thbridge.app.play import NoLog
@@ -121,4 +123,4 @@ def with_robot(view: View, robot: int, **changes: object) -> View:
     """A view in which a robot is otherwise."""
     robots = list(view.robots)
     robots[robot] = replace(robots[robot], **changes)
-    return replace(view, robots=tuple(robots))
+    return structs.replace(view, robots=tuple(robots))

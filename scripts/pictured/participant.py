@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from msgspec import structs
 from PySide6.QtWidgets import QApplication, QMessageBox
 
 from pictured.hunt import PicturedHunt, with_robot
@@ -207,7 +208,7 @@ def _waiting_for(seen: ParticipantUpdate) -> ParticipantUpdate:
         return seen
     motions = list(seen.motions)
     motions[1] = replace(motions[1], doing="waiting", waits_for=0)
-    return replace(seen, motions=tuple(motions))
+    return structs.replace(seen, motions=tuple(motions))
 
 
 def _queue(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from sim.common.noise import NoiseStream
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.hunt.treasures import TreasureKind, hide, same_name
-from thbridge.roles.notices import KEEPER, HidePlease, HiderReady, HideTreasures, Reply, decode_notice, encode_notice
+from thbridge.roles.notices import KEEPER, HidePlease, HiderReady, HideTreasures, Reply
 from thbridge.wire import legacy
 from thbridge.wire.legacy import AskTreasure, FoundTreasure, NameTreasure, PointsAwarded, SnapTreasure, TreasureImage
-from thbridge.wire.notice import Notice, is_notice, parse_notice
+from thbridge.wire.notice import Notice, decode_notice, encode_notice, is_notice, parse_notice
 from thbridge.wire.text import TextMessage
 
 KEEPER_TIMEOUT = TICKS_PER_SECOND

@@ -3,25 +3,18 @@
 Each holds a state and not a change, so a notice that is sent twice does no harm.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, TypeVar
-
-import msgspec
+from typing import Literal
 
 from thbridge.hunt.events import Condition
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.wire.notice import JsonValue, Notice, notice
-from thbridge.wire.text import TextMessage
+from thbridge.wire.notice import NoticeValue
 
 KEEPER = "Game"
 """Name of the keeper at the text server."""
 
-T = TypeVar("T")
 
-
-@dataclass(frozen=True, slots=True)
-class RobotsReady:
+class RobotsReady(NoticeValue, frozen=True, tag="RobotsReady"):
     """SimR to keeper: the robots are ready.
 
     Attributes:
@@ -43,8 +36,7 @@ class MoveOrder:
     room: int
 
 
-@dataclass(frozen=True, slots=True)
-class Orders:
+class Orders(NoticeValue, frozen=True, tag="Orders"):
     """Keeper to SimR: the move and the energy of each robot.
 
     Attributes:
@@ -81,8 +73,7 @@ class MoveResult:
     share: float
 
 
-@dataclass(frozen=True, slots=True)
-class Status:
+class Status(NoticeValue, frozen=True, tag="Status"):
     """SimR to keeper: pose and condition of each robot, and the result of its last move.
 
     Attributes:
@@ -101,42 +92,36 @@ class Status:
     researchers: tuple[str | None, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class HiderReady:
+class HiderReady(NoticeValue, frozen=True, tag="HiderReady"):
     """Hider to keeper: Hider is ready; the keeper answers with `HidePlease` when its game has no treasures yet."""
 
 
-@dataclass(frozen=True, slots=True)
-class HidePlease:
+class HidePlease(NoticeValue, frozen=True, tag="HidePlease"):
     """Keeper to Hider: hide treasures for this game."""
 
     game: int
     rooms: int
 
 
-@dataclass(frozen=True, slots=True)
-class HideTreasures:
+class HideTreasures(NoticeValue, frozen=True, tag="HideTreasures"):
     """Hider to keeper: the treasure of each room, room 1 first."""
 
     game: int
     treasures: tuple[TreasureKind, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Reply:
+class Reply(NoticeValue, frozen=True, tag="Reply"):
     """Keeper to Hider: send this line of the 2016 dialect, which the keeper has judged, to the participant."""
 
     command: str
     text: str
 
 
-@dataclass(frozen=True, slots=True)
-class ParticipantReady:
+class ParticipantReady(NoticeValue, frozen=True, tag="ParticipantReady"):
     """Participant to keeper: the program is ready for views."""
 
 
-@dataclass(frozen=True, slots=True)
-class Subscribe:
+class Subscribe(NoticeValue, frozen=True, tag="Subscribe"):
     """Participant to SimR: subscribe to pose telemetry for the next few seconds."""
 
 
@@ -170,8 +155,7 @@ class Ellipse:
     angle: float
 
 
-@dataclass(frozen=True, slots=True)
-class PoseTelemetry:
+class PoseTelemetry(NoticeValue, frozen=True, tag="Whereabouts"):
     """SimR to subscribers: estimated poses of the robots, and what else the study shows; many times a second.
 
     Attributes:
@@ -189,8 +173,7 @@ class PoseTelemetry:
     truth: tuple[tuple[float, float, float], ...] | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class PlannedPaths:
+class PlannedPaths(NoticeValue, frozen=True, tag="Ways"):
     """SimR to subscribers: the planned paths ahead of the robots, if the study shows them; whenever they change.
 
     Attributes:
@@ -219,8 +202,7 @@ class RoomOutline:
     goal: tuple[float, float, float]
 
 
-@dataclass(frozen=True, slots=True)
-class FloorPlan:
+class FloorPlan(NoticeValue, frozen=True, tag="House"):
     """Keeper to participant: the floor plan of the game's map; it never changes.
 
     Attributes:
@@ -244,8 +226,7 @@ class FloorPlan:
     footprint: tuple[tuple[float, float], ...]
 
 
-@dataclass(frozen=True, slots=True)
-class PicturePiece:
+class PicturePiece(NoticeValue, frozen=True, tag="Picture"):
     """Keeper to participant: a piece of the picture that was taken in a room.
 
     Attributes:
@@ -263,8 +244,7 @@ class PicturePiece:
     data: str
 
 
-@dataclass(frozen=True, slots=True)
-class TeamRejection:
+class TeamRejection(NoticeValue, frozen=True, tag="Unfit"):
     """Keeper to SimR: these robots do not fit the game in progress; SimR ends."""
 
     sentence: str
@@ -286,34 +266,3 @@ StateNotice = (
     | PicturePiece
     | TeamRejection
 )
-
-
-_KINDS: Mapping[type, str] = {
-    PoseTelemetry: "Whereabouts",
-    PlannedPaths: "Ways",
-    FloorPlan: "House",
-    PicturePiece: "Picture",
-    TeamRejection: "Unfit",
-}
-"""Kinds on the wire that are not the name of their class; the wire keeps them because other releases know them."""
-
-
-def kind_of(notice_class: type) -> str:
-    """Return the kind that notices of a class have on the wire."""
-    return _KINDS.get(notice_class, notice_class.__name__)
-
-
-def encode_notice(sender: str, receiver: str, value: StateNotice) -> TextMessage:
-    """Return the message that carries a notice; its kind is `kind_of` its class."""
-    fields: Mapping[str, JsonValue] = msgspec.to_builtins(value)
-    return notice(sender, receiver, kind_of(type(value)), **fields)
-
-
-def decode_notice(notice: Notice, kind: type[T]) -> T | None:
-    """Return the value of a notice if it is of this class and well formed, else None."""
-    if notice.kind != kind_of(kind):
-        return None
-    try:
-        return msgspec.convert(notice.fields, kind)
-    except msgspec.ValidationError:
-        return None

@@ -1,9 +1,7 @@
 """TabUI: the program of a participant, who is a person or simulated."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Protocol
-
-import msgspec
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.hunt.rooms import Room
@@ -15,12 +13,10 @@ from thbridge.roles.notices import (
     PlannedPaths,
     PoseTelemetry,
     Subscribe,
-    decode_notice,
-    encode_notice,
 )
 from thbridge.roles.view import Identify, ParticipantRequest, SendRobot, Sense, TakePicture, View
 from thbridge.wire import legacy
-from thbridge.wire.notice import JsonValue, Notice, notice, parse_notice
+from thbridge.wire.notice import Notice, decode_notice, encode_notice, parse_notice
 from thbridge.wire.text import TextMessage
 
 RETRY_PERIOD = 3 * TICKS_PER_SECOND
@@ -119,10 +115,9 @@ def _decode_update(message: TextMessage) -> ParticipantUpdate | None:
     shown = parse_notice(message)
     if not isinstance(shown, Notice):
         return None
-    if shown.kind == View.__name__:
-        return View.from_json(shown.fields)
     return (
-        decode_notice(shown, PoseTelemetry)
+        View.of_notice(shown)
+        or decode_notice(shown, PoseTelemetry)
         or decode_notice(shown, PlannedPaths)
         or decode_notice(shown, FloorPlan)
         or decode_notice(shown, PicturePiece)
@@ -141,5 +136,4 @@ def encode_request_line(request: ParticipantRequest) -> TextMessage:
         case Identify(room, name):
             return legacy.NameTreasure(Room.of_people(room).wire, name).message()
         case _:
-            fields: Mapping[str, JsonValue] = msgspec.to_builtins(request)
-            return notice(TabUI.name, KEEPER, type(request).__name__, **fields)
+            return encode_notice(TabUI.name, KEEPER, request)

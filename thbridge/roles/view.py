@@ -5,15 +5,12 @@ room is in here only from the moment the rules reveal it. A view holds the state
 missed some views is up to date with the next.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-import msgspec
-
 from thbridge.hunt.events import Commander, Condition
 from thbridge.hunt.rules import commander_name
-from thbridge.wire.notice import JsonValue
+from thbridge.wire.notice import Notice, NoticeValue, decode_notice
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,8 +143,7 @@ class RefusalView:
     sentence: str
 
 
-@dataclass(frozen=True, slots=True)
-class View:
+class View(NoticeValue, frozen=True, tag="View"):
     """The game as the participant may see it.
 
     Attributes:
@@ -188,19 +184,11 @@ class View:
         """Return the room with this number, from 1."""
         return self.rooms[number - 1]
 
-    def to_json(self) -> Mapping[str, JsonValue]:
-        """Return plain values for a notice."""
-        fields: Mapping[str, JsonValue] = msgspec.to_builtins(self)
-        return fields
-
     @classmethod
-    def from_json(cls, fields: Mapping[str, JsonValue]) -> "View | None":
-        """Return the view in a notice, or None when it is malformed, for example from another release."""
-        try:
-            view = msgspec.convert(fields, cls)
-        except msgspec.ValidationError:
-            return None
-        return view if view._is_consistent() else None
+    def of_notice(cls, notice: Notice) -> "View | None":
+        """Return the view in a notice, or None when there is none or it is malformed, as from another release."""
+        view = decode_notice(notice, cls)
+        return view if view is not None and view._is_consistent() else None
 
     def _is_consistent(self) -> bool:
         """Return True when every robot and room named in the view is also part of it, and no cost is negative."""
@@ -224,23 +212,20 @@ class View:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class Select:
+class Select(NoticeValue, frozen=True, tag="Select"):
     """Ask a robot to go to this room; opens a dialogue."""
 
     robot: int
     room: int
 
 
-@dataclass(frozen=True, slots=True)
-class Unsure:
+class Unsure(NoticeValue, frozen=True, tag="Unsure"):
     """Ask a robot to suggest a room ("don't know")."""
 
     robot: int
 
 
-@dataclass(frozen=True, slots=True)
-class Answer:
+class Answer(NoticeValue, frozen=True, tag="Answer"):
     """Make a choice, counted from 0, at this turn of a dialogue."""
 
     dialogue: int
@@ -248,37 +233,32 @@ class Answer:
     choice: int
 
 
-@dataclass(frozen=True, slots=True)
-class SendRobot:
+class SendRobot(NoticeValue, frozen=True, tag="SendRobot"):
     """Send a robot to the room agreed upon."""
 
     robot: int
     room: int
 
 
-@dataclass(frozen=True, slots=True)
-class CallBack:
+class CallBack(NoticeValue, frozen=True, tag="CallBack"):
     """Stop a robot that drives to a room."""
 
     robot: int
 
 
-@dataclass(frozen=True, slots=True)
-class AskBack:
+class AskBack(NoticeValue, frozen=True, tag="AskBack"):
     """Ask the commander of a robot to give it back."""
 
     robot: int
 
 
-@dataclass(frozen=True, slots=True)
-class Sense:
+class Sense(NoticeValue, frozen=True, tag="Sense"):
     """Sense the treasure in a room that a robot reached."""
 
     room: int
 
 
-@dataclass(frozen=True, slots=True)
-class Discuss:
+class Discuss(NoticeValue, frozen=True, tag="Discuss"):
     """Open a dialogue about taking a picture, or the treasure."""
 
     robot: int
@@ -286,44 +266,38 @@ class Discuss:
     room: int
 
 
-@dataclass(frozen=True, slots=True)
-class TakePicture:
+class TakePicture(NoticeValue, frozen=True, tag="TakePicture"):
     """Take a picture of the treasure in a room."""
 
     room: int
 
 
-@dataclass(frozen=True, slots=True)
-class Identify:
+class Identify(NoticeValue, frozen=True, tag="Identify"):
     """Name the treasure in a room."""
 
     room: int
     name: str
 
 
-@dataclass(frozen=True, slots=True)
-class Leave:
+class Leave(NoticeValue, frozen=True, tag="Leave"):
     """Give up the treasure in a room."""
 
     room: int
 
 
-@dataclass(frozen=True, slots=True)
-class GiveUp:
+class GiveUp(NoticeValue, frozen=True, tag="GiveUp"):
     """End this game although robots could still do something."""
 
     game: int
 
 
-@dataclass(frozen=True, slots=True)
-class PlayAgain:
+class PlayAgain(NoticeValue, frozen=True, tag="PlayAgain"):
     """Begin a new game once this one is over."""
 
     game: int
 
 
-@dataclass(frozen=True, slots=True)
-class Agree:
+class Agree(NoticeValue, frozen=True, tag="Agree"):
     """Agree to take part in the study, as `View.consent` asks."""
 
 

@@ -9,7 +9,9 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NoReturn, TypeAlias
+from typing import NoReturn, TypeAlias, TypeVar
+
+import msgspec
 
 from thbridge.wire.text import TextCommand, TextMessage, UnreadableText
 
@@ -42,6 +44,33 @@ class Notice:
     fields: Mapping[str, JsonValue]
 
 
+class NoticeValue(msgspec.Struct, frozen=True, tag_field="kind"):
+    """Base of values that notices carry; the tag of each is its kind on the wire, which all releases know."""
+
+
+N = TypeVar("N", bound=NoticeValue)
+
+
+def kind_of(value_class: type[NoticeValue]) -> str:
+    """Return the kind that notices with values of a class have on the wire."""
+    return str(value_class.__struct_config__.tag)
+
+
+def encode_notice(sender: str, receiver: str, value: NoticeValue) -> TextMessage:
+    """Return the message that carries a value. Raises ValueError as `notice` does."""
+    return _message(sender, receiver, msgspec.to_builtins(value))
+
+
+def decode_notice(notice: Notice, value_class: type[N]) -> N | None:
+    """Return the value of a notice if it is of this class and well formed, else None."""
+    if notice.kind != kind_of(value_class):
+        return None
+    try:
+        return msgspec.convert(notice.fields, value_class)
+    except msgspec.ValidationError:
+        return None
+
+
 def notice(sender: str, receiver: str, kind: str, /, **fields: JsonValue) -> TextMessage:
     """Return the message that carries a notice; fields keep their order.
 
@@ -50,7 +79,11 @@ def notice(sender: str, receiver: str, kind: str, /, **fields: JsonValue) -> Tex
     """
     if "kind" in fields:
         raise ValueError("a notice has its kind already")
-    text = json.dumps({"kind": kind, **fields}, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    return _message(sender, receiver, {"kind": kind, **fields})
+
+
+def _message(sender: str, receiver: str, fields: Mapping[str, JsonValue]) -> TextMessage:
+    text = json.dumps(fields, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
     return TextMessage(TextCommand.ERROR, sender, receiver, (_MARK, text.replace(" ", r"\u0020")))
 
 

@@ -5,8 +5,9 @@ import pytest
 
 from sim.team import Team
 from thbridge.app.compose import REHEARSERS, StudySetting, read_setting
-from thbridge.roles.notices import Subscribe, encode_notice
+from thbridge.roles.notices import Subscribe
 from thbridge.study.study_file import ParticipantSection, ShowsSection, Study
+from thbridge.wire.notice import encode_notice
 
 
 @pytest.mark.parametrize("name", ["arena8", "office", "warehouse12"])

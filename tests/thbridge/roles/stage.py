@@ -20,21 +20,11 @@ from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.disclosure import plain_costs
 from thbridge.roles.keeper.keeper import GameRules, Keeper
-from thbridge.roles.notices import (
-    KEEPER,
-    MoveOrder,
-    MoveResult,
-    Orders,
-    RobotsReady,
-    Status,
-    TeamRejection,
-    decode_notice,
-    encode_notice,
-)
+from thbridge.roles.notices import KEEPER, MoveOrder, MoveResult, Orders, RobotsReady, Status, TeamRejection
 from thbridge.roles.role import Role
 from thbridge.roles.tabui import TabUI
 from thbridge.wire import legacy
-from thbridge.wire.notice import Notice, parse_notice
+from thbridge.wire.notice import Notice, decode_notice, encode_notice, parse_notice
 from thbridge.wire.router import MessageRouter
 from thbridge.wire.text import TextMessage
 

@@ -1,6 +1,7 @@
 from dataclasses import replace
 
 import pytest
+from msgspec import structs
 
 from thbridge.hunt.events import Condition
 from thbridge.roles.bot_strategy import BotStrategy
@@ -53,13 +54,13 @@ def test_what_one_robot_missed_another_may_reach():
     player.requests(view_of(None, 3))
     visited = replace(view_of(None, None).rooms[2], state="visited", robot=1)
     arrived = view_of(None, None)
-    arrived = replace(arrived, rooms=(*arrived.rooms[:2], visited))
+    arrived = structs.replace(arrived, rooms=(*arrived.rooms[:2], visited))
     assert list(player.requests(arrived)) == [Select(0, 2), Select(1, 1)]
 
 
 def in_condition(view: View, *conditions: Condition) -> View:
     robots = tuple(replace(robot, condition=c) for robot, c in zip(view.robots, conditions, strict=True))
-    return replace(view, robots=robots)
+    return structs.replace(view, robots=robots)
 
 
 def test_a_robot_that_does_not_answer_is_asked_nothing_until_it_does():

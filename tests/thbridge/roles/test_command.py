@@ -20,7 +20,7 @@ from thbridge.hunt.events import (
 )
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.roles.bot_strategy import BotStrategy
-from thbridge.roles.notices import KEEPER, Orders, Status, decode_notice
+from thbridge.roles.notices import KEEPER, Orders, Status
 from thbridge.roles.robot_requests import (
     CallBackFor,
     CommandRequest,
@@ -47,7 +47,7 @@ from thbridge.roles.view import (
     Unsure,
     View,
 )
-from thbridge.wire.notice import Notice
+from thbridge.wire.notice import Notice, decode_notice
 
 NAME = "ground station 255"
 TAKE = TakeCommand(0, NAME)
@@ -259,7 +259,7 @@ def test_programs_of_before_are_understood(play: Play) -> None:
     fields = msgspec.to_builtins(play.ask(TAKE))
     for robot in fields["robots"]:
         del robot["commander"], robot["commander_name"], robot["asked_back"]
-    view = View.from_json(fields)
+    view = View.of_notice(Notice(KEEPER, "TabUI", "View", fields))
     assert view is not None and view.robots[0].commander is Commander.PARTICIPANT
     status = msgspec.to_builtins(Status(1, (), (), ()))
     del status["researchers"]

@@ -2,8 +2,9 @@
 
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.hider import KEEPER_TIMEOUT, Hider
-from thbridge.roles.notices import KEEPER, HidePlease, encode_notice
+from thbridge.roles.notices import KEEPER, HidePlease
 from thbridge.wire import legacy
+from thbridge.wire.notice import encode_notice
 
 KINDS = [TreasureKind("Red", "Round and Large", 10, "Red Ball", "ball.jpg")]
 

@@ -13,11 +13,11 @@ from thbridge.hunt.game import fold
 from thbridge.roles import notices, view
 from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.keeper.briefing import Briefing
-from thbridge.roles.notices import KEEPER, encode_notice
+from thbridge.roles.notices import KEEPER
 from thbridge.roles.tabui import ParticipantUpdate, TabUI
 from thbridge.study.study_file import Study
 from thbridge.wire import legacy
-from thbridge.wire.notice import notice
+from thbridge.wire.notice import encode_notice, kind_of, notice
 from thbridge.wire.text import TextCommand, TextMessage
 
 small = st.integers(-2, 10)
@@ -29,8 +29,8 @@ json = st.recursive(
     max_leaves=12,
 )
 KINDS = [
-    *(cls.__name__ for cls in notices.StateNotice.__args__),
-    *(cls.__name__ for cls in view.ParticipantRequest.__args__),
+    *map(kind_of, notices.StateNotice.__args__),
+    *map(kind_of, view.ParticipantRequest.__args__),
     "View",
     "undelivered",
 ]

@@ -1,14 +1,36 @@
-"""Notices keep the kinds that they have on the wire, whatever their classes are called."""
+"""Notices keep the kinds that they have on the wire, whatever their classes are called, and come back as they went."""
 
-from typing import get_args
+from typing import get_args, get_type_hints
 
-from thbridge.roles.notices import StateNotice, kind_of
+from hypothesis import given, reject
+from hypothesis import strategies as st
 
+from thbridge.roles.notices import StateNotice
+from thbridge.roles.view import ParticipantRequest, View
+from thbridge.wire.notice import decode_notice, encode_notice, kind_of, parse_notice
+
+VALUES = (*get_args(StateNotice), View, *get_args(ParticipantRequest))
 ON_THE_WIRE = """
     RobotsReady Orders Status HiderReady HidePlease HideTreasures Reply ParticipantReady Subscribe Whereabouts Ways
     House Picture Unfit
+    View Agree Select Unsure Answer SendRobot CallBack AskBack Sense Discuss TakePicture Identify Leave GiveUp PlayAgain
 """
 
 
+def any_of(value_class: type) -> st.SearchStrategy:
+    hints = get_type_hints(value_class)
+    fields = {name: st.from_type(hints[name]) for name in value_class.__struct_fields__}
+    return st.fixed_dictionaries(fields).map(lambda fields: value_class(**fields))
+
+
 def test_kinds_on_the_wire_stay():
-    assert [kind_of(notice_class) for notice_class in get_args(StateNotice)] == ON_THE_WIRE.split()
+    assert [kind_of(each) for each in VALUES] == ON_THE_WIRE.split()
+
+
+@given(st.one_of(*map(any_of, VALUES)))
+def test_any_notice_comes_back_as_it_went(value):
+    try:
+        message = encode_notice("A", "B", value)
+    except ValueError:  # JSON has no word for a number that is not finite
+        reject()
+    assert decode_notice(parse_notice(message), type(value)) == value

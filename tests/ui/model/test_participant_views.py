@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from tests.ui.model.views import asking, refusal, view, with_robot, with_room
 from thbridge.hunt.events import Condition
@@ -56,7 +57,7 @@ from ui.model.screen import (
 )
 
 UNDER_WAY = with_room(with_robot(view(), 0, moving_to=3, energy=93.0), 3, state="reserved", robot=0)
-FOUND = replace(
+FOUND = structs.replace(
     with_room(with_robot(view(), 0, place=3), 3, state="visited", robot=0, colour="Pink", footprint="Round and Large"),
     names=("ball", "can"),
 )
@@ -238,7 +239,7 @@ def test_what_follows_from_agreements_is_wanted_without_being_asked_again():
 
 
 def test_an_agreed_name_is_said_only_as_it_was_picked():
-    agreed = replace(FOUND, consents=(Consent(0, "take-treasure", 3),))
+    agreed = structs.replace(FOUND, consents=(Consent(0, "take-treasure", 3),))
     model = model_of(agreed)
     assert model.requests() == ()
     model.do(PickName("no such thing"), 0.0)
@@ -251,7 +252,7 @@ def test_an_agreed_name_is_said_only_as_it_was_picked():
     model.do(PickName("ball"), 0.0)
     assert model.requests() == (Identify(3, "can"),)
     assert model.screen(0.0).popup.name_it.pending
-    model.receive(replace(agreed, refusal=refusal(1, "Identify")), 0.1)
+    model.receive(structs.replace(agreed, refusal=refusal(1, "Identify")), 0.1)
     assert model.requests() == ()
     assert model.screen(0.1).popup.name_it.enabled
     assert model.screen(0.1).popup.picked == "can"
@@ -346,7 +347,7 @@ def test_a_question_is_answered_by_nobody_who_has_not_seen_it():
 
 
 def test_nobody_is_asked_about_a_treasure_that_the_robot_cannot_name():
-    model = model_of(with_robot(replace(FOUND, identify_cost=50.0), 0, energy=20.0))
+    model = model_of(with_robot(structs.replace(FOUND, identify_cost=50.0), 0, energy=20.0))
     model.do(ChooseRoom(1), 0.0)
     assert model.screen(0.0).confirmation is None
     assert model.requests() == (Select(0, 1),)
@@ -414,7 +415,7 @@ def test_a_refusal_is_shown_for_some_seconds_and_only_once():
         view(robots=3),
         with_room(FOUND, 3, state="unvisited", robot=None, verdict=IdentificationVerdict("can", 5)),
         with_room(FOUND, 3, verdict=IdentificationVerdict("ball", 5)),
-        replace(with_room(FOUND, 3, verdict=IdentificationVerdict("can", 5)), costs=((5.0,) * 4,) * 4),
+        structs.replace(with_room(FOUND, 3, verdict=IdentificationVerdict("can", 5)), costs=((5.0,) * 4,) * 4),
     ],
     ids=["number", "began anew", "robots", "rooms", "verdicts", "house"],
 )
@@ -433,7 +434,7 @@ def test_another_game_begins_with_nothing_of_the_last_one(other):
 
 def test_the_end_says_why_and_what_came_of_it():
     played = with_room(with_room(FOUND, 3, verdict=IdentificationVerdict("can", 20)), 1, state="visited", left=True)
-    model = model_of(replace(played, score=20, over="no-move-left"))
+    model = model_of(structs.replace(played, score=20, over="no-move-left"))
     screen = model.screen(0.0)
     assert screen.phase is Phase.OVER
     assert screen.ending.title == "The game is over. Score: 20"
@@ -467,7 +468,7 @@ def test_a_picture_of_another_game_by_the_same_number_is_not_shown():
 
 
 def test_a_game_that_is_over_does_not_go_on():
-    model = model_of(replace(FOUND, over="given-up"))
+    model = model_of(structs.replace(FOUND, over="given-up"))
     model.receive(FOUND, 0.1)
     assert texts(model.screen(0.1)) == ["Game 1 is under way, with 2 robots and 3 rooms; the score is 0."]
 
@@ -558,6 +559,6 @@ def test_the_map_shows_rooms_and_robots():
 def test_a_house_that_is_told_late_is_drawn():
     model = model_of(view())
     assert model.rooms(0.0) == ()
-    model.receive(replace(HOUSE, rooms=(replace(HOUSE.rooms[0], name=""),)), 0.1)
+    model.receive(structs.replace(HOUSE, rooms=(replace(HOUSE.rooms[0], name=""),)), 0.1)
     model.screen(0.1)
     assert [room.room for room in model.rooms(0.1)] == [1]

@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+from msgspec import structs
+
 from thbridge.hunt.events import Condition
 from thbridge.roles.view import DialogueView, RefusalView, RobotView, RoomView, View
 
@@ -12,17 +14,17 @@ def view(robots: int = 2, rooms: int = 3, **changes) -> View:
     team = tuple(RobotView(robot, 0, None, 100.0, False, Condition.WELL) for robot in range(robots))
     known = tuple(RoomView(room, "unvisited", None, None, None, None, None, False) for room in range(1, rooms + 1))
     costs = COSTS if rooms == 3 else tuple((5.0,) * (rooms + 1) for _ in range(rooms + 1))
-    return replace(View(1, True, costs, team, known, (), (), 0, None, 5.0, 1.0, None), **changes)
+    return structs.replace(View(1, True, costs, team, known, (), (), 0, None, 5.0, 1.0, None), **changes)
 
 
 def with_robot(was: View, robot: int, **changes) -> View:
     changed = replace(was.robots[robot], **changes)
-    return replace(was, robots=(*was.robots[:robot], changed, *was.robots[robot + 1 :]))
+    return structs.replace(was, robots=(*was.robots[:robot], changed, *was.robots[robot + 1 :]))
 
 
 def with_room(was: View, room: int, **changes) -> View:
     changed = replace(was.room(room), **changes)
-    return replace(was, rooms=(*was.rooms[: room - 1], changed, *was.rooms[room:]))
+    return structs.replace(was, rooms=(*was.rooms[: room - 1], changed, *was.rooms[room:]))
 
 
 def asking(robot: int, room: int, number: int = 1, turn: int = 1) -> DialogueView:

@@ -5,8 +5,10 @@ are events; the caller must write them to the journal before it passes on the me
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import get_args
+
+from msgspec import structs
 
 from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.moves import DialogueUtterance
@@ -41,19 +43,17 @@ from thbridge.roles.notices import (
     StateNotice,
     Status,
     TeamRejection,
-    decode_notice,
-    encode_notice,
 )
 from thbridge.roles.participant_rules import KeeperReason
 from thbridge.roles.robot_requests import CommandRequest, GameRequest
 from thbridge.roles.view import Agree, ParticipantRequest, PlayAgain, SendRobot
 from thbridge.wire import legacy
-from thbridge.wire.notice import Notice, is_notice, parse_notice
+from thbridge.wire.notice import Notice, decode_notice, encode_notice, is_notice, kind_of, parse_notice
 from thbridge.wire.router import Forwarded
 from thbridge.wire.text import TextMessage
 
 _BEFORE_AGREEING = RequestRefused(KeeperReason.NOT_AGREED, "You have not agreed to take part yet.")
-_AFTER_AGREEING = {kind.__name__ for kind in get_args(ParticipantRequest)} - {Agree.__name__}
+_AFTER_AGREEING = {kind_of(kind) for kind in get_args(ParticipantRequest)} - {kind_of(Agree)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -296,7 +296,7 @@ class Keeper:
                 recalled = self._game.is_recalled(robot)
                 self._game.apply_ruling("Failed", rules.fail(self.state, robot, result.sentence, result.share))
                 if not recalled:
-                    self._game.refuse(SendRobot.__name__, RequestRefused(KeeperReason.NO_PATH, result.sentence))
+                    self._game.refuse(kind_of(SendRobot), RequestRefused(KeeperReason.NO_PATH, result.sentence))
         for robot, condition in enumerate(status.conditions):
             if self.state is not None:
                 self._game.apply_ruling("Reported", rules.report(self.state, robot, condition))
@@ -343,7 +343,7 @@ class Keeper:
                 number for number, robot in enumerate(state.robots) if robot.command.by is not Commander.PARTICIPANT
             ),
         )
-        if with_poses or self._ordered is None or replace(self._ordered, poses=None) != orders:
+        if with_poses or self._ordered is None or structs.replace(self._ordered, poses=None) != orders:
             self._ordered = orders
             self._send(legacy.SIMR, orders)
 

@@ -15,14 +15,15 @@ from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.participant_rules import KeeperReason
 from thbridge.roles.view import DialogueMatter, Identify, SendRobot, Sense, TakePicture
 from thbridge.wire import legacy
+from thbridge.wire.notice import kind_of
 from thbridge.wire.router import Forwarded
 from thbridge.wire.text import TextMessage
 
 _WISHES: Mapping[type, str] = {
-    legacy.GotoRoom: SendRobot.__name__,
-    legacy.AskTreasure: Sense.__name__,
-    legacy.SnapTreasure: TakePicture.__name__,
-    legacy.NameTreasure: Identify.__name__,
+    legacy.GotoRoom: kind_of(SendRobot),
+    legacy.AskTreasure: kind_of(Sense),
+    legacy.SnapTreasure: kind_of(TakePicture),
+    legacy.NameTreasure: kind_of(Identify),
 }
 
 
@@ -87,7 +88,7 @@ class LegacyLines:
             ruling = RequestRefused(
                 KeeperReason.NO_CONSENSUS, f"You have not agreed with {name} that it goes to {room}."
             )
-        if self._game.apply_ruling(SendRobot.__name__, ruling):
+        if self._game.apply_ruling(kind_of(SendRobot), ruling):
             self._game.dialogues.use_consent(robot, "select-room")
 
     def _arrived(self, state: GameState, robot: int, room: Room) -> None:
@@ -97,7 +98,7 @@ class LegacyLines:
             self._game.apply_ruling("Arrived", rules.arrive(state, robot, room))
 
     def _sense(self, state: GameState, room: Room) -> TextMessage | None:
-        if state.treasures is None or not self._game.apply_ruling(Sense.__name__, rules.sense(state, room)):
+        if state.treasures is None or not self._game.apply_ruling(kind_of(Sense), rules.sense(state, room)):
             return None
         treasure = state.treasure(room)
         if treasure is None:
@@ -111,7 +112,7 @@ class LegacyLines:
         # A picture that was taken is shown again without another dialogue.
         if needs_consent and state.has_room(room) and state.room(room).image is None:
             ruling = self._agreed(ruling, state, room, "take-picture")
-        if not self._game.apply_ruling(TakePicture.__name__, ruling):
+        if not self._game.apply_ruling(kind_of(TakePicture), ruling):
             return None
         treasure = state.treasure(room)
         if treasure is None or treasure.image is None:
@@ -129,7 +130,7 @@ class LegacyLines:
         ruling = rules.identify(state, room, name)
         if needs_consent:
             ruling = self._agreed(ruling, state, room, "take-treasure")
-        if not self._game.apply_ruling(Identify.__name__, ruling) or self._game.state is None:
+        if not self._game.apply_ruling(kind_of(Identify), ruling) or self._game.state is None:
             return None
         return legacy.PointsAwarded(self._game.state.room(room).points or 0).message()
 

@@ -10,7 +10,6 @@ from thbridge.hunt.rooms import Room
 from thbridge.hunt.tour import suggest
 from thbridge.roles.keeper.dialogues import MATTERS
 from thbridge.roles.keeper.open_game import OpenGame
-from thbridge.roles.notices import decode_notice
 from thbridge.roles.participant_rules import Situation, free_to_discuss, judge, place
 from thbridge.roles.view import (
     Agree,
@@ -24,7 +23,7 @@ from thbridge.roles.view import (
     Select,
     Unsure,
 )
-from thbridge.wire.notice import Notice
+from thbridge.wire.notice import Notice, decode_notice, kind_of
 
 
 def handle_participant_request(game: OpenGame, state: GameState, notice: Notice, *, awaits_treasures: bool) -> None:
@@ -65,7 +64,7 @@ def suggest_or_await(game: OpenGame, state: GameState, number: int) -> None:
     """Let a robot suggest a room, or wait for the person who speaks in its place."""
     room = suggested_room(game, state, number)
     if isinstance(room, RequestRefused):
-        game.refuse(Unsure.__name__, room)
+        game.refuse(kind_of(Unsure), room)
     elif number in game.dialogues.puppets:
         game.dialogues.await_advice(number)
     else:

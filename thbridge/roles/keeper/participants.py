@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.roles.keeper.briefing import Briefing
-from thbridge.roles.notices import PicturePiece, encode_notice
+from thbridge.roles.notices import PicturePiece
 from thbridge.roles.view import View
-from thbridge.wire.notice import notice
+from thbridge.wire.notice import encode_notice
 from thbridge.wire.text import TextMessage
 
 PIECE_SIZE = 30_000
@@ -65,7 +65,7 @@ class Participants:
         self._queue_pictures(view)
         receivers = self._newcomers if view == self._shown else self._members
         self._shown = view
-        outgoing = [notice(self._sender, name, View.__name__, **view.to_json()) for name in receivers]
+        outgoing = [encode_notice(self._sender, name, view) for name in receivers]
         self._newcomers = {}
         return outgoing
 

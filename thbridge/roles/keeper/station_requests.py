@@ -21,6 +21,7 @@ from thbridge.roles.robot_requests import (
     TakeCommand,
 )
 from thbridge.roles.view import SendRobot
+from thbridge.wire.notice import kind_of
 
 _Judged: TypeAlias = TakeCommand | ReleaseCommand | SendFor | PictureFor | IdentifyFor | LeaveFor
 
@@ -86,7 +87,7 @@ def _stop(game: OpenGame, state: GameState, robot: int) -> None:
     """Call a robot back, once; a participant who commands it learns by a refusal who stopped it."""
     if not game.is_recalled(robot) and state.robots[robot].command.by is Commander.PARTICIPANT:
         sentence = f"A ground station has stopped {robot_name(robot)}."
-        game.refuse(SendRobot.__name__, RequestRefused(KeeperReason.STOPPED, sentence))
+        game.refuse(kind_of(SendRobot), RequestRefused(KeeperReason.STOPPED, sentence))
     game.recall(robot)
 
 

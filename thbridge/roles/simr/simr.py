@@ -12,25 +12,14 @@ from sim.team import Drive, Go, Halt, Place, SetCharge, TeamInput, TeamSnapshot
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
 from thbridge.roles import failure_reasons as reasons
-from thbridge.roles.notices import (
-    KEEPER,
-    MoveOrder,
-    MoveResult,
-    Orders,
-    RobotsReady,
-    Status,
-    Subscribe,
-    TeamRejection,
-    decode_notice,
-    encode_notice,
-)
+from thbridge.roles.notices import KEEPER, MoveOrder, MoveResult, Orders, RobotsReady, Status, Subscribe, TeamRejection
 from thbridge.roles.robot_requests import RobotRequest, Tuning
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS, RobotControls
 from thbridge.roles.simr.pose_telemetry import TelemetryOptions, TelemetryPublisher
 from thbridge.roles.simr.team import RobotTeam
 from thbridge.wire import canonical, legacy
 from thbridge.wire.canonical import Dialect, GotoPoint, MoveByHand, PoseQuery, decode_goto
-from thbridge.wire.notice import Notice, parse_notice
+from thbridge.wire.notice import Notice, decode_notice, encode_notice, parse_notice
 from thbridge.wire.text import TextCommand, TextMessage
 
 STATUS_PERIOD = TICKS_PER_SECOND

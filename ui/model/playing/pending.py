@@ -18,6 +18,7 @@ from thbridge.roles.view import (
     Unsure,
     View,
 )
+from thbridge.wire.notice import kind_of
 from ui.model.playing.possible import (
     why_not_command,
     why_not_go,
@@ -90,11 +91,11 @@ def _kinds(request: ParticipantRequest) -> tuple[str, ...]:
     """Names under which a refusal may mean this request: a request for a dialogue is also refused by its matter."""
     match request:
         case Select() | Unsure():
-            return ("select-room", type(request).__name__)
+            return ("select-room", kind_of(type(request)))
         case Discuss(matter=matter):
-            return (matter, Discuss.__name__)
+            return (matter, kind_of(Discuss))
         case _:
-            return (type(request).__name__,)
+            return (kind_of(type(request)),)
 
 
 def _open_dialogue(view: View, robot: int) -> int | None:

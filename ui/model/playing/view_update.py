@@ -20,6 +20,7 @@ from thbridge.roles.view import (
     TakePicture,
     View,
 )
+from thbridge.wire.notice import kind_of
 from ui.model.playing.history import GameHistory
 from ui.model.playing.popup_queue import DestinationItem, PopupItem, TreasureItem
 from ui.model.playing.possible import (
@@ -187,7 +188,7 @@ def _receive_refusal(memory: ParticipantMemory, hunt: HuntMemory, now: float) ->
     memory.note = (refusal.sentence, now + NOTE)
     memory.history.add_event(refusal.sentence)
     hunt.pending.drop_refused(refusal)
-    if refusal.wish == Identify.__name__:
+    if refusal.wish == kind_of(Identify):
         hunt.submitted_names.clear()
 
 

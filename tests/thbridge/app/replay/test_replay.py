@@ -50,7 +50,7 @@ from thbridge.recording.bag.reader import messages
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.roles.bot_strategy import BotStrategy
-from thbridge.roles.notices import KEEPER, MoveOrder, Orders, Subscribe, encode_notice
+from thbridge.roles.notices import KEEPER, MoveOrder, Orders, Subscribe
 from thbridge.roles.robot_requests import (
     AdviseFor,
     PaceRequest,
@@ -77,6 +77,7 @@ from thbridge.study.study_file import RecordingSection, Study, read_study_text
 from thbridge.wire import legacy, text
 from thbridge.wire import watch_protocol as watching
 from thbridge.wire.client import NameRegistered
+from thbridge.wire.notice import encode_notice
 from thbridge.wire.router import ConnectionId, Forwarded, MessageRouter, RouterOutput, SendToClient
 
 STUDY = dataclasses.replace(Study(), seed=7, server=dataclasses.replace(Study().server, port=0))

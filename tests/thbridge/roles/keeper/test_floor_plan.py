@@ -8,14 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
+from msgspec import structs
 
 from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from thbridge.app.compose import read_setting
 from thbridge.roles.keeper.floor_plan import MOST_PACKED, floor_plan_of, grid_of
-from thbridge.roles.notices import KEEPER, FloorPlan, decode_notice, encode_notice
+from thbridge.roles.notices import KEEPER, FloorPlan
 from thbridge.study.study_file import Study
-from thbridge.wire.notice import parse_notice
+from thbridge.wire.notice import decode_notice, encode_notice, parse_notice
 from thbridge.wire.text import LINE_LIMIT
 
 cells = arrays(np.int8, array_shapes(min_dims=2, max_dims=2, max_side=30), elements=st.sampled_from([0, 100, -1]))
@@ -73,4 +74,4 @@ def centres(grid, kind):
 def test_what_is_no_map_is_refused(wrong):
     house = floor_plan_of("small", OccupancyGrid(np.zeros((2, 3), np.int8), 0.05, Pose2(0, 0, 0)), [], ())
     with pytest.raises(ValueError):
-        grid_of(replace(house, **wrong))
+        grid_of(structs.replace(house, **wrong))

@@ -6,6 +6,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from msgspec import structs
 
 from tests.thbridge.roles import stage
 from tests.thbridge.roles.test_hunt import Script, go
@@ -17,16 +18,7 @@ from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.keeper.participants import PIECE_PERIOD, PIECE_SIZE, Participants
-from thbridge.roles.notices import (
-    KEEPER,
-    FloorPlan,
-    PicturePiece,
-    PlannedPaths,
-    PoseTelemetry,
-    Subscribe,
-    decode_notice,
-    encode_notice,
-)
+from thbridge.roles.notices import KEEPER, FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry, Subscribe
 from thbridge.roles.tabui import RENEWAL_PERIOD, TabUI
 from thbridge.roles.view import (
     Agree,
@@ -48,7 +40,7 @@ from thbridge.roles.view import (
 )
 from thbridge.study.study_file import Study
 from thbridge.wire import legacy
-from thbridge.wire.notice import parse_notice
+from thbridge.wire.notice import decode_notice, encode_notice, parse_notice
 
 Stage = stage.Stage
 HOUSE = FloorPlan("stage", 0.05, (0.0, 0.0, 0.0), 1, 1, "eJxjAAAAAQAB", (), ())
@@ -155,7 +147,7 @@ def test_a_large_picture_leaves_slow_readers_time():
     played = Played(Briefing(HOUSE))
     view = played.tabui.view
     audience.join("TabUI", None)
-    audience.show(replace(view, rooms=(replace(view.rooms[0], picture="a.jpg"), *view.rooms[1:])))
+    audience.show(structs.replace(view, rooms=(replace(view.rooms[0], picture="a.jpg"), *view.rooms[1:])))
     told = [tick for tick in range(100) for _ in audience.pieces(tick)]
     assert len(told) == 10
     assert {b - a for a, b in pairwise(told)} == {PIECE_PERIOD}

@@ -14,10 +14,10 @@ from sim.robot.navigator import Goal
 from sim.team import Go
 from thbridge.app.compose import read_setting
 from thbridge.hunt.events import Condition
-from thbridge.roles.notices import PlannedPaths, PoseTelemetry, decode_notice
+from thbridge.roles.notices import PlannedPaths, PoseTelemetry
 from thbridge.roles.simr.pose_telemetry import PATH_PERIOD, TelemetryOptions, TelemetryPublisher, ellipse_of
 from thbridge.study.study_file import Study
-from thbridge.wire.notice import parse_notice
+from thbridge.wire.notice import decode_notice, parse_notice
 from thbridge.wire.text import LINE_LIMIT
 
 TICKS = range(0, 2 * PATH_PERIOD)

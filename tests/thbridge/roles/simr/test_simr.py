@@ -10,25 +10,14 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.team import Team, TeamSnapshot
 from thbridge.app.compose import StudySetting, read_setting
 from thbridge.hunt.events import Condition
-from thbridge.roles.notices import (
-    KEEPER,
-    MoveOrder,
-    MoveResult,
-    Orders,
-    PoseTelemetry,
-    RobotsReady,
-    Status,
-    Subscribe,
-    decode_notice,
-    encode_notice,
-)
+from thbridge.roles.notices import KEEPER, MoveOrder, MoveResult, Orders, PoseTelemetry, RobotsReady, Status, Subscribe
 from thbridge.roles.robot_requests import SetParameters
 from thbridge.roles.simr.pose_telemetry import POSE_PERIOD, SUBSCRIPTION_TICKS
 from thbridge.roles.simr.simr import KEEPER_TIMEOUT, RESPONSE_TIMEOUT, SimR
 from thbridge.study.study_file import Study
 from thbridge.study.things import Mishap, MishapEntry, Shape, ThingEntry
 from thbridge.wire import canonical, legacy
-from thbridge.wire.notice import Notice, parse_notice
+from thbridge.wire.notice import Notice, decode_notice, encode_notice, parse_notice
 from thbridge.wire.text import TextMessage
 
 

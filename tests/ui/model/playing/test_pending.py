@@ -1,6 +1,5 @@
-from dataclasses import replace
-
 import pytest
+from msgspec import structs
 
 from tests.ui.model.views import asking, refusal, view, with_robot, with_room
 from thbridge.roles.view import Agree, Answer, CallBack, Consent, Discuss, GiveUp, Leave, PlayAgain, Select, Unsure
@@ -25,7 +24,7 @@ UNDER_WAY = with_room(with_robot(view(), 0, moving_to=3), 3, state="reserved", r
         (CallBack(0), UNDER_WAY, view()),
         (Leave(3), STANDING, with_room(STANDING, 3, left=True)),
         (Discuss(0, "take-picture", 3), STANDING, with_room(STANDING, 3, picture="a.jpg")),
-        (Discuss(0, "take-picture", 3), STANDING, replace(STANDING, consents=(Consent(0, "take-picture", 3),))),
+        (Discuss(0, "take-picture", 3), STANDING, structs.replace(STANDING, consents=(Consent(0, "take-picture", 3),))),
         (GiveUp(1), view(), view(over="given-up")),
         (PlayAgain(1), view(over="given-up"), view(game=2)),
     ],
@@ -88,5 +87,5 @@ def test_nothing_is_wanted_of_a_game_that_is_over_but_another_one():
     pending = PendingRequests()
     for wanted in (Select(0, 3), Leave(3), PlayAgain(1)):
         pending.ask(wanted, STANDING)
-    assert set(pending.receive(replace(STANDING, over="given-up"))) <= {""}
+    assert set(pending.receive(structs.replace(STANDING, over="given-up"))) <= {""}
     assert pending.requests == (PlayAgain(1),)
