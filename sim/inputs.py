@@ -1,7 +1,7 @@
 """Inputs of a team from outside: requests to its robots, and things that happen to them.
 
-All are plain values, so that a recording can hold them and a run can be repeated: recordings hold the names of these
-classes and of their fields. A dead robot's software takes no requests.
+All are plain values, so that a recording can hold them and a run can be repeated: recordings hold the names in
+`TEAM_INPUTS` and those of the fields. A dead robot's software takes no requests.
 """
 
 from dataclasses import dataclass
@@ -172,6 +172,26 @@ TeamInput = (
     | Die
     | Revive
 )
+
+TEAM_INPUTS: dict[str, type[TeamInput]] = {
+    "Go": Go,
+    "Halt": Halt,
+    "Drive": Drive,
+    "Localize": Localize,
+    "Globalize": Globalize,
+    "RequestUpdate": RequestUpdate,
+    "ClearCostmaps": ClearCostmaps,
+    "Configure": Configure,
+    "Disturb": Disturb,
+    "SetCharge": SetCharge,
+    "Place": Place,
+    "PutThing": PutThing,
+    "RemoveThing": RemoveThing,
+    "Carry": Carry,
+    "Die": Die,
+    "Revive": Revive,
+}
+"""Inputs by their names in recordings and at the watch port, which do not change."""
 
 
 @dataclass(frozen=True, slots=True)

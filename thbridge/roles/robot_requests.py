@@ -3,10 +3,17 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sim.inputs import TeamInput
+from sim.inputs import TEAM_INPUTS, TeamInput
 from sim.parameters import RobotParameters, WorldParameters
 from sim.parameters.reconfiguration import WORLD_PREFIX, P, ParameterRejection, reconfigured
-from thbridge.ros.messages.records import GraphRequest
+from thbridge.ros.messages.records import (
+    CancelRequest,
+    GoalRequest,
+    GraphRequest,
+    InitialPose,
+    SimpleGoal,
+    VelocityCommand,
+)
 
 ParameterValue = bool | int | float | str | None
 """Value of one parameter; a list of corners is a text, `[[x, y], ...]`."""
@@ -181,6 +188,30 @@ RobotRequest = TeamInput | GraphRequest | SetParameters
 
 Request = RobotRequest | GameRequest
 """Any request to a session that is recorded as an input."""
+
+REQUESTS: dict[str, type[Request]] = {
+    **TEAM_INPUTS,
+    "GoalRequest": GoalRequest,
+    "CancelRequest": CancelRequest,
+    "SimpleGoal": SimpleGoal,
+    "VelocityCommand": VelocityCommand,
+    "InitialPose": InitialPose,
+    "SetParameters": SetParameters,
+    "Puppeteer": Puppeteer,
+    "SpeakFor": SpeakFor,
+    "AdviseFor": AdviseFor,
+    "TakeCommand": TakeCommand,
+    "ReleaseCommand": ReleaseCommand,
+    "SendFor": SendFor,
+    "CallBackFor": CallBackFor,
+    "PictureFor": PictureFor,
+    "IdentifyFor": IdentifyFor,
+    "LeaveFor": LeaveFor,
+}
+"""Requests by their names in recordings and at the watch port, which do not change."""
+
+PACE_REQUESTS: dict[str, type[PaceRequest]] = {"Pause": Pause, "Resume": Resume, "SetRate": SetRate, "Step": Step}
+"""Requests about the pace by their names at the watch port."""
 
 
 @dataclass(frozen=True, slots=True)

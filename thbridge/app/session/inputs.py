@@ -7,13 +7,13 @@ a session that is given the same ones in the same ticks does the same.
 
 import json
 from dataclasses import dataclass, replace
-from typing import TypeAlias, TypeVar, get_args
+from typing import TypeAlias, TypeVar
 
 import msgspec
 import numpy as np
 
-from sim.team import Go
-from thbridge.roles.robot_requests import PaceRequest, Request
+from sim.inputs import Go
+from thbridge.roles.robot_requests import PACE_REQUESTS, REQUESTS, PaceRequest, Request
 from thbridge.ros.goal_owners import GoalOwner, owned_number, recorded_number
 from thbridge.ros.messages.records import GoalRequest, SimpleGoal
 from thbridge.ros.messages.session_records import InputRecord
@@ -172,14 +172,14 @@ _CLASSES: dict[str, type[Input]] = {
 }
 """Classes of inputs by their kinds in recordings."""
 _KINDS = {input_class: kind for kind, input_class in _CLASSES.items()}
-_REQUESTS: dict[str, type[Request]] = {kind.__name__: kind for kind in get_args(Request)}
+_REQUEST_NAMES = {request_class: name for name, request_class in {**REQUESTS, **PACE_REQUESTS}.items()}
 
 
 def to_record(item: Input) -> InputRecord:
     """Return the record of an input, which holds all of it."""
     kind = _KINDS[type(item)]
     if isinstance(item, ClientRequest):
-        line = _readable(f"{type(item.request).__name__} {_json(item.request)}")
+        line = _readable(f"{_REQUEST_NAMES[type(item.request)]} {_json(item.request)}")
         return InputRecord(kind, item.sender, line, encode_request(item.sender, item.request))
     return InputRecord(kind, *_for_people(item), _json(item))
 
@@ -199,7 +199,7 @@ def from_record(record: InputRecord) -> Input:
 
 def encode_request(sender: str, request: Request | PaceRequest) -> str:
     """Return a request as JSON, in one line: sender, name, fields."""
-    name = type(request).__name__
+    name = _REQUEST_NAMES[type(request)]
     return f'{{"sender":{json.dumps(sender)},"request":{json.dumps(name)},"fields":{_json(request)}}}'
 
 
@@ -210,8 +210,8 @@ def decode_request(value: object) -> ClientRequest:
         ValueError: it is no request.
     """
     match value:
-        case {"sender": str(sender), "request": str(name), "fields": fields} if name in _REQUESTS:
-            return ClientRequest(sender, _with_owner(decode_value(fields, _REQUESTS[name])))
+        case {"sender": str(sender), "request": str(name), "fields": fields} if name in REQUESTS:
+            return ClientRequest(sender, _with_owner(decode_value(fields, REQUESTS[name])))
     raise ValueError("nobody can be asked for that")
 
 

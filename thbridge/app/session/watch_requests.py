@@ -25,6 +25,7 @@ from sim.inputs import (
 from sim.parameters.reconfiguration import ParameterRejection
 from thbridge.app.session.inputs import decode_request, decode_value, encode_request
 from thbridge.roles.robot_requests import (
+    PACE_REQUESTS,
     AdviseFor,
     PaceRequest,
     Pause,
@@ -86,7 +87,6 @@ WatchRequest: TypeAlias = (
 """Requests that watchers may send. Others belong to the game, or have another form here."""
 
 _GRANTED: tuple[type[WatchRequest], ...] = get_args(WatchRequest)
-_PACES: dict[str, type[PaceRequest]] = {kind.__name__: kind for kind in get_args(PaceRequest)}
 
 _log = logging.getLogger(__name__)
 
@@ -133,7 +133,7 @@ class WatchRequestHandler:
     def ask(self, watcher: str, request: Mapping[str, object]) -> str | None:
         """Grant a request in JSON; return None, or the reason for a refusal."""
         name = request.get("request")
-        kind = _PACES.get(name) if isinstance(name, str) else None
+        kind = PACE_REQUESTS.get(name) if isinstance(name, str) else None
         try:
             if kind is not None:
                 return self._turn(decode_value(request.get("fields", {}), kind))

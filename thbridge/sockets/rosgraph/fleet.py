@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from sim.common.robot_numbers import robot_name
-from sim.inputs import Drive, Go, Halt, Localize, Place, SetCharge, TeamInput
+from sim.inputs import TEAM_INPUTS, Drive, Go, Halt, Localize, Place, SetCharge, TeamInput
 from sim.parameters import RobotParameters, WorldParameters
 from sim.team import TeamSnapshot
 from thbridge.files.ros.definitions import Definitions
@@ -174,7 +174,8 @@ class Fleet:
                         "%s belongs at (%.2f, %.2f): somebody must bring it", robot_name(robot), pose.x, pose.y
                     )
             case _:
-                self._complaints.warn(f"real robots cannot be asked to {type(item).__name__}")
+                name = next(name for name, input_class in TEAM_INPUTS.items() if input_class is type(item))
+                self._complaints.warn(f"real robots cannot be asked to {name}")
 
     # The graph
 
