@@ -18,7 +18,7 @@ from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from sim.common.observations import TICK
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator import Goal, GoalReached, NoPath
-from sim.team import Die, Go, Team, TeamInput
+from sim.team import KillRobot, SendGoal, Team, TeamInput
 
 mpl.use("Agg")
 from matplotlib import pyplot as plt
@@ -114,7 +114,8 @@ def play(encounter: Encounter, seed: int = 1) -> EncounterRun:
     world = WorldParameters()
     team = Team(hall(encounter.doors), world, [RobotParameters()] * robots, encounter.starts, seed, charge=math.inf)
     inputs: list[TeamInput] = [
-        Die(robot) if goal is None else Go(robot, Goal(robot, goal)) for robot, goal in enumerate(encounter.goals)
+        KillRobot(robot) if goal is None else SendGoal(robot, Goal(robot, goal))
+        for robot, goal in enumerate(encounter.goals)
     ]
     ends: dict[int, tuple[str, float]] = {}
     poses: list[FloatArray] = []

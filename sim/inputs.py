@@ -14,7 +14,7 @@ from sim.world.things import Thing
 
 
 @dataclass(frozen=True, slots=True)
-class Go:
+class SendGoal:
     """Send a robot to a goal; the goal that it is driving to, if any, is given up for it."""
 
     robot: int
@@ -22,14 +22,14 @@ class Go:
 
 
 @dataclass(frozen=True, slots=True)
-class Halt:
+class WithdrawGoal:
     """Withdraw a robot's goal."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
-class Drive:
+class DriveManually:
     """Drive by hand (ROS: cmd_vel): this command instead of the navigator's, for so many ticks; a goal ends for it.
 
     Attributes:
@@ -43,7 +43,7 @@ class Drive:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Localize:
+class SetPoseEstimate:
     """Tell a robot where it is (ROS: initialpose): its localiser begins anew there; body and goal stay.
 
     Attributes:
@@ -56,14 +56,14 @@ class Localize:
 
 
 @dataclass(frozen=True, slots=True)
-class Globalize:
+class GlobalLocalization:
     """Let a robot forget where it is (ROS: global_localization)."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
-class RequestUpdate:
+class NomotionUpdate:
     """Let a robot weigh its next scan even if it stands (ROS: request_nomotion_update)."""
 
     robot: int
@@ -77,7 +77,7 @@ class ClearCostmaps:
 
 
 @dataclass(frozen=True, slots=True)
-class Configure:
+class SetSoftwareParameters:
     """Change the parameters of a robot's software while it runs (ROS: dynamic_reconfigure).
 
     Attributes:
@@ -90,7 +90,7 @@ class Configure:
 
 
 @dataclass(frozen=True, slots=True)
-class Disturb:
+class SetWorldParameters:
     """Let a robot's sensors err otherwise from now on; its software, if it lives, is told nothing.
 
     Attributes:
@@ -111,7 +111,7 @@ class SetCharge:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class PlaceRobot:
     """Put a robot somewhere, and tell it so (a restart, not a kidnapping)."""
 
     robot: int
@@ -133,7 +133,7 @@ class RemoveThing:
 
 
 @dataclass(frozen=True, slots=True)
-class Carry:
+class KidnapRobot:
     """Kidnap a robot: it is put somewhere else, as soon as no body stands there, and is told nothing."""
 
     robot: int
@@ -141,55 +141,55 @@ class Carry:
 
 
 @dataclass(frozen=True, slots=True)
-class Die:
+class KillRobot:
     """Kill a robot: its motors brake for good, its software stops and its goal is gone."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
-class Revive:
+class ReviveRobot:
     """Revive a dead robot: it goes on where it stands, believing what it believed."""
 
     robot: int
 
 
 TeamInput = (
-    Go
-    | Halt
-    | Drive
-    | Localize
-    | Globalize
-    | RequestUpdate
+    SendGoal
+    | WithdrawGoal
+    | DriveManually
+    | SetPoseEstimate
+    | GlobalLocalization
+    | NomotionUpdate
     | ClearCostmaps
-    | Configure
-    | Disturb
+    | SetSoftwareParameters
+    | SetWorldParameters
     | SetCharge
-    | Place
+    | PlaceRobot
     | PutThing
     | RemoveThing
-    | Carry
-    | Die
-    | Revive
+    | KidnapRobot
+    | KillRobot
+    | ReviveRobot
 )
 
 TEAM_INPUTS: dict[str, type[TeamInput]] = {
-    "Go": Go,
-    "Halt": Halt,
-    "Drive": Drive,
-    "Localize": Localize,
-    "Globalize": Globalize,
-    "RequestUpdate": RequestUpdate,
+    "Go": SendGoal,
+    "Halt": WithdrawGoal,
+    "Drive": DriveManually,
+    "Localize": SetPoseEstimate,
+    "Globalize": GlobalLocalization,
+    "RequestUpdate": NomotionUpdate,
     "ClearCostmaps": ClearCostmaps,
-    "Configure": Configure,
-    "Disturb": Disturb,
+    "Configure": SetSoftwareParameters,
+    "Disturb": SetWorldParameters,
     "SetCharge": SetCharge,
-    "Place": Place,
+    "Place": PlaceRobot,
     "PutThing": PutThing,
     "RemoveThing": RemoveThing,
-    "Carry": Carry,
-    "Die": Die,
-    "Revive": Revive,
+    "Carry": KidnapRobot,
+    "Die": KillRobot,
+    "Revive": ReviveRobot,
 }
 """Inputs by their names in recordings and at the watch port, which do not change."""
 

@@ -17,24 +17,24 @@ from sim.common.grid import OccupancyGrid
 from sim.common.observations import Neighbour
 from sim.common.robot_numbers import namespace_of
 from sim.inputs import (
-    Carry,
     ClearCostmaps,
-    Configure,
-    Die,
-    Disturb,
-    Drive,
-    Globalize,
-    Go,
-    Halt,
-    Localize,
-    Place,
+    DriveManually,
+    GlobalLocalization,
+    KidnapRobot,
+    KillRobot,
+    NomotionUpdate,
+    PlaceRobot,
     PutThing,
     RemoveThing,
-    RequestUpdate,
-    Revive,
+    ReviveRobot,
     ScheduledInput,
+    SendGoal,
     SetCharge,
+    SetPoseEstimate,
+    SetSoftwareParameters,
+    SetWorldParameters,
     TeamInput,
+    WithdrawGoal,
 )
 from sim.parameters import RobotParameters, WorldParameters
 from sim.parameters.reconfiguration import P, fixed_differences
@@ -51,26 +51,26 @@ from sim.world.sensors import Sensors, mount_of
 
 __all__ = [
     "START_COVARIANCE",
-    "Carry",
     "ClearCostmaps",
-    "Configure",
-    "Die",
-    "Disturb",
-    "Drive",
-    "Globalize",
-    "Go",
-    "Halt",
-    "Localize",
-    "Place",
+    "DriveManually",
+    "GlobalLocalization",
+    "KidnapRobot",
+    "KillRobot",
+    "NomotionUpdate",
+    "PlaceRobot",
     "PutThing",
     "RemoveThing",
-    "RequestUpdate",
-    "Revive",
+    "ReviveRobot",
     "ScheduledInput",
+    "SendGoal",
     "SetCharge",
+    "SetPoseEstimate",
+    "SetSoftwareParameters",
+    "SetWorldParameters",
     "Team",
     "TeamInput",
     "TeamSnapshot",
+    "WithdrawGoal",
 ]
 
 
@@ -148,9 +148,9 @@ class Team:
             raise ValueError(state.sentence)
         self._state = state
         self._commands = np.zeros((len(robots), 2))
-        self._driven_by_hand: dict[int, Drive] = {}
+        self._driven_by_hand: dict[int, DriveManually] = {}
         self._schedule = sorted(schedule, key=lambda timed: timed.tick)
-        self._carried: dict[int, Carry] = {}
+        self._carried: dict[int, KidnapRobot] = {}
         self._dead: set[int] = set()
         self._outputs: list[RobotOutput | None] = [None] * len(robots)
         self._neighbours: tuple[Neighbour, ...] = ()
@@ -256,10 +256,10 @@ class Team:
         if by_hand.ticks <= 1:
             del self._driven_by_hand[by_hand.robot]
         else:
-            self._driven_by_hand[by_hand.robot] = Drive(by_hand.robot, by_hand.command, by_hand.ticks - 1)
+            self._driven_by_hand[by_hand.robot] = DriveManually(by_hand.robot, by_hand.command, by_hand.ticks - 1)
         return by_hand.command.linear, by_hand.command.angular
 
-    def _set_down(self, carry: Carry) -> None:
+    def _set_down(self, carry: KidnapRobot) -> None:
         placed = self._world.place(self._state, carry.robot, carry.base_in_map)
         if isinstance(placed, WorldState):
             self._state = placed
@@ -280,41 +280,41 @@ class Team:
     def _take(self, item: TeamInput) -> None:
         match item:
             case (
-                Go(robot)
-                | Halt(robot)
-                | Drive(robot)
-                | Localize(robot)
-                | Globalize(robot)
-                | RequestUpdate(robot)
+                SendGoal(robot)
+                | WithdrawGoal(robot)
+                | DriveManually(robot)
+                | SetPoseEstimate(robot)
+                | GlobalLocalization(robot)
+                | NomotionUpdate(robot)
                 | ClearCostmaps(robot)
-                | Configure(robot)
+                | SetSoftwareParameters(robot)
             ) if robot in self._dead:
                 pass  # A dead robot's software takes no requests.
-            case Go(robot, goal):
+            case SendGoal(robot, goal):
                 self._driven_by_hand.pop(robot, None)
                 self._robots[robot].navigator.go(goal)
-            case Halt(robot):
+            case WithdrawGoal(robot):
                 self._driven_by_hand.pop(robot, None)
                 self._robots[robot].navigator.cancel()
-            case Drive(robot):
+            case DriveManually(robot):
                 self._robots[robot].navigator.cancel()
                 self._driven_by_hand[robot] = item
-            case Localize(robot, pose, covariance):
+            case SetPoseEstimate(robot, pose, covariance):
                 self._robots[robot].localizer.start(pose, covariance)
                 self._robots[robot].navigator.replan()
-            case Globalize(robot):
+            case GlobalLocalization(robot):
                 self._robots[robot].localizer.globalize()
-            case RequestUpdate(robot):
+            case NomotionUpdate(robot):
                 self._robots[robot].localizer.request_update()
             case ClearCostmaps(robot):
                 self._robots[robot].navigator.clear_costmaps()
-            case Configure(robot, software):
+            case SetSoftwareParameters(robot, software):
                 self._configure(robot, software)
-            case Disturb(robot, true):
+            case SetWorldParameters(robot, true):
                 self._disturb(robot, true)
             case SetCharge(robot, charge):
                 self._state = with_charge(self._state, robot, charge)
-            case Place(robot, pose):
+            case PlaceRobot(robot, pose):
                 placed = self._world.place(self._state, robot, pose)
                 if isinstance(placed, WorldState):
                     self._state = placed
@@ -323,9 +323,9 @@ class Team:
                 self._state = with_thing(self._state, thing)
             case RemoveThing(name):
                 self._state = without_thing(self._state, name)
-            case Carry(robot):
+            case KidnapRobot(robot):
                 self._carried[robot] = item
-            case Die(robot):
+            case KillRobot(robot):
                 self._driven_by_hand.pop(robot, None)
                 self._robots[robot].navigator.cancel()
                 self._dead.add(robot)
@@ -336,7 +336,7 @@ class Team:
                 # The last snapshot holds the old array.
                 self._commands = self._commands.copy()
                 self._commands[robot] = 0.0
-            case Revive(robot):
+            case ReviveRobot(robot):
                 self._dead.discard(robot)
 
 

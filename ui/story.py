@@ -8,24 +8,24 @@ from thbridge.app.session.session import TickRecord
 from thbridge.dialogue.moves import Author, DialogueUtterance, Speaker
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import (
-    Agreed,
-    Arrived,
-    AskedBack,
-    Commanded,
     Commander,
+    CommanderChanged,
     Condition,
-    Departed,
-    Ended,
+    ConditionChanged,
+    ConsentGiven,
     EndReason,
     Event,
-    Failed,
-    Hidden,
-    Identified,
-    Left,
-    Pictured,
-    Reported,
-    Sensed,
-    Started,
+    GameEnded,
+    GameStarted,
+    HandbackRequested,
+    MoveFailed,
+    RobotArrived,
+    RobotDeparted,
+    TreasureIdentified,
+    TreasureLeft,
+    TreasurePictured,
+    TreasureSensed,
+    TreasuresHidden,
 )
 from thbridge.hunt.rules import commander_name
 from ui.terminal import out
@@ -74,34 +74,34 @@ def _said(utterance: DialogueUtterance) -> str:
 
 def _happened(event: Event) -> str:
     match event:
-        case Started(game=game, robots=robots):
+        case GameStarted(game=game, robots=robots):
             return f"Game {game} begins, with {robots} robot{'s' if robots > 1 else ''}."
-        case Hidden(treasures):
+        case TreasuresHidden(treasures):
             return f"{len(treasures)} treasures are hidden."
-        case Agreed():
+        case ConsentGiven():
             return "The participant has agreed to take part."
-        case Departed(robot, room, cost):
+        case RobotDeparted(robot, room, cost):
             return f"{robot_name(robot).capitalize()} sets out for {room} and pays {energy_text(cost)} energy."
-        case Arrived(robot, room):
+        case RobotArrived(robot, room):
             return f"{robot_name(robot).capitalize()} is in {room}."
-        case Failed(robot, room, reason, refund):
+        case MoveFailed(robot, room, reason, refund):
             back = f" {energy_text(refund)} energy comes back." if refund > 0.0 else ""
             return f"{robot_name(robot).capitalize()} does not get to {room}: {reason}{back}"
-        case Reported(robot, condition):
+        case ConditionChanged(robot, condition):
             return f"{robot_name(robot).capitalize()} {CONDITIONS[condition]}"
-        case Commanded(robot, by, name):
+        case CommanderChanged(robot, by, name):
             who = name if by is Commander.RESEARCHER and name else commander_name(by, name)
             return f"{robot_name(robot).capitalize()} is commanded by {who} from now on."
-        case AskedBack(robot):
+        case HandbackRequested(robot):
             return f"The participant asks for {robot_name(robot)} back."
-        case Sensed(room, colour, footprint):
+        case TreasureSensed(room, colour, footprint):
             return f"Something {colour.lower()}, {footprint.lower()}, is in {room}."
-        case Pictured(room, robot, image):
+        case TreasurePictured(room, robot, image):
             return f"{robot_name(robot).capitalize()} takes a picture in {room}: {image}."
-        case Identified(room, _, name, points):
+        case TreasureIdentified(room, _, name, points):
             place = "" if room is None else f" in {room}"
             return f"The treasure{place} is named {name}: {points:+d} points."
-        case Left(room):
+        case TreasureLeft(room):
             return f"The treasure in {room} is left alone."
-        case Ended(reason, score):
+        case GameEnded(reason, score):
             return f"The game is over: {ENDS[reason]}. Score {score}."

@@ -7,24 +7,24 @@ from sim.common.robot_numbers import index_of, robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
 from thbridge.roles.view import (
-    Agree,
-    Answer,
-    AskBack,
+    AnswerDialogue,
     CallBack,
     Consent,
     DialogueView,
-    Discuss,
+    GiveConsent,
     GiveUp,
-    Identify,
-    Leave,
+    GiveUpTreasure,
+    IdentifyTreasure,
+    OpenDialogue,
     ParticipantRequest,
+    RequestHandback,
+    RequestSuggestion,
     RobotView,
     RoomView,
-    Select,
+    SelectRoom,
     SendRobot,
-    Sense,
+    SenseTreasure,
     TakePicture,
-    Unsure,
     View,
 )
 from ui.model.playing.words import seen_words
@@ -67,7 +67,7 @@ class TerminalPlayer:
                 self.show(line)
         wanted, self._wanted = self._wanted, ()
         follow = [request for consent in view.consents if (request := self._follow(consent)) is not None]
-        sense = [Sense(room.room) for room in view.rooms if room.undecided and not room.sensed]
+        sense = [SenseTreasure(room.room) for room in view.rooms if room.undecided and not room.sensed]
         return (*wanted, *follow, *sense)
 
     def type(self, line: str) -> None:
@@ -85,7 +85,7 @@ class TerminalPlayer:
             case ["names"]:
                 self.show(f"  {', '.join(view.names)}" if view.names else NO_NAMES)
             case ["agree"]:
-                self._wanted = (Agree(),)
+                self._wanted = (GiveConsent(),)
             case ["end"]:
                 self._wanted = (GiveUp(view.game),)
             case ["c" | "s" as answer]:
@@ -95,15 +95,15 @@ class TerminalPlayer:
             case ["n", room, *words] if _is_number(room) and words:
                 self._name(view, int(room), " ".join(words))
             case ["l", room] if _is_number(room):
-                self._wanted = (Leave(int(room)),)
+                self._wanted = (GiveUpTreasure(int(room)),)
             case ["b", robot] if _is_number(robot):
                 self._wanted = (CallBack(index_of(int(robot))),)
             case ["a", robot] if _is_number(robot):
-                self._wanted = (AskBack(index_of(int(robot))),)
+                self._wanted = (RequestHandback(index_of(int(robot))),)
             case [robot, "?"] if _is_number(robot):
-                self._wanted = (Unsure(index_of(int(robot))),)
+                self._wanted = (RequestSuggestion(index_of(int(robot))),)
             case [robot, room] if _is_number(robot) and _is_number(room):
-                self._wanted = (Select(index_of(int(robot)), int(room)),)
+                self._wanted = (SelectRoom(index_of(int(robot)), int(room)),)
             case _:
                 self.show(HELP)
 
@@ -112,7 +112,7 @@ class TerminalPlayer:
         if dialogue is None:
             self.show("No robot waits for an answer.")
             return
-        self._wanted = (Answer(dialogue.dialogue, dialogue.turn, 0 if first else len(dialogue.choices) - 1),)
+        self._wanted = (AnswerDialogue(dialogue.dialogue, dialogue.turn, 0 if first else len(dialogue.choices) - 1),)
 
     def _name(self, view: View, room: int, typed: str) -> None:
         fitting = [name for name in view.names if name.casefold().startswith(typed.casefold())]
@@ -127,9 +127,9 @@ class TerminalPlayer:
         if robot is None:
             self.show(f"No robot stands in room {room}.")
         elif matter == "take-picture":
-            self._wanted = (Discuss(robot, "take-picture", room),)
+            self._wanted = (OpenDialogue(robot, "take-picture", room),)
         else:
-            self._wanted = (Discuss(robot, "take-treasure", room),)
+            self._wanted = (OpenDialogue(robot, "take-treasure", room),)
 
     def _follow(self, consent: Consent) -> ParticipantRequest | None:
         match consent.matter:
@@ -139,7 +139,7 @@ class TerminalPlayer:
                 return TakePicture(consent.room)
             case "take-treasure":
                 name = self._names.get(consent.room)
-                return None if name is None else Identify(consent.room, name)
+                return None if name is None else IdentifyTreasure(consent.room, name)
 
 
 def _is_number(word: str) -> bool:

@@ -12,10 +12,10 @@ from PySide6.QtWidgets import QApplication, QMessageBox
 from pictured.hunt import PicturedHunt, with_robot
 from pictured.shot import Shot, Story
 from sim.common.geometry import Pose2
-from sim.inputs import Carry, Localize
+from sim.inputs import KidnapRobot, SetPoseEstimate
 from thbridge.hunt.events import Condition
 from thbridge.roles.notices import PoseTelemetry
-from thbridge.roles.robot_requests import SendFor, TakeCommand
+from thbridge.roles.robot_requests import StationSend, TakeCommand
 from thbridge.roles.tabui import ParticipantUpdate
 from thbridge.roles.view import View
 from thbridge.study.study_file import ParticipantSection, ShowsSection, Study
@@ -270,8 +270,8 @@ def sure() -> Iterator[Shot]:
     hunt.do(ChooseRobot(1))
     hunt.send(ChooseRoom(1))
     hunt.run(6.0)
-    hunt.ask(Carry(0, Pose2(4.2, 0.6, 2.5)))
-    hunt.ask(Localize(1, Pose2(0.2, 2.6, 2.0), np.diag([0.3, 0.1, 0.1])))
+    hunt.ask(KidnapRobot(0, Pose2(4.2, 0.6, 2.5)))
+    hunt.ask(SetPoseEstimate(1, Pose2(0.2, 2.6, 2.0), np.diag([0.3, 0.1, 0.1])))
     hunt.run(0.3)
     yield shot("uncertainty", window_on(hunt.model, lambda: hunt.now))
 
@@ -291,7 +291,7 @@ def commanded() -> Iterator[Shot]:
     hunt.run(0.2)
     yield shot("commanded-asked", window)
     hunt.until(lambda screen: any(card.robot == 0 and "found" in card.state for card in screen.cards))
-    hunt.ask(SendFor(0, 7))
+    hunt.ask(StationSend(0, 7))
     hunt.until(lambda screen: screen.cards[0].progress is not None)
     hunt.run(2.0)
     yield shot("commanded-sent-on", window)

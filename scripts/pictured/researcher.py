@@ -9,13 +9,13 @@ from PySide6.QtWidgets import QApplication, QDialog, QDockWidget, QMessageBox
 
 from pictured.shot import Shot, Story
 from sim.common.geometry import Pose2
-from sim.inputs import Carry, Die, PutThing
+from sim.inputs import KidnapRobot, KillRobot, PutThing
 from thbridge.app.compose import build_bot, read_setting
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.session.broadcast import Broadcast, Listener
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
-from thbridge.roles.robot_requests import AdviseFor, Puppeteer, Request
+from thbridge.roles.robot_requests import Request, WizardAdvice, WizardMode
 from thbridge.roles.tabui import TabUI
 from thbridge.ros.topics import RosMessage
 from thbridge.sockets.watch_client import WatchClient, WatchConnected, WatchEvent
@@ -34,14 +34,14 @@ STUDY = replace(Study(), seed=7, robots=3)
 TICKS = 1500
 REQUESTS: Mapping[int, Request] = {
     100: PutThing(obstacle("crate", "box", Pose2(0.0, 0.0, 0.0), 0.5)),
-    900: Carry(2, Pose2(-2.869, -2.97, 0.0)),
-    1300: Die(1),
+    900: KidnapRobot(2, Pose2(-2.869, -2.97, 0.0)),
+    1300: KillRobot(1),
 }
 """Requests to the robots of the hunt that is recorded, by tick."""
 SPOKEN_FOR: Mapping[int, Request] = {
-    0: Puppeteer(0, on=True),
-    1: Puppeteer(1, on=True),
-    40: AdviseFor(0, 4),
+    0: WizardMode(0, on=True),
+    1: WizardMode(1, on=True),
+    40: WizardAdvice(0, 4),
 }
 """Requests of a wizard, by tick: robot 1 has been sent to a room and is to say so; robot 2 is asked."""
 

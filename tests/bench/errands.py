@@ -10,7 +10,7 @@ from sim.common.geometry import FloatArray, Pose2
 from sim.common.noise import NoiseStream
 from sim.common.observations import TICKS_PER_SECOND
 from sim.robot.navigator.goals import Goal
-from sim.team import Go, Team, TeamInput, TeamSnapshot
+from sim.team import SendGoal, Team, TeamInput, TeamSnapshot
 
 
 class Errands:
@@ -32,7 +32,7 @@ class Errands:
                 continue
             self._count += 1
             self._bound[robot] = free[int(self._chance.uniforms(self._count, 1)[0] * len(free))]
-            inputs.append(Go(robot, Goal(self._count, self._goals[self._bound[robot]])))
+            inputs.append(SendGoal(robot, Goal(self._count, self._goals[self._bound[robot]])))
         return inputs
 
 

@@ -22,7 +22,7 @@ def test_robots_do_again_what_they_did_for_ros_clients(tmp_path: Path) -> None:
         "InitialPose",
         "VelocityCommand",
         "SetParameters",
-        "Globalize",
+        "GlobalLocalization",
         "ClearCostmaps",
         "CancelRequest",
     }

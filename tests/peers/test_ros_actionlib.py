@@ -12,7 +12,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL
-from sim.inputs import Go
+from sim.inputs import SendGoal
 from sim.robot.navigator import Cancelled, Goal, GoalReached, GoalResult, Navigation, NoPath
 from thbridge.ros.actionlib import STATUS_PERIOD, ActionRequest, GoalEnded, MoveBaseServer, StatusList
 from thbridge.ros.messages.records import CancelRequest, GoalRequest
@@ -145,7 +145,7 @@ def ours(steps: list[Step]) -> list[list[list[object]]]:
         for told in server.take(step["tick"], requests):
             if goal is not None:
                 results.append(Cancelled(goal))
-            goal = told.goal if isinstance(told, Go) else None
+            goal = told.goal if isinstance(told, SendGoal) else None
         if goal is not None and step["end"]:
             # Before what may still wait to be told of earlier goals.
             results.insert(0, GoalReached(goal) if step["end"] == "arrived" else NoPath(goal, "stuck", "stuck"))

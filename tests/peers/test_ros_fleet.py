@@ -15,7 +15,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
-from sim.inputs import Drive, Go, Halt
+from sim.inputs import DriveManually, SendGoal, WithdrawGoal
 from sim.robot.navigator import Cancelled, Goal, GoalReached, NoPath
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.recording.real_robots import FleetRecorder
@@ -181,21 +181,21 @@ async def _drive(folder: Path, bag: Path) -> None:
         there, far = Goal(1, Pose2(12.0, 1.0, 0.0)), Goal(2, Pose2(16.0, 0.0, 0.0))
         with ros(ROBOT, master.uri, folder) as robot:
             await ticks.there()
-            await ticks.tick(Go(0, there))
+            await ticks.tick(SendGoal(0, there))
             assert await ticks.ended() == GoalReached(there)
             here = ticks.snapshot.robots[0].estimate.base_in_map
             assert here.distance(there.base_in_map) < 0.2
             nowhere = Goal(3, Pose2(99.0, 0.0, 0.0))
-            await ticks.tick(Go(0, nowhere))
+            await ticks.tick(SendGoal(0, nowhere))
             end = await ticks.ended()
             assert isinstance(end, NoPath)
             assert end.reason == "no_way"
-            await ticks.tick(Go(0, far))
+            await ticks.tick(SendGoal(0, far))
             await ticks.until_active()
-            await ticks.tick(Halt(0))
+            await ticks.tick(WithdrawGoal(0))
             assert await ticks.ended() == Cancelled(far)
             before = ticks.snapshot.robots[0].estimate.base_in_map.x
-            await ticks.tick(Drive(0, Twist(1.0, 0.0), 25))
+            await ticks.tick(DriveManually(0, Twist(1.0, 0.0), 25))
             while ticks.snapshot.robots[0].estimate.base_in_map.x <= before + 0.1:
                 await ticks.tick()
             with ros(CLIENT, master.uri, folder) as client:
@@ -204,7 +204,7 @@ async def _drive(folder: Path, bag: Path) -> None:
                 while not ready.done():
                     await ticks.tick()
                 assert ready.result() == "ready\n"
-                await ticks.tick(Go(0, far))
+                await ticks.tick(SendGoal(0, far))
                 await ticks.until_active()
                 print(file=client.stdin, flush=True)
                 assert await ticks.ended() == Cancelled(far)
@@ -215,7 +215,7 @@ async def _drive(folder: Path, bag: Path) -> None:
                 while (await ticks.tick()).goal is not None:
                     pass
                 assert await asyncio.to_thread(client.communicate) == ("3\n", None)
-            await ticks.tick(Go(0, far))
+            await ticks.tick(SendGoal(0, far))
             await ticks.until_active()
             os.killpg(robot.pid, signal.SIGKILL)
             robot.wait()

@@ -8,7 +8,7 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator import Goal, GoalReached
-from sim.team import Carry, Go, Team
+from sim.team import KidnapRobot, SendGoal, Team
 from thbridge.files.map_files import read_map
 
 MAPS = Path(__file__).parents[2] / "maps"
@@ -19,11 +19,11 @@ def carried(name, seed, goal, elsewhere, heading, limit=150.0):
     """The seconds after which the robot knows that it is lost, and after which its goal ends; how; and collisions."""
     place = read_map(MAPS / name)
     team = Team(place.grid, WorldParameters(), [RobotParameters()], place.starts[:1], seed, 1e9)
-    team.step([Go(0, Goal(1, place.rooms[goal].goal))])
+    team.step([SendGoal(0, Goal(1, place.rooms[goal].goal))])
     for _ in range(4 * SECOND):
         team.step()
     room = place.rooms[elsewhere].goal
-    begun = team.step([Carry(0, Pose2(room.x, room.y, heading))]).tick
+    begun = team.step([KidnapRobot(0, Pose2(room.x, room.y, heading))]).tick
     noticed = math.inf
     while True:
         snapshot = team.step()

@@ -13,17 +13,17 @@ from sim.robot.costmap.costs import LETHAL
 from sim.robot.navigator import Cancelled, Goal, GoalReached
 from sim.team import (
     START_COVARIANCE,
-    Carry,
     ClearCostmaps,
-    Die,
-    Drive,
-    Globalize,
-    Go,
-    Localize,
+    DriveManually,
+    GlobalLocalization,
+    KidnapRobot,
+    KillRobot,
+    NomotionUpdate,
     PutThing,
     RemoveThing,
-    RequestUpdate,
-    Revive,
+    ReviveRobot,
+    SendGoal,
+    SetPoseEstimate,
     Team,
 )
 from sim.world.things import Thing
@@ -75,8 +75,8 @@ def beside(pose, metres):
 
 def test_a_robot_that_is_told_where_it_is_believes_it_at_once_and_goes_on_to_its_goal():
     team, elsewhere = team_of(), ARENA.rooms[6].goal
-    run(team, 2, Go(0, Goal(1, ARENA.rooms[3].goal)))
-    told, *after = run(team, 60, Carry(0, elsewhere), Localize(0, elsewhere, START_COVARIANCE))
+    run(team, 2, SendGoal(0, Goal(1, ARENA.rooms[3].goal)))
+    told, *after = run(team, 60, KidnapRobot(0, elsewhere), SetPoseEstimate(0, elsewhere, START_COVARIANCE))
     assert error(told) < 0.05
     assert not any(snapshot.robots[0].estimate.lost for snapshot in after)
     assert [type(s.robots[0].navigation.result) for s in after if s.robots[0].navigation.result] == [GoalReached]
@@ -86,7 +86,7 @@ def test_a_robot_that_is_told_where_it_is_believes_it_at_once_and_goes_on_to_its
 def test_a_robot_that_forgets_where_it_is_is_lost_and_finds_itself():
     team = team_of()
     run(team, 1)
-    first, *_, last = run(team, 40, Globalize(0), Go(0, Goal(1, ARENA.rooms[3].goal)))
+    first, *_, last = run(team, 40, GlobalLocalization(0), SendGoal(0, Goal(1, ARENA.rooms[3].goal)))
     assert first.robots[0].estimate.lost
     assert np.ptp(first.robots[0].estimate.particles[:, 0]) > 10.0
     assert not last.robots[0].estimate.lost
@@ -97,7 +97,7 @@ def test_a_robot_that_stands_weighs_a_scan_when_it_is_asked_to():
     team = team_of()
     run(team, 2)
     assert not any(s.robots[0].estimate.updated for s in run(team, 1))
-    assert sum(s.robots[0].estimate.updated for s in run(team, 1, RequestUpdate(0))) == 1
+    assert sum(s.robots[0].estimate.updated for s in run(team, 1, NomotionUpdate(0))) == 1
 
 
 def test_cleared_costmaps_forget_what_is_seen_no_more():
@@ -114,7 +114,7 @@ def test_cleared_costmaps_forget_what_is_seen_no_more():
         return cells
 
     # It turns its back to the crate, which then is taken away.
-    run(team, 3, PutThing(beside(start, 0.9)), Drive(0, Twist(0.0, 1.5), 105))
+    run(team, 3, PutThing(beside(start, 0.9)), DriveManually(0, Twist(0.0, 1.5), 105))
     run(team, 1, RemoveThing("crate"))
     assert seen(run(team, 1))[0]
     assert seen(run(team, 1, ClearCostmaps(0))) == [False, False]
@@ -122,21 +122,23 @@ def test_cleared_costmaps_forget_what_is_seen_no_more():
 
 def test_driving_by_hand_ends_a_goal_and_then_stops_by_itself():
     team = team_of()
-    run(team, 2, Go(0, Goal(1, ARENA.rooms[3].goal)))
-    snapshots = run(team, 1, Drive(0, Twist(0.0, 1.0), 25))
+    run(team, 2, SendGoal(0, Goal(1, ARENA.rooms[3].goal)))
+    snapshots = run(team, 1, DriveManually(0, Twist(0.0, 1.0), 25))
     assert isinstance(snapshots[0].robots[0].navigation.result, Cancelled)
     assert [tuple(s.commands[0]) for s in snapshots] == [(0.0, 1.0)] * 25 + [(0.0, 0.0)] * 25
 
 
 def test_driving_by_hand_that_is_renewed_goes_on_without_a_break():
     team = team_of()
-    commands = [team.step([Drive(0, Twist(0.1, 0.5), 10)] if tick % 9 == 0 else ()).commands[0] for tick in range(50)]
+    commands = [
+        team.step([DriveManually(0, Twist(0.1, 0.5), 10)] if tick % 9 == 0 else ()).commands[0] for tick in range(50)
+    ]
     assert np.all(np.array(commands) == (0.1, 0.5))
 
 
 def test_driving_by_hand_asks_no_more_of_the_motors_than_they_can():
     world = WorldParameters(acc_lim_x=0.5, acc_lim_theta=1.0)
-    snapshots = run(team_of(world=world), 2, Drive(0, Twist(-50.0, 50.0), 100))
+    snapshots = run(team_of(world=world), 2, DriveManually(0, Twist(-50.0, 50.0), 100))
     twists = np.array([s.world.twists[0] for s in snapshots])
     assert np.abs(np.diff(twists[:, 0])).max() <= 0.5 * TICK + 1e-9
     assert np.abs(np.diff(twists[:, 1])).max() <= 1.0 * TICK + 1e-9
@@ -146,18 +148,18 @@ def test_driving_by_hand_asks_no_more_of_the_motors_than_they_can():
 
 def test_a_dead_robot_hears_nothing():
     said = [
-        Localize(0, ARENA.rooms[6].goal, START_COVARIANCE),
-        Globalize(0),
-        RequestUpdate(0),
+        SetPoseEstimate(0, ARENA.rooms[6].goal, START_COVARIANCE),
+        GlobalLocalization(0),
+        NomotionUpdate(0),
         ClearCostmaps(0),
-        Drive(0, Twist(1.0, 0.0), 50),
-        Go(0, Goal(1, ARENA.rooms[3].goal)),
+        DriveManually(0, Twist(1.0, 0.0), 50),
+        SendGoal(0, Goal(1, ARENA.rooms[3].goal)),
     ]
     traces = []
     for inputs in ([], said):
         team = team_of()
         run(team, 1)
-        traces.append(trace(run(team, 1, Die(0), *inputs) + run(team, 1, Revive(0))))
+        traces.append(trace(run(team, 1, KillRobot(0), *inputs) + run(team, 1, ReviveRobot(0))))
     assert traces[0] == traces[1]
 
 
@@ -229,9 +231,9 @@ def test_that_costmaps_are_looked_at_changes_nothing():
     for parameters in (KNOWING, SHOWN_OFTEN):
         team = team_of(robots=2, parameters=parameters)
         inputs = [
-            Go(0, Goal(1, ARENA.rooms[3].goal)),
+            SendGoal(0, Goal(1, ARENA.rooms[3].goal)),
             PutThing(beside(ARENA.starts[0], 0.9)),
-            Go(1, Goal(2, ARENA.rooms[0].goal)),
+            SendGoal(1, Goal(2, ARENA.rooms[0].goal)),
         ]
-        traces.append(trace(run(team, 20, *inputs) + run(team, 3, Drive(0, Twist(0.3, 0.3), 100))))
+        traces.append(trace(run(team, 20, *inputs) + run(team, 3, DriveManually(0, Twist(0.3, 0.3), 100))))
     assert traces[0] == traces[1]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator import Goal
-from sim.team import Go, Team
+from sim.team import SendGoal, Team
 from thbridge.files.map_files import read_map
 
 MAPS = Path(__file__).parents[2] / "maps"
@@ -18,7 +18,7 @@ def test_robots_share_what_is_the_same_for_all_of_them():
         """Bytes that a team of so many holds when all have planned."""
         before = tracemalloc.get_traced_memory()[0]
         team = Team(place.grid, WorldParameters(), [RobotParameters()] * robots, place.starts[:robots], 1, 1e9)
-        orders = [Go(robot, Goal(robot, place.rooms[robot].goal)) for robot in range(robots)]
+        orders = [SendGoal(robot, Goal(robot, place.rooms[robot].goal)) for robot in range(robots)]
         for tick in range(3 * robots):
             team.step(orders if tick == 0 else [])
         return tracemalloc.get_traced_memory()[0] - before

@@ -3,9 +3,9 @@
 import pytest
 
 from tests.thbridge.roles.stage import Stage
-from thbridge.hunt.events import Agreed, Condition, Departed, Hidden, Identified
+from thbridge.hunt.events import Condition, ConsentGiven, RobotDeparted, TreasureIdentified, TreasuresHidden
 from thbridge.roles.keeper.briefing import Briefing
-from thbridge.roles.robot_requests import ReleaseCommand, SendFor, TakeCommand
+from thbridge.roles.robot_requests import ReleaseCommand, StationSend, TakeCommand
 from thbridge.roles.tabui import TabUI
 from ui.terminal_player import TerminalPlayer
 
@@ -43,7 +43,7 @@ def test_a_person_hunts_by_keyboard_alone(seat):
     assert seat.type("1 3") == ["Robot 1: It will cost me 17 to go to room 3   [c Continue, s Stop]"]
     assert seat.type("c") == ["Robot 1: Are you sure?   [c Continue, s Stop]"]
     assert seat.type("c", 20)[0] == "Robot 1 sets out for room 3; it has 83 energy left."
-    treasure = next(event for event in seat.stage.log.events if isinstance(event, Hidden)).treasures[2]
+    treasure = next(event for event in seat.stage.log.events if isinstance(event, TreasuresHidden)).treasures[2]
     assert seat.shown[-2:] == [
         "Robot 1 is in room 3.",
         f"Room 3: something {treasure.colour.lower()}, {treasure.footprint.lower()}. n 3 NAME names it.",
@@ -52,13 +52,13 @@ def test_a_person_hunts_by_keyboard_alone(seat):
     assert seat.type("names") == ["  Blue Bottle, Orange Bottle, Pink can, Yellow can"]
     assert seat.type("n 3 moon") == ["moon is not one of: Blue Bottle, Orange Bottle, Pink can, Yellow can"]
     assert seat.type(f"n 3 {treasure.name.lower()}") == [f"Room 3: {treasure.name}, {treasure.points:+d} points."]
-    assert any(isinstance(event, Identified) for event in seat.stage.log.events)
+    assert any(isinstance(event, TreasureIdentified) for event in seat.stage.log.events)
 
 
 def test_stop_sends_nobody(seat):
     seat.type("2 ?")
     seat.type("s")
-    assert not any(isinstance(event, Departed) for event in seat.stage.log.events)
+    assert not any(isinstance(event, RobotDeparted) for event in seat.stage.log.events)
 
 
 @pytest.mark.parametrize(
@@ -106,18 +106,18 @@ def test_a_person_is_asked_to_take_part_before_anything_else():
     assert seat.shown == ["We record", "what you do.", "Type agree to take part."]
     assert seat.type("1 3") == ["You have not agreed to take part yet."]
     assert seat.type("agree")[0] == "Game 1. Type ? to see how things stand, h for help."
-    assert Agreed() in seat.stage.log.events
+    assert ConsentGiven() in seat.stage.log.events
     assert seat.type("1 3") == ["Robot 1: It will cost me 17 to go to room 3   [c Continue, s Stop]"]
 
 
 def test_a_person_asks_for_a_robot_and_names_what_a_station_left(seat):
-    for request in (TakeCommand(0, "ground station 255"), SendFor(0, 3)):
+    for request in (TakeCommand(0, "ground station 255"), StationSend(0, 3)):
         seat.stage.session.ask("station", request)
     seat.stage.run(20)
     assert seat.type("a 1") == ["You have asked ground station 255 for robot 1 back."]
-    seat.stage.session.ask("station", SendFor(0, 4))
+    seat.stage.session.ask("station", StationSend(0, 4))
     seat.stage.run(3)
     assert any(line.startswith("  Room 3: something") for line in seat.type("?", 2))
-    treasure = next(event for event in seat.stage.log.events if isinstance(event, Hidden)).treasures[2]
+    treasure = next(event for event in seat.stage.log.events if isinstance(event, TreasuresHidden)).treasures[2]
     assert f"Room 3: {treasure.name}, {treasure.points:+d} points." in seat.type(f"n 3 {treasure.name}")
     assert not any(line.startswith("  Room 3") for line in seat.type("?"))

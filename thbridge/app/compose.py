@@ -13,7 +13,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from sim.common.robot_numbers import number_of, robot_numbers
 from sim.common.traversability import TraversabilityMap
-from sim.inputs import Go, ScheduledInput
+from sim.inputs import ScheduledInput, SendGoal
 from sim.robot.costmap.footprint import radii
 from sim.robot.navigator import Goal
 from sim.team import Team
@@ -103,7 +103,7 @@ class StudySetting:
         study, rooms = self.study, self.map.rooms
         robots = [robot for robot in range(study.robots) if robot < REHEARSERS or number_of(robot) in study.each]
         team = self._team(robots, schedule_of(study.things, ()))
-        orders = [Go(robot, Goal(0, rooms[robot % len(rooms)].goal)) for robot in range(team.size)]
+        orders = [SendGoal(robot, Goal(0, rooms[robot % len(rooms)].goal)) for robot in range(team.size)]
         for tick in range(REHEARSAL):
             team.step(orders if tick == 0 else [])
 

@@ -11,7 +11,7 @@ import math
 import msgspec
 
 from thbridge.hunt.costs import CostMatrix
-from thbridge.hunt.events import Event, Hidden, Number
+from thbridge.hunt.events import Event, Number, TreasuresHidden
 from thbridge.hunt.rooms import Room
 
 VERSION = 1
@@ -45,7 +45,7 @@ def from_json(line: str) -> Event:
     except msgspec.ValidationError as error:
         raise ValueError(str(error)) from None
     # Notices hold treasures too, and those of other releases may have more fields; a journal may not.
-    if isinstance(event, Hidden) and [*msgspec.to_builtins(event.treasures)] != fields["treasures"]:
+    if isinstance(event, TreasuresHidden) and [*msgspec.to_builtins(event.treasures)] != fields["treasures"]:
         raise ValueError("a treasure has an unknown or missing field")
     return event
 

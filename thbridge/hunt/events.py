@@ -49,7 +49,7 @@ class _Event(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field=
     """Base of the events; the tag of each is its kind in journals and recordings."""
 
 
-class Started(_Event, frozen=True, tag="started"):
+class GameStarted(_Event, frozen=True, tag="started"):
     """A new game: its rules and its numbers. Every robot stands in the corridor.
 
     Attributes:
@@ -83,17 +83,17 @@ class Started(_Event, frozen=True, tag="started"):
             raise ValueError("energy, costs and the share of a wrong answer are numbers that are not negative")
 
 
-class Hidden(_Event, frozen=True, tag="hidden"):
+class TreasuresHidden(_Event, frozen=True, tag="hidden"):
     """The treasures were hidden, one per room, room 1 first. Never shown to the participant."""
 
     treasures: tuple[TreasureKind, ...]
 
 
-class Agreed(_Event, frozen=True, tag="agreed"):
+class ConsentGiven(_Event, frozen=True, tag="agreed"):
     """The participant agreed to take part in the study. Recorded again in each later game of the same keeper."""
 
 
-class Departed(_Event, frozen=True, tag="departed"):
+class RobotDeparted(_Event, frozen=True, tag="departed"):
     """A robot set out for a room, which is reserved from now on; its energy is paid in advance."""
 
     robot: int
@@ -101,14 +101,14 @@ class Departed(_Event, frozen=True, tag="departed"):
     cost: Number
 
 
-class Arrived(_Event, frozen=True, tag="arrived"):
+class RobotArrived(_Event, frozen=True, tag="arrived"):
     """A robot stands in a room, which counts as visited from now on."""
 
     robot: int
     room: Room
 
 
-class Failed(_Event, frozen=True, tag="failed"):
+class MoveFailed(_Event, frozen=True, tag="failed"):
     """A robot did not reach the room it drove to, or was called back; the room is free again.
 
     Attributes:
@@ -126,14 +126,14 @@ class Failed(_Event, frozen=True, tag="failed"):
     at: Room
 
 
-class Reported(_Event, frozen=True, tag="reported"):
+class ConditionChanged(_Event, frozen=True, tag="reported"):
     """The condition of a robot has changed."""
 
     robot: int
     condition: Condition
 
 
-class Commanded(_Event, frozen=True, tag="commanded"):
+class CommanderChanged(_Event, frozen=True, tag="commanded"):
     """The commander of a robot has changed.
 
     Attributes:
@@ -147,13 +147,13 @@ class Commanded(_Event, frozen=True, tag="commanded"):
     name: str
 
 
-class AskedBack(_Event, frozen=True, tag="asked-back"):
+class HandbackRequested(_Event, frozen=True, tag="asked-back"):
     """The participant asks the commander of a robot to give it back; the commander decides."""
 
     robot: int
 
 
-class Sensed(_Event, frozen=True, tag="sensed"):
+class TreasureSensed(_Event, frozen=True, tag="sensed"):
     """Colour and footprint of the treasure in a room, as the robot there perceives them."""
 
     room: Room
@@ -161,7 +161,7 @@ class Sensed(_Event, frozen=True, tag="sensed"):
     footprint: str
 
 
-class Pictured(_Event, frozen=True, tag="pictured"):
+class TreasurePictured(_Event, frozen=True, tag="pictured"):
     """A picture was taken; `image` is a file name without directory. Cost 0 when it was shown again."""
 
     room: Room
@@ -170,7 +170,7 @@ class Pictured(_Event, frozen=True, tag="pictured"):
     cost: Number
 
 
-class Identified(_Event, frozen=True, tag="identified"):
+class TreasureIdentified(_Event, frozen=True, tag="identified"):
     """The treasure in a room was named; points are negative when the name was wrong.
 
     Attributes:
@@ -188,13 +188,13 @@ class Identified(_Event, frozen=True, tag="identified"):
     cost: Number
 
 
-class Left(_Event, frozen=True, tag="left"):
+class TreasureLeft(_Event, frozen=True, tag="left"):
     """The participant gave up the treasure in a room."""
 
     room: Room
 
 
-class Ended(_Event, frozen=True, tag="ended"):
+class GameEnded(_Event, frozen=True, tag="ended"):
     """The game is over, with this score."""
 
     reason: EndReason
@@ -202,18 +202,18 @@ class Ended(_Event, frozen=True, tag="ended"):
 
 
 Event = (
-    Started
-    | Hidden
-    | Agreed
-    | Departed
-    | Arrived
-    | Failed
-    | Reported
-    | Commanded
-    | AskedBack
-    | Sensed
-    | Pictured
-    | Identified
-    | Left
-    | Ended
+    GameStarted
+    | TreasuresHidden
+    | ConsentGiven
+    | RobotDeparted
+    | RobotArrived
+    | MoveFailed
+    | ConditionChanged
+    | CommanderChanged
+    | HandbackRequested
+    | TreasureSensed
+    | TreasurePictured
+    | TreasureIdentified
+    | TreasureLeft
+    | GameEnded
 )

@@ -3,11 +3,14 @@
 `apply` does not judge: `rules` decides what may happen, and `apply` accepts what did happen. So it also takes
 events that programs of 2016 cause without asking the rules:
 
-- `Arrived` without a `Departed` moves the robot and pays nothing; `rules.arrive` puts the missing `Departed` before it.
-- `Arrived` in another room than the destination ends the move in progress and its reservation.
-- `Failed` of a robot that is not moving places it and refunds nothing; no refund exceeds the price paid.
-- `Sensed`, `Pictured`, `Identified` and `Left` are noted for rooms where no robot ever arrived, which stay unvisited.
-- `Identified` may come without room, robot or name, more than once, or after `Ended`: the score is the sum of them all.
+- `RobotArrived` without a `RobotDeparted` moves the robot and pays nothing; `rules.arrive` puts the missing one before
+  it.
+- `RobotArrived` in another room than the destination ends the move in progress and its reservation.
+- `MoveFailed` of a robot that is not moving places it and refunds nothing; no refund exceeds the price paid.
+- `TreasureSensed`, `TreasurePictured`, `TreasureIdentified` and `TreasureLeft` are noted for rooms where no robot ever
+  arrived, which stay unvisited.
+- `TreasureIdentified` may come without room, robot or name, more than once, or after `GameEnded`: the score is the sum
+  of them all.
 - Energy may become negative by such events; the robot is then blocked as at 0.
 """
 
@@ -16,23 +19,23 @@ from dataclasses import dataclass, replace
 from typing import assert_never
 
 from thbridge.hunt.events import (
-    Agreed,
-    Arrived,
-    AskedBack,
-    Commanded,
     Commander,
+    CommanderChanged,
     Condition,
-    Departed,
-    Ended,
+    ConditionChanged,
+    ConsentGiven,
     Event,
-    Failed,
-    Hidden,
-    Identified,
-    Left,
-    Pictured,
-    Reported,
-    Sensed,
-    Started,
+    GameEnded,
+    GameStarted,
+    HandbackRequested,
+    MoveFailed,
+    RobotArrived,
+    RobotDeparted,
+    TreasureIdentified,
+    TreasureLeft,
+    TreasurePictured,
+    TreasureSensed,
+    TreasuresHidden,
 )
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.treasures import TreasureKind
@@ -103,7 +106,7 @@ class RoomState:
     """
 
     visited: bool = False
-    sensed: Sensed | None = None
+    sensed: TreasureSensed | None = None
     image: str | None = None
     points: int | None = None
     name: str | None = None
@@ -130,12 +133,12 @@ class GameState:
         agreed: the participant agreed to take part, where the study asks for it.
     """
 
-    started: Started
+    started: GameStarted
     treasures: tuple[TreasureKind, ...] | None
     robots: tuple[RobotState, ...]
     rooms: tuple[RoomState, ...]
     score: int = 0
-    ended: Ended | None = None
+    ended: GameEnded | None = None
     agreed: bool = False
 
     def has_robot(self, robot: int) -> bool:
@@ -181,7 +184,7 @@ class GameState:
         return tuple(room for room in self.started.costs.rooms if not self.room(room).visited and room not in reserved)
 
 
-def begin(started: Started) -> GameState:
+def begin(started: GameStarted) -> GameState:
     """Return the state right after the start of a game."""
     return GameState(
         started=started,
@@ -191,7 +194,7 @@ def begin(started: Started) -> GameState:
     )
 
 
-def fold(started: Started, events: Iterable[Event]) -> GameState:
+def fold(started: GameStarted, events: Iterable[Event]) -> GameState:
     """Return the state after a game's start and the events that followed. Raises as `apply`."""
     state = begin(started)
     for event in events:
@@ -200,22 +203,22 @@ def fold(started: Started, events: Iterable[Event]) -> GameState:
 
 
 def apply(state: GameState, event: Event) -> GameState:
-    """Return the state after an event; `Started` begins a new game.
+    """Return the state after an event; `GameStarted` begins a new game.
 
     Raises:
         ValueError: the event belongs to another game: it names a robot or room that this game does not have, or its
             number of treasures is not the number of rooms.
     """
     match event:
-        case Started():
+        case GameStarted():
             return begin(event)
-        case Hidden():
+        case TreasuresHidden():
             if len(event.treasures) != len(state.rooms):
                 raise ValueError(f"{len(event.treasures)} treasures are hidden in {len(state.rooms)} rooms")
             return replace(state, treasures=event.treasures)
-        case Agreed():
+        case ConsentGiven():
             return replace(state, agreed=True)
-        case Departed():
+        case RobotDeparted():
             robot = _robot(state, event.robot)
             _room(state, event.room)
             return _with_robot(
@@ -223,19 +226,19 @@ def apply(state: GameState, event: Event) -> GameState:
                 event.robot,
                 replace(robot, energy=robot.energy - event.cost, bound_for=event.room, paid=event.cost),
             )
-        case Arrived():
+        case RobotArrived():
             room = _room(state, event.room)
             state = _with_robot(state, event.robot, _standing(_robot(state, event.robot), event.room))
             return _with_room(state, event.room, replace(room, visited=True, finder=event.robot))
-        case Failed():
+        case MoveFailed():
             robot = _robot(state, event.robot)
             refund = min(event.refund, robot.paid)
             stopped = _standing(robot, event.at, event.reason)
             return _with_robot(state, event.robot, replace(stopped, energy=robot.energy + refund))
-        case Reported():
+        case ConditionChanged():
             robot = _robot(state, event.robot)
             return _with_robot(state, event.robot, replace(robot, condition=event.condition))
-        case Commanded():
+        case CommanderChanged():
             robot = _robot(state, event.robot)
             command = CommandHolder(event.by, event.name)
             return _with_robot(
@@ -245,15 +248,15 @@ def apply(state: GameState, event: Event) -> GameState:
                 if event.by is Commander.RESEARCHER
                 else replace(robot, holder=command, intervention=None, asked_back=0),
             )
-        case AskedBack():
+        case HandbackRequested():
             robot = _robot(state, event.robot)
             return _with_robot(state, event.robot, replace(robot, asked_back=robot.asked_back + 1))
-        case Sensed():
+        case TreasureSensed():
             return _with_room(state, event.room, replace(_room(state, event.room), sensed=event))
-        case Pictured():
+        case TreasurePictured():
             state = _with_room(state, event.room, replace(_room(state, event.room), image=event.image))
             return _charge(state, event.robot, event.cost)
-        case Identified():
+        case TreasureIdentified():
             if event.room is not None:
                 state = _with_room(
                     state, event.room, replace(_room(state, event.room), points=event.points, name=event.name)
@@ -261,9 +264,9 @@ def apply(state: GameState, event: Event) -> GameState:
             if event.robot is not None:
                 state = _charge(state, event.robot, event.cost)
             return replace(state, score=state.score + event.points)
-        case Left():
+        case TreasureLeft():
             return _with_room(state, event.room, replace(_room(state, event.room), left=True))
-        case Ended():
+        case GameEnded():
             return replace(state, ended=event)
         case _:
             assert_never(event)

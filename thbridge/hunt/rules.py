@@ -10,22 +10,22 @@ from enum import StrEnum
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import (
-    Agreed,
-    Arrived,
-    AskedBack,
-    Commanded,
     Commander,
+    CommanderChanged,
     Condition,
-    Departed,
-    Ended,
+    ConditionChanged,
+    ConsentGiven,
     EndReason,
     Event,
-    Failed,
-    Identified,
-    Left,
-    Pictured,
-    Reported,
-    Sensed,
+    GameEnded,
+    HandbackRequested,
+    MoveFailed,
+    RobotArrived,
+    RobotDeparted,
+    TreasureIdentified,
+    TreasureLeft,
+    TreasurePictured,
+    TreasureSensed,
 )
 from thbridge.hunt.game import CommandHolder, GameState
 from thbridge.hunt.refusals import RequestRefused
@@ -61,7 +61,7 @@ Ruling = tuple[Event, ...] | RequestRefused
 
 def agree(state: GameState) -> Ruling:
     """Rule for the participant's agreement to take part. A repeated one gives no event."""
-    return () if state.agreed else (Agreed(),)
+    return () if state.agreed else (ConsentGiven(),)
 
 
 def command(state: GameState, robot: int, by: CommandHolder) -> Ruling:
@@ -75,7 +75,7 @@ def command(state: GameState, robot: int, by: CommandHolder) -> Ruling:
     now = state.robots[robot]
     if now.holder == by:
         return ()
-    given = Commanded(robot, by.by, by.name)
+    given = CommanderChanged(robot, by.by, by.name)
     return (given,) if now.intervention is None else (given, _intervenes(robot, now.intervention.name))
 
 
@@ -88,7 +88,7 @@ def intervene(state: GameState, robot: int, researcher: str | None) -> Ruling:
         return _no_robot(state, robot)
     now = state.robots[robot]
     if researcher is None:
-        return () if now.intervention is None else (Commanded(robot, now.holder.by, now.holder.name),)
+        return () if now.intervention is None else (CommanderChanged(robot, now.holder.by, now.holder.name),)
     same = now.intervention is not None and now.intervention.name == researcher
     return () if same else (_intervenes(robot, researcher),)
 
@@ -100,7 +100,7 @@ def ask_back(state: GameState, robot: int) -> Ruling:
         return refused
     if not state.has_robot(robot):
         return _no_robot(state, robot)
-    return () if state.robots[robot].command.by is Commander.PARTICIPANT else (AskedBack(robot),)
+    return () if state.robots[robot].command.by is Commander.PARTICIPANT else (HandbackRequested(robot),)
 
 
 def commanded_by_other(state: GameState, robot: int, asker: Commander) -> RequestRefused | None:
@@ -161,8 +161,8 @@ def move(state: GameState, robot: int, room: Room, asker: Commander = Commander.
     left: tuple[Event, ...] = ()
     if asker is Commander.PARTICIPANT and not mover.at.is_corridor:
         here = state.room(mover.at)
-        left = (Left(mover.at),) if here.sensed and not here.is_decided else ()
-    return (*left, Departed(robot, room, cost))
+        left = (TreasureLeft(mover.at),) if here.sensed and not here.is_decided else ()
+    return (*left, RobotDeparted(robot, room, cost))
 
 
 def arrive(state: GameState, robot: int, room: Room) -> Ruling:
@@ -176,11 +176,11 @@ def arrive(state: GameState, robot: int, room: Room) -> Ruling:
         return refused
     mover = state.robots[robot]
     if mover.bound_for == room:
-        return (Arrived(robot, room),)
+        return (RobotArrived(robot, room),)
     if mover.bound_for is not None:
-        return (Failed(robot, mover.bound_for, f"arrived in {room} instead", 0.0, room), Arrived(robot, room))
+        return (MoveFailed(robot, mover.bound_for, f"arrived in {room} instead", 0.0, room), RobotArrived(robot, room))
     cost = state.started.costs.cost(mover.at, room)
-    return (Departed(robot, room, 0.0 if math.isinf(cost) else cost), Arrived(robot, room))
+    return (RobotDeparted(robot, room, 0.0 if math.isinf(cost) else cost), RobotArrived(robot, room))
 
 
 def fail(state: GameState, robot: int, reason: str, share_done: float, at: Room | None = None) -> Ruling:
@@ -204,7 +204,7 @@ def fail(state: GameState, robot: int, reason: str, share_done: float, at: Room 
         at = mover.at if done == 0.0 else CORRIDOR
     elif not (state.has_room(at) and state.room(at).visited):
         at = CORRIDOR
-    return (Failed(robot, mover.bound_for, reason, mover.paid * (1.0 - done), at),)
+    return (MoveFailed(robot, mover.bound_for, reason, mover.paid * (1.0 - done), at),)
 
 
 def report(state: GameState, robot: int, condition: Condition) -> Ruling:
@@ -214,7 +214,7 @@ def report(state: GameState, robot: int, condition: Condition) -> Ruling:
         return refused
     if not state.has_robot(robot):
         return _no_robot(state, robot)
-    return () if state.robots[robot].condition is condition else (Reported(robot, condition),)
+    return () if state.robots[robot].condition is condition else (ConditionChanged(robot, condition),)
 
 
 def sense(state: GameState, room: Room, reported: tuple[str, str] | None = None) -> Ruling:
@@ -232,10 +232,10 @@ def sense(state: GameState, room: Room, reported: tuple[str, str] | None = None)
         return ()
     treasure = state.treasure(room)
     if reported is not None:
-        return (Sensed(room, *reported),)
+        return (TreasureSensed(room, *reported),)
     if treasure is None:
         return _nothing_known(room)
-    return (Sensed(room, treasure.colour, treasure.footprint),)
+    return (TreasureSensed(room, treasure.colour, treasure.footprint),)
 
 
 def picture(state: GameState, room: Room, reported: str | None = None) -> Ruling:
@@ -251,13 +251,13 @@ def picture(state: GameState, room: Room, reported: str | None = None) -> Ruling
         return robot
     taken = state.room(room).image
     if taken is not None:
-        return (Pictured(room, robot, taken, 0.0),)
+        return (TreasurePictured(room, robot, taken, 0.0),)
     treasure = state.treasure(room)
     image = reported if reported is not None or treasure is None else treasure.image
     if image is None:
         return _nothing_known(room)
     return _paid(state, robot, "a picture", state.started.picture_cost) or (
-        Pictured(room, robot, image, state.started.picture_cost),
+        TreasurePictured(room, robot, image, state.started.picture_cost),
     )
 
 
@@ -288,7 +288,7 @@ def identify(state: GameState, room: Room, name: str, reported: int | None = Non
         lost = math.floor(treasure.points * state.started.wrong_share + 0.5)
         points = treasure.points if same_name(name, treasure.name) else -lost
     return _paid(state, robot, "identifying", state.started.identify_cost) or (
-        Identified(room, robot, name, points, state.started.identify_cost),
+        TreasureIdentified(room, robot, name, points, state.started.identify_cost),
     )
 
 
@@ -299,7 +299,7 @@ def leave(state: GameState, room: Room) -> Ruling:
         return refused
     if not state.room(room).visited:
         return RequestRefused(RuleReason.NOBODY_THERE, f"No robot has been in {room} yet.")
-    return _decided(room) if state.room(room).is_decided else (Left(room),)
+    return _decided(room) if state.room(room).is_decided else (TreasureLeft(room),)
 
 
 def give_up(state: GameState) -> Ruling:
@@ -310,11 +310,11 @@ def give_up(state: GameState) -> Ruling:
     for number, robot in enumerate(state.robots):
         if robot.bound_for is not None:
             return RequestRefused(RuleReason.UNDER_WAY, f"{_name(number)} is still under way to {robot.bound_for}.")
-    return (Ended(EndReason.GIVEN_UP, state.score),)
+    return (GameEnded(EndReason.GIVEN_UP, state.score),)
 
 
 def ending(state: GameState, *, wait_for_decisions: bool = True) -> tuple[Event, ...]:
-    """Return one `Ended` if the game is over, else no event.
+    """Return one `GameEnded` if the game is over, else no event.
 
     It is over when every room is visited, or no robot has a move left that it can pay, and no robot is moving. Silent
     robots do not count; the game does not wait until they respond again.
@@ -332,10 +332,10 @@ def ending(state: GameState, *, wait_for_decisions: bool = True) -> tuple[Event,
     if any(wait_for_decisions or _waits_for_station(state, room) for room in undecided):
         return ()
     if all(room.visited for room in state.rooms):
-        return (Ended(EndReason.ALL_VISITED, state.score),)
+        return (GameEnded(EndReason.ALL_VISITED, state.score),)
     if any(affordable(state, robot) for robot in range(len(state.robots))):
         return ()
-    return (Ended(EndReason.NO_MOVE_LEFT, state.score),)
+    return (GameEnded(EndReason.NO_MOVE_LEFT, state.score),)
 
 
 def affordable(state: GameState, robot: int) -> tuple[Room, ...]:
@@ -346,8 +346,8 @@ def affordable(state: GameState, robot: int) -> tuple[Room, ...]:
     return tuple(room for room in state.free_rooms if state.started.costs.cost(mover.at, room) <= mover.energy)
 
 
-def _intervenes(robot: int, researcher: str) -> Commanded:
-    return Commanded(robot, Commander.RESEARCHER, researcher)
+def _intervenes(robot: int, researcher: str) -> CommanderChanged:
+    return CommanderChanged(robot, Commander.RESEARCHER, researcher)
 
 
 def _may_be_decided(state: GameState, room: Room) -> bool:

@@ -12,7 +12,7 @@ from sim.common.grid import OCCUPIED, OccupancyGrid
 from sim.common.observations import TICK
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator import Goal, GoalReached, NoPath
-from sim.team import Go, Team
+from sim.team import SendGoal, Team
 from sim.world.physics import Misplaced, World
 
 
@@ -80,7 +80,7 @@ def drive(
     team = Team(grid, world, [robot], [task.start], seed, charge=math.inf)
     room = _Room(grid, np.array(world.footprint, dtype=np.float64))
     room.enter(placed.poses[0])
-    inputs = [Go(0, Goal(0, task.goal))]
+    inputs = [SendGoal(0, Goal(0, task.goal))]
     before, distance, collided = placed.poses[0], 0.0, False
     tick, reason = 0, f"the robot was still under way after {task.timeout:g} s"
     while tick < round(task.timeout / TICK):

@@ -9,7 +9,7 @@ from sim.common import noise
 from sim.common.observations import TICK
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator import Goal, GoalReached, NoPath
-from sim.team import Go, Team
+from sim.team import SendGoal, Team
 from thbridge.files.map_files import Map
 from thbridge.hunt.rooms import Room
 
@@ -101,7 +101,7 @@ def drive(course: MeasurementSetup, trip: RoomTrip) -> TripResult:
     words = ("measure", str(trip.start.people), str(trip.goal.people), str(trip.run))
     seed = int(noise.key(course.seed, *words)) % 2**31
     team = Team(place.grid, course.world, [course.robot], [start], seed, charge=math.inf)
-    inputs = [Go(0, Goal(0, place.rooms[trip.goal.people - 1].goal))]
+    inputs = [SendGoal(0, Goal(0, place.rooms[trip.goal.people - 1].goal))]
     for tick in range(1, round(LIMIT / TICK)):
         result = team.step(inputs).robots[0].navigation.result
         inputs = []

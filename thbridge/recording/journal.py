@@ -14,7 +14,7 @@ from typing import IO, Self
 
 from thbridge.files.errors import BadFile
 from thbridge.hunt.codec import from_json, to_json
-from thbridge.hunt.events import Event, Started
+from thbridge.hunt.events import Event, GameStarted
 from thbridge.hunt.game import GameState, apply, begin
 from thbridge.recording.append import append_whole
 
@@ -33,7 +33,7 @@ class RecoveredGame:
         torn: the incomplete last line that was being written when the writer died, or None; it is not in `events`.
     """
 
-    started: Started
+    started: GameStarted
     events: tuple[Event, ...]
     state: GameState
     size: int
@@ -64,18 +64,18 @@ def read_journal(path: Path) -> RecoveredGame:
         raise BadFile(path, None, None, f"cannot be read ({error.strerror})", "name the journal of a game") from None
     whole, newline, torn = content.rpartition(b"\n")
     lines = whole.split(b"\n") if newline else []
-    started: Started | None = None
+    started: GameStarted | None = None
     state: GameState | None = None
     events: list[Event] = []
     for number, line in enumerate(lines, start=1):
         try:
             event = from_json(line.decode())
             if state is None:
-                if not isinstance(event, Started):
+                if not isinstance(event, GameStarted):
                     raise ValueError("the journal does not begin with the start of a game")
                 started, state = event, begin(event)
                 continue
-            if isinstance(event, Started):
+            if isinstance(event, GameStarted):
                 raise ValueError("a second game starts in the journal of the first")
             state = apply(state, event)
         except ValueError as error:
@@ -94,7 +94,7 @@ class Journal:
         self._file = file
 
     @classmethod
-    def start(cls, folder: Path, started: Started) -> Self:
+    def start(cls, folder: Path, started: GameStarted) -> Self:
         """Begin the journal of a new game; its folder is made if it is missing.
 
         Raises:

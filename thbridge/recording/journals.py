@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.files.errors import BadFile
-from thbridge.hunt.events import Event, Started
+from thbridge.hunt.events import Event, GameStarted
 from thbridge.recording.journal import Journal, journal_path, next_game
 
 
@@ -14,7 +14,7 @@ class UnfinishedGame:
     """A game that was cut off.
 
     Attributes:
-        history: its events, oldest first, with `Started`.
+        history: its events, oldest first, with `GameStarted`.
         torn: True when the last event was incomplete and is lost.
     """
 
@@ -62,13 +62,13 @@ class JournalStore:
         return UnfinishedGame((recovered.started, *recovered.events), recovered.torn is not None)
 
     def append(self, events: Sequence[Event]) -> None:
-        """Write events to the disk, in order; a `Started` begins the next journal.
+        """Write events to the disk, in order; a `GameStarted` begins the next journal.
 
         Raises:
             BadFile: a journal cannot be written.
         """
         for event in events:
-            if isinstance(event, Started):
+            if isinstance(event, GameStarted):
                 self.close()
                 self._journal = Journal.start(self.folder, event)
             elif self._journal is not None:

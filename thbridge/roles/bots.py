@@ -9,22 +9,22 @@ from thbridge.hunt.events import Condition
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.view import (
-    Agree,
-    Answer,
+    AnswerDialogue,
     Consent,
     DialogueView,
-    Discuss,
+    GiveConsent,
     GiveUp,
-    Identify,
-    Leave,
+    GiveUpTreasure,
+    IdentifyTreasure,
+    OpenDialogue,
     ParticipantRequest,
+    RequestSuggestion,
     RobotView,
     RoomView,
-    Select,
+    SelectRoom,
     SendRobot,
-    Sense,
+    SenseTreasure,
     TakePicture,
-    Unsure,
     View,
 )
 
@@ -77,7 +77,7 @@ class Bot:
         if view.over is not None:
             return ()
         if view.consent is not None:
-            return (Agree(),)
+            return (GiveConsent(),)
         self._count_failures(view)
         requests: list[ParticipantRequest] = [self._answer(dialogue) for dialogue in view.dialogues if dialogue.choices]
         open_matters: Sequence[DialogueView | Consent] = (*view.dialogues, *view.consents)
@@ -85,7 +85,7 @@ class Bot:
         for robot in view.robots:
             for request in self._for_robot(view, robot, taken):
                 requests.append(request)
-                if isinstance(request, Select):
+                if isinstance(request, SelectRoom):
                     taken.add(request.room)
         busy = any(robot.moving_to is not None or robot.other_commander for robot in view.robots)
         waits = view.dialogues or view.thinking or busy
@@ -130,10 +130,10 @@ class Bot:
         if not open_to_it:
             return
         if self._strategy is BotStrategy.SUGGESTION and fresh == rooms:
-            yield Unsure(robot.robot)
+            yield RequestSuggestion(robot.robot)
         else:
             # The robot would suggest the room that it missed, again and again.
-            yield Select(robot.robot, self._choice(view, robot, open_to_it))
+            yield SelectRoom(robot.robot, self._choice(view, robot, open_to_it))
 
     def _affordable(self, view: View, robot: RobotView, taken: set[int]) -> list[int]:
         row = view.costs[robot.place]
@@ -152,26 +152,28 @@ class Bot:
         doubts = self._strategy is BotStrategy.RANDOM and dialogue.matter == "select-room"
         if doubts and self._doubts.uniforms(dialogue.dialogue, 1)[0] < STOP_PROBABILITY:
             self._stopped.add(dialogue.dialogue)
-            return Answer(dialogue.dialogue, dialogue.turn, len(dialogue.choices) - 1)
-        return Answer(dialogue.dialogue, dialogue.turn, 0)
+            return AnswerDialogue(dialogue.dialogue, dialogue.turn, len(dialogue.choices) - 1)
+        return AnswerDialogue(dialogue.dialogue, dialogue.turn, 0)
 
     def _treasure(self, view: View, robot: RobotView, room: RoomView, agreed: set[str]) -> ParticipantRequest:
         if not room.sensed:
-            return Sense(room.room)
+            return SenseTreasure(room.room)
         name = self._name(room)
         if name is not None and robot.energy >= view.identify_cost:
             return (
-                Identify(room.room, name)
+                IdentifyTreasure(room.room, name)
                 if "take-treasure" in agreed
-                else Discuss(robot.robot, "take-treasure", room.room)
+                else OpenDialogue(robot.robot, "take-treasure", room.room)
             )
         beside = robot.place == room.room and robot.moving_to is None
         can_look = beside and room.picture is None and robot.energy >= view.picture_cost + view.identify_cost
         if name is None and can_look:
             return (
-                TakePicture(room.room) if "take-picture" in agreed else Discuss(robot.robot, "take-picture", room.room)
+                TakePicture(room.room)
+                if "take-picture" in agreed
+                else OpenDialogue(robot.robot, "take-picture", room.room)
             )
-        return Leave(room.room)
+        return GiveUpTreasure(room.room)
 
     def _name(self, room: RoomView) -> str | None:
         """Return the name of the treasure in a room, or None while several names fit."""

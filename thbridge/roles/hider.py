@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from sim.common.noise import NoiseStream
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.hunt.treasures import TreasureKind, hide, same_name
-from thbridge.roles.notices import KEEPER, HidePlease, HiderReady, HideTreasures, Reply
+from thbridge.roles.notices import KEEPER, HideRequest, HiderReady, HideTreasures, LegacyReply
 from thbridge.wire import legacy
 from thbridge.wire.legacy import AskTreasure, FoundTreasure, NameTreasure, PointsAwarded, SnapTreasure, TreasureImage
 from thbridge.wire.notice import Notice, decode_notice, encode_notice, is_notice, parse_notice
@@ -72,10 +72,10 @@ class Hider:
 
     def _handle_notice(self, notice: Notice) -> list[TextMessage]:
         self._has_keeper = True
-        if (request := decode_notice(notice, HidePlease)) is not None and 0 < request.rooms <= MOST_ROOMS:
+        if (request := decode_notice(notice, HideRequest)) is not None and 0 < request.rooms <= MOST_ROOMS:
             treasures = self._draw(request.game, request.rooms)
             return [encode_notice(self.name, KEEPER, HideTreasures(request.game, treasures))]
-        if (reply := decode_notice(notice, Reply)) is not None:
+        if (reply := decode_notice(notice, LegacyReply)) is not None:
             return [TextMessage.of(reply.command, self.name, legacy.TABUI, reply.text)]
         return []
 

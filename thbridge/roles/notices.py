@@ -73,7 +73,7 @@ class MoveResult:
     share: float
 
 
-class Status(NoticeValue, frozen=True, tag="Status"):
+class TeamStatus(NoticeValue, frozen=True, tag="Status"):
     """SimR to keeper: pose and condition of each robot, and the result of its last move.
 
     Attributes:
@@ -93,10 +93,10 @@ class Status(NoticeValue, frozen=True, tag="Status"):
 
 
 class HiderReady(NoticeValue, frozen=True, tag="HiderReady"):
-    """Hider to keeper: Hider is ready; the keeper answers with `HidePlease` when its game has no treasures yet."""
+    """Hider to keeper: Hider is ready; the keeper answers with `HideRequest` when its game has no treasures yet."""
 
 
-class HidePlease(NoticeValue, frozen=True, tag="HidePlease"):
+class HideRequest(NoticeValue, frozen=True, tag="HidePlease"):
     """Keeper to Hider: hide treasures for this game."""
 
     game: int
@@ -110,7 +110,7 @@ class HideTreasures(NoticeValue, frozen=True, tag="HideTreasures"):
     treasures: tuple[TreasureKind, ...]
 
 
-class Reply(NoticeValue, frozen=True, tag="Reply"):
+class LegacyReply(NoticeValue, frozen=True, tag="Reply"):
     """Keeper to Hider: send this line of the 2016 dialect, which the keeper has judged, to the participant."""
 
     command: str
@@ -253,11 +253,11 @@ class TeamRejection(NoticeValue, frozen=True, tag="Unfit"):
 StateNotice = (
     RobotsReady
     | Orders
-    | Status
+    | TeamStatus
     | HiderReady
-    | HidePlease
+    | HideRequest
     | HideTreasures
-    | Reply
+    | LegacyReply
     | ParticipantReady
     | Subscribe
     | PoseTelemetry

@@ -14,30 +14,32 @@ from typing import NamedTuple, TypeAlias
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
 from thbridge.hunt.costs import CostMatrix
-from thbridge.hunt.events import Commander, Ended, EndReason, Sensed, Started
+from thbridge.hunt.events import Commander, EndReason, GameEnded, GameStarted, TreasureSensed
 from thbridge.hunt.game import CommandHolder, GameState, RobotState, RoomState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.tour import why_no_tour
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.view import (
-    Agree,
-    AskBack,
     CallBack,
     Consent,
     DialogueMatter,
     DialogueView,
-    Discuss,
+    GiveConsent,
     GiveUp,
-    Leave,
+    GiveUpTreasure,
+    OpenDialogue,
+    RequestHandback,
+    RequestSuggestion,
     RobotView,
     RoomView,
-    Select,
-    Unsure,
+    SelectRoom,
     View,
 )
 
-JudgedRequest: TypeAlias = Agree | Select | Unsure | Discuss | Leave | GiveUp | CallBack | AskBack
+JudgedRequest: TypeAlias = (
+    GiveConsent | SelectRoom | RequestSuggestion | OpenDialogue | GiveUpTreasure | GiveUp | CallBack | RequestHandback
+)
 
 
 class KeeperReason(StrEnum):
@@ -78,21 +80,21 @@ def judge(now: Situation, request: JudgedRequest) -> rules.Ruling:
     """Return a refusal, or events: of what the participant asks to talk about, those that would follow an agreement."""
     state = now.state
     match request:
-        case Agree():
+        case GiveConsent():
             return rules.agree(state)
-        case Select(robot, room):
+        case SelectRoom(robot, room):
             return _select(now, robot, place(room))
-        case Unsure(robot):
+        case RequestSuggestion(robot):
             return _immovable(now, robot) or _no_advice(now, robot) or ()
-        case Discuss(robot, matter, room):
+        case OpenDialogue(robot, matter, room):
             return _discuss(state, robot, matter, place(room))
-        case Leave(room):
+        case GiveUpTreasure(room):
             return rules.leave(state, place(room))
         case GiveUp():
             return rules.give_up(state)
         case CallBack(robot):
             return _call_back(state, robot)
-        case AskBack(robot):
+        case RequestHandback(robot):
             return rules.ask_back(state, robot)
 
 
@@ -115,7 +117,7 @@ def place(number: int) -> Room:
 def revealed(view: View) -> Situation:
     """Return the situation as far as a view reveals it; what it does not reveal is empty, and no rule here reads it."""
     matters: list[DialogueView | Consent] = [*view.dialogues, *view.consents]
-    started = Started(
+    started = GameStarted(
         seed=0,
         game=view.game,
         robots=len(view.robots),
@@ -134,7 +136,7 @@ def revealed(view: View) -> Situation:
         rooms=tuple(_room(room) for room in view.rooms),
         score=view.score,
         # Rules read only whether a game has ended; a view of a later release may give a reason unknown here.
-        ended=None if view.over is None else Ended(EndReason.GIVEN_UP, view.score),
+        ended=None if view.over is None else GameEnded(EndReason.GIVEN_UP, view.score),
         agreed=view.consent is None,
     )
     return Situation(state, tuple(Discussed(about.robot, about.matter, about.room) for about in matters))
@@ -197,7 +199,7 @@ def _room(room: RoomView) -> RoomState:
     visited = room.state == "visited"
     return RoomState(
         visited=visited,
-        sensed=None if room.colour is None else Sensed(Room(room.room), room.colour, room.footprint or ""),
+        sensed=None if room.colour is None else TreasureSensed(Room(room.room), room.colour, room.footprint or ""),
         image=room.picture,
         points=None if room.verdict is None else room.verdict.points,
         name=None if room.verdict is None else room.verdict.name,

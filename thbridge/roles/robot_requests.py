@@ -23,7 +23,7 @@ ParameterValue = bool | int | float | str | None
 class SetParameters:
     """Change parameters of a robot's software, or the noise of its true sensors, while it runs.
 
-    Unlike `Configure` it holds only what changes, so it also suits a robot whose other parameters differ.
+    Unlike `SetSoftwareParameters` it holds only what changes, so it also suits a robot whose other parameters differ.
 
     Attributes:
         robot: index in the team, from 0.
@@ -35,12 +35,12 @@ class SetParameters:
 
 
 @dataclass(frozen=True, slots=True)
-class Puppeteer:
+class WizardMode:
     """Let a person speak for a robot (Wizard-of-Oz), or let its strategy speak again.
 
     Attributes:
         robot: index in the team, from 0.
-        on: True makes its turns in dialogues wait for `SpeakFor`, and its advice for `AdviseFor`; False lets its
+        on: True makes its turns in dialogues wait for `WizardMove`, and its advice for `WizardAdvice`; False lets its
             strategy decide at once what waits, and all that follows.
     """
 
@@ -49,7 +49,7 @@ class Puppeteer:
 
 
 @dataclass(frozen=True, slots=True)
-class SpeakFor:
+class WizardMove:
     """Make the move of a robot whose turn it is, for its strategy.
 
     Attributes:
@@ -66,7 +66,7 @@ class SpeakFor:
 
 
 @dataclass(frozen=True, slots=True)
-class AdviseFor:
+class WizardAdvice:
     """Answer a participant's "don't know" that waits for a robot's advice, for the robot.
 
     Attributes:
@@ -99,7 +99,7 @@ class ReleaseCommand:
 
 
 @dataclass(frozen=True, slots=True)
-class SendFor:
+class StationSend:
     """The ground station that commands a robot sends it to a room, by the game's rules and without a dialogue.
 
     Attributes:
@@ -111,21 +111,21 @@ class SendFor:
 
 
 @dataclass(frozen=True, slots=True)
-class CallBackFor:
+class StationCallBack:
     """Stop a robot that drives for the game. Any ground station may request that, whoever commands the robot."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
-class PictureFor:
+class StationTakePicture:
     """The ground station that commands a robot takes a picture where the robot stands."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
-class IdentifyFor:
+class StationIdentify:
     """The ground station that commands a robot names the treasure where the robot stands."""
 
     robot: int
@@ -133,7 +133,7 @@ class IdentifyFor:
 
 
 @dataclass(frozen=True, slots=True)
-class LeaveFor:
+class StationLeave:
     """The ground station that commands a robot gives up the treasure where the robot stands."""
 
     robot: int
@@ -174,10 +174,12 @@ class Step:
 PaceRequest = Pause | Resume | SetRate | Step
 """A request about a session's pace. It acts at once, changes no result, and so is no input."""
 
-WizardRequest = Puppeteer | SpeakFor | AdviseFor
+WizardRequest = WizardMode | WizardMove | WizardAdvice
 """A request of a person who speaks in a robot's place (Wizard-of-Oz); acts in the next tick."""
 
-CommandRequest = TakeCommand | ReleaseCommand | SendFor | CallBackFor | PictureFor | IdentifyFor | LeaveFor
+CommandRequest = (
+    TakeCommand | ReleaseCommand | StationSend | StationCallBack | StationTakePicture | StationIdentify | StationLeave
+)
 """A request of a ground station to the game; acts in the next tick. A request that the rules refuse is dropped."""
 
 GameRequest = WizardRequest | CommandRequest
@@ -197,16 +199,16 @@ REQUESTS: dict[str, type[Request]] = {
     "VelocityCommand": VelocityCommand,
     "InitialPose": InitialPose,
     "SetParameters": SetParameters,
-    "Puppeteer": Puppeteer,
-    "SpeakFor": SpeakFor,
-    "AdviseFor": AdviseFor,
+    "Puppeteer": WizardMode,
+    "SpeakFor": WizardMove,
+    "AdviseFor": WizardAdvice,
     "TakeCommand": TakeCommand,
     "ReleaseCommand": ReleaseCommand,
-    "SendFor": SendFor,
-    "CallBackFor": CallBackFor,
-    "PictureFor": PictureFor,
-    "IdentifyFor": IdentifyFor,
-    "LeaveFor": LeaveFor,
+    "SendFor": StationSend,
+    "CallBackFor": StationCallBack,
+    "PictureFor": StationTakePicture,
+    "IdentifyFor": StationIdentify,
+    "LeaveFor": StationLeave,
 }
 """Requests by their names in recordings and at the watch port, which do not change."""
 

@@ -14,7 +14,7 @@ from thbridge.roles.notices import (
     PoseTelemetry,
     Subscribe,
 )
-from thbridge.roles.view import Identify, ParticipantRequest, SendRobot, Sense, TakePicture, View
+from thbridge.roles.view import IdentifyTreasure, ParticipantRequest, SendRobot, SenseTreasure, TakePicture, View
 from thbridge.wire import legacy
 from thbridge.wire.notice import Notice, decode_notice, encode_notice, parse_notice
 from thbridge.wire.text import TextMessage
@@ -129,11 +129,11 @@ def encode_request_line(request: ParticipantRequest) -> TextMessage:
     match request:
         case SendRobot(robot, room):
             return legacy.GotoRoom(robot, Room.of_people(room).wire).message()
-        case Sense(room):
+        case SenseTreasure(room):
             return legacy.AskTreasure(Room.of_people(room).wire).message()
         case TakePicture(room):
             return legacy.SnapTreasure(Room.of_people(room).wire).message()
-        case Identify(room, name):
+        case IdentifyTreasure(room, name):
             return legacy.NameTreasure(Room.of_people(room).wire, name).message()
         case _:
             return encode_notice(TabUI.name, KEEPER, request)

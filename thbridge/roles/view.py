@@ -212,20 +212,20 @@ class View(NoticeValue, frozen=True, tag="View"):
         )
 
 
-class Select(NoticeValue, frozen=True, tag="Select"):
+class SelectRoom(NoticeValue, frozen=True, tag="Select"):
     """Ask a robot to go to this room; opens a dialogue."""
 
     robot: int
     room: int
 
 
-class Unsure(NoticeValue, frozen=True, tag="Unsure"):
+class RequestSuggestion(NoticeValue, frozen=True, tag="Unsure"):
     """Ask a robot to suggest a room ("don't know")."""
 
     robot: int
 
 
-class Answer(NoticeValue, frozen=True, tag="Answer"):
+class AnswerDialogue(NoticeValue, frozen=True, tag="Answer"):
     """Make a choice, counted from 0, at this turn of a dialogue."""
 
     dialogue: int
@@ -246,19 +246,19 @@ class CallBack(NoticeValue, frozen=True, tag="CallBack"):
     robot: int
 
 
-class AskBack(NoticeValue, frozen=True, tag="AskBack"):
+class RequestHandback(NoticeValue, frozen=True, tag="AskBack"):
     """Ask the commander of a robot to give it back."""
 
     robot: int
 
 
-class Sense(NoticeValue, frozen=True, tag="Sense"):
+class SenseTreasure(NoticeValue, frozen=True, tag="Sense"):
     """Sense the treasure in a room that a robot reached."""
 
     room: int
 
 
-class Discuss(NoticeValue, frozen=True, tag="Discuss"):
+class OpenDialogue(NoticeValue, frozen=True, tag="Discuss"):
     """Open a dialogue about taking a picture, or the treasure."""
 
     robot: int
@@ -272,14 +272,14 @@ class TakePicture(NoticeValue, frozen=True, tag="TakePicture"):
     room: int
 
 
-class Identify(NoticeValue, frozen=True, tag="Identify"):
+class IdentifyTreasure(NoticeValue, frozen=True, tag="Identify"):
     """Name the treasure in a room."""
 
     room: int
     name: str
 
 
-class Leave(NoticeValue, frozen=True, tag="Leave"):
+class GiveUpTreasure(NoticeValue, frozen=True, tag="Leave"):
     """Give up the treasure in a room."""
 
     room: int
@@ -297,23 +297,23 @@ class PlayAgain(NoticeValue, frozen=True, tag="PlayAgain"):
     game: int
 
 
-class Agree(NoticeValue, frozen=True, tag="Agree"):
+class GiveConsent(NoticeValue, frozen=True, tag="Agree"):
     """Agree to take part in the study, as `View.consent` asks."""
 
 
 ParticipantRequest = (
-    Agree
-    | Select
-    | Unsure
-    | Answer
+    GiveConsent
+    | SelectRoom
+    | RequestSuggestion
+    | AnswerDialogue
     | SendRobot
     | CallBack
-    | AskBack
-    | Sense
-    | Discuss
+    | RequestHandback
+    | SenseTreasure
+    | OpenDialogue
     | TakePicture
-    | Identify
-    | Leave
+    | IdentifyTreasure
+    | GiveUpTreasure
     | GiveUp
     | PlayAgain
 )

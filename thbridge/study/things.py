@@ -12,7 +12,7 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.common.robot_numbers import index_of
 from sim.common.traversability import Polygon, area, crosses_itself
 from sim.parameters import param
-from sim.team import Carry, Die, PutThing, RemoveThing, Revive, ScheduledInput, TeamInput
+from sim.team import KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot, ScheduledInput, TeamInput
 from sim.world.things import Thing
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
@@ -103,8 +103,8 @@ class MishapEntry:
         """Return it as an input of the team."""
         robot = index_of(self.robot)
         if self.to is not None:
-            return Carry(robot, Pose2(*self.to))
-        return Die(robot) if self.what is Mishap.DIES else Revive(robot)
+            return KidnapRobot(robot, Pose2(*self.to))
+        return KillRobot(robot) if self.what is Mishap.DIES else ReviveRobot(robot)
 
 
 def schedule_of(things: Sequence[ThingEntry], mishaps: Sequence[MishapEntry]) -> tuple[ScheduledInput, ...]:

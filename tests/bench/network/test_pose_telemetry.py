@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from sim.common.observations import TICKS_PER_SECOND
-from sim.inputs import Go
+from sim.inputs import SendGoal
 from sim.robot.navigator import Goal
 from tests.bench.budget import Budgets, best
 from thbridge.app.compose import read_setting
@@ -23,7 +23,7 @@ SECONDS = 20
 def test_one_window_is_told_of_robots_under_way(robots: int, budgets: Budgets) -> None:
     setting = read_setting(replace(Study(), map="warehouse12", robots=robots), Path())
     team = setting.team()
-    goals = [Go(robot, Goal(1, setting.map.rooms[robot].goal)) for robot in range(robots)]
+    goals = [SendGoal(robot, Goal(1, setting.map.rooms[robot].goal)) for robot in range(robots)]
     film = [team.step(goals if tick == 0 else []) for tick in range(SECONDS * TICKS_PER_SECOND)]
     conditions = [Condition.WELL] * robots
     sent = []

@@ -11,7 +11,7 @@ from sim.common.noise import NoiseStream
 from sim.common.observations import Imu, LaserMount, Odometry, Scan
 from sim.parameters import LaserParameters, OdometryNoise, RobotParameters, WorldParameters
 from sim.robot.navigator import Goal
-from sim.team import Go, Team
+from sim.team import SendGoal, Team
 from sim.world.sensors import mount_of
 from thbridge.files.map_files import Map
 
@@ -44,7 +44,7 @@ def tour(place: Map, seed: int, rooms: int = 8, world: WorldParameters = DEGRADE
     team = Team(place.grid, world, [robot], place.starts[:1], seed, 1e9)
     observations, truth = [], []
     for number, room in enumerate(order):
-        inputs = [Go(0, Goal(number, place.rooms[room].goal))]
+        inputs = [SendGoal(0, Goal(number, place.rooms[room].goal))]
         while True:
             output = team.step(inputs).robots[0]
             inputs = []

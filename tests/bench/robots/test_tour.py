@@ -12,7 +12,7 @@ from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICK
 from sim.parameters import DwaPlannerParameters, RobotParameters, TrajectoryPlannerParameters, WorldParameters
 from sim.robot.navigator import Goal, GoalReached
-from sim.team import Go, Team
+from sim.team import SendGoal, Team
 from tests.bench.budget import Budgets
 from thbridge.offline.drive import DriveResult, DriveTask, drive
 
@@ -62,7 +62,7 @@ def tour(team: Team, places: list[Pose2]) -> Tour:
     before = None
     began = time.process_time()
     for number, place in enumerate(places):
-        inputs, result = [Go(0, Goal(number, place))], None
+        inputs, result = [SendGoal(0, Goal(number, place))], None
         while result is None:
             snapshot = team.step(inputs)
             inputs, result = [], snapshot.robots[0].navigation.result

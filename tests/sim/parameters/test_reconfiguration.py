@@ -14,7 +14,7 @@ from sim.parameters import ParameterRejection, RobotParameters, WorldParameters,
 from sim.robot.costmap.costs import INSCRIBED, LETHAL
 from sim.robot.navigator import Goal, GoalReached
 from sim.robot.planning.path import PlanRefusal
-from sim.team import Configure, Die, Drive, Go, PutThing, Team
+from sim.team import DriveManually, KillRobot, PutThing, SendGoal, SetSoftwareParameters, Team
 from sim.world.things import Thing
 from thbridge.files.map_files import read_map
 
@@ -196,9 +196,9 @@ def test_whatever_comes_is_taken_or_rejected(path, value):
 
 def test_configuring_with_the_same_parameters_changes_nothing():
     traces = []
-    for inputs in ([], [Configure(0, replace(STUDY, amcl=replace(STUDY.amcl)))]):
+    for inputs in ([], [SetSoftwareParameters(0, replace(STUDY, amcl=replace(STUDY.amcl)))]):
         team = team_of()
-        snapshots = run(team, 3, Go(0, FAR))
+        snapshots = run(team, 3, SendGoal(0, FAR))
         traces.append(trace(snapshots + run(team, 3, *inputs)))
     assert traces[0] == traces[1]
 
@@ -245,8 +245,12 @@ def test_what_is_told_before_the_first_tick_acts_as_if_it_had_been_so_from_the_b
     for path in paths:
         new = changed(path, another(path), new)
     traces = [
-        trace(run(team, 4, *inputs, Go(0, FAR)))
-        for team, inputs in ((team_of(new), []), (team_of(start), [Configure(0, new)]), (team_of(start), []))
+        trace(run(team, 4, *inputs, SendGoal(0, FAR)))
+        for team, inputs in (
+            (team_of(new), []),
+            (team_of(start), [SetSoftwareParameters(0, new)]),
+            (team_of(start), []),
+        )
     ]
     assert traces[0] == traces[1]
     assert traces[0] != traces[2]
@@ -255,9 +259,9 @@ def test_what_is_told_before_the_first_tick_acts_as_if_it_had_been_so_from_the_b
 def test_how_often_costmaps_are_shown_can_change_and_nothing_else_does():
     shown = changed("local_costmap.publish_frequency", 10.0, changed("global_costmap.publish_frequency", 10.0))
     traces = []
-    for inputs in ([], [Configure(0, shown)]):
+    for inputs in ([], [SetSoftwareParameters(0, shown)]):
         team = team_of()
-        before = run(team, 3, Go(0, FAR))
+        before = run(team, 3, SendGoal(0, FAR))
         after = run(team, 3, *inputs)
         traces.append(trace(before + after))
     assert traces[0] == traces[1]
@@ -266,8 +270,8 @@ def test_how_often_costmaps_are_shown_can_change_and_nothing_else_does():
 
 def test_a_slower_robot_keeps_goal_and_plan_and_arrives():
     team = team_of()
-    last = run(team, 3, Go(0, FAR))[-1]
-    snapshots = run(team, 60, Configure(0, changed("TrajectoryPlannerROS.max_vel_x", 0.5)))
+    last = run(team, 3, SendGoal(0, FAR))[-1]
+    snapshots = run(team, 60, SetSoftwareParameters(0, changed("TrajectoryPlannerROS.max_vel_x", 0.5)))
     navigation = snapshots[0].robots[0].navigation
     assert navigation.goal == FAR
     assert len(navigation.plan) >= len(last.robots[0].navigation.plan) - 1
@@ -278,9 +282,9 @@ def test_a_slower_robot_keeps_goal_and_plan_and_arrives():
 def test_a_robot_that_need_not_be_exact_any_more_has_arrived_where_it_is():
     team = team_of()
     near = team_of().step().robots[0].estimate.base_in_map.compose(Pose2(0.6, 0.0, 0.0))
-    run(team, 0.5, Go(0, Goal(1, near)))
+    run(team, 0.5, SendGoal(0, Goal(1, near)))
     loose = changed("TrajectoryPlannerROS.xy_goal_tolerance", 5.0)
-    first, *_ = run(team, 1, Configure(0, changed("TrajectoryPlannerROS.yaw_goal_tolerance", 3.15, loose)))
+    first, *_ = run(team, 1, SetSoftwareParameters(0, changed("TrajectoryPlannerROS.yaw_goal_tolerance", 3.15, loose)))
     before = first.robots[0].estimate.base_in_map.distance(near)
     result = next(s.robots[0].navigation.result for s in [first, *_] if s.robots[0].navigation.result is not None)
     assert isinstance(result, GoalReached)
@@ -290,9 +294,9 @@ def test_a_robot_that_need_not_be_exact_any_more_has_arrived_where_it_is():
 def test_a_filter_that_trusts_its_wheels_less_doubts_more_and_goes_on_from_what_it_believed():
     start = replace(STUDY, localization="ekf", ekf=replace(STUDY.ekf, vo_used=False))
     doubts = []
-    for inputs in ([], [Configure(0, changed("ekf.odom_alpha3", 1.0, start))]):
+    for inputs in ([], [SetSoftwareParameters(0, changed("ekf.odom_alpha3", 1.0, start))]):
         team = team_of(start)
-        before = run(team, 1, Drive(0, Twist(0.3, 0.0), 3 * SECOND))[-1].robots[0].estimate
+        before = run(team, 1, DriveManually(0, Twist(0.3, 0.0), 3 * SECOND))[-1].robots[0].estimate
         first, *_, last = (each.robots[0].estimate for each in run(team, 1, *inputs))
         assert first.base_in_map.distance(before.base_in_map) < 0.01
         doubts.append(float(np.trace(last.covariance[:2, :2]) - np.trace(before.covariance[:2, :2])))
@@ -301,22 +305,22 @@ def test_a_filter_that_trusts_its_wheels_less_doubts_more_and_goes_on_from_what_
 
 def test_the_other_planners_take_over_under_way():
     team = team_of()
-    run(team, 2, Go(0, FAR))
+    run(team, 2, SendGoal(0, FAR))
     for path, value in (
         ("move_base.base_local_planner", "dwa_local_planner/DWAPlannerROS"),
         ("move_base.base_global_planner", "global_planner/GlobalPlanner"),
         ("move_base.controller_frequency", 5.0),
     ):
-        team.step([Configure(0, changed(path, value, team.parameters[0]))])
+        team.step([SetSoftwareParameters(0, changed(path, value, team.parameters[0]))])
     assert team.parameters[0].move_base.controller_frequency == 5.0
     assert any(isinstance(s.robots[0].navigation.result, GoalReached) for s in run(team, 60))
 
 
 def test_particles_stay_and_their_number_follows_the_new_bounds():
     team = team_of()
-    before = run(team, 3, Go(0, FAR))[-1].robots[0].estimate
+    before = run(team, 3, SendGoal(0, FAR))[-1].robots[0].estimate
     fewer = changed("amcl.max_particles", 150, changed("amcl.min_particles", 120))
-    first, *rest = run(team, 5, Configure(0, fewer))
+    first, *rest = run(team, 5, SetSoftwareParameters(0, fewer))
     if not first.robots[0].estimate.updated:
         assert np.array_equal(first.robots[0].estimate.particles, before.particles)
     assert not any(s.robots[0].estimate.lost for s in rest)
@@ -327,12 +331,12 @@ def test_costmaps_keep_what_was_seen_and_take_the_new_inflation():
     start = ARENA.starts[0]
     crate = Thing("crate", ((0.1, 0.1), (-0.1, 0.1), (-0.1, -0.1), (0.1, -0.1)), start.compose(Pose2(0.9, 0.0, 0.0)))
     team = team_of(SHOWN)
-    before = last_views(run(team, 2, PutThing(crate), Drive(0, Twist(0.0, 0.0), 1)))
+    before = last_views(run(team, 2, PutThing(crate), DriveManually(0, Twist(0.0, 0.0), 1)))
     wider = SHOWN
     for costmap in ("global_costmap", "local_costmap"):
         wider = changed(f"{costmap}.inflation_layer.inflation_radius", 0.8, wider)
         wider = changed(f"{costmap}.inflation_layer.cost_scaling_factor", 2.0, wider)
-    after = last_views(run(team, 0.2, Configure(0, wider)))
+    after = last_views(run(team, 0.2, SetSoftwareParameters(0, wider)))
     for old, new in zip(before, after, strict=True):
         # The laser went on marking and clearing meanwhile.
         assert abs(int((new.costs == LETHAL).sum()) - int((old.costs == LETHAL).sum())) < 5
@@ -342,8 +346,8 @@ def test_costmaps_keep_what_was_seen_and_take_the_new_inflation():
 
 def test_a_local_costmap_of_another_size_stays_around_the_robot():
     team = team_of(SHOWN)
-    run(team, 2, Go(0, FAR))
-    _, view = last_views(run(team, 1, Configure(0, changed("local_costmap.width", 6.0, SHOWN))))
+    run(team, 2, SendGoal(0, FAR))
+    _, view = last_views(run(team, 1, SetSoftwareParameters(0, changed("local_costmap.width", 6.0, SHOWN))))
     assert view.costs.shape == (80, 120)
     pose = team.step().robots[0].estimate.base_in_map
     assert abs(view.origin.x + 3.0 - pose.x) < 0.5
@@ -353,7 +357,7 @@ def test_a_local_costmap_of_another_size_stays_around_the_robot():
 
 def test_a_dead_robot_takes_no_parameters():
     team = team_of()
-    run(team, 1, Die(0), Configure(0, changed("amcl.max_particles", 500)))
+    run(team, 1, KillRobot(0), SetSoftwareParameters(0, changed("amcl.max_particles", 500)))
     assert team.parameters == (STUDY,)
 
 
@@ -361,7 +365,7 @@ def test_what_cannot_change_is_no_input():
     with pytest.raises(ValueError, match=r"robot 0 cannot change .* ekf\.imu_used, .* move_base\.recovery_behaviors"):
         team_of().step(
             [
-                Configure(
+                SetSoftwareParameters(
                     0,
                     replace(
                         STUDY,
@@ -382,7 +386,7 @@ def test_a_plan_that_is_asked_for_changes_nothing():
         team = team_of()
         snapshots = []
         for tick in range(4 * SECOND):
-            snapshots.append(team.step([Go(0, FAR)] if tick == 0 else []))
+            snapshots.append(team.step([SendGoal(0, FAR)] if tick == 0 else []))
             if asks:
                 team.make_plan(0, None, ARENA.rooms[tick % 8].goal, 0.5)
         traces.append(trace(snapshots))
@@ -423,7 +427,7 @@ def test_a_goal_however_far_away_is_refused(far):
     team, place = team_of(), Pose2(far, -far, 0.0)
     for start, goal in ((None, place), (place, FAR.base_in_map)):
         assert isinstance(team.make_plan(0, start, goal, 0.5), PlanRefusal)
-    results = [s.robots[0].navigation.result for s in run(team, 2, Go(0, Goal(7, place)))]
+    results = [s.robots[0].navigation.result for s in run(team, 2, SendGoal(0, Goal(7, place)))]
     assert [result.reason for result in results if result] == ["goal_outside"]
 
 

@@ -9,7 +9,17 @@ from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICKS_PER_SECOND
 from sim.parameters import LaserParameters, OdometryNoise, RobotParameters, WorldParameters
 from sim.robot.navigator import Cancelled, Goal, GoalReached
-from sim.team import Carry, Die, Go, Place, PutThing, RemoveThing, Revive, ScheduledInput, Team
+from sim.team import (
+    KidnapRobot,
+    KillRobot,
+    PlaceRobot,
+    PutThing,
+    RemoveThing,
+    ReviveRobot,
+    ScheduledInput,
+    SendGoal,
+    Team,
+)
 from sim.world.physics import Misplaced, World, WorldState, with_thing, without_thing
 from sim.world.sensors import Sensors
 from sim.world.things import ROBOT_MARGIN, TURN_BACK_TICKS, RobotBodies, Thing, ThingState, step_things
@@ -191,30 +201,30 @@ def team(*starts: tuple[float, float, float], schedule: tuple[ScheduledInput, ..
 def test_a_carried_robot_is_elsewhere_and_is_not_told():
     moved = team((1, 2, 0))
     moved.step()
-    snapshot = moved.step([Carry(0, Pose2(6, 3, 1.0))])
+    snapshot = moved.step([KidnapRobot(0, Pose2(6, 3, 1.0))])
     assert snapshot.world.poses[0] == pytest.approx([6, 3, 1.0])
     assert snapshot.robots[0].estimate.base_in_map.distance(Pose2(1, 2, 0)) < 0.1
-    told = moved.step([Place(0, Pose2(6, 3, 1.0))])
+    told = moved.step([PlaceRobot(0, Pose2(6, 3, 1.0))])
     assert told.robots[0].estimate.base_in_map.distance(Pose2(6, 3, 1.0)) < 0.1
 
 
 def test_a_carried_robot_is_set_down_when_the_place_is_free():
     moved = team((1, 2, 0), (6, 3, 0))
-    snapshot = moved.step([Carry(0, Pose2(6, 3, 0))])
+    snapshot = moved.step([KidnapRobot(0, Pose2(6, 3, 0))])
     assert snapshot.world.poses[0, 0] == 1
-    snapshot = moved.step([Carry(1, Pose2(3, 1, 0))])
+    snapshot = moved.step([KidnapRobot(1, Pose2(3, 1, 0))])
     snapshot = moved.step()
     assert snapshot.world.poses[0, 0] == 6
-    assert moved.step([Carry(0, Pose2(0, 0, 0))]).world.poses[0, 0] == 6
+    assert moved.step([KidnapRobot(0, Pose2(0, 0, 0))]).world.poses[0, 0] == 6
 
 
 def test_a_dead_robot_brakes_and_is_silent_until_it_revives():
     driven = team((1, 2.5, 0), (8, 1, 0))
-    driven.step([Go(0, Goal(7, Pose2(7, 2.5, 0)))])
+    driven.step([SendGoal(0, Goal(7, Pose2(7, 2.5, 0)))])
     for _ in range(2 * TICKS_PER_SECOND):
         snapshot = driven.step()
     assert snapshot.world.twists[0, 0] > 0.1
-    snapshot = driven.step([Die(0), Go(0, Goal(8, Pose2(2, 2.5, 0)))])
+    snapshot = driven.step([KillRobot(0), SendGoal(0, Goal(8, Pose2(2, 2.5, 0)))])
     assert snapshot.dead == {0}
     said = snapshot.robots[0]
     for _ in range(TICKS_PER_SECOND):
@@ -223,19 +233,23 @@ def test_a_dead_robot_brakes_and_is_silent_until_it_revives():
     assert snapshot.robots[0].observations is said.observations
     assert snapshot.robots[0].navigation.result is None
     assert snapshot.robots[1].observations.tick == snapshot.tick
-    snapshot = driven.step([Revive(0)])
+    snapshot = driven.step([ReviveRobot(0)])
     assert snapshot.dead == frozenset()
     result = snapshot.robots[0].navigation.result
     assert isinstance(result, Cancelled) and result.goal.id == 7
     assert snapshot.robots[0].navigation.goal is None
-    driven.step([Go(0, Goal(9, Pose2(4, 2.5, 0)))])
+    driven.step([SendGoal(0, Goal(9, Pose2(4, 2.5, 0)))])
     ended = [driven.step().robots[0].navigation.result for _ in range(15 * TICKS_PER_SECOND)]
     assert any(isinstance(result, GoalReached) for result in ended)
 
 
 def test_what_is_scheduled_happens_of_its_own_accord_and_as_if_it_had_come_in():
     thing = crate(3, 2)
-    plan = (ScheduledInput(30, RemoveThing("crate")), ScheduledInput(10, PutThing(thing)), ScheduledInput(20, Die(0)))
+    plan = (
+        ScheduledInput(30, RemoveThing("crate")),
+        ScheduledInput(10, PutThing(thing)),
+        ScheduledInput(20, KillRobot(0)),
+    )
     scheduled, live = team((1, 2, 0), schedule=plan), team((1, 2, 0))
     for tick in range(1, 41):
         inputs = [timed.input for timed in plan if timed.tick == tick]

@@ -10,7 +10,7 @@ from tests.thbridge.ros.drive import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, re
 from thbridge.analysis.report.gathering import read_report
 from thbridge.analysis.report.values import Report
 from thbridge.hunt.codec import to_json
-from thbridge.hunt.events import Failed
+from thbridge.hunt.events import MoveFailed
 from thbridge.hunt.rooms import Room
 from thbridge.ros.messages import pack, types
 from thbridge.ros.messages.pack import Transform
@@ -169,7 +169,7 @@ def test_a_bag_of_nothing_is_a_report_of_what_is_missing() -> None:
 
 
 def test_why_a_robot_did_not_get_there_is_told_in_words() -> None:
-    failed = Failed(1, Room(3), "Robot 2 is stuck and cannot get free.", 27.76007947445022, Room(0))
+    failed = MoveFailed(1, Room(3), "Robot 2 is stuck and cannot get free.", 27.76007947445022, Room(0))
     data = pack.game_event(0, GameEvent("failed", 1, 3, to_json(failed)))
     (moment,) = read_report([recorded("/hunt/events", types.GAME_EVENT, 1.0, data)]).timeline
     assert (moment.who, moment.room) == ("robot2", 3)

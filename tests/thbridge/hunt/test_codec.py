@@ -10,24 +10,24 @@ from hypothesis import strategies as st
 from thbridge.hunt.codec import from_json, to_json
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (
-    Agreed,
-    Arrived,
-    AskedBack,
-    Commanded,
     Commander,
+    CommanderChanged,
     Condition,
-    Departed,
-    Ended,
+    ConditionChanged,
+    ConsentGiven,
     EndReason,
     Event,
-    Failed,
-    Hidden,
-    Identified,
-    Left,
-    Pictured,
-    Reported,
-    Sensed,
-    Started,
+    GameEnded,
+    GameStarted,
+    HandbackRequested,
+    MoveFailed,
+    RobotArrived,
+    RobotDeparted,
+    TreasureIdentified,
+    TreasureLeft,
+    TreasurePictured,
+    TreasureSensed,
+    TreasuresHidden,
 )
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
@@ -47,20 +47,20 @@ costs = st.integers(2, 4).flatmap(
     ).map(lambda rows: CostMatrix(tuple(rows)))
 )
 events = st.one_of(
-    st.builds(Started, st.integers(), st.integers(), st.integers(1, 9), shares, shares, shares, shares, costs),
-    st.builds(Hidden, st.lists(treasures, max_size=4).map(tuple)),
-    st.builds(Agreed),
-    st.builds(Departed, robots, rooms, numbers),
-    st.builds(Arrived, robots, rooms),
-    st.builds(Failed, robots, rooms, texts, numbers, rooms),
-    st.builds(Reported, robots, st.sampled_from(Condition)),
-    st.builds(Commanded, robots, st.sampled_from(Commander), texts),
-    st.builds(AskedBack, robots),
-    st.builds(Sensed, rooms, texts, texts),
-    st.builds(Pictured, rooms, robots, texts, numbers),
-    st.builds(Identified, st.none() | rooms, st.none() | robots, st.none() | texts, st.integers(), numbers),
-    st.builds(Left, rooms),
-    st.builds(Ended, st.sampled_from(EndReason), st.integers()),
+    st.builds(GameStarted, st.integers(), st.integers(), st.integers(1, 9), shares, shares, shares, shares, costs),
+    st.builds(TreasuresHidden, st.lists(treasures, max_size=4).map(tuple)),
+    st.builds(ConsentGiven),
+    st.builds(RobotDeparted, robots, rooms, numbers),
+    st.builds(RobotArrived, robots, rooms),
+    st.builds(MoveFailed, robots, rooms, texts, numbers, rooms),
+    st.builds(ConditionChanged, robots, st.sampled_from(Condition)),
+    st.builds(CommanderChanged, robots, st.sampled_from(Commander), texts),
+    st.builds(HandbackRequested, robots),
+    st.builds(TreasureSensed, rooms, texts, texts),
+    st.builds(TreasurePictured, rooms, robots, texts, numbers),
+    st.builds(TreasureIdentified, st.none() | rooms, st.none() | robots, st.none() | texts, st.integers(), numbers),
+    st.builds(TreasureLeft, rooms),
+    st.builds(GameEnded, st.sampled_from(EndReason), st.integers()),
 )
 
 
@@ -109,12 +109,12 @@ def test_what_is_wrong_is_named(line, complaint):
 
 
 def test_rooms_are_written_as_people_count():
-    assert json.loads(to_json(Arrived(0, Room.of_wire(0)))) == {"v": 1, "event": "arrived", "robot": 0, "room": 1}
+    assert json.loads(to_json(RobotArrived(0, Room.of_wire(0)))) == {"v": 1, "event": "arrived", "robot": 0, "room": 1}
 
 
 def test_infinite_energy_is_not_written():
     with pytest.raises(ValueError):
-        to_json(Departed(0, Room(1), math.inf))
+        to_json(RobotDeparted(0, Room(1), math.inf))
 
 
 @pytest.mark.parametrize("line", RECORDED)

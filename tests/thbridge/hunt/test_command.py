@@ -6,7 +6,17 @@ from hypothesis import strategies as st
 
 from tests.thbridge.hunt.test_game import ROOM_1, ROOM_2, ROOM_4, after, in_room_4, new_game, small_game, visit
 from thbridge.hunt import rules
-from thbridge.hunt.events import AskedBack, Commanded, Commander, Condition, Departed, Ended, EndReason, Left, Reported
+from thbridge.hunt.events import (
+    Commander,
+    CommanderChanged,
+    Condition,
+    ConditionChanged,
+    EndReason,
+    GameEnded,
+    HandbackRequested,
+    RobotDeparted,
+    TreasureLeft,
+)
 from thbridge.hunt.game import CommandHolder, apply
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
@@ -24,7 +34,7 @@ def taken(state=None, robot=0, by=STATION):
 def test_a_ground_station_takes_a_robot_and_gives_it_back():
     state = new_game()
     assert state.robots[0].command == PARTICIPANT
-    assert rules.command(state, 0, STATION) == (Commanded(0, Commander.GROUND_STATION, "ground station 255"),)
+    assert rules.command(state, 0, STATION) == (CommanderChanged(0, Commander.GROUND_STATION, "ground station 255"),)
     state = taken(state)
     assert (state.robots[0].command, state.robots[1].command) == (STATION, PARTICIPANT)
     assert rules.command(state, 0, STATION) == ()
@@ -40,8 +50,8 @@ def test_only_its_commander_moves_a_robot():
     state = taken()
     refused = rules.move(state, 0, ROOM_4)
     assert refused == RequestRefused(RuleReason.COMMANDED, "Robot 1 is commanded by ground station 255 just now.")
-    assert rules.move(state, 0, ROOM_4, Commander.GROUND_STATION) == (Departed(0, ROOM_4, 13.0),)
-    assert rules.move(state, 1, ROOM_4) == (Departed(1, ROOM_4, 13.0),)
+    assert rules.move(state, 0, ROOM_4, Commander.GROUND_STATION) == (RobotDeparted(0, ROOM_4, 13.0),)
+    assert rules.move(state, 1, ROOM_4) == (RobotDeparted(1, ROOM_4, 13.0),)
     refused = rules.move(state, 1, ROOM_4, Commander.GROUND_STATION)
     assert refused == RequestRefused(RuleReason.COMMANDED, "Robot 2 is commanded by the participant just now.")
 
@@ -77,7 +87,7 @@ def sent_on(**options):
 
 def test_only_a_participant_who_moves_a_robot_on_gives_up_what_is_not_decided():
     left, departed = rules.move(in_room_4(), 0, ROOM_1)
-    assert (left, departed.room) == (Left(ROOM_4), ROOM_1)
+    assert (left, departed.room) == (TreasureLeft(ROOM_4), ROOM_1)
     (departed,) = rules.move(taken(in_room_4()), 0, ROOM_1, Commander.GROUND_STATION)
     assert departed.room == ROOM_1
 
@@ -92,7 +102,7 @@ def test_what_a_robot_was_sent_on_from_is_named_at_its_expense_and_not_pictured(
         assert (named.score, named.robots[0].energy) == (10, energy - 2.0)
         assert named.decider(ROOM_4) is None
         assert rules.picture(there, ROOM_4) == RequestRefused(RuleReason.NOBODY_THERE, "No robot stands in room 4.")
-        assert rules.leave(there, ROOM_4) == (Left(ROOM_4),)
+        assert rules.leave(there, ROOM_4) == (TreasureLeft(ROOM_4),)
 
 
 def test_nobody_names_what_was_given_up_or_never_sensed_once_its_robot_is_gone():
@@ -110,7 +120,7 @@ def test_nobody_names_anything_in_a_room_that_there_is_not():
 
 
 def test_a_robot_that_does_not_answer_names_nothing_that_it_found():
-    state = apply(sent_on(), Reported(0, Condition.SILENT))
+    state = apply(sent_on(), ConditionChanged(0, Condition.SILENT))
     refused = rules.identify(state, ROOM_4, "Pink can")
     assert isinstance(refused, RequestRefused) and refused.reason is RuleReason.SILENT
 
@@ -137,13 +147,13 @@ def test_the_end_waits_for_what_can_be_named_from_afar_if_anybody_is_there_to_do
 
 def test_the_participant_asks_for_what_somebody_else_commands():
     state = taken()
-    assert rules.ask_back(state, 0) == (AskedBack(0),)
+    assert rules.ask_back(state, 0) == (HandbackRequested(0),)
     state = after(after(state, rules.ask_back(state, 0)), rules.ask_back(state, 0))
     assert state.robots[0].asked_back == 2
     assert rules.ask_back(state, 1) == ()
     assert taken(state, by=PARTICIPANT).robots[0].asked_back == 0
-    assert rules.ask_back(after(state, rules.intervene(state, 1, "/rviz")), 1) == (AskedBack(1),)
-    for refused in (rules.ask_back(state, 2), rules.ask_back(apply(state, Ended(EndReason.GIVEN_UP, 0)), 0)):
+    assert rules.ask_back(after(state, rules.intervene(state, 1, "/rviz")), 1) == (HandbackRequested(1),)
+    for refused in (rules.ask_back(state, 2), rules.ask_back(apply(state, GameEnded(EndReason.GIVEN_UP, 0)), 0)):
         assert isinstance(refused, RequestRefused)
 
 
@@ -155,7 +165,7 @@ def test_a_researcher_who_intervenes_gives_the_robot_back_to_whoever_had_it(hold
     assert rules.intervene(state, 0, "/rviz") == ()
     refused = rules.move(state, 0, ROOM_4, holder.by)
     assert refused == RequestRefused(RuleReason.COMMANDED, "Robot 1 is commanded by a researcher just now.")
-    assert rules.intervene(state, 0, None) == (Commanded(0, holder.by, holder.name),)
+    assert rules.intervene(state, 0, None) == (CommanderChanged(0, holder.by, holder.name),)
     state = after(state, rules.intervene(state, 0, None))
     assert state.robots[0].command == holder
     assert rules.intervene(state, 0, None) == ()
@@ -170,7 +180,7 @@ def test_a_ground_station_that_leaves_meanwhile_does_not_end_what_a_researcher_d
 
 
 def test_command_is_given_back_after_the_end_of_the_game_too():
-    state = apply(taken(), Ended(EndReason.GIVEN_UP, 0))
+    state = apply(taken(), GameEnded(EndReason.GIVEN_UP, 0))
     assert taken(state, by=PARTICIPANT).robots[0].command == PARTICIPANT
 
 

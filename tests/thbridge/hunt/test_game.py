@@ -11,19 +11,19 @@ from thbridge.hunt import rules
 from thbridge.hunt.codec import from_json, to_json
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (
-    Arrived,
     Condition,
-    Departed,
-    Ended,
+    ConditionChanged,
     EndReason,
-    Failed,
-    Hidden,
-    Identified,
-    Left,
-    Pictured,
-    Reported,
-    Sensed,
-    Started,
+    GameEnded,
+    GameStarted,
+    MoveFailed,
+    RobotArrived,
+    RobotDeparted,
+    TreasureIdentified,
+    TreasureLeft,
+    TreasurePictured,
+    TreasureSensed,
+    TreasuresHidden,
 )
 from thbridge.hunt.game import apply, begin, fold
 from thbridge.hunt.refusals import RequestRefused
@@ -38,8 +38,8 @@ ROOM_1, ROOM_2, ROOM_3, ROOM_4 = all_rooms(4)
 
 
 def new_game(robots=2, energy=100.0, picture_cost=5.0, identify_cost=2.0, wrong_share=1.0, costs=ARENA):
-    started = Started(7, 1, robots, energy, picture_cost, identify_cost, wrong_share, costs)
-    return apply(begin(started), Hidden((PINK, ORANGE) * (len(costs.rooms) // 2)))
+    started = GameStarted(7, 1, robots, energy, picture_cost, identify_cost, wrong_share, costs)
+    return apply(begin(started), TreasuresHidden((PINK, ORANGE) * (len(costs.rooms) // 2)))
 
 
 def after(state, ruling):
@@ -65,7 +65,7 @@ def in_room_4(**options):
 def test_a_move_costs_the_matrix_entry_at_departure_and_reserves_the_room():
     state = new_game()
     ruling = rules.move(state, 0, ROOM_4)
-    assert ruling == (Departed(0, ROOM_4, 13.0),)
+    assert ruling == (RobotDeparted(0, ROOM_4, 13.0),)
     state = after(state, ruling)
     assert state.robots[0].energy == 87.0
     assert state.reserved_by(ROOM_4) == 0
@@ -74,7 +74,7 @@ def test_a_move_costs_the_matrix_entry_at_departure_and_reserves_the_room():
 
 def test_the_cost_is_counted_from_the_room_the_robot_stands_in():
     state = visit(new_game(), 0, ROOM_1)
-    assert rules.move(state, 0, ROOM_4) == (Departed(0, ROOM_4, 10.0),)
+    assert rules.move(state, 0, ROOM_4) == (RobotDeparted(0, ROOM_4, 10.0),)
 
 
 def test_arriving_visits_the_room_and_frees_the_robot():
@@ -91,9 +91,9 @@ def refusals():
     visited = visit(fresh, 0, ROOM_4)
     poor = new_game(energy=12.0)
     walled = new_game(costs=CostMatrix.of_map_times(((99.0, 5.0, 99.0), (99.0,) * 3, (99.0,) * 3)))
-    silent = apply(fresh, Reported(0, Condition.SILENT))
+    silent = apply(fresh, ConditionChanged(0, Condition.SILENT))
     exhausted = visit(new_game(energy=13.0), 0, ROOM_4)
-    over = apply(fresh, Ended(EndReason.ALL_VISITED, 0))
+    over = apply(fresh, GameEnded(EndReason.ALL_VISITED, 0))
     return [
         (fresh, 2, ROOM_1, RuleReason.UNKNOWN_ROBOT, ["robot 3"]),
         (fresh, -1, ROOM_1, RuleReason.UNKNOWN_ROBOT, []),
@@ -182,17 +182,17 @@ def test_only_a_robot_under_way_can_fail():
 def test_sensing_tells_colour_and_footprint_once():
     state = visit(new_game(), 0, ROOM_4)
     ruling = rules.sense(state, ROOM_4)
-    assert ruling == (Sensed(ROOM_4, "Orange", "Round and Large"),)
+    assert ruling == (TreasureSensed(ROOM_4, "Orange", "Round and Large"),)
     assert rules.sense(after(state, ruling), ROOM_4) == ()
 
 
 def test_a_picture_costs_energy_once():
     state = in_room_4()
     first = rules.picture(state, ROOM_4)
-    assert first == (Pictured(ROOM_4, 0, "rsz_t1.jpg", 5.0),)
+    assert first == (TreasurePictured(ROOM_4, 0, "rsz_t1.jpg", 5.0),)
     state = after(state, first)
     assert state.robots[0].energy == 100.0 - 13.0 - 5.0
-    assert rules.picture(state, ROOM_4) == (Pictured(ROOM_4, 0, "rsz_t1.jpg", 0.0),)
+    assert rules.picture(state, ROOM_4) == (TreasurePictured(ROOM_4, 0, "rsz_t1.jpg", 0.0),)
 
 
 @pytest.mark.parametrize("rule", [rules.picture, rules.sense, lambda state, room: rules.identify(state, room, "x")])
@@ -242,9 +242,9 @@ def test_a_blocked_robot_neither_pictures_nor_identifies():
 
 def test_going_on_leaves_an_undecided_treasure():
     state = in_room_4()
-    assert rules.move(state, 0, ROOM_1) == (Left(ROOM_4), Departed(0, ROOM_1, 18.0))
+    assert rules.move(state, 0, ROOM_1) == (TreasureLeft(ROOM_4), RobotDeparted(0, ROOM_1, 18.0))
     decided = after(state, rules.identify(state, ROOM_4, "x"))
-    assert rules.move(decided, 0, ROOM_1) == (Departed(0, ROOM_1, 18.0),)
+    assert rules.move(decided, 0, ROOM_1) == (RobotDeparted(0, ROOM_1, 18.0),)
 
 
 def test_nothing_can_be_left_where_nobody_has_been():
@@ -264,17 +264,20 @@ def test_another_programs_hider_may_tell_what_this_game_did_not_hide():
     state = after(state, rules.picture(state, ROOM_4, "rsz_t2.jpg"))
     state = after(state, rules.identify(state, ROOM_4, "Blue Bottle", 20))
     assert state.score == 20
-    assert state.room(ROOM_4).sensed == Sensed(ROOM_4, "Blue", "Round")
+    assert state.room(ROOM_4).sensed == TreasureSensed(ROOM_4, "Blue", "Round")
 
 
 def test_a_score_alone_counts():
-    state = apply(new_game(), Identified(None, None, None, -20, 0.0))
+    state = apply(new_game(), TreasureIdentified(None, None, None, -20, 0.0))
     assert state.score == -20
-    assert apply(apply(state, Ended(EndReason.ALL_VISITED, -20)), Identified(None, None, None, 30, 0.0)).score == 10
+    assert (
+        apply(apply(state, GameEnded(EndReason.ALL_VISITED, -20)), TreasureIdentified(None, None, None, 30, 0.0)).score
+        == 10
+    )
 
 
 def test_an_arrival_nobody_announced_moves_the_robot():
-    state = apply(new_game(), Arrived(0, ROOM_4))
+    state = apply(new_game(), RobotArrived(0, ROOM_4))
     assert (state.robots[0].at, state.robots[0].energy) == (ROOM_4, 100.0)
     assert state.room(ROOM_4).visited
 
@@ -282,7 +285,7 @@ def test_an_arrival_nobody_announced_moves_the_robot():
 def test_the_rule_of_arrival_puts_the_missing_departure_in():
     poor = new_game(energy=3.0)
     ruling = rules.arrive(poor, 0, ROOM_4)
-    assert ruling == (Departed(0, ROOM_4, 13.0), Arrived(0, ROOM_4))
+    assert ruling == (RobotDeparted(0, ROOM_4, 13.0), RobotArrived(0, ROOM_4))
     assert after(poor, ruling).robots[0].is_blocked
 
 
@@ -296,19 +299,19 @@ def test_arriving_elsewhere_gives_the_first_way_up():
 
 
 def test_a_failure_nobody_announced_refunds_nothing():
-    state = apply(new_game(), Failed(0, ROOM_4, "?", 50.0, CORRIDOR))
+    state = apply(new_game(), MoveFailed(0, ROOM_4, "?", 50.0, CORRIDOR))
     assert state.robots[0].energy == 100.0
 
 
 @pytest.mark.parametrize(
     "event",
     [
-        Departed(2, ROOM_1, 1.0),
-        Departed(0, Room(9), 1.0),
-        Arrived(-1, ROOM_1),
-        Arrived(0, CORRIDOR),
-        Pictured(ROOM_1, 5, "x", 1.0),
-        Hidden((ORANGE,)),
+        RobotDeparted(2, ROOM_1, 1.0),
+        RobotDeparted(0, Room(9), 1.0),
+        RobotArrived(-1, ROOM_1),
+        RobotArrived(0, CORRIDOR),
+        TreasurePictured(ROOM_1, 5, "x", 1.0),
+        TreasuresHidden((ORANGE,)),
     ],
 )
 def test_events_of_another_game_are_refused(event):
@@ -334,23 +337,23 @@ def test_the_game_ends_when_every_room_is_visited_and_decided():
     assert rules.ending(state) == (), "the treasure there is about to be sensed"
     state = after(state, rules.sense(state, ROOM_2))
     assert rules.ending(state) == ()
-    assert rules.ending(state, wait_for_decisions=False) == (Ended(EndReason.ALL_VISITED, 0),)
+    assert rules.ending(state, wait_for_decisions=False) == (GameEnded(EndReason.ALL_VISITED, 0),)
     state = after(state, rules.identify(state, ROOM_2, "Orange Bottle"))
-    assert rules.ending(state) == (Ended(EndReason.ALL_VISITED, 10),)
+    assert rules.ending(state) == (GameEnded(EndReason.ALL_VISITED, 10),)
     assert rules.ending(after(state, rules.ending(state))) == (), "a game ends once"
 
 
 def test_the_game_ends_when_no_robot_can_pay_another_move():
     state = small_game(energy=4.0)
-    assert rules.ending(state) == (Ended(EndReason.NO_MOVE_LEFT, 0),)
+    assert rules.ending(state) == (GameEnded(EndReason.NO_MOVE_LEFT, 0),)
     state = visit(small_game(energy=9.0, identify_cost=4.0), 0, ROOM_1)
     assert rules.ending(state) == (), "the treasure can still be identified"
-    assert rules.ending(after(state, rules.leave(state, ROOM_1))) == (Ended(EndReason.NO_MOVE_LEFT, 0),)
+    assert rules.ending(after(state, rules.leave(state, ROOM_1))) == (GameEnded(EndReason.NO_MOVE_LEFT, 0),)
 
 
 def test_a_treasure_that_nobody_can_pay_to_identify_does_not_hold_the_game_up():
     state = visit(small_game(energy=6.0), 0, ROOM_1)
-    assert rules.ending(state) == (Ended(EndReason.NO_MOVE_LEFT, 0),)
+    assert rules.ending(state) == (GameEnded(EndReason.NO_MOVE_LEFT, 0),)
 
 
 def test_another_robot_that_can_still_move_keeps_the_game_going():
@@ -362,7 +365,7 @@ def test_another_robot_that_can_still_move_keeps_the_game_going():
 
 def test_a_game_is_given_up_only_when_nobody_is_under_way():
     state = new_game()
-    assert rules.give_up(state) == (Ended(EndReason.GIVEN_UP, 0),)
+    assert rules.give_up(state) == (GameEnded(EndReason.GIVEN_UP, 0),)
     moving = after(state, rules.move(state, 1, ROOM_1))
     assert rules.give_up(moving).reason is RuleReason.UNDER_WAY
     assert rules.give_up(after(state, rules.give_up(state))).reason is RuleReason.GAME_OVER
@@ -385,7 +388,7 @@ def test_the_game_ends_when_no_robot_that_answers_can_do_anything_more():
     state = in_room_4(energy=13.0, identify_cost=0.0)
     state = after(state, rules.report(state, 1, Condition.SILENT))
     state = after(state, rules.report(state, 0, Condition.SILENT))
-    assert rules.ending(state) == (Ended(EndReason.NO_MOVE_LEFT, 0),), "no treasure is decided by a silent robot"
+    assert rules.ending(state) == (GameEnded(EndReason.NO_MOVE_LEFT, 0),), "no treasure is decided by a silent robot"
     assert rules.ending(after(state, rules.report(state, 1, Condition.WELL))) == ()
 
 
@@ -418,7 +421,7 @@ ARRIVALS = st.tuples(st.just("arrive"), st.integers(0, 2))
 @given(requests=st.lists(st.one_of(*RULES, ARRIVALS), max_size=60), energy=st.sampled_from([30.0, 60.0, 100.0]))
 def test_whatever_is_asked_the_game_keeps_its_promises(requests, energy):
     live = new_game(robots=3, energy=energy)
-    said = [Hidden(live.treasures)]
+    said = [TreasuresHidden(live.treasures)]
     for rule, *request in requests:
         if rule == "arrive":
             (robot,) = request
@@ -430,7 +433,7 @@ def test_whatever_is_asked_the_game_keeps_its_promises(requests, energy):
             continue
         was_over = live.ended is not None
         for event in ruling:
-            assert not was_over or isinstance(event, Failed), "an ended game accepts nothing"
+            assert not was_over or isinstance(event, MoveFailed), "an ended game accepts nothing"
             live = apply(live, event)
             said.append(event)
         for event in rules.ending(live):
@@ -438,10 +441,10 @@ def test_whatever_is_asked_the_game_keeps_its_promises(requests, energy):
             said.append(event)
 
     assert all(robot.energy >= 0.0 for robot in live.robots)
-    assert live.score == sum(event.points for event in said if isinstance(event, Identified))
+    assert live.score == sum(event.points for event in said if isinstance(event, TreasureIdentified))
     for room in ARENA.rooms:
-        departed = sum(isinstance(event, Departed) and event.room == room for event in said)
-        failed = sum(isinstance(event, Failed) and event.room == room for event in said)
+        departed = sum(isinstance(event, RobotDeparted) and event.room == room for event in said)
+        failed = sum(isinstance(event, MoveFailed) and event.room == room for event in said)
         assert departed - failed <= 1
     assert fold(live.started, [from_json(to_json(event)) for event in said]) == live
     if live.ended is not None:

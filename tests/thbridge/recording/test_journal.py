@@ -5,18 +5,18 @@ import pytest
 
 from thbridge.files.errors import BadFile
 from thbridge.hunt.costs import CostMatrix
-from thbridge.hunt.events import Arrived, Departed, Ended, EndReason, Identified, Started
+from thbridge.hunt.events import EndReason, GameEnded, GameStarted, RobotArrived, RobotDeparted, TreasureIdentified
 from thbridge.hunt.game import fold
 from thbridge.hunt.rooms import Room
 from thbridge.recording.journal import Journal, journal_path, next_game, read_journal
 
 COSTS = CostMatrix.of_map_times(((99.0, 5.0, 9.0), (99.0, 99.0, 5.0), (99.0, 4.0, 99.0)))
-STARTED = Started(7, 1, 2, 100.0, 5.0, 2.0, 1.0, COSTS)
+STARTED = GameStarted(7, 1, 2, 100.0, 5.0, 2.0, 1.0, COSTS)
 EVENTS = (
-    Departed(0, Room(1), 5.0),
-    Arrived(0, Room(1)),
-    Identified(Room(1), 0, "Größe\n", 10, 2.0),
-    Ended(EndReason.ALL_VISITED, 10),
+    RobotDeparted(0, Room(1), 5.0),
+    RobotArrived(0, Room(1)),
+    TreasureIdentified(Room(1), 0, "Größe\n", 10, 2.0),
+    GameEnded(EndReason.ALL_VISITED, 10),
 )
 
 

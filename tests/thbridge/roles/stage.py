@@ -20,7 +20,7 @@ from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.disclosure import plain_costs
 from thbridge.roles.keeper.keeper import GameRules, Keeper
-from thbridge.roles.notices import KEEPER, MoveOrder, MoveResult, Orders, RobotsReady, Status, TeamRejection
+from thbridge.roles.notices import KEEPER, MoveOrder, MoveResult, Orders, RobotsReady, TeamRejection, TeamStatus
 from thbridge.roles.role import Role
 from thbridge.roles.tabui import TabUI
 from thbridge.wire import legacy
@@ -94,7 +94,7 @@ class Puppets:
         if ended or self._recalled or tick % 50 == 0:
             self._recalled = False
             poses = tuple((float(robot), 0.0, 0.0) for robot in range(self.robots))
-            status = Status(self._game, poses, tuple(self._results), tuple(self.conditions), self.researchers)
+            status = TeamStatus(self._game, poses, tuple(self._results), tuple(self.conditions), self.researchers)
             said.append(encode_notice(self.name, KEEPER, status))
         return said
 

@@ -6,7 +6,7 @@ from msgspec import structs
 from thbridge.hunt.events import Condition
 from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.bots import Bot, TreasureKnowledge
-from thbridge.roles.view import GiveUp, RobotView, RoomView, Select, Unsure, View
+from thbridge.roles.view import GiveUp, RequestSuggestion, RobotView, RoomView, SelectRoom, View
 
 COSTS = ((None, 5.0, 9.0, 7.0), (None, None, 5.0, 5.0), (None, 5.0, None, 5.0), (None, 5.0, 5.0, None))
 
@@ -35,14 +35,14 @@ def bot(strategy: BotStrategy) -> Bot:
 
 
 @pytest.mark.parametrize(
-    ("strategy", "first"), [(BotStrategy.SUGGESTION, Unsure(0)), (BotStrategy.NEAREST, Select(0, 1))]
+    ("strategy", "first"), [(BotStrategy.SUGGESTION, RequestSuggestion(0)), (BotStrategy.NEAREST, SelectRoom(0, 1))]
 )
 def test_a_room_that_was_missed_is_left_for_last(strategy, first):
     player = bot(strategy)
     assert list(player.requests(view_of(None))) == [first]
     for missed, then in ((1, 3), (3, 2), (2, 1)):
         assert list(player.requests(view_of(missed))) == []
-        assert list(player.requests(view_of(None))) == [Select(0, then)]
+        assert list(player.requests(view_of(None))) == [SelectRoom(0, then)]
     for missed in (1, 3, 2, 1, 3, 2):
         player.requests(view_of(missed))
     assert list(player.requests(view_of(None))) == [GiveUp(1)]
@@ -55,7 +55,7 @@ def test_what_one_robot_missed_another_may_reach():
     visited = replace(view_of(None, None).rooms[2], state="visited", robot=1)
     arrived = view_of(None, None)
     arrived = structs.replace(arrived, rooms=(*arrived.rooms[:2], visited))
-    assert list(player.requests(arrived)) == [Select(0, 2), Select(1, 1)]
+    assert list(player.requests(arrived)) == [SelectRoom(0, 2), SelectRoom(1, 1)]
 
 
 def in_condition(view: View, *conditions: Condition) -> View:
@@ -65,9 +65,11 @@ def in_condition(view: View, *conditions: Condition) -> View:
 
 def test_a_robot_that_does_not_answer_is_asked_nothing_until_it_does():
     player = bot(BotStrategy.NEAREST)
-    assert list(player.requests(in_condition(view_of(None, None), Condition.SILENT, Condition.WELL))) == [Select(1, 1)]
+    assert list(player.requests(in_condition(view_of(None, None), Condition.SILENT, Condition.WELL))) == [
+        SelectRoom(1, 1)
+    ]
     assert list(player.requests(in_condition(view_of(None, 1), Condition.SILENT, Condition.WELL))) == []
-    assert list(player.requests(view_of(None, 1))) == [Select(0, 3)]
+    assert list(player.requests(view_of(None, 1))) == [SelectRoom(0, 3)]
 
 
 def test_the_game_is_given_up_when_no_robot_answers():
@@ -77,7 +79,7 @@ def test_the_game_is_given_up_when_no_robot_answers():
 def test_a_robot_that_stays_lost_is_sent_once_and_again_when_it_is_found():
     player = bot(BotStrategy.NEAREST)
     lost = in_condition(view_of(None), Condition.LOST)
-    assert list(player.requests(lost)) == [Select(0, 1)]
+    assert list(player.requests(lost)) == [SelectRoom(0, 1)]
     player.requests(in_condition(view_of(1), Condition.LOST))
     assert list(player.requests(lost)) == [GiveUp(1)]
-    assert list(player.requests(view_of(None))) == [Select(0, 3)]
+    assert list(player.requests(view_of(None))) == [SelectRoom(0, 3)]

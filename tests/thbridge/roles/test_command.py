@@ -6,45 +6,45 @@ import pytest
 from tests.thbridge.roles.stage import Stage
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.hunt.events import (
-    Arrived,
-    AskedBack,
-    Commanded,
     Commander,
-    Departed,
-    Failed,
-    Hidden,
-    Identified,
-    Left,
-    Pictured,
-    Sensed,
+    CommanderChanged,
+    HandbackRequested,
+    MoveFailed,
+    RobotArrived,
+    RobotDeparted,
+    TreasureIdentified,
+    TreasureLeft,
+    TreasurePictured,
+    TreasureSensed,
+    TreasuresHidden,
 )
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.roles.bot_strategy import BotStrategy
-from thbridge.roles.notices import KEEPER, Orders, Status
+from thbridge.roles.notices import KEEPER, Orders, TeamStatus
 from thbridge.roles.robot_requests import (
-    CallBackFor,
     CommandRequest,
-    IdentifyFor,
-    LeaveFor,
-    PictureFor,
     ReleaseCommand,
-    SendFor,
+    StationCallBack,
+    StationIdentify,
+    StationLeave,
+    StationSend,
+    StationTakePicture,
     TakeCommand,
 )
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import (
-    Answer,
-    AskBack,
+    AnswerDialogue,
     CallBack,
-    Discuss,
     GiveUp,
-    Identify,
+    IdentifyTreasure,
+    OpenDialogue,
     ParticipantRequest,
     PlayAgain,
-    Select,
+    RequestHandback,
+    RequestSuggestion,
+    SelectRoom,
     SendRobot,
     TakePicture,
-    Unsure,
     View,
 )
 from thbridge.wire.notice import Notice, decode_notice
@@ -97,108 +97,116 @@ def test_the_participant_sees_who_commands_and_gets_the_robot_back(play: Play) -
     assert play.view.robots[1].commander is Commander.PARTICIPANT
     robot = play.ask(ReleaseCommand(0)).robots[0]
     assert (robot.commander, robot.commander_name) == (Commander.PARTICIPANT, "")
-    assert play.events(Commanded) == [
-        Commanded(0, Commander.GROUND_STATION, NAME),
-        Commanded(0, Commander.PARTICIPANT, ""),
+    assert play.events(CommanderChanged) == [
+        CommanderChanged(0, Commander.GROUND_STATION, NAME),
+        CommanderChanged(0, Commander.PARTICIPANT, ""),
     ]
 
 
-@pytest.mark.parametrize("wish", [Select(0, 3), Unsure(0), SendRobot(0, 3)])
+@pytest.mark.parametrize("wish", [SelectRoom(0, 3), RequestSuggestion(0), SendRobot(0, 3)])
 def test_what_the_participant_wishes_of_a_robot_of_others_is_refused(play: Play, wish: ParticipantRequest) -> None:
     play.ask(TAKE)
     refusal = play.wish(wish).refusal
     assert refusal is not None
     assert (refusal.reason, refusal.sentence) == ("commanded", SENTENCE)
-    assert not play.events(Departed) and not play.view.dialogues
+    assert not play.events(RobotDeparted) and not play.view.dialogues
 
 
 def test_a_robot_of_others_under_way_is_not_called_back_by_the_participant(play: Play) -> None:
-    play.ask(TAKE, SendFor(0, 3), ticks=3)
+    play.ask(TAKE, StationSend(0, 3), ticks=3)
     refusal = play.wish(CallBack(0), ticks=4).refusal
     assert refusal is not None and (refusal.wish, refusal.sentence) == ("CallBack", SENTENCE)
     play.stage.run(10)
-    assert play.events(Arrived) == [Arrived(0, Room(3))]
+    assert play.events(RobotArrived) == [RobotArrived(0, Room(3))]
 
 
 def test_an_open_talk_about_where_to_go_ends_when_somebody_takes_the_robot(play: Play) -> None:
-    (dialogue,) = play.wish(Select(0, 3)).dialogues
+    (dialogue,) = play.wish(SelectRoom(0, 3)).dialogues
     view = play.ask(TAKE)
     assert view.dialogues == () and view.consents == ()
     refused = view.refusal
     # An answer that was on its way means nothing any more, and is no fault of anybody's.
-    assert play.wish(Answer(dialogue.dialogue, dialogue.turn, 0)).refusal == refused
-    assert play.wish(Select(1, 3)).dialogues[0].robot == 1
+    assert play.wish(AnswerDialogue(dialogue.dialogue, dialogue.turn, 0)).refusal == refused
+    assert play.wish(SelectRoom(1, 3)).dialogues[0].robot == 1
 
 
 def test_an_agreement_to_go_ends_too(play: Play) -> None:
-    view = play.wish(Select(0, 3))
+    view = play.wish(SelectRoom(0, 3))
     while not view.consents:
         (dialogue,) = view.dialogues
-        view = play.wish(Answer(dialogue.dialogue, dialogue.turn, 0))
+        view = play.wish(AnswerDialogue(dialogue.dialogue, dialogue.turn, 0))
     assert play.ask(TAKE).consents == ()
     assert play.ask(ReleaseCommand(0)).consents == ()
 
 
 def test_a_ground_station_sends_its_robot_without_talk_and_what_is_there_is_told_by_itself(play: Play) -> None:
-    view = play.ask(TAKE, SendFor(0, 3), ticks=20)
-    assert play.events(Departed, Arrived) == [Departed(0, Room(3), 17.0), Arrived(0, Room(3))]
-    assert [event.room for event in play.events(Sensed)] == [Room(3)]
+    view = play.ask(TAKE, StationSend(0, 3), ticks=20)
+    assert play.events(RobotDeparted, RobotArrived) == [RobotDeparted(0, Room(3), 17.0), RobotArrived(0, Room(3))]
+    assert [event.room for event in play.events(TreasureSensed)] == [Room(3)]
     assert view.room(3).sensed and view.room(3).undecided
     assert not [utterance for tick_record in play.stage.tick_records for utterance in tick_record.utterances]
 
 
 def test_rules_hold_for_ground_stations_and_the_participant_is_not_bothered(play: Play) -> None:
-    for refused in (SendFor(0, 3), PictureFor(0), IdentifyFor(0, "Pink can"), LeaveFor(0), SendFor(9, 1)):
+    for refused in (
+        StationSend(0, 3),
+        StationTakePicture(0),
+        StationIdentify(0, "Pink can"),
+        StationLeave(0),
+        StationSend(9, 1),
+    ):
         view = play.ask(refused)
-    view = play.ask(TAKE, SendFor(0, 99), SendFor(0, -1), PictureFor(0), LeaveFor(0), TakeCommand(7, NAME))
-    assert not play.events(Departed, Left, Pictured) and view.refusal is None
+    view = play.ask(
+        TAKE, StationSend(0, 99), StationSend(0, -1), StationTakePicture(0), StationLeave(0), TakeCommand(7, NAME)
+    )
+    assert not play.events(RobotDeparted, TreasureLeft, TreasurePictured) and view.refusal is None
 
 
 def test_a_ground_station_pictures_names_and_leaves_where_its_robots_stand(play: Play) -> None:
-    play.ask(TAKE, TakeCommand(1, NAME), SendFor(0, 3), SendFor(1, 4), ticks=20)
+    play.ask(TAKE, TakeCommand(1, NAME), StationSend(0, 3), StationSend(1, 4), ticks=20)
     game = play.stage.session.game
     name = game.treasure(Room(3)).name
-    view = play.ask(PictureFor(0), IdentifyFor(0, name), LeaveFor(1))
+    view = play.ask(StationTakePicture(0), StationIdentify(0, name), StationLeave(1))
     assert view.room(3).picture is not None and view.room(3).verdict.points > 0 and view.room(4).left
-    assert [event.cost for event in play.events(Pictured, Identified)] == [5.0, 1.0]
+    assert [event.cost for event in play.events(TreasurePictured, TreasureIdentified)] == [5.0, 1.0]
     assert view.score == view.room(3).verdict.points
 
 
 def test_the_participant_names_what_a_robot_of_others_found(play: Play) -> None:
-    play.ask(TAKE, SendFor(0, 3), ticks=20)
-    view = play.wish(Discuss(0, "take-picture", 3))
+    play.ask(TAKE, StationSend(0, 3), ticks=20)
+    view = play.wish(OpenDialogue(0, "take-picture", 3))
     while view.dialogues:
         (dialogue,) = view.dialogues
-        view = play.wish(Answer(dialogue.dialogue, dialogue.turn, 0))
+        view = play.wish(AnswerDialogue(dialogue.dialogue, dialogue.turn, 0))
     assert play.wish(TakePicture(3)).room(3).picture is not None
 
 
 def test_anybody_may_stop_a_robot_and_the_energy_for_the_rest_comes_back(play: Play) -> None:
-    play.ask(TAKE, SendFor(0, 3), ReleaseCommand(0), ticks=3)
-    play.ask(CallBackFor(0))
-    (failed,) = play.events(Failed)
+    play.ask(TAKE, StationSend(0, 3), ReleaseCommand(0), ticks=3)
+    play.ask(StationCallBack(0))
+    (failed,) = play.events(MoveFailed)
     assert failed.refund == 8.5
     assert play.view.robots[0].moving_to is None
-    play.ask(CallBackFor(0), CallBackFor(9))
-    assert len(play.events(Failed)) == 1
+    play.ask(StationCallBack(0), StationCallBack(9))
+    assert len(play.events(MoveFailed)) == 1
 
 
 def test_a_participant_whose_robot_is_stopped_by_others_is_told_so_once(play: Play) -> None:
-    play.ask(TAKE, SendFor(0, 3), ReleaseCommand(0), ticks=3)
-    view = play.ask(CallBackFor(0), CallBackFor(0))
+    play.ask(TAKE, StationSend(0, 3), ReleaseCommand(0), ticks=3)
+    view = play.ask(StationCallBack(0), StationCallBack(0))
     assert (view.refusal.number, view.refusal.sentence) == (1, "A ground station has stopped robot 1.")
 
 
 def test_a_station_that_stops_its_own_robot_concerns_nobody_else(play: Play) -> None:
-    assert play.ask(TAKE, SendFor(0, 3), CallBackFor(0)).refusal is None
+    assert play.ask(TAKE, StationSend(0, 3), StationCallBack(0)).refusal is None
 
 
 def test_a_robot_that_is_called_back_before_it_was_told_to_go_never_set_out(play: Play) -> None:
-    view = play.ask(TAKE, SendFor(0, 3), CallBackFor(0))
-    (failed,) = play.events(Failed)
+    view = play.ask(TAKE, StationSend(0, 3), StationCallBack(0))
+    (failed,) = play.events(MoveFailed)
     assert (failed.refund, failed.at, view.robots[0].energy) == (17.0, CORRIDOR, 100.0)
     assert view.robots[0].moving_to is None
-    assert play.ask(SendFor(0, 3), ticks=20).robots[0].place == 3
+    assert play.ask(StationSend(0, 3), ticks=20).robots[0].place == 3
 
 
 def test_a_researcher_has_the_robot_while_it_lasts_and_then_whoever_had_it(play: Play) -> None:
@@ -211,9 +219,9 @@ def test_a_researcher_has_the_robot_while_it_lasts_and_then_whoever_had_it(play:
     play.stage.puppets.researchers = (None, None)
     play.stage.run(60)
     assert play.view.robots[0].commander is Commander.GROUND_STATION
-    assert play.events(Commanded)[1:] == [
-        Commanded(0, Commander.RESEARCHER, "/rviz"),
-        Commanded(0, Commander.GROUND_STATION, NAME),
+    assert play.events(CommanderChanged)[1:] == [
+        CommanderChanged(0, Commander.RESEARCHER, "/rviz"),
+        CommanderChanged(0, Commander.GROUND_STATION, NAME),
     ]
 
 
@@ -229,17 +237,17 @@ def test_a_keeper_that_comes_back_gives_robots_back_to_the_participant(play: Pla
     play.ask(TAKE)
     again = Play(history=play.stage.log.events)
     assert again.view.robots[0].commander is Commander.PARTICIPANT
-    assert again.events(Commanded)[-1] == Commanded(0, Commander.PARTICIPANT, "")
+    assert again.events(CommanderChanged)[-1] == CommanderChanged(0, Commander.PARTICIPANT, "")
 
 
 def test_nobody_is_sent_before_the_treasures_are_hidden() -> None:
     stage = Stage()
     for _ in range(20):
         stage.session.ask("station", TAKE)
-        stage.session.ask("station", SendFor(0, 3))
+        stage.session.ask("station", StationSend(0, 3))
         stage.run(1)
-    happened = [type(event) for event in stage.log.events if isinstance(event, Hidden | Departed)]
-    assert happened[0] is Hidden and Departed in happened
+    happened = [type(event) for event in stage.log.events if isinstance(event, TreasuresHidden | RobotDeparted)]
+    assert happened[0] is TreasuresHidden and RobotDeparted in happened
 
 
 @pytest.mark.parametrize("strategy", BotStrategy)
@@ -248,11 +256,11 @@ def test_a_simulated_participant_waits_for_robots_that_others_command(strategy: 
     stage.run(5)
     stage.session.ask("station", TAKE)
     stage.run(3000)
-    departures = [event for event in stage.log.events if isinstance(event, Departed) and event.robot == 0]
+    departures = [event for event in stage.log.events if isinstance(event, RobotDeparted) and event.robot == 0]
     assert stage.session.game.ended is None and not departures
     stage.session.ask("station", ReleaseCommand(0))
     stage.finish()
-    assert any(isinstance(event, Departed) and event.robot == 0 for event in stage.log.events)
+    assert any(isinstance(event, RobotDeparted) and event.robot == 0 for event in stage.log.events)
 
 
 def test_programs_of_before_are_understood(play: Play) -> None:
@@ -261,9 +269,9 @@ def test_programs_of_before_are_understood(play: Play) -> None:
         del robot["commander"], robot["commander_name"], robot["asked_back"]
     view = View.of_notice(Notice(KEEPER, "TabUI", "View", fields))
     assert view is not None and view.robots[0].commander is Commander.PARTICIPANT
-    status = msgspec.to_builtins(Status(1, (), (), ()))
+    status = msgspec.to_builtins(TeamStatus(1, (), (), ()))
     del status["researchers"]
-    assert decode_notice(Notice("SimR", KEEPER, "Status", status), Status) == Status(1, (), (), ())
+    assert decode_notice(Notice("SimR", KEEPER, "Status", status), TeamStatus) == TeamStatus(1, (), (), ())
     orders = msgspec.to_builtins(Orders(1, (), (), (), None))
     del orders["taken"]
     assert decode_notice(Notice(KEEPER, "SimR", "Orders", orders), Orders) == Orders(1, (), (), (), None)
@@ -272,54 +280,54 @@ def test_programs_of_before_are_understood(play: Play) -> None:
 def test_a_robot_is_asked_for_at_once_and_again_after_ten_seconds(play: Play) -> None:
     view = play.ask(TAKE)
     assert not view.robots[0].asked_back
-    assert play.wish(AskBack(0)).robots[0].asked_back
-    assert play.wish(AskBack(0), ticks=480).robots[0].asked_back
-    assert play.events(AskedBack) == [AskedBack(0)]
+    assert play.wish(RequestHandback(0)).robots[0].asked_back
+    assert play.wish(RequestHandback(0), ticks=480).robots[0].asked_back
+    assert play.events(HandbackRequested) == [HandbackRequested(0)]
     play.stage.run(20)
     assert not play.view.robots[0].asked_back
-    assert play.wish(AskBack(0)).robots[0].asked_back
-    assert play.events(AskedBack) == [AskedBack(0)] * 2 and play.view.refusal is None
+    assert play.wish(RequestHandback(0)).robots[0].asked_back
+    assert play.events(HandbackRequested) == [HandbackRequested(0)] * 2 and play.view.refusal is None
 
 
 def test_who_takes_a_robot_next_is_asked_anew(play: Play) -> None:
     play.ask(TAKE)
-    assert play.wish(AskBack(0)).robots[0].asked_back
+    assert play.wish(RequestHandback(0)).robots[0].asked_back
     assert not play.ask(TakeCommand(0, "ground station 7")).robots[0].asked_back
-    assert play.wish(AskBack(0)).robots[0].asked_back
+    assert play.wish(RequestHandback(0)).robots[0].asked_back
     assert not play.ask(ReleaseCommand(0)).robots[0].asked_back
 
 
 def test_a_researcher_is_asked_too_and_nobody_for_what_is_the_participants(play: Play) -> None:
-    play.wish(AskBack(0), AskBack(1), AskBack(9))
-    assert not play.events(AskedBack)
+    play.wish(RequestHandback(0), RequestHandback(1), RequestHandback(9))
+    assert not play.events(HandbackRequested)
     play.stage.puppets.researchers = ("/rviz", None)
     play.stage.run(60)
-    assert play.wish(AskBack(0)).robots[0].asked_back
-    assert play.events(AskedBack) == [AskedBack(0)]
+    assert play.wish(RequestHandback(0)).robots[0].asked_back
+    assert play.events(HandbackRequested) == [HandbackRequested(0)]
 
 
 def test_another_game_begins_with_nothing_asked_for(play: Play) -> None:
     play.ask(TAKE)
-    play.wish(AskBack(0))
+    play.wish(RequestHandback(0))
     play.wish(GiveUp(1))
     robot = play.wish(PlayAgain(1), ticks=10).robots[0]
     assert (robot.commander, robot.asked_back) == (Commander.GROUND_STATION, False)
 
 
 def test_what_a_station_leaves_unnamed_the_participant_still_names(play: Play) -> None:
-    play.ask(TAKE, SendFor(0, 3), ticks=20)
-    view = play.ask(SendFor(0, 4), ticks=3)
-    assert view.robots[0].moving_to == 4 and not play.events(Left)
+    play.ask(TAKE, StationSend(0, 3), ticks=20)
+    view = play.ask(StationSend(0, 4), ticks=3)
+    assert view.robots[0].moving_to == 4 and not play.events(TreasureLeft)
     assert (view.room(3).robot, view.room(3).undecided) == (0, True)
-    refusal = play.wish(Discuss(0, "take-picture", 3)).refusal
+    refusal = play.wish(OpenDialogue(0, "take-picture", 3)).refusal
     assert refusal is not None and refusal.sentence == "No robot stands in room 3."
-    view = play.wish(Discuss(0, "take-treasure", 3))
+    view = play.wish(OpenDialogue(0, "take-treasure", 3))
     while view.dialogues:
         (dialogue,) = view.dialogues
-        view = play.wish(Answer(dialogue.dialogue, dialogue.turn, 0), ticks=4)
+        view = play.wish(AnswerDialogue(dialogue.dialogue, dialogue.turn, 0), ticks=4)
     name = play.stage.session.game.treasure(Room(3)).name
-    assert play.wish(Identify(3, name)).room(3).verdict.points > 0
-    assert play.events(Identified)[0].robot == 0
+    assert play.wish(IdentifyTreasure(3, name)).room(3).verdict.points > 0
+    assert play.events(TreasureIdentified)[0].robot == 0
 
 
 @pytest.mark.parametrize("strategy", BotStrategy)
@@ -329,14 +337,18 @@ def test_a_simulated_participant_looks_after_what_stations_leave(strategy: BotSt
     stage.session.ask("station", TAKE)
     for room in (7, 8):
         # The station moves on as soon as its robot is there, before anybody can have decided.
-        stage.session.ask("station", SendFor(0, room))
-        while Arrived(0, Room(room)) not in stage.log.events:
+        stage.session.ask("station", StationSend(0, room))
+        while RobotArrived(0, Room(room)) not in stage.log.events:
             stage.run(1)
             assert len(stage.tick_records) < 200, "the robot does not arrive"
     stage.session.ask("station", ReleaseCommand(0))
     stage.finish()
     happened = stage.log.events
-    decided = [event for event in happened if isinstance(event, Identified | Left) and event.room == Room(7)]
-    assert happened.index(decided[0]) > next(at for at, event in enumerate(happened) if event == Arrived(0, Room(7)))
-    assert not any(isinstance(event, Pictured) and event.room == Room(7) for event in happened)
+    decided = [
+        event for event in happened if isinstance(event, TreasureIdentified | TreasureLeft) and event.room == Room(7)
+    ]
+    assert happened.index(decided[0]) > next(
+        at for at, event in enumerate(happened) if event == RobotArrived(0, Room(7))
+    )
+    assert not any(isinstance(event, TreasurePictured) and event.room == Room(7) for event in happened)
     assert all(room.is_decided for room in stage.session.game.rooms if room.sensed)

@@ -5,19 +5,27 @@ from hypothesis import strategies as st
 
 from tests.thbridge.roles.stage import Stage
 from tests.thbridge.roles.test_hunt import Script
-from thbridge.hunt.events import AskedBack, Commanded, Commander, Departed, Started
+from thbridge.hunt.events import Commander, CommanderChanged, GameStarted, HandbackRequested, RobotDeparted
 from thbridge.hunt.game import CommandHolder, apply, begin
 from thbridge.roles.robot_requests import (
-    CallBackFor,
-    IdentifyFor,
-    LeaveFor,
-    PictureFor,
     ReleaseCommand,
-    SendFor,
+    StationCallBack,
+    StationIdentify,
+    StationLeave,
+    StationSend,
+    StationTakePicture,
     TakeCommand,
 )
 from thbridge.roles.tabui import TabUI
-from thbridge.roles.view import Answer, AskBack, CallBack, Leave, Select, SendRobot, Unsure
+from thbridge.roles.view import (
+    AnswerDialogue,
+    CallBack,
+    GiveUpTreasure,
+    RequestHandback,
+    RequestSuggestion,
+    SelectRoom,
+    SendRobot,
+)
 
 robots = st.integers(0, 1)
 rooms = st.integers(1, 8)
@@ -25,19 +33,19 @@ stations = st.sampled_from(["ground station 255", "ground station 7"])
 requests = st.one_of(
     st.builds(TakeCommand, robots, stations),
     st.builds(ReleaseCommand, robots),
-    st.builds(SendFor, robots, rooms),
-    st.builds(CallBackFor, robots),
-    st.builds(PictureFor, robots),
-    st.builds(IdentifyFor, robots, st.just("Pink can")),
-    st.builds(LeaveFor, robots),
+    st.builds(StationSend, robots, rooms),
+    st.builds(StationCallBack, robots),
+    st.builds(StationTakePicture, robots),
+    st.builds(StationIdentify, robots, st.just("Pink can")),
+    st.builds(StationLeave, robots),
 )
 wishes = st.one_of(
-    st.builds(Select, robots, rooms),
-    st.builds(Unsure, robots),
+    st.builds(SelectRoom, robots, rooms),
+    st.builds(RequestSuggestion, robots),
     st.just("agree"),
     st.builds(CallBack, robots),
-    st.builds(AskBack, robots),
-    st.builds(Leave, rooms),
+    st.builds(RequestHandback, robots),
+    st.builds(GiveUpTreasure, rooms),
 )
 researchers = st.tuples(st.sampled_from([None, "/rviz"]), st.sampled_from([None, "/teleop"]))
 steps = st.tuples(st.just("station"), requests) | st.tuples(st.just("wish"), wishes)
@@ -58,7 +66,7 @@ def test_only_commanders_send_robots_and_nobody_is_left_on_the_way(played):
                 stage.puppets.researchers = what
             elif who == "station":
                 stage.session.ask("station", what)
-                sent |= {(what.robot, what.room)} if isinstance(what, SendFor) else set()
+                sent |= {(what.robot, what.room)} if isinstance(what, StationSend) else set()
             else:
                 player.wish += _wished(stage.view(), what)
         stage.tabui.poll_player()
@@ -75,24 +83,24 @@ def test_only_commanders_send_robots_and_nobody_is_left_on_the_way(played):
 
 def _wished(view, wish):
     if wish == "agree":
-        answers = tuple(Answer(talk.dialogue, talk.turn, 0) for talk in view.dialogues if talk.choices)
+        answers = tuple(AnswerDialogue(talk.dialogue, talk.turn, 0) for talk in view.dialogues if talk.choices)
         return answers + tuple(SendRobot(consent.robot, consent.room) for consent in view.consents)
     return (wish,)
 
 
 def _judge(events, sent):
     started, *rest = events
-    assert isinstance(started, Started)
+    assert isinstance(started, GameStarted)
     state = begin(started)
     for event in rest:
-        if isinstance(event, Departed):
+        if isinstance(event, RobotDeparted):
             by = state.robots[event.robot].command.by
             assert by is not Commander.RESEARCHER
             assert by is Commander.PARTICIPANT or (event.robot, event.room.people) in sent
             assert event.cost <= state.robots[event.robot].energy
-        if isinstance(event, AskedBack):
+        if isinstance(event, HandbackRequested):
             assert state.robots[event.robot].command.by is not Commander.PARTICIPANT
-        if isinstance(event, Commanded):
+        if isinstance(event, CommanderChanged):
             now = state.robots[event.robot].command
             assert now != CommandHolder(event.by, event.name) or state.robots[event.robot].intervention is not None
         state = apply(state, event)

@@ -2,7 +2,7 @@
 
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.hider import KEEPER_TIMEOUT, Hider
-from thbridge.roles.notices import KEEPER, HidePlease
+from thbridge.roles.notices import KEEPER, HideRequest
 from thbridge.wire import legacy
 from thbridge.wire.notice import encode_notice
 
@@ -28,7 +28,7 @@ def test_it_answers_by_itself_when_there_is_no_keeper():
 
 def test_with_a_keeper_it_waits_to_be_told():
     hider = Hider(KINDS, seed=1, rooms=8)
-    assert len(hider.step(0, [encode_notice(KEEPER, legacy.HIDER, HidePlease(1, 8))])) == 1
+    assert len(hider.step(0, [encode_notice(KEEPER, legacy.HIDER, HideRequest(1, 8))])) == 1
     assert answers(hider, legacy.AskTreasure(2)) == []
 
 
@@ -36,7 +36,7 @@ def test_a_game_is_hidden_by_its_seed_and_number():
     many = [TreasureKind("Red", "Round", 10, f"thing{i}", None) for i in range(20)]
 
     def hidden(seed: int, game: int) -> str:
-        (said,) = Hider(many, seed, 8).step(0, [encode_notice(KEEPER, legacy.HIDER, HidePlease(game, 8))])
+        (said,) = Hider(many, seed, 8).step(0, [encode_notice(KEEPER, legacy.HIDER, HideRequest(game, 8))])
         return said.line().partition("treasures")[2]
 
     assert hidden(1, 1) == hidden(1, 1)

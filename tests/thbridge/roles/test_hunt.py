@@ -8,36 +8,36 @@ from tests.thbridge.roles import stage
 from thbridge.dialogue.moves import Continue, Speaker
 from thbridge.hunt import rules
 from thbridge.hunt.events import (
-    Arrived,
     Condition,
-    Departed,
-    Ended,
+    ConditionChanged,
     EndReason,
-    Failed,
-    Hidden,
-    Identified,
-    Left,
-    Reported,
-    Started,
+    GameEnded,
+    GameStarted,
+    MoveFailed,
+    RobotArrived,
+    RobotDeparted,
+    TreasureIdentified,
+    TreasureLeft,
+    TreasuresHidden,
 )
 from thbridge.hunt.game import fold
 from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import (
-    Answer,
+    AnswerDialogue,
     CallBack,
-    Discuss,
     GiveUp,
-    Identify,
-    Leave,
+    GiveUpTreasure,
+    IdentifyTreasure,
+    OpenDialogue,
     ParticipantRequest,
     PlayAgain,
-    Select,
+    RequestSuggestion,
+    SelectRoom,
     SendRobot,
-    Sense,
+    SenseTreasure,
     TakePicture,
-    Unsure,
     View,
 )
 from thbridge.wire import legacy
@@ -82,7 +82,7 @@ def test_a_hunt_goes_on_until_energy_or_rooms_run_out(strategy, robots):
         assert all(room.visited for room in game.rooms)
     else:
         assert not any(rules.affordable(game, robot) for robot in range(robots))
-    assert ended.score == game.score == sum(e.points for e in played.log.events if isinstance(e, Identified))
+    assert ended.score == game.score == sum(e.points for e in played.log.events if isinstance(e, TreasureIdentified))
     assert all(robot.energy >= 0 for robot in game.robots)
 
 
@@ -111,7 +111,7 @@ def test_a_random_participant_sometimes_stops_a_dialogue_and_no_robot_moves_on_i
         stopped = {u.dialogue for u in said if u.speaker is Speaker.PERSON and not isinstance(u.move, Continue)}
         stops += len(stopped)
         agreed = {u.dialogue for u in said if u.topic.scenario.value in ("specific-room", "dont-know")} - stopped
-        assert sum(isinstance(event, Departed) for event in played.log.events) == len(agreed)
+        assert sum(isinstance(event, RobotDeparted) for event in played.log.events) == len(agreed)
     assert stops > 0
 
 
@@ -119,23 +119,23 @@ def test_the_journal_alone_gives_the_state_back():
     played = Stage(strategy=BotStrategy.NEAREST)
     played.finish()
     started, *rest = played.log.events
-    assert isinstance(started, Started)
+    assert isinstance(started, GameStarted)
     assert fold(started, rest) == played.session.game
 
 
 def test_nothing_moves_before_consensus(scripted):
     view = scripted.say(SendRobot(0, 3))
     assert view.refusal.reason == "no-consensus"
-    assert not any(isinstance(event, Departed) for event in scripted.log.events)
-    view = scripted.say(Select(0, 3))
+    assert not any(isinstance(event, RobotDeparted) for event in scripted.log.events)
+    view = scripted.say(SelectRoom(0, 3))
     dialogue = view.dialogues[0]
     assert dialogue.said[-1] == "It will cost me 17 to go to room 3"
     view = scripted.say(SendRobot(0, 3))
     assert view.refusal.number == 2
-    view = scripted.say(Answer(dialogue.dialogue, dialogue.turn, 0))
+    view = scripted.say(AnswerDialogue(dialogue.dialogue, dialogue.turn, 0))
     dialogue = view.dialogues[0]
     assert dialogue.said[-1] == "Are you sure?"
-    view = scripted.say(Answer(dialogue.dialogue, dialogue.turn, 0))
+    view = scripted.say(AnswerDialogue(dialogue.dialogue, dialogue.turn, 0))
     assert view.dialogues == ()
     assert [(consent.robot, consent.room) for consent in view.consents] == [(0, 3)]
     view = scripted.say(SendRobot(0, 3))
@@ -145,16 +145,16 @@ def test_nothing_moves_before_consensus(scripted):
 
 
 def test_a_stop_ends_the_dialogue_without_consent(scripted):
-    dialogue = scripted.say(Unsure(0)).dialogues[0]
+    dialogue = scripted.say(RequestSuggestion(0)).dialogues[0]
     assert dialogue.said == ("Do you want me to go to room 3",)
-    view = scripted.say(Answer(dialogue.dialogue, dialogue.turn, 1))
+    view = scripted.say(AnswerDialogue(dialogue.dialogue, dialogue.turn, 1))
     assert view.dialogues == ()
     assert view.consents == ()
 
 
 def test_an_answer_to_a_turn_that_is_past_counts_once(scripted):
-    dialogue = scripted.say(Unsure(0)).dialogues[0]
-    answer = Answer(dialogue.dialogue, dialogue.turn, 0)
+    dialogue = scripted.say(RequestSuggestion(0)).dialogues[0]
+    answer = AnswerDialogue(dialogue.dialogue, dialogue.turn, 0)
     view = scripted.say(answer, ticks=1)
     scripted.tabui.connected()
     view = scripted.say(answer)
@@ -162,20 +162,20 @@ def test_an_answer_to_a_turn_that_is_past_counts_once(scripted):
 
 
 def go(scripted, robot: int, room: int) -> View:
-    view = scripted.say(Select(robot, room))
+    view = scripted.say(SelectRoom(robot, room))
     while view.dialogues:
         dialogue = view.dialogues[0]
-        view = scripted.say(Answer(dialogue.dialogue, dialogue.turn, 0))
+        view = scripted.say(AnswerDialogue(dialogue.dialogue, dialogue.turn, 0))
     return scripted.say(SendRobot(robot, room), ticks=25)
 
 
 def test_a_room_is_visited_once_and_spoken_of_with_one_robot(scripted):
-    scripted.say(Select(0, 3))
-    view = scripted.say(Select(1, 3))
+    scripted.say(SelectRoom(0, 3))
+    view = scripted.say(SelectRoom(1, 3))
     assert view.refusal.reason == "under-discussion"
     view = go(scripted, 0, 5)
     assert view.room(5).state == "visited"
-    view = scripted.say(Select(1, 5))
+    view = scripted.say(SelectRoom(1, 5))
     assert view.refusal.reason == "already-visited"
 
 
@@ -183,7 +183,7 @@ def test_a_robot_without_the_energy_is_refused_before_it_moves():
     player = Script()
     played = Stage(participant=TabUI(player), rules=replace(stage.RULES, energy=15.0))
     played.run(5)
-    player.wish = (Select(0, 3),)
+    player.wish = (SelectRoom(0, 3),)
     played.tabui.poll_player()
     played.run(8)
     view = played.view()
@@ -194,29 +194,29 @@ def test_a_robot_without_the_energy_is_refused_before_it_moves():
 
 
 def test_what_is_hidden_is_not_in_the_view_before_it_is_found(scripted):
-    treasures = next(event.treasures for event in scripted.log.events if isinstance(event, Hidden))
+    treasures = next(event.treasures for event in scripted.log.events if isinstance(event, TreasuresHidden))
     view = go(scripted, 0, 3)
     text = repr(view)
     assert not any(kind.name in text or kind.image in text or kind.footprint in text for kind in treasures)
-    view = scripted.say(Sense(3))
+    view = scripted.say(SenseTreasure(3))
     assert view.room(3).colour == treasures[2].colour
     assert treasures[2].image not in repr(view)
 
 
 def test_the_treasures_three_scenarios(scripted):
-    treasures = next(event.treasures for event in scripted.log.events if isinstance(event, Hidden))
+    treasures = next(event.treasures for event in scripted.log.events if isinstance(event, TreasuresHidden))
     go(scripted, 0, 3)
-    scripted.say(Sense(3))
+    scripted.say(SenseTreasure(3))
     view = scripted.say(TakePicture(3))
     assert view.refusal.reason == "no-consensus"
     # The template of 2016 has no questions about pictures, so talking about one is agreeing on it.
-    view = scripted.say(Discuss(0, "take-picture", 3))
+    view = scripted.say(OpenDialogue(0, "take-picture", 3))
     assert view.consents[0].matter == "take-picture"
     view = scripted.say(TakePicture(3))
     assert view.room(3).picture == treasures[2].image
     assert view.robots[0].energy == 100 - 17 - 5
-    scripted.say(Discuss(0, "take-treasure", 3))
-    view = scripted.say(Identify(3, treasures[2].name))
+    scripted.say(OpenDialogue(0, "take-treasure", 3))
+    view = scripted.say(IdentifyTreasure(3, treasures[2].name))
     assert view.room(3).verdict.points == treasures[2].points == view.score
     assert view.robots[0].energy == 100 - 17 - 5 - 1
     score = f"%%score Hider TabUI ,{treasures[2].points} "
@@ -225,9 +225,9 @@ def test_the_treasures_three_scenarios(scripted):
 
 def test_a_treasure_can_be_left(scripted):
     go(scripted, 0, 3)
-    view = scripted.say(Leave(3))
+    view = scripted.say(GiveUpTreasure(3))
     assert view.room(3).left
-    assert any(isinstance(event, Left) for event in scripted.log.events)
+    assert any(isinstance(event, TreasureLeft) for event in scripted.log.events)
 
 
 def test_a_robot_called_back_gives_back_the_energy_of_the_way_not_driven(scripted):
@@ -242,7 +242,7 @@ def test_a_robot_called_back_gives_back_the_energy_of_the_way_not_driven(scripte
 def test_a_robot_under_way_is_called_back_and_sent_elsewhere(scripted):
     scripted.puppets.ticks = 1000
     assert go(scripted, 0, 3).robots[0].moving_to == 3
-    view = scripted.say(Select(0, 5))
+    view = scripted.say(SelectRoom(0, 5))
     assert (view.refusal.reason, view.dialogues) == ("under-way", ())
     refusals = view.refusal.number
     view = scripted.say(CallBack(0))
@@ -263,7 +263,7 @@ def test_a_robot_called_back_as_it_arrives_is_there(scripted):
     view = scripted.say(CallBack(0), ticks=40)
     assert view.room(3).state == "visited" or view.robots[0].place == 0
     assert view.robots[0].moving_to is None
-    assert scripted.say(Select(0, 5)).dialogues[0].room == 5
+    assert scripted.say(SelectRoom(0, 5)).dialogues[0].room == 5
 
 
 def test_a_robot_that_finds_no_way_says_so(scripted):
@@ -271,7 +271,7 @@ def test_a_robot_that_finds_no_way_says_so(scripted):
     view = go(scripted, 0, 3)
     assert view.refusal.sentence == "There is no way."
     assert view.room(3).state == "unvisited"
-    assert any(isinstance(event, Failed) for event in scripted.log.events)
+    assert any(isinstance(event, MoveFailed) for event in scripted.log.events)
 
 
 def report(scripted, robot: int, condition: Condition) -> View:
@@ -281,18 +281,18 @@ def report(scripted, robot: int, condition: Condition) -> View:
 
 
 def test_nobody_talks_in_the_name_of_a_robot_that_does_not_answer_until_it_does(scripted):
-    scripted.say(Select(0, 3))
+    scripted.say(SelectRoom(0, 3))
     view = report(scripted, 0, Condition.SILENT)
     assert view.robots[0].condition is Condition.SILENT
     assert view.dialogues == ()
-    for wish in (Select(0, 5), Unsure(0)):
+    for wish in (SelectRoom(0, 5), RequestSuggestion(0)):
         view = scripted.say(wish)
         assert (view.refusal.reason, view.dialogues) == ("silent", ())
-    assert scripted.say(Select(1, 3)).dialogues[0].robot == 1
+    assert scripted.say(SelectRoom(1, 3)).dialogues[0].robot == 1
     report(scripted, 0, Condition.WELL)
-    assert scripted.say(Unsure(0)).dialogues[-1].robot == 0
-    told = [event for event in scripted.log.events if isinstance(event, Reported)]
-    assert told == [Reported(0, Condition.SILENT), Reported(0, Condition.WELL)]
+    assert scripted.say(RequestSuggestion(0)).dialogues[-1].robot == 0
+    told = [event for event in scripted.log.events if isinstance(event, ConditionChanged)]
+    assert told == [ConditionChanged(0, Condition.SILENT), ConditionChanged(0, Condition.WELL)]
 
 
 def test_a_line_of_2016_moves_no_robot_that_does_not_answer(scripted):
@@ -328,7 +328,7 @@ def test_a_hunt_with_a_room_that_nobody_reaches_is_given_up_after_all_others():
     played.puppets.stuck = {0, 1}
     played.finish()
     assert played.session.game.ended.reason is EndReason.GIVEN_UP
-    assert sum(isinstance(event, Failed) for event in played.log.events) == 2 * 3 * 8
+    assert sum(isinstance(event, MoveFailed) for event in played.log.events) == 2 * 3 * 8
 
 
 def test_a_participant_may_end_the_game(scripted):
@@ -340,7 +340,7 @@ def test_an_arrival_that_nobody_heard_is_learnt_from_the_status(scripted):
     scripted.puppets.mute = True
     view = go(scripted, 0, 3)
     assert view.room(3).state == "visited"
-    assert sum(isinstance(event, Arrived) for event in scripted.log.events) == 1
+    assert sum(isinstance(event, RobotArrived) for event in scripted.log.events) == 1
 
 
 def test_playing_again_hides_anew_and_counts_on():
@@ -428,6 +428,6 @@ def test_a_hider_of_2016_is_believed():
         if played.session.game is not None and played.session.game.ended is not None:
             break
     ended = played.session.game.ended
-    assert isinstance(ended, Ended)
+    assert isinstance(ended, GameEnded)
     assert ended.score == 80
     assert all(room.visited for room in played.session.game.rooms)

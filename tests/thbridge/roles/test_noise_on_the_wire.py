@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from tests.thbridge.roles.stage import Stage, templates
 from thbridge.app.compose import build_bot, read_setting
+from thbridge.hunt.events import GameStarted
 from thbridge.hunt.game import fold
 from thbridge.roles import notices, view
 from thbridge.roles.bot_strategy import BotStrategy
@@ -80,22 +81,22 @@ well_formed = st.one_of(
         st.lists(small, max_size=3).map(tuple),
         st.one_of(st.none(), poses),
     ),
-    st.builds(notices.Status, small, poses, st.lists(st.one_of(st.none(), result), max_size=3).map(tuple)),
-    st.builds(notices.HidePlease, small, st.integers(0, 20)),
+    st.builds(notices.TeamStatus, small, poses, st.lists(st.one_of(st.none(), result), max_size=3).map(tuple)),
+    st.builds(notices.HideRequest, small, st.integers(0, 20)),
     st.builds(notices.Subscribe),
     st.builds(notices.ParticipantReady),
     st.builds(notices.PoseTelemetry, small, poses),
     st.builds(notices.PlannedPaths, small, st.just(())),
     st.builds(notices.FloorPlan, word, real, pose, small, small, word, st.just(()), st.just(())),
     st.builds(notices.PicturePiece, small, small, small, small, word),
-    st.builds(view.Agree),
-    st.builds(view.Select, small, small),
-    st.builds(view.Unsure, small),
-    st.builds(view.Answer, small, small, small),
-    st.builds(view.Discuss, small, st.sampled_from(["take-picture", "take-treasure"]), small),
-    st.builds(view.Leave, small),
+    st.builds(view.GiveConsent),
+    st.builds(view.SelectRoom, small, small),
+    st.builds(view.RequestSuggestion, small),
+    st.builds(view.AnswerDialogue, small, small, small),
+    st.builds(view.OpenDialogue, small, st.sampled_from(["take-picture", "take-treasure"]), small),
+    st.builds(view.GiveUpTreasure, small),
     st.builds(view.CallBack, small),
-    st.builds(view.AskBack, small),
+    st.builds(view.RequestHandback, small),
     st.builds(view.PlayAgain, small),
 )
 typed = st.builds(encode_notice, names, names, well_formed)
@@ -119,7 +120,7 @@ def test_the_keeper_and_its_neighbours(said):
         stage.router.submit("Noise", message)
         stage.run(1)
     stage.run(10)
-    started = max(i for i, event in enumerate(stage.log.events) if type(event).__name__ == "Started")
+    started = max(i for i, event in enumerate(stage.log.events) if isinstance(event, GameStarted))
     assert fold(stage.log.events[started], stage.log.events[started + 1 :]) == stage.session.game
 
 

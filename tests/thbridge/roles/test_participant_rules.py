@@ -12,22 +12,22 @@ from tests.thbridge.roles.test_hunt import Script
 from thbridge.hunt.events import Condition
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.roles.participant_rules import judge, revealed
-from thbridge.roles.robot_requests import ReleaseCommand, SendFor, TakeCommand
+from thbridge.roles.robot_requests import ReleaseCommand, StationSend, TakeCommand
 from thbridge.roles.tabui import TabUI, encode_request_line
 from thbridge.roles.view import (
-    Agree,
-    Answer,
-    AskBack,
+    AnswerDialogue,
     CallBack,
-    Discuss,
+    GiveConsent,
     GiveUp,
-    Identify,
-    Leave,
-    Select,
+    GiveUpTreasure,
+    IdentifyTreasure,
+    OpenDialogue,
+    RequestHandback,
+    RequestSuggestion,
+    SelectRoom,
     SendRobot,
-    Sense,
+    SenseTreasure,
     TakePicture,
-    Unsure,
     View,
 )
 from thbridge.wire.notice import Notice, parse_notice
@@ -43,9 +43,9 @@ def any_request(chance, view):
     matter = chance.choice(("take-picture", "take-treasure"))
     return chance.choice(
         (
-            *(Select(robot, room), Discuss(robot, matter, room)) * 2,
-            *(Unsure(robot), CallBack(robot), AskBack(robot)),
-            *(Leave(room), GiveUp(1), Agree()),
+            *(SelectRoom(robot, room), OpenDialogue(robot, matter, room)) * 2,
+            *(RequestSuggestion(robot), CallBack(robot), RequestHandback(robot)),
+            *(GiveUpTreasure(room), GiveUp(1), GiveConsent()),
         )
     )
 
@@ -59,7 +59,7 @@ def any_step(chance, view):
             *("go along" if isinstance(request, GiveUp) else request,) * 8,
             *("refuse", "slow", "fast", "fast"),
             *((TakeCommand(robot, "QGC"),), *((ReleaseCommand(robot),),) * 3),
-            *((TakeCommand(robot, "QGC"), SendFor(robot, chance.choice(ROOMS)), ReleaseCommand(robot)),) * 2,
+            *((TakeCommand(robot, "QGC"), StationSend(robot, chance.choice(ROOMS)), ReleaseCommand(robot)),) * 2,
             *((robot, chance.choice(list(Condition))), *((robot, Condition.WELL),) * 3),
             *((robot, "/rviz"), *((robot, None),) * 3),
         )
@@ -76,11 +76,11 @@ def play(stage, player, step):
             choice = 0 if step == "go along" else -1
             player.wish = (
                 *(
-                    Answer(talk.dialogue, talk.turn, choice % len(talk.choices))
+                    AnswerDialogue(talk.dialogue, talk.turn, choice % len(talk.choices))
                     for talk in view.dialogues
                     if talk.choices
                 ),
-                *(Sense(room.room) for room in view.rooms if room.undecided and not room.sensed),
+                *(SenseTreasure(room.room) for room in view.rooms if room.undecided and not room.sensed),
                 *(agreed_request(consent) for consent in view.consents),
             )
         case (TakeCommand() | ReleaseCommand(), *_):
@@ -106,14 +106,14 @@ def agreed_request(consent):
         case "take-picture":
             return TakePicture(consent.room)
         case "take-treasure":
-            return Identify(consent.room, "Pink can")
+            return IdentifyTreasure(consent.room, "Pink can")
 
 
 def keeper_refuses(stage, request):
     """Reason for which the keeper refuses a request now, or None; the game goes on as if nobody had asked."""
     asked = deepcopy(stage.keeper)
     notices = [parse_notice(line) for line in asked.step(len(stage.tick_records), [encode_request_line(request)])]
-    views = [View.from_json(each.fields) for each in notices if isinstance(each, Notice) and each.kind == "View"]
+    views = [View.of_notice(each) for each in notices if isinstance(each, Notice) and each.kind == "View"]
     assert len(views) < 2
     refusal = views[0].refusal if views else stage.view().refusal
     return None if refusal == stage.view().refusal else refusal.reason

@@ -7,7 +7,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL
-from sim.inputs import Go, Halt
+from sim.inputs import SendGoal, WithdrawGoal
 from sim.robot.navigator import Cancelled, Goal, GoalReached, GoalResult, Navigation, NoPath
 from thbridge.ros.actionlib import (
     LISTED,
@@ -36,7 +36,7 @@ class Robot:
         self.tick = 0
         self.goal: Goal | None = None
         self.results: list[GoalResult] = []
-        self.inputs: list[Go | Halt] = []
+        self.inputs: list[SendGoal | WithdrawGoal] = []
 
     def go(self, goal: Goal) -> None:
         self.halt()
@@ -55,7 +55,7 @@ class Robot:
     def step(self, *requests: ActionRequest, dead: bool = False) -> list[ActionServerMessage]:
         self.inputs = self.server.take(self.tick, requests)
         for item in self.inputs:
-            self.go(item.goal) if isinstance(item, Go) else self.halt()
+            self.go(item.goal) if isinstance(item, SendGoal) else self.halt()
         if dead:
             self.goal, self.results = None, []
         result = self.results.pop(0) if self.results else None
@@ -88,7 +88,7 @@ def test_a_goal_becomes_active_and_its_end_a_result() -> None:
     robot = Robot()
     robot.step()
     messages = robot.step(goal("a", 7))
-    assert robot.inputs == [Go(0, Goal(7, Pose2(7.0, 0.0, 0.0), GoalOwner.ROS_CLIENT))]
+    assert robot.inputs == [SendGoal(0, Goal(7, Pose2(7.0, 0.0, 0.0), GoalOwner.ROS_CLIENT))]
     assert lists(messages) == [[("a", GoalStatusCode.ACTIVE)]]
     robot.end(GoalReached)
     messages = robot.step()
@@ -109,7 +109,7 @@ def test_a_newer_goal_preempts() -> None:
     robot = Robot()
     robot.step(goal("a", 1))
     messages = robot.step(goal("b", 2))
-    assert robot.inputs == [Go(0, Goal(2, Pose2(2.0, 0.0, 0.0), GoalOwner.ROS_CLIENT))]
+    assert robot.inputs == [SendGoal(0, Goal(2, Pose2(2.0, 0.0, 0.0), GoalOwner.ROS_CLIENT))]
     assert ends(messages) == [("a", GoalStatusCode.PREEMPTED)]
     assert lists(messages)[-1] == [("a", GoalStatusCode.PREEMPTED), ("b", GoalStatusCode.ACTIVE)]
     assert ends(robot.wait(20)) == []
@@ -119,7 +119,7 @@ def test_of_two_goals_in_one_tick_the_first_is_recalled() -> None:
     robot = Robot()
     messages = robot.step(goal("a", 1), goal("b", 2))
     assert ends(messages) == [("a", GoalStatusCode.RECALLED)]
-    assert [item.goal.id for item in robot.inputs if isinstance(item, Go)] == [2]
+    assert [item.goal.id for item in robot.inputs if isinstance(item, SendGoal)] == [2]
 
 
 def test_an_older_goal_than_the_one_under_way_is_recalled() -> None:
@@ -137,7 +137,7 @@ def test_a_goal_is_taken_back_by_name_by_time_and_with_all(cancel: CancelRequest
     robot = Robot()
     robot.step(goal("a", 1, 2 * SECOND))
     messages = robot.step(cancel)
-    assert robot.inputs == [Halt(0)]
+    assert robot.inputs == [WithdrawGoal(0)]
     assert [dict(entries)["a"] for entries in lists(messages)] == [GoalStatusCode.PREEMPTING, GoalStatusCode.PREEMPTED]
     assert ends(messages) == [("a", GoalStatusCode.PREEMPTED)]
 
@@ -191,7 +191,7 @@ def test_a_goal_that_cannot_be_used_is_aborted_and_stops_the_robot() -> None:
     robot.step(goal("a", 1))
     messages = robot.step(GoalRequest(0, "b", 0, None, 2, "its quaternion is none"))
     assert ends(messages) == [("a", GoalStatusCode.PREEMPTED), ("b", GoalStatusCode.ABORTED)]
-    assert robot.inputs == [Halt(0)]
+    assert robot.inputs == [WithdrawGoal(0)]
     last = [item for item in messages if isinstance(item, GoalEnded)][-1]
     assert last.entry.text == "its quaternion is none"
 
@@ -201,7 +201,7 @@ def test_a_place_that_was_pointed_at_becomes_a_goal_with_a_name() -> None:
     messages = robot.step(SimpleGoal(0, Pose2(1.0, 1.0, 0.0), 4))
     (set_goal,) = [item for item in messages if isinstance(item, GoalSet)]
     assert lists(messages)[-1] == [(set_goal.goal.id, GoalStatusCode.ACTIVE)]
-    assert robot.inputs == [Go(0, Goal(4, Pose2(1.0, 1.0, 0.0), GoalOwner.ROS_CLIENT))]
+    assert robot.inputs == [SendGoal(0, Goal(4, Pose2(1.0, 1.0, 0.0), GoalOwner.ROS_CLIENT))]
 
 
 def test_the_game_is_a_client_whose_goals_always_count() -> None:
@@ -285,7 +285,7 @@ def test_a_dead_robot_hears_and_says_nothing_and_ends_its_goal_when_it_revives()
     messages = robot.step()
     assert ends(messages) == [("a", GoalStatusCode.PREEMPTED)]
     robot.step(goal("c", 3))
-    assert robot.inputs == [Go(0, Goal(3, Pose2(3.0, 0.0, 0.0), GoalOwner.ROS_CLIENT))]
+    assert robot.inputs == [SendGoal(0, Goal(3, Pose2(3.0, 0.0, 0.0), GoalOwner.ROS_CLIENT))]
 
 
 def test_two_accounts_of_the_same_requests_are_alike() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim.robot.navigator import Goal, GoalReached
-from sim.team import Go
+from sim.team import SendGoal
 from thbridge.app.compose import read_setting
 from thbridge.study.noise import PRESETS, NoisePreset
 from thbridge.study.study_file import read_study_text
@@ -25,7 +25,7 @@ def test_robots_know_where_they_are(preset: NoisePreset, mean: float, worst: flo
     team, rooms = setting.team(), setting.map.rooms
     errors = np.empty((HUNT, 2))
     arrived = 0
-    inputs = [Go(robot, Goal(robot, rooms[robot].goal)) for robot in range(2)]
+    inputs = [SendGoal(robot, Goal(robot, rooms[robot].goal)) for robot in range(2)]
     for tick in range(HUNT):
         snapshot = team.step(inputs)
         inputs = []
@@ -36,7 +36,7 @@ def test_robots_know_where_they_are(preset: NoisePreset, mean: float, worst: flo
             errors[tick, robot] = np.hypot(*(snapshot.world.poses[robot, :2] - estimate.base_in_map.array()[:2]))
             if isinstance(output.navigation.result, GoalReached):
                 arrived += 1
-                inputs.append(Go(robot, Goal(robot, rooms[(3 * arrived + robot) % len(rooms)].goal)))
+                inputs.append(SendGoal(robot, Goal(robot, rooms[(3 * arrived + robot) % len(rooms)].goal)))
     assert (errors.mean(axis=0) < mean).all()
     assert (errors.max(axis=0) < worst).all()
     assert arrived > 4

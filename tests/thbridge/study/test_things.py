@@ -8,7 +8,7 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from sim.robot.navigator import Goal, GoalReached
-from sim.team import Carry, Die, Go, PutThing, RemoveThing, Revive, ScheduledInput
+from sim.team import KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot, ScheduledInput, SendGoal
 from thbridge.app.compose import read_setting
 from thbridge.files.errors import BadFile
 from thbridge.study.study_file import read_study_text
@@ -39,9 +39,9 @@ def test_they_become_inputs_at_their_ticks():
     assert visitor.input.thing.back_and_forth
     assert isinstance(slab.input, PutThing) and slab.input.thing.footprint == ((0, 0), (1, 0), (0, 1))
     assert mishaps == [
-        ScheduledInput(1500, Die(1)),
-        ScheduledInput(1775, Revive(1)),
-        ScheduledInput(2000, Carry(0, Pose2(4.5, 2.45, 0))),
+        ScheduledInput(1500, KillRobot(1)),
+        ScheduledInput(1775, ReviveRobot(1)),
+        ScheduledInput(2000, KidnapRobot(0, Pose2(4.5, 2.45, 0))),
     ]
 
 
@@ -123,11 +123,11 @@ things:
     setting = read_setting(study, Path())
     team = setting.team()
     arrived = 0
-    inputs = [Go(robot, Goal(0, setting.map.rooms[robot].goal)) for robot in range(4)]
+    inputs = [SendGoal(robot, Goal(0, setting.map.rooms[robot].goal)) for robot in range(4)]
     for number in range(1, 100 * TICKS_PER_SECOND):
         snapshot = team.step(inputs)
         assert snapshot.world.collisions.tolist() == [0] * 4
         ended = [robot for robot, said in enumerate(snapshot.robots) if isinstance(said.navigation.result, GoalReached)]
         arrived += len(ended)
-        inputs = [Go(robot, Goal(number, setting.map.rooms[(robot + arrived) % 8].goal)) for robot in ended]
+        inputs = [SendGoal(robot, Goal(number, setting.map.rooms[(robot + arrived) % 8].goal)) for robot in ended]
     assert arrived >= 8

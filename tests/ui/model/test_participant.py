@@ -6,9 +6,16 @@ import pytest
 
 from tests.thbridge.roles.stage import RULES
 from tests.ui.model.seat import Seat
-from thbridge.hunt.events import Condition, Departed, Failed, Identified, Left, Pictured
+from thbridge.hunt.events import (
+    Condition,
+    MoveFailed,
+    RobotDeparted,
+    TreasureIdentified,
+    TreasureLeft,
+    TreasurePictured,
+)
 from thbridge.roles.keeper.briefing import Briefing
-from thbridge.roles.robot_requests import AdviseFor, Puppeteer, SpeakFor
+from thbridge.roles.robot_requests import WizardAdvice, WizardMode, WizardMove
 from ui.model.participant import Participant
 from ui.model.screen import (
     AgreeToTakePart,
@@ -78,8 +85,8 @@ def test_a_whole_hunt_by_what_is_offered():
         else:
             seat.run(20)
     assert seat.screen.phase is Phase.OVER
-    assert events(seat, Identified)
-    assert events(seat, Pictured)
+    assert events(seat, TreasureIdentified)
+    assert events(seat, TreasurePictured)
     assert seat.screen.score == seat.stage.session.game.score > 0
     assert seat.screen.ending.lines[0] in (
         "Every room has been visited.",
@@ -120,7 +127,7 @@ def test_stop_sends_nobody_and_the_same_can_be_asked_again():
     for _ in range(2):
         seat.do(ChooseRoom(3))
         assert seat.do(GiveAnswer(1)).popup is None
-    assert not events(seat, Departed)
+    assert not events(seat, RobotDeparted)
     assert [line.text for line in seat.screen.history if line.speaker == "you"] == ["Go to room 3.", "Stop"] * 2
 
 
@@ -159,7 +166,7 @@ def test_naming_needs_a_name_picked_and_is_talked_over_in_the_same_place():
     assert pop.title == f"Robot 1: name it {treasure.name}?"
     pop = seat.do(GiveAnswer(1)).popup
     assert (pop.picked, pop.verdict, pop.name_it.enabled) == (treasure.name, None, True)
-    assert not events(seat, Identified)
+    assert not events(seat, TreasureIdentified)
     seat.do(SubmitName())
     pop = seat.do(GiveAnswer(0)).popup
     assert pop.verdict == f"{treasure.name} is right, {treasure.points} points won."
@@ -219,7 +226,7 @@ def test_arrivals_wait_behind_what_is_read_and_never_take_its_place():
     seat.do(ShowWaiting(0))
     assert seat.screen.popup.room == 1
     seat.do(LeaveTreasure())
-    assert [event.room.people for event in events(seat, Left)] == [1]
+    assert [event.room.people for event in events(seat, TreasureLeft)] == [1]
 
 
 def test_a_robot_under_way_is_called_back_before_it_goes_elsewhere():
@@ -236,7 +243,7 @@ def test_a_robot_under_way_is_called_back_before_it_goes_elsewhere():
     seat.press(ChooseRoom(6))
     assert seat.press(ChooseRoom(6)).confirmation is not None
     screen = seat.do(Confirm())
-    assert [event.refund for event in events(seat, Failed)] == [8.5]
+    assert [event.refund for event in events(seat, MoveFailed)] == [8.5]
     assert isinstance(screen.popup, DialoguePopup)
     assert screen.popup.title == "Robot 1: go to room 6?"
     agree(seat)
@@ -251,7 +258,7 @@ def test_a_robot_that_arrives_before_it_is_called_back_is_not_sent_on():
     screen = seat.run(60)
     assert screen.confirmation is None
     assert screen.banner.text == "Robot 1 is in room 3 now."
-    assert not events(seat, Failed)
+    assert not events(seat, MoveFailed)
 
 
 def test_stop_calls_a_robot_back():
@@ -272,11 +279,11 @@ def test_going_on_asks_before_it_leaves_a_treasure_behind():
     screen = seat.do(ChooseRoom(4))
     assert screen.confirmation.title == "Leave what is in room 3?"
     seat.do(Cancel())
-    assert not events(seat, Left)
+    assert not events(seat, TreasureLeft)
     seat.do(ChooseRoom(4))
     seat.do(Confirm())
     agree(seat)
-    assert [event.room.people for event in events(seat, Left)] == [3]
+    assert [event.room.people for event in events(seat, TreasureLeft)] == [3]
     assert seat.screen.popup is None
 
 
@@ -345,16 +352,16 @@ def test_trouble_is_said_in_words(condition, state):
 
 def test_a_robot_that_somebody_speaks_for_is_thinking_until_they_do():
     seat = Seat()
-    seat.stage.session.ask("wizard", Puppeteer(0, on=True))
+    seat.stage.session.ask("wizard", WizardMode(0, on=True))
     seat.do(AskAdvice())
     assert seat.screen.cards[0].state == "is being asked"
     seat.model = Participant()  # a window that was closed and opened again
     seat.model.connected(seat.now)
     seat.tabui.connected()
     assert seat.run().cards[0].state == "is thinking about where to go"
-    seat.stage.session.ask("wizard", AdviseFor(0, 5))
+    seat.stage.session.ask("wizard", WizardAdvice(0, 5))
     assert seat.run().cards[0].state == "is thinking"
-    seat.stage.session.ask("wizard", SpeakFor(1, 0, 0, "Room 5?"))
+    seat.stage.session.ask("wizard", WizardMove(1, 0, 0, "Room 5?"))
     assert seat.run().cards[0].state == "asks you something"
 
 
@@ -388,7 +395,7 @@ def test_a_server_that_comes_back_goes_on_where_it_was():
     seat.tabui.connected()
     screen = seat.run()
     assert screen.banner is None
-    assert events(seat, Left)
+    assert events(seat, TreasureLeft)
 
 
 def test_the_picture_comes_from_the_keeper_in_pieces():
@@ -430,7 +437,7 @@ def test_a_server_that_is_killed_in_the_middle_goes_on_by_its_journal():
     screen = seat.run(40)
     assert screen.banner is None
     assert screen.cards[1].state == "ready"
-    assert [event.at.people for event in events(seat, Failed)] == [0]
+    assert [event.at.people for event in events(seat, MoveFailed)] == [0]
     assert len(screen.history) > lines
     assert [waiting.text for waiting in screen.waiting] == ["Robot 1 is in room 3 and found something"]
     assert seat.do(ShowWaiting(0)).popup.picked == name

@@ -1,7 +1,7 @@
 """A whole hunt steered by a ground station, while the participant's window follows it."""
 
 from tests.thbridge.roles.vehicles.test_pilot import STATION, Flight
-from thbridge.hunt.events import Arrived, Identified
+from thbridge.hunt.events import RobotArrived, TreasureIdentified
 from thbridge.roles.notices import PoseTelemetry
 from thbridge.roles.tabui import TabUI
 from thbridge.wire.mavlink.vehicle_interface import LegState, Target
@@ -52,7 +52,7 @@ def test_the_window_follows_a_hunt_that_a_ground_station_steers():
     flight.run(50)
     screen = follower.model.screen(follower.now)
     game = flight.session.game
-    assert len(flight.events(Arrived)) == len(flight.events(Identified)) == 8
+    assert len(flight.events(RobotArrived)) == len(flight.events(TreasureIdentified)) == 8
     assert (screen.phase, screen.score) == (Phase.OVER, game.score)
     assert all(card.commanded == "commanded by ground station 255" for card in screen.cards)
     texts = [line.text for line in screen.history]

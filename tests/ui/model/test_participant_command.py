@@ -7,9 +7,9 @@ from tests.ui.model.seat import Seat
 from tests.ui.model.test_participant import agree, events, go
 from tests.ui.model.test_participant_views import model_of, texts
 from tests.ui.model.views import asking, view, with_robot, with_room
-from thbridge.hunt.events import Commander, Departed, Identified
-from thbridge.roles.robot_requests import ReleaseCommand, SendFor, TakeCommand
-from thbridge.roles.view import AskBack, CallBack, IdentificationVerdict, Select, Unsure
+from thbridge.hunt.events import Commander, RobotDeparted, TreasureIdentified
+from thbridge.roles.robot_requests import ReleaseCommand, StationSend, TakeCommand
+from thbridge.roles.view import CallBack, IdentificationVerdict, RequestHandback, RequestSuggestion, SelectRoom
 from ui.model.keys import act_for
 from ui.model.participant import Participant
 from ui.model.playing.offers import offer
@@ -75,7 +75,7 @@ def test_a_talk_that_ends_so_is_explained():
     assert screen.banner.text.endswith(f"{BACK} Where it should go need not be talked over any more.")
 
 
-@pytest.mark.parametrize(("act", "wanted"), [(ChooseRoom(3), Select(0, 3)), (AskAdvice(), Unsure(0))])
+@pytest.mark.parametrize(("act", "wanted"), [(ChooseRoom(3), SelectRoom(0, 3)), (AskAdvice(), RequestSuggestion(0))])
 def test_a_request_on_its_way_is_taken_back(act, wanted):
     model = model_of(view())
     model.do(act, 0.0)
@@ -99,13 +99,13 @@ def test_a_robot_of_others_is_not_stopped_here():
 def test_what_others_robots_find_is_named_here():
     seat = Seat(robots=2)
     seat.stage.session.ask("station", TAKE)
-    seat.stage.session.ask("station", SendFor(0, 3))
+    seat.stage.session.ask("station", StationSend(0, 3))
     screen = seat.run(30)
     assert isinstance(screen.popup, TreasurePopup) and screen.popup.room == 3
     seat.press(PickName(seat.stage.session.game.treasures[2].name))
     seat.do(SubmitName() if seat.offered(SubmitName()).enabled else LeaveTreasure())
     agree(seat)
-    assert events(seat, Identified)[0].points > 0
+    assert events(seat, TreasureIdentified)[0].points > 0
 
 
 def test_a_robot_that_came_back_is_sent_as_ever():
@@ -113,11 +113,11 @@ def test_a_robot_that_came_back_is_sent_as_ever():
     seat.stage.session.ask("station", TAKE)
     seat.run()
     seat.press(ChooseRoom(3))
-    assert not events(seat, Departed)
+    assert not events(seat, RobotDeparted)
     seat.stage.session.ask("station", ReleaseCommand(0))
     seat.run()
     go(seat, 3)
-    assert [event.room.people for event in events(seat, Departed)] == [3]
+    assert [event.room.people for event in events(seat, RobotDeparted)] == [3]
     assert not any(SENTENCE in text for text in texts(seat.screen))
 
 
@@ -143,7 +143,7 @@ def test_a_robot_of_others_is_asked_for_once_and_again_when_that_may_help():
     assert ask.hint == f"Ground station 255 commands robot 1. {BACK}"
     model.do(AskForRobot(), 0.0)
     ask = model.screen(0.0).cards[0].ask_back
-    assert (model.requests(), ask.label, ask.enabled, ask.pending) == ((AskBack(0),), "Asked", False, True)
+    assert (model.requests(), ask.label, ask.enabled, ask.pending) == ((RequestHandback(0),), "Asked", False, True)
     model.receive(with_robot(theirs, 0, asked_back=True), 0.1)
     screen = model.screen(0.1)
     ask = screen.cards[0].ask_back
@@ -173,9 +173,9 @@ def test_who_cannot_end_the_game_is_told_whom_to_ask():
 def test_what_a_station_leaves_unnamed_stays_on_the_table():
     seat = Seat(robots=2)
     seat.stage.session.ask("station", TAKE)
-    seat.stage.session.ask("station", SendFor(0, 3))
+    seat.stage.session.ask("station", StationSend(0, 3))
     assert seat.run(30).popup.room == 3
-    seat.stage.session.ask("station", SendFor(0, 4))
+    seat.stage.session.ask("station", StationSend(0, 4))
     screen = seat.run(6)
     assert screen.banner.text == (
         "Robot 1 was sent on, and what it found stays in room 3. You may still say what it is."
@@ -194,7 +194,10 @@ def test_what_a_station_leaves_unnamed_stays_on_the_table():
     seat.do(SubmitName())
     agree(seat)
     assert "is right" in seat.screen.popup.verdict and seat.screen.popup.title == "What robot 1 found in room 3"
-    assert (events(seat, Identified)[0].robot, seat.screen.score) == (0, events(seat, Identified)[0].points)
+    assert (events(seat, TreasureIdentified)[0].robot, seat.screen.score) == (
+        0,
+        events(seat, TreasureIdentified)[0].points,
+    )
 
 
 def test_what_nobody_can_pay_to_name_is_said_and_left():

@@ -15,13 +15,13 @@ from thbridge.roles.participant_rules import revealed
 from thbridge.roles.view import (
     Consent,
     DialogueView,
-    Discuss,
     IdentificationVerdict,
+    OpenDialogue,
     RefusalView,
+    RequestSuggestion,
     RobotView,
     RoomView,
-    Select,
-    Unsure,
+    SelectRoom,
     View,
 )
 from ui.model.keys import act_for
@@ -188,10 +188,10 @@ class Game(RuleBasedStateMachine):
                 assert card.stop.enabled or card.stop.pending
             shown = seat.press(ChooseRobot(robot), 0)
             advice = shown.ask_advice
-            assert advice.pending or advice.enabled == is_allowed(situation, Unsure(robot)), (robot, advice)
+            assert advice.pending or advice.enabled == is_allowed(situation, RequestSuggestion(robot)), (robot, advice)
             for room in state.started.costs.rooms:
                 tile = shown.tiles[room.people - 1].choose
-                allowed = is_allowed(situation, Select(robot, room.people))
+                allowed = is_allowed(situation, SelectRoom(robot, room.people))
                 if allowed:
                     assert tile.enabled or tile.pending, (robot, room, tile)
                 elif state.robots[robot].bound_for is None:
@@ -210,10 +210,10 @@ class Game(RuleBasedStateMachine):
             assert dialogue.robot in looked_at
         popup = screen.popup
         if isinstance(popup, TreasurePopup) and popup.take_picture is not None:
-            allowed = is_allowed(situation, Discuss(popup.robot, "take-picture", popup.room))
+            allowed = is_allowed(situation, OpenDialogue(popup.robot, "take-picture", popup.room))
             assert popup.take_picture.pending or popup.take_picture.enabled == allowed
         if isinstance(popup, TreasurePopup) and popup.picked:
-            allowed = is_allowed(situation, Discuss(popup.robot, "take-treasure", popup.room))
+            allowed = is_allowed(situation, OpenDialogue(popup.robot, "take-treasure", popup.room))
             assert popup.name_it.pending or popup.name_it.enabled == allowed
         assert screen.end.enabled == isinstance(rules.give_up(state), tuple) or screen.end.pending
         check_cards(seat, state)

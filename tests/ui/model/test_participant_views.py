@@ -19,19 +19,19 @@ from thbridge.roles.notices import (
     RoomOutline,
 )
 from thbridge.roles.view import (
-    Agree,
-    Answer,
+    AnswerDialogue,
     CallBack,
     Consent,
+    GiveConsent,
     GiveUp,
+    GiveUpTreasure,
     IdentificationVerdict,
-    Identify,
-    Leave,
+    IdentifyTreasure,
     PlayAgain,
-    Select,
+    RequestSuggestion,
+    SelectRoom,
     SendRobot,
-    Sense,
-    Unsure,
+    SenseTreasure,
 )
 from ui.model.participant import Participant
 from ui.model.screen import (
@@ -120,7 +120,7 @@ def test_consent_comes_before_everything_else():
     model.do(ChooseRoom(1), 0.0)
     assert model.requests() == ()
     model.do(AgreeToTakePart(), 0.0)
-    assert model.requests() == (Agree(),)
+    assert model.requests() == (GiveConsent(),)
     assert model.screen(0.0).agree.pending
     model.receive(view(), 1.0)
     assert (model.screen(1.0).phase, model.requests()) == (Phase.PLAYING, ())
@@ -232,7 +232,7 @@ def test_what_follows_from_agreements_is_wanted_without_being_asked_again():
     assert model.requests() == (SendRobot(0, 3),)
     assert model.screen(0.0).cards[0].state == "about to set out for room 3"
     model.receive(with_room(FOUND, 3, colour=None, footprint=None), 0.1)
-    assert model.requests() == (Sense(3),)
+    assert model.requests() == (SenseTreasure(3),)
     model.receive(with_robot(with_room(FOUND, 3, colour=None, footprint=None), 0, condition=Condition.SILENT), 0.05)
     assert model.requests() == ()
     assert model.screen(0.1).popup.title == "Robot 1 looks around in room 3"
@@ -248,9 +248,9 @@ def test_an_agreed_name_is_said_only_as_it_was_picked():
     model.do(PickName("can"), 0.0)
     assert model.requests() == ()
     model.do(SubmitName(), 0.0)
-    assert model.requests() == (Identify(3, "can"),)
+    assert model.requests() == (IdentifyTreasure(3, "can"),)
     model.do(PickName("ball"), 0.0)
-    assert model.requests() == (Identify(3, "can"),)
+    assert model.requests() == (IdentifyTreasure(3, "can"),)
     assert model.screen(0.0).popup.name_it.pending
     model.receive(structs.replace(agreed, refusal=refusal(1, "Identify")), 0.1)
     assert model.requests() == ()
@@ -270,7 +270,7 @@ def test_an_act_for_what_has_gone_from_the_screen_meanwhile_does_nothing():
     assert model.requests() == ()
     assert model.screen(0.2).popup.room == 2
     model.do(LeaveTreasure(), 0.3)
-    assert model.requests() == (Leave(2),)
+    assert model.requests() == (GiveUpTreasure(2),)
 
 
 def test_what_came_up_meanwhile_is_not_put_aside_unseen():
@@ -315,7 +315,7 @@ def test_advice_is_asked_for_once():
     model = model_of(view())
     model.do(AskAdvice(), 0.0)
     asked = model.screen(0.0).ask_advice
-    assert (asked.enabled, asked.pending, model.requests()) == (False, True, (Unsure(0),))
+    assert (asked.enabled, asked.pending, model.requests()) == (False, True, (RequestSuggestion(0),))
 
 
 def test_a_picture_after_which_nothing_could_be_named_is_warned_of():
@@ -350,7 +350,7 @@ def test_nobody_is_asked_about_a_treasure_that_the_robot_cannot_name():
     model = model_of(with_robot(structs.replace(FOUND, identify_cost=50.0), 0, energy=20.0))
     model.do(ChooseRoom(1), 0.0)
     assert model.screen(0.0).confirmation is None
-    assert model.requests() == (Select(0, 1),)
+    assert model.requests() == (SelectRoom(0, 1),)
 
 
 def test_an_answer_names_the_turn_that_was_read():
@@ -360,17 +360,17 @@ def test_an_answer_names_the_turn_that_was_read():
     assert model.requests() == ()
     model.screen(0.1)
     model.do(GiveAnswer(0), 0.2)
-    assert model.requests() == (Answer(1, 3, 0),)
+    assert model.requests() == (AnswerDialogue(1, 3, 0),)
 
 
 def test_wishes_outlive_a_connection():
     model = model_of(view())
     model.do(ChooseRoom(3), 0.0)
     model.lost("", 1.0)
-    assert model.requests() == (Select(0, 3),)
+    assert model.requests() == (SelectRoom(0, 3),)
     model.connected(9.0)
     model.receive(view(), 9.0)
-    assert model.requests() == (Select(0, 3),)
+    assert model.requests() == (SelectRoom(0, 3),)
     model.receive(view(dialogues=(asking(0, 3),)), 9.1)
     assert model.requests() == ()
 
@@ -481,7 +481,7 @@ def test_with_ten_rooms_a_number_has_two_digits_or_ends_with_enter():
     assert (screen.typed, screen.tiles[0].considered, model.requests()) == ("1", True, ())
     assert screen.announcement == "1, and another digit, or Enter."
     model.do(TypeDigit(2), 0.5)
-    assert model.requests() == (Select(0, 12),)
+    assert model.requests() == (SelectRoom(0, 12),)
     model.do(TypeDigit(4), 1.0)
     assert model.screen(4.9).typed == "4"
     assert model.screen(5.1).typed == ""

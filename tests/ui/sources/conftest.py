@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from sim.common.geometry import Pose2
-from sim.team import Carry, Die, PutThing, Revive
+from sim.team import KidnapRobot, KillRobot, PutThing, ReviveRobot
 from thbridge.app.compose import build_bot, read_setting
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.session.broadcast import Broadcast
@@ -23,9 +23,9 @@ STUDY = dataclasses.replace(Study(), seed=7, robots=3)
 TICKS = 650
 DONE: dict[int, Request] = {
     100: PutThing(obstacle("crate", "box", Pose2(0.0, 0.0, 0.0), 0.5)),
-    250: Die(1),
-    350: Carry(2, Pose2(-2.869, -2.97, 0.0)),
-    450: Revive(1),
+    250: KillRobot(1),
+    350: KidnapRobot(2, Pose2(-2.869, -2.97, 0.0)),
+    450: ReviveRobot(1),
 }
 """Requests to the robots during the hunt, by tick."""
 

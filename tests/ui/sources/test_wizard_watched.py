@@ -3,7 +3,7 @@ from pathlib import Path
 from tests.ui.sources.conftest import STUDY, record
 from tests.ui.sources.test_bag_source import scanned
 from thbridge.hunt.refusals import RequestRefused
-from thbridge.roles.robot_requests import Puppeteer, Request
+from thbridge.roles.robot_requests import Request, WizardMode
 from ui.model.watching.scene import Scene, ShownLayers
 from ui.model.watching.tools import Tools
 
@@ -15,7 +15,7 @@ def last(bag: Path) -> Scene:
 
 def test_a_person_sees_what_waits_and_what_was_said_instead(tmp_path: Path) -> None:
     """Each run is the one before, and one answer more."""
-    done: dict[int, Request] = {0: Puppeteer(0, True)}
+    done: dict[int, Request] = {0: WizardMode(0, True)}
     record(tmp_path / "asked.bag", STUDY, 20, done)
     asked = last(tmp_path / "asked.bag")
     (advice,) = asked.wizard.advice

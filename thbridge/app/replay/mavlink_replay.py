@@ -21,7 +21,7 @@ from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session, TickRecord
 from thbridge.files.errors import BadFile
 from thbridge.hunt.codec import kind_of
-from thbridge.hunt.events import Arrived
+from thbridge.hunt.events import RobotArrived
 from thbridge.recording.bag import reader as bag_reader
 from thbridge.recording.bag.reader import BagInfo
 from thbridge.ros import names
@@ -152,7 +152,7 @@ def hunt_result_of(path: Path) -> HuntResult:
 
 
 def _arrival(event: GameEvent, stamp_ns: int) -> Iterator[Arrival]:
-    if event.kind == kind_of(Arrived) and event.robot is not None and event.room is not None:
+    if event.kind == kind_of(RobotArrived) and event.robot is not None and event.room is not None:
         yield Arrival(number_of(event.robot), event.room, _seconds(stamp_ns))
 
 
@@ -302,7 +302,7 @@ class _HuntRecorder:
     def record(self, record: TickRecord) -> None:
         """See `TickRecorder`."""
         for event in record.events:
-            if isinstance(event, Arrived) and record.snapshot is not None:
+            if isinstance(event, RobotArrived) and record.snapshot is not None:
                 seconds = record.snapshot.tick * TICK
                 self.arrivals.append(Arrival(number_of(event.robot), event.room.people, round(seconds, 2)))
         self.score = 0 if record.game is None else record.game.score

@@ -16,7 +16,7 @@ import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
-from sim.inputs import ClearCostmaps, Globalize, Localize, RequestUpdate
+from sim.inputs import ClearCostmaps, GlobalLocalization, NomotionUpdate, SetPoseEstimate
 from sim.parameters import RobotParameters
 from sim.robot.planning.path import PlanRefusal as NoPlan
 from thbridge.app.rosgraph.live_parameters import LiveParameters, sendable
@@ -227,8 +227,8 @@ class LiveGraph:
 
     def _offer_services(self, robot: int, named: RobotNames) -> None:
         for service, request in (
-            ("global_localization", Globalize(robot)),
-            ("request_nomotion_update", RequestUpdate(robot)),
+            ("global_localization", GlobalLocalization(robot)),
+            ("request_nomotion_update", NomotionUpdate(robot)),
             ("move_base/clear_costmaps", ClearCostmaps(robot)),
         ):
             name = named.topic(service)
@@ -249,7 +249,7 @@ class LiveGraph:
         found = clients.pose_estimate(data)
         if isinstance(found, InvalidMessage):
             return ServiceFailed(found.sentence)
-        self._ask(service, Localize(robot, found.base_in_map, found.covariance))
+        self._ask(service, SetPoseEstimate(robot, found.base_in_map, found.covariance))
         return b""
 
     def _make_plan(self, robot: int, data: bytes) -> bytes | ServiceFailed:

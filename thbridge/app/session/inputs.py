@@ -12,7 +12,7 @@ from typing import TypeAlias, TypeVar
 import msgspec
 import numpy as np
 
-from sim.inputs import Go
+from sim.inputs import SendGoal
 from thbridge.roles.robot_requests import PACE_REQUESTS, REQUESTS, PaceRequest, Request
 from thbridge.ros.goal_owners import GoalOwner, owned_number, recorded_number
 from thbridge.ros.messages.records import GoalRequest, SimpleGoal
@@ -258,7 +258,7 @@ def _fields(value: object) -> object:
     """Return a dataclass as builtins; a goal has no owner there, but its number in recordings."""
     fields: dict[str, object] = msgspec.to_builtins(value, enc_hook=_plain)
     match value:
-        case Go(_, goal):
+        case SendGoal(_, goal):
             number = recorded_number(goal.owner, goal.id)
             fields["goal"] = {"id": number, "base_in_map": msgspec.to_builtins(goal.base_in_map)}
         case SimpleGoal(number=number):
@@ -272,7 +272,7 @@ def _fields(value: object) -> object:
 def _with_owner(request: Request) -> Request:
     """Return a request as it came from a recording, with its goal's owner, and the number that the owner counts."""
     match request:
-        case Go(_, goal):
+        case SendGoal(_, goal):
             owner, number = owned_number(goal.id)
             return replace(request, goal=replace(goal, id=number, owner=owner))
         case SimpleGoal(number=recorded):

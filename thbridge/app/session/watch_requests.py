@@ -9,34 +9,34 @@ from typing import TypeAlias, get_args
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import (
-    Carry,
     ClearCostmaps,
-    Die,
-    Globalize,
-    Go,
-    Halt,
-    Localize,
-    Place,
+    GlobalLocalization,
+    KidnapRobot,
+    KillRobot,
+    NomotionUpdate,
+    PlaceRobot,
     PutThing,
     RemoveThing,
-    RequestUpdate,
-    Revive,
+    ReviveRobot,
+    SendGoal,
+    SetPoseEstimate,
+    WithdrawGoal,
 )
 from sim.parameters.reconfiguration import ParameterRejection
 from thbridge.app.session.inputs import decode_request, decode_value, encode_request
 from thbridge.roles.robot_requests import (
     PACE_REQUESTS,
-    AdviseFor,
     PaceRequest,
     Pause,
-    Puppeteer,
     Request,
     Resume,
     SetParameters,
     SetRate,
-    SpeakFor,
     Step,
     Tuning,
+    WizardAdvice,
+    WizardMode,
+    WizardMove,
     WizardRequest,
 )
 from thbridge.roles.simr.team import RobotTeam
@@ -63,26 +63,26 @@ SLOWEST, FASTEST = 0.01, 1000.0
 MOST_STEPS = 600 * TICKS_PER_SECOND
 
 WatchRequest: TypeAlias = (
-    Go
-    | Halt
+    SendGoal
+    | WithdrawGoal
     | SimpleGoal
     | CancelRequest
     | VelocityCommand
     | InitialPose
-    | Localize
-    | Globalize
-    | RequestUpdate
+    | SetPoseEstimate
+    | GlobalLocalization
+    | NomotionUpdate
     | ClearCostmaps
     | SetParameters
     | PutThing
     | RemoveThing
-    | Carry
-    | Place
-    | Die
-    | Revive
-    | Puppeteer
-    | SpeakFor
-    | AdviseFor
+    | KidnapRobot
+    | PlaceRobot
+    | KillRobot
+    | ReviveRobot
+    | WizardMode
+    | WizardMove
+    | WizardAdvice
 )
 """Requests that watchers may send. Others belong to the game, or have another form here."""
 
@@ -127,7 +127,7 @@ class WatchRequestHandler:
         """Undo pause and puppets after the last watcher has left, so that neither session nor robots wait for one."""
         self._pacer.resume()
         for robot in sorted(self._puppets):
-            self._ask(WATCH_SENDER, Puppeteer(robot, on=False))
+            self._ask(WATCH_SENDER, WizardMode(robot, on=False))
         self._puppets.clear()
 
     def ask(self, watcher: str, request: Mapping[str, object]) -> str | None:
@@ -153,7 +153,7 @@ class WatchRequestHandler:
         reason = objection(asked.request, self._robots)
         if reason is None:
             self._waiting += 1
-            if isinstance(asked.request, Puppeteer):
+            if isinstance(asked.request, WizardMode):
                 self._puppets.add(asked.request.robot)
             self._ask(asked.sender, self._numbered(asked.request))
         return reason
@@ -178,7 +178,7 @@ class WatchRequestHandler:
     def _numbered(self, request: WatchRequest) -> WatchRequest:
         """Return a request in which a goal is a researcher's and has a new number, whatever the watcher gave it."""
         match request:
-            case Go(_, goal):
+            case SendGoal(_, goal):
                 return replace(request, goal=replace(goal, id=next(self._goals), owner=GoalOwner.RESEARCHER))
             case SimpleGoal():
                 return replace(request, number=next(self._goals), owner=GoalOwner.RESEARCHER)
@@ -209,16 +209,16 @@ def objection(request: WatchRequest, robots: RobotTeam) -> str | None:
 
     A session does not check requests, so all checks of a client's input are here.
     """
-    if not isinstance(request, PutThing | RemoveThing | SpeakFor) and not 0 <= request.robot < robots.size:
+    if not isinstance(request, PutThing | RemoveThing | WizardMove) and not 0 <= request.robot < robots.size:
         return f"robot counts from 0 here, and there are {robots.size}"
     match request:
-        case Go(_, goal):
+        case SendGoal(_, goal):
             return _objection_to_pose(goal.base_in_map)
         case SimpleGoal(_, pose):
             return "it has no pose" if pose is None else _objection_to_pose(pose)
-        case Carry(_, pose) | Place(_, pose):
+        case KidnapRobot(_, pose) | PlaceRobot(_, pose):
             return _objection_to_pose(pose)
-        case InitialPose(_, pose, covariance) | Localize(_, pose, covariance):
+        case InitialPose(_, pose, covariance) | SetPoseEstimate(_, pose, covariance):
             return _objection_to_pose(pose) or _objection_to_covariance(covariance)
         case VelocityCommand(_, twist):
             return None if max(abs(twist.linear), abs(twist.angular)) <= FARTHEST else "nothing is that fast"
@@ -229,7 +229,7 @@ def objection(request: WatchRequest, robots: RobotTeam) -> str | None:
             return changed.sentence if isinstance(changed, ParameterRejection) else None
         case PutThing(thing):
             return fault_of_thing(thing, FARTHEST, MOST_CHARACTERS)
-        case SpeakFor(text=text) if len(text) > MOST_CHARACTERS or not text.isprintable():
+        case WizardMove(text=text) if len(text) > MOST_CHARACTERS or not text.isprintable():
             return f"a robot says one line, of at most {MOST_CHARACTERS} characters"
         case RemoveThing(name) | CancelRequest(_, name):
             return (

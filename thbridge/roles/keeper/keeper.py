@@ -14,7 +14,7 @@ from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.moves import DialogueUtterance
 from thbridge.hunt import rules
 from thbridge.hunt.costs import CostMatrix
-from thbridge.hunt.events import Agreed, Commander, Event, Hidden, Started
+from thbridge.hunt.events import Commander, ConsentGiven, Event, GameStarted, TreasuresHidden
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rules import MOST_ROBOTS
@@ -33,27 +33,27 @@ from thbridge.roles.keeper.station_requests import (
 from thbridge.roles.keeper.wizard import WizardState, handle_wizard_request, wizard_state
 from thbridge.roles.notices import (
     KEEPER,
-    HidePlease,
+    HideRequest,
     HiderReady,
     HideTreasures,
+    LegacyReply,
     Orders,
     ParticipantReady,
-    Reply,
     RobotsReady,
     StateNotice,
-    Status,
     TeamRejection,
+    TeamStatus,
 )
 from thbridge.roles.participant_rules import KeeperReason
 from thbridge.roles.robot_requests import CommandRequest, GameRequest
-from thbridge.roles.view import Agree, ParticipantRequest, PlayAgain, SendRobot
+from thbridge.roles.view import GiveConsent, ParticipantRequest, PlayAgain, SendRobot
 from thbridge.wire import legacy
 from thbridge.wire.notice import Notice, decode_notice, encode_notice, is_notice, kind_of, parse_notice
 from thbridge.wire.router import Forwarded
 from thbridge.wire.text import TextMessage
 
 _BEFORE_AGREEING = RequestRefused(KeeperReason.NOT_AGREED, "You have not agreed to take part yet.")
-_AFTER_AGREEING = {kind_of(kind) for kind in get_args(ParticipantRequest)} - {kind_of(Agree)}
+_AFTER_AGREEING = {kind_of(kind) for kind in get_args(ParticipantRequest)} - {kind_of(GiveConsent)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +151,7 @@ class Keeper:
                     continue
                 reply = self._legacy_lines.handle(self.state, item, needs_consent=ours)
                 if reply is not None:
-                    self._send(legacy.HIDER, Reply(reply.command, reply.text))
+                    self._send(legacy.HIDER, LegacyReply(reply.command, reply.text))
 
     def ask(self, request: GameRequest) -> None:
         """Queue a request for the next step, before the messages of that step."""
@@ -196,7 +196,7 @@ class Keeper:
     def _handle_notice(self, notice: Notice) -> None:
         if (robots := decode_notice(notice, RobotsReady)) is not None:
             self._robots(notice.sender, robots)
-        elif (status := decode_notice(notice, Status)) is not None:
+        elif (status := decode_notice(notice, TeamStatus)) is not None:
             self._status(status)
         elif decode_notice(notice, HiderReady) is not None:
             self._hider_ready = True
@@ -242,7 +242,7 @@ class Keeper:
 
     def _start(self, robots: int, costs: CostMatrix) -> None:
         chosen = self._rules
-        started = Started(
+        started = GameStarted(
             seed=chosen.seed,
             game=self._game.last_game + 1,
             robots=robots,
@@ -254,7 +254,7 @@ class Keeper:
         )
         # Agreement to take part, and commands of ground stations, outlast a game.
         former = self.state
-        agreed = (Agreed(),) if former is not None and former.agreed else ()
+        agreed = (ConsentGiven(),) if former is not None and former.agreed else ()
         kept = () if former is None else kept_commands(former, robots)
         self._game.record((started, *agreed, *kept))
         self._poses = None
@@ -271,15 +271,15 @@ class Keeper:
     def _ask_to_hide(self) -> None:
         state = self.state
         if self._hider_ready and state is not None and state.treasures is None and state.ended is None:
-            self._send(legacy.HIDER, HidePlease(state.started.game, len(state.rooms)))
+            self._send(legacy.HIDER, HideRequest(state.started.game, len(state.rooms)))
 
     def _hide(self, hidden: HideTreasures) -> None:
         state = self.state
         fresh = state is not None and state.treasures is None and state.started.game == hidden.game
         if state is not None and fresh and len(hidden.treasures) == len(state.rooms):
-            self._game.record((Hidden(hidden.treasures),))
+            self._game.record((TreasuresHidden(hidden.treasures),))
 
-    def _status(self, status: Status) -> None:
+    def _status(self, status: TeamStatus) -> None:
         state = self.state
         if state is None or status.game != state.started.game or state.ended is not None:
             return

@@ -13,7 +13,7 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.participant_rules import KeeperReason
-from thbridge.roles.view import DialogueMatter, Identify, SendRobot, Sense, TakePicture
+from thbridge.roles.view import DialogueMatter, IdentifyTreasure, SendRobot, SenseTreasure, TakePicture
 from thbridge.wire import legacy
 from thbridge.wire.notice import kind_of
 from thbridge.wire.router import Forwarded
@@ -21,9 +21,9 @@ from thbridge.wire.text import TextMessage
 
 _WISHES: Mapping[type, str] = {
     legacy.GotoRoom: kind_of(SendRobot),
-    legacy.AskTreasure: kind_of(Sense),
+    legacy.AskTreasure: kind_of(SenseTreasure),
     legacy.SnapTreasure: kind_of(TakePicture),
-    legacy.NameTreasure: kind_of(Identify),
+    legacy.NameTreasure: kind_of(IdentifyTreasure),
 }
 
 
@@ -98,7 +98,7 @@ class LegacyLines:
             self._game.apply_ruling("Arrived", rules.arrive(state, robot, room))
 
     def _sense(self, state: GameState, room: Room) -> TextMessage | None:
-        if state.treasures is None or not self._game.apply_ruling(kind_of(Sense), rules.sense(state, room)):
+        if state.treasures is None or not self._game.apply_ruling(kind_of(SenseTreasure), rules.sense(state, room)):
             return None
         treasure = state.treasure(room)
         if treasure is None:
@@ -130,7 +130,7 @@ class LegacyLines:
         ruling = rules.identify(state, room, name)
         if needs_consent:
             ruling = self._agreed(ruling, state, room, "take-treasure")
-        if not self._game.apply_ruling(kind_of(Identify), ruling) or self._game.state is None:
+        if not self._game.apply_ruling(kind_of(IdentifyTreasure), ruling) or self._game.state is None:
             return None
         return legacy.PointsAwarded(self._game.state.room(room).points or 0).message()
 

@@ -4,7 +4,15 @@ from collections.abc import Callable, Iterable, Sequence
 
 from thbridge.dialogue.engine import Engine
 from thbridge.hunt import game, rules
-from thbridge.hunt.events import Arrived, AskedBack, Commanded, Departed, Event, Failed, Started
+from thbridge.hunt.events import (
+    CommanderChanged,
+    Event,
+    GameStarted,
+    HandbackRequested,
+    MoveFailed,
+    RobotArrived,
+    RobotDeparted,
+)
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.roles.failure_reasons import CALLED_BACK
@@ -100,7 +108,7 @@ class OpenGame:
         return events
 
     def _apply(self, event: Event) -> None:
-        if isinstance(event, Started):
+        if isinstance(event, GameStarted):
             self.state = game.begin(event)
             self.last_game = event.game
             self.dialogues = GameDialogues(self._engine(event.game), self.dialogues.puppets)
@@ -111,12 +119,12 @@ class OpenGame:
             self._recalled.clear()
         elif self.state is not None:
             self.state = game.apply(self.state, event)
-        if isinstance(event, Departed):
+        if isinstance(event, RobotDeparted):
             self._departures += 1
             self._moves[event.robot] = self._departures
-        if isinstance(event, AskedBack):
+        if isinstance(event, HandbackRequested):
             self.handback_requests.add(event.robot)
-        if isinstance(event, Commanded):
+        if isinstance(event, CommanderChanged):
             self.handback_requests.forget(event.robot)
-        if isinstance(event, Arrived | Failed):
+        if isinstance(event, RobotArrived | MoveFailed):
             self._recalled.discard(event.robot)

@@ -12,16 +12,16 @@ from thbridge.roles.keeper.dialogues import MATTERS
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.participant_rules import Situation, free_to_discuss, judge, place
 from thbridge.roles.view import (
-    Agree,
-    Answer,
-    AskBack,
+    AnswerDialogue,
     CallBack,
-    Discuss,
+    GiveConsent,
     GiveUp,
-    Leave,
+    GiveUpTreasure,
+    OpenDialogue,
     ParticipantRequest,
-    Select,
-    Unsure,
+    RequestHandback,
+    RequestSuggestion,
+    SelectRoom,
 )
 from thbridge.wire.notice import Notice, decode_notice, kind_of
 
@@ -37,24 +37,24 @@ def handle_participant_request(game: OpenGame, state: GameState, notice: Notice,
     """
     now = Situation(state, game.dialogues.discussed, awaits_treasures)
     match _decode_request(notice):
-        case Agree() | Leave() as request:
+        case GiveConsent() | GiveUpTreasure() as request:
             game.apply_ruling(notice.kind, judge(now, request))
         case GiveUp() as request if request.game == state.started.game:
             game.apply_ruling(notice.kind, judge(now, request))
-        case AskBack() as request if request.robot not in game.handback_requests.recent:
+        case RequestHandback() as request if request.robot not in game.handback_requests.recent:
             game.apply_ruling(notice.kind, judge(now, request))
         case CallBack() as request:
             if game.apply_ruling(notice.kind, judge(now, request)):
                 game.recall(request.robot)
-        case Unsure() as request:
+        case RequestSuggestion() as request:
             if game.apply_ruling(notice.kind, judge(now, request)):
                 suggest_or_await(game, state, request.robot)
-        case Select() as request:
+        case SelectRoom() as request:
             _open(game, state, judge(now, request), Scenario.SPECIFIC_ROOM, request.robot, place(request.room))
-        case Discuss() as request:
+        case OpenDialogue() as request:
             scenario = Scenario.TAKE_PICTURE if request.matter == "take-picture" else Scenario.TAKE_TREASURE
             _open(game, state, judge(now, request), scenario, request.robot, place(request.room))
-        case Answer() as request:
+        case AnswerDialogue() as request:
             refused = game.dialogues.answer(request.dialogue, request.turn, request.choice)
             if refused is not None:
                 game.refuse(notice.kind, refused)
@@ -64,7 +64,7 @@ def suggest_or_await(game: OpenGame, state: GameState, number: int) -> None:
     """Let a robot suggest a room, or wait for the person who speaks in its place."""
     room = suggested_room(game, state, number)
     if isinstance(room, RequestRefused):
-        game.refuse(kind_of(Unsure), room)
+        game.refuse(kind_of(RequestSuggestion), room)
     elif number in game.dialogues.puppets:
         game.dialogues.await_advice(number)
     else:

@@ -4,26 +4,26 @@ from typing import TypeAlias
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
-from thbridge.hunt.events import Commanded, Commander
+from thbridge.hunt.events import Commander, CommanderChanged
 from thbridge.hunt.game import CommandHolder, GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.participant_rules import KeeperReason
 from thbridge.roles.robot_requests import (
-    CallBackFor,
     CommandRequest,
-    IdentifyFor,
-    LeaveFor,
-    PictureFor,
     ReleaseCommand,
-    SendFor,
+    StationCallBack,
+    StationIdentify,
+    StationLeave,
+    StationSend,
+    StationTakePicture,
     TakeCommand,
 )
 from thbridge.roles.view import SendRobot
 from thbridge.wire.notice import kind_of
 
-_Judged: TypeAlias = TakeCommand | ReleaseCommand | SendFor | PictureFor | IdentifyFor | LeaveFor
+_Judged: TypeAlias = TakeCommand | ReleaseCommand | StationSend | StationTakePicture | StationIdentify | StationLeave
 
 
 def handle_station_request(
@@ -38,10 +38,10 @@ def handle_station_request(
         awaits_treasures: Hider is about to hide them; until then no robot is sent.
     """
     match request:
-        case CallBackFor(robot):
+        case StationCallBack(robot):
             if state.has_robot(robot) and state.robots[robot].bound_for is not None:
                 _stop(game, state, robot)
-        case SendFor() if awaits_treasures:
+        case StationSend() if awaits_treasures:
             pass
         case _:
             ruling = _ruling(state, request)
@@ -62,10 +62,10 @@ def sense_for_stations(game: OpenGame, state: GameState) -> None:
                 game.record(seen)
 
 
-def kept_commands(former: GameState, robots: int) -> tuple[Commanded, ...]:
+def kept_commands(former: GameState, robots: int) -> tuple[CommanderChanged, ...]:
     """Return the events that keep ground stations in command of their robots in the next game, of so many robots."""
     return tuple(
-        Commanded(number, robot.holder.by, robot.holder.name)
+        CommanderChanged(number, robot.holder.by, robot.holder.name)
         for number, robot in enumerate(former.robots[:robots])
         if robot.holder.by is Commander.GROUND_STATION
     )
@@ -76,7 +76,7 @@ def return_robots(game: OpenGame) -> None:
     robots = () if game.state is None else game.state.robots
     game.record(
         tuple(
-            Commanded(number, Commander.PARTICIPANT, "")
+            CommanderChanged(number, Commander.PARTICIPANT, "")
             for number, robot in enumerate(robots)
             if robot.command != CommandHolder()
         )
@@ -97,13 +97,13 @@ def _ruling(state: GameState, request: _Judged) -> rules.Ruling:
             return rules.command(state, robot, CommandHolder(Commander.GROUND_STATION, name))
         case ReleaseCommand(robot):
             return rules.command(state, robot, CommandHolder())
-        case SendFor(robot, room):
+        case StationSend(robot, room):
             return rules.move(state, robot, Room(max(room, 0)), Commander.GROUND_STATION)
-        case PictureFor() | IdentifyFor() | LeaveFor():
+        case StationTakePicture() | StationIdentify() | StationLeave():
             return _about_treasure(state, request)
 
 
-def _about_treasure(state: GameState, request: PictureFor | IdentifyFor | LeaveFor) -> rules.Ruling:
+def _about_treasure(state: GameState, request: StationTakePicture | StationIdentify | StationLeave) -> rules.Ruling:
     if not state.has_robot(request.robot):
         return RequestRefused(rules.RuleReason.UNKNOWN_ROBOT, f"There is no {robot_name(request.robot)}.")
     refused = rules.commanded_by_other(state, request.robot, Commander.GROUND_STATION)
@@ -111,9 +111,9 @@ def _about_treasure(state: GameState, request: PictureFor | IdentifyFor | LeaveF
         return refused
     here = state.robots[request.robot].at
     match request:
-        case PictureFor():
+        case StationTakePicture():
             return rules.picture(state, here)
-        case IdentifyFor(name=name):
+        case StationIdentify(name=name):
             return rules.identify(state, here, name)
-        case LeaveFor():
+        case StationLeave():
             return rules.leave(state, here)

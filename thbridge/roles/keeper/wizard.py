@@ -16,7 +16,7 @@ from thbridge.roles.keeper.dialogues import HeldTurn
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.keeper.participant_requests import open_suggestion, suggest_or_await, suggested_room
 from thbridge.roles.participant_rules import Situation, free_to_discuss
-from thbridge.roles.robot_requests import AdviseFor, Puppeteer, SpeakFor, WizardRequest
+from thbridge.roles.robot_requests import WizardAdvice, WizardMode, WizardMove, WizardRequest
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,16 +57,16 @@ def wizard_state(game: OpenGame, state: GameState | None) -> WizardState:
 def handle_wizard_request(game: OpenGame, state: GameState | None, request: WizardRequest) -> None:
     """Carry out a wizard's request; one for a turn that is past changes nothing."""
     match request:
-        case Puppeteer(robot, True):
+        case WizardMode(robot, True):
             game.dialogues.hold(robot)
-        case Puppeteer(robot):
+        case WizardMode(robot):
             asked = robot in game.dialogues.asked_for_advice
             game.dialogues.release(robot)
             if asked and state is not None:
                 suggest_or_await(game, state, robot)
-        case SpeakFor(dialogue, turn, move, text):
+        case WizardMove(dialogue, turn, move, text):
             game.dialogues.speak_for(dialogue, turn, move, text)
-        case AdviseFor(robot, number):
+        case WizardAdvice(robot, number):
             waits = state is not None and robot in game.dialogues.asked_for_advice
             if state is not None and waits and Room(max(number, 0)) in _rooms(game, state, robot):
                 open_suggestion(game, state, robot, Room(number))

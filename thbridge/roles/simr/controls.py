@@ -5,7 +5,18 @@ from dataclasses import dataclass, replace
 
 from sim.common.observations import TICKS_PER_SECOND
 from sim.parameters.reconfiguration import ParameterRejection
-from sim.team import Configure, Disturb, Drive, Go, Halt, Localize, PutThing, RemoveThing, TeamInput, TeamSnapshot
+from sim.team import (
+    DriveManually,
+    PutThing,
+    RemoveThing,
+    SendGoal,
+    SetPoseEstimate,
+    SetSoftwareParameters,
+    SetWorldParameters,
+    TeamInput,
+    TeamSnapshot,
+    WithdrawGoal,
+)
 from thbridge.roles.robot_requests import ParameterValue, RobotRequest, SetParameters, Tuning
 from thbridge.roles.simr.team import RobotTeam
 from thbridge.ros.actionlib import ActionRequest, MoveBaseServer
@@ -56,15 +67,15 @@ class RobotControls:
                     self._goals[robot, GoalOwner.ROS_CLIENT, number] = researcher
                 case SimpleGoal(robot=robot, number=number, owner=owner):
                     self._goals[robot, owner, number] = researcher
-                case Go(robot, goal):
+                case SendGoal(robot, goal):
                     self._goals[robot, goal.owner, goal.id] = researcher
         match request:
             case GoalRequest() | SimpleGoal() | CancelRequest():
                 self._actions.append(request)
             case VelocityCommand(robot, twist):
-                self._take(Drive(robot, twist, MANUAL_DRIVE_TICKS), researcher)
+                self._take(DriveManually(robot, twist, MANUAL_DRIVE_TICKS), researcher)
             case InitialPose(robot, base_in_map, covariance):
-                self._take(Localize(robot, base_in_map, covariance))
+                self._take(SetPoseEstimate(robot, base_in_map, covariance))
             case SetParameters(robot, values):
                 self._tune(robot, values)
             case _:
@@ -105,9 +116,9 @@ class RobotControls:
 
     def _take(self, item: TeamInput, researcher: str | None = None) -> None:
         match item:
-            case Drive(robot, _, ticks):
+            case DriveManually(robot, _, ticks):
                 self._by_hand[robot] = _ManualDrive(ticks, researcher)
-            case Go(robot) | Halt(robot):
+            case SendGoal(robot) | WithdrawGoal(robot):
                 self._by_hand.pop(robot, None)
         self._inputs.append(item)
 
@@ -121,9 +132,9 @@ class RobotControls:
         software, world = self._robots.parameters[robot], self._robots.worlds[robot]
         for item in self._inputs:
             match item:
-                case Configure(number, parameters) if number == robot:
+                case SetSoftwareParameters(number, parameters) if number == robot:
                     software = parameters
-                case Disturb(number, true) if number == robot:
+                case SetWorldParameters(number, true) if number == robot:
                     world = true
         return Tuning(software, world)
 
@@ -135,6 +146,6 @@ class RobotControls:
         if isinstance(after, ParameterRejection):
             return
         if after.software != before.software:
-            self._take(Configure(robot, after.software))
+            self._take(SetSoftwareParameters(robot, after.software))
         if after.world != before.world:
-            self._take(Disturb(robot, after.world))
+            self._take(SetWorldParameters(robot, after.world))

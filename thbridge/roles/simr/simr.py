@@ -8,11 +8,20 @@ from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND, Twist
 from sim.robot.navigator import Goal, GoalReached, NoPath
 from sim.robot.software import RobotOutput
-from sim.team import Drive, Go, Halt, Place, SetCharge, TeamInput, TeamSnapshot
+from sim.team import DriveManually, PlaceRobot, SendGoal, SetCharge, TeamInput, TeamSnapshot, WithdrawGoal
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
 from thbridge.roles import failure_reasons as reasons
-from thbridge.roles.notices import KEEPER, MoveOrder, MoveResult, Orders, RobotsReady, Status, Subscribe, TeamRejection
+from thbridge.roles.notices import (
+    KEEPER,
+    MoveOrder,
+    MoveResult,
+    Orders,
+    RobotsReady,
+    Subscribe,
+    TeamRejection,
+    TeamStatus,
+)
 from thbridge.roles.robot_requests import RobotRequest, Tuning
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS, RobotControls
 from thbridge.roles.simr.pose_telemetry import TelemetryOptions, TelemetryPublisher
@@ -192,7 +201,7 @@ class SimR:
                     linear, angular = MANUAL_SPEEDS[move.drive]
                     share = move.intensity / 5.0
                     twist = Twist(0.5 * share * linear, share * angular)
-                    self._inputs.append(Drive(move.robot, twist, MANUAL_DRIVE_TICKS))
+                    self._inputs.append(DriveManually(move.robot, twist, MANUAL_DRIVE_TICKS))
         return []
 
     def _handle_notice(self, tick: int, notice: Notice) -> None:
@@ -224,7 +233,7 @@ class SimR:
             if order is not None and order.move != self._last_move(robot):
                 self._go(robot, order)
             elif order is None and robot in self._moves:
-                self._inputs.append(Halt(robot))
+                self._inputs.append(WithdrawGoal(robot))
         self._inputs += [SetCharge(robot, charge) for robot, charge in enumerate(orders.energy)]
 
     def _begin(self, orders: Orders, *, again: bool) -> None:
@@ -239,7 +248,7 @@ class SimR:
         else:
             return
         for robot, pose in enumerate(places):
-            self._inputs += [Halt(robot), Place(robot, pose)]
+            self._inputs += [WithdrawGoal(robot), PlaceRobot(robot, pose)]
 
     def _place(self, robot: int, room: int) -> Pose2:
         return self._game_map.starts[robot] if room == 0 else self._game_map.goals[Room.of_people(room).wire]
@@ -247,7 +256,7 @@ class SimR:
     def _go(self, robot: int, order: MoveOrder) -> None:
         self._results[robot] = None
         self._moves[robot] = _Move(order)
-        self._inputs.append(Go(robot, self._goal(order)))
+        self._inputs.append(SendGoal(robot, self._goal(order)))
 
     def _last_move(self, robot: int) -> int:
         """Return the number of the robot's move in progress, or else of its last one; 0 before the first."""
@@ -278,7 +287,7 @@ class SimR:
             return
         here = self._snapshot.robots[goto.robot].estimate.base_in_map
         heading = math.atan2(goto.y - here.y, goto.x - here.x) if goto.heading is None else goto.heading
-        self._inputs.append(Go(goto.robot, Goal(0, Pose2(goto.x, goto.y, heading))))
+        self._inputs.append(SendGoal(goto.robot, Goal(0, Pose2(goto.x, goto.y, heading))))
 
     # Messages of SimR
 
@@ -310,7 +319,7 @@ class SimR:
                     self._fail(robot, move, reasons.CALLED_BACK)
                 elif not self._controls.is_driven(robot):
                     # It was dead for a while, or sent elsewhere or driven by hand: its navigator has lost the goal.
-                    self._inputs.append(Go(robot, goal))
+                    self._inputs.append(SendGoal(robot, goal))
         return outgoing
 
     def _fail(self, robot: int, move: _Move, sentence: str) -> None:
@@ -332,13 +341,13 @@ class SimR:
             for robot in snapshot.robots
         )
 
-    def _status(self, snapshot: TeamSnapshot) -> Status:
+    def _status(self, snapshot: TeamSnapshot) -> TeamStatus:
         if snapshot.world is None:
             places = _estimated(snapshot)
         else:
             places = tuple((float(x), float(y), float(theta)) for x, y, theta in snapshot.world.poses)
         game = 0 if self._orders is None else self._orders.game
-        return Status(game, places, tuple(self._results), self._conditions, self._researchers)
+        return TeamStatus(game, places, tuple(self._results), self._conditions, self._researchers)
 
 
 def _estimated(snapshot: TeamSnapshot) -> tuple[tuple[float, float, float], ...]:

@@ -14,24 +14,24 @@ from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from sim.common.robot_numbers import robot_name
 from sim.common.traversability import TraversabilityMap, inside
-from sim.inputs import Drive, Go, Halt
+from sim.inputs import DriveManually, SendGoal, WithdrawGoal
 from sim.team import TeamSnapshot
 from thbridge.hunt import rules
-from thbridge.hunt.events import Commanded, Commander
+from thbridge.hunt.events import Commander, CommanderChanged
 from thbridge.hunt.game import CommandHolder, GameState, apply
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.roles import failure_reasons as reasons
 from thbridge.roles.notices import RoomOutline
 from thbridge.roles.robot_requests import (
-    CallBackFor,
-    IdentifyFor,
-    LeaveFor,
-    PictureFor,
     ReleaseCommand,
     Request,
-    SendFor,
     SetParameters,
+    StationCallBack,
+    StationIdentify,
+    StationLeave,
+    StationSend,
+    StationTakePicture,
     TakeCommand,
 )
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
@@ -158,7 +158,7 @@ class Pilot:
         """See `VehicleInterface`."""
         self._give_up(reasons.STOPPED)
         self._stop_move()
-        self._ask(Halt(self._robot))
+        self._ask(WithdrawGoal(self._robot))
 
     def drive(self, twist: Twist) -> Denied | None:
         """See `VehicleInterface`; it aborts a leg or a move of the game in progress."""
@@ -167,7 +167,7 @@ class Pilot:
             return state
         self._give_up(reasons.BY_HAND)
         self._stop_move()
-        self._ask(Drive(self._robot, self._speed_limit.bounded(twist), MANUAL_DRIVE_TICKS))
+        self._ask(DriveManually(self._robot, self._speed_limit.bounded(twist), MANUAL_DRIVE_TICKS))
         return None
 
     def fastest(self) -> Twist:
@@ -217,7 +217,7 @@ class Pilot:
 
     def photograph(self) -> Denied | None:
         """See `VehicleInterface`."""
-        return self._about_treasure(PictureFor(self._robot), rules.picture)
+        return self._about_treasure(StationTakePicture(self._robot), rules.picture)
 
     def identify(self, number: int) -> Denied | None:
         """See `VehicleInterface`."""
@@ -225,11 +225,13 @@ class Pilot:
         if not 1 <= number <= len(names):
             return Denied(f"Treasures have {len(names)} names, numbered from 1.")
         name = names[number - 1]
-        return self._about_treasure(IdentifyFor(self._robot, name), lambda state, at: rules.identify(state, at, name))
+        return self._about_treasure(
+            StationIdentify(self._robot, name), lambda state, at: rules.identify(state, at, name)
+        )
 
     def leave(self) -> Denied | None:
         """See `VehicleInterface`."""
-        return self._about_treasure(LeaveFor(self._robot), rules.leave)
+        return self._about_treasure(StationLeave(self._robot), rules.leave)
 
     def _about_treasure(self, request: Request, rule: Callable[[GameState, Room], rules.Ruling]) -> Denied | None:
         state = self._able()
@@ -251,7 +253,7 @@ class Pilot:
         if game is not None:
             self._stopping = self._stopping and game.robots[self._robot].bound_for is not None
             if self._stopping:
-                self._ask(CallBackFor(self._robot))
+                self._ask(StationCallBack(self._robot))
             if self._trip is not None and self._trip.under_way:
                 trip = advanced(self._trip, snapshot, game, self._robot)
                 self._trip = self._set_out(trip, game) if trip.stage is TripStage.WAITING else trip
@@ -272,12 +274,12 @@ class Pilot:
         if trip.room is None:
             if mover.intervention is not None:
                 return trip.failed(reasons.ELSEWHERE)
-            self._ask(Go(self._robot, trip.goal))
+            self._ask(SendGoal(self._robot, trip.goal))
             return replace(trip, stage=TripStage.GOING)
         ruling = rules.move(state, self._robot, trip.room, Commander.GROUND_STATION)
         if isinstance(ruling, RequestRefused):
             return trip.failed(ruling.sentence)
-        self._ask(SendFor(self._robot, trip.room.people))
+        self._ask(StationSend(self._robot, trip.room.people))
         self._sent = True
         return replace(trip, stage=TripStage.ASKED)
 
@@ -308,7 +310,7 @@ class Pilot:
             return _NO_GAME
         state = self._game
         if self._new_holder is not None:
-            state = apply(state, Commanded(self._robot, self._new_holder.by, self._new_holder.name))
+            state = apply(state, CommanderChanged(self._robot, self._new_holder.by, self._new_holder.name))
         robot = state.robots[self._robot]
         if robot.is_silent or not is_responding(self._snapshot, self._robot):
             return Denied(reasons.unresponsive_sentence(self._robot))
@@ -348,7 +350,7 @@ class Pilot:
         """Stop the game's current move, or the one just requested; it takes some ticks, and is requested until then."""
         under_way = self._game is not None and self._game.robots[self._robot].bound_for is not None
         if under_way:
-            self._ask(CallBackFor(self._robot))
+            self._ask(StationCallBack(self._robot))
         self._stopping = under_way or self._sent
 
 

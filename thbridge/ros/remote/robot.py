@@ -14,7 +14,7 @@ import numpy as np
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import STANDSTILL, Battery, Imu, LaserMount, Neighbour, Observations, Odometry, Scan, Twist
 from sim.common.robot_numbers import namespace_of, robot_name
-from sim.inputs import Drive, Go, Halt, Localize
+from sim.inputs import DriveManually, SendGoal, SetPoseEstimate, WithdrawGoal
 from sim.robot.navigator import Navigation
 from sim.robot.software import RobotOutput
 from thbridge.ros import clients, names
@@ -28,7 +28,7 @@ from thbridge.ros.remote.names import RemoteNames
 from thbridge.ros.remote.pose import STALE_NS, RemotePose
 from thbridge.ros.topics import RosMessage, Topic
 
-RemoteInput = Go | Halt | Drive | Localize
+RemoteInput = SendGoal | WithdrawGoal | DriveManually | SetPoseEstimate
 """Inputs that real robots accept."""
 
 COMMAND_NS = 100_000_000
@@ -127,17 +127,17 @@ class RemoteRobot:
     def take(self, item: RemoteInput, now_ns: int) -> None:
         """Send an input to the robot."""
         match item:
-            case Go(_, goal):
+            case SendGoal(_, goal):
                 self._stop_driving(now_ns)
                 self._goals.go(goal, now_ns)
-            case Halt():
+            case WithdrawGoal():
                 self._stop_driving(now_ns)
                 self._goals.halt(now_ns)
-            case Drive(_, command, ticks):
+            case DriveManually(_, command, ticks):
                 self._goals.halt(now_ns)
                 self._drive = (command, now_ns + ticks * TICK_NS)
                 self._driven_ns = now_ns - COMMAND_NS
-            case Localize(_, base_in_map, covariance):
+            case SetPoseEstimate(_, base_in_map, covariance):
                 data = pack.pose_with_covariance(tick_of(now_ns), self.names.map_frame, base_in_map, covariance)
                 self._publish(self._initialpose, data, now_ns)
             case _:

@@ -9,7 +9,16 @@ from typing import Protocol
 import numpy as np
 
 from sim.common.robot_numbers import robot_name
-from sim.inputs import TEAM_INPUTS, Drive, Go, Halt, Localize, Place, SetCharge, TeamInput
+from sim.inputs import (
+    TEAM_INPUTS,
+    DriveManually,
+    PlaceRobot,
+    SendGoal,
+    SetCharge,
+    SetPoseEstimate,
+    TeamInput,
+    WithdrawGoal,
+)
 from sim.parameters import RobotParameters, WorldParameters
 from sim.team import TeamSnapshot
 from thbridge.files.ros.definitions import Definitions
@@ -161,11 +170,11 @@ class Fleet:
 
     def _take(self, item: TeamInput, now_ns: int) -> None:
         match item:
-            case Go(robot) | Halt(robot) | Drive(robot) | Localize(robot):
+            case SendGoal(robot) | WithdrawGoal(robot) | DriveManually(robot) | SetPoseEstimate(robot):
                 self._robots[robot].take(item, now_ns)
             case SetCharge():
                 pass  # The keeper counts the game's energy; a real battery cannot be set.
-            case Place(robot, pose):
+            case PlaceRobot(robot, pose):
                 if (
                     self._last is None
                     or self._last.robots[robot].estimate.base_in_map.distance(pose) > PLACEMENT_TOLERANCE

@@ -2,16 +2,16 @@
 
 from sim.common.robot_numbers import robot_name
 from thbridge.roles.view import (
-    Agree,
-    Answer,
-    AskBack,
+    AnswerDialogue,
     CallBack,
-    Discuss,
+    GiveConsent,
     GiveUp,
-    Leave,
+    GiveUpTreasure,
+    OpenDialogue,
     PlayAgain,
-    Select,
-    Unsure,
+    RequestHandback,
+    RequestSuggestion,
+    SelectRoom,
 )
 from ui.model.playing.cards import card_sentence
 from ui.model.playing.popup_queue import DestinationItem, TreasureItem
@@ -76,7 +76,7 @@ def _in_game(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
     match act:
         case AgreeToTakePart():
             if hunt.view.consent is not None:
-                hunt.pending.ask(Agree(), hunt.view)
+                hunt.pending.ask(GiveConsent(), hunt.view)
         case AnotherGame():
             if hunt.view.over is not None:
                 hunt.pending.ask(PlayAgain(hunt.view.game), hunt.view)
@@ -150,21 +150,21 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
             if view.room(room).picture is None and not _refused(
                 memory, why_not_picture(hunt.known, item.robot, room), now
             ):
-                _discuss(hunt, Discuss(item.robot, "take-picture", room))
+                _discuss(hunt, OpenDialogue(item.robot, "take-picture", room))
         case SubmitName():
             name = hunt.picked_names.get(room)
             if name is None:
                 note(memory, "Pick a name from the list first.", now)
             elif not _refused(memory, why_not_name(hunt.known, item.robot, room), now):
                 hunt.submitted_names[room] = name
-                _discuss(hunt, Discuss(item.robot, "take-treasure", room))
+                _discuss(hunt, OpenDialogue(item.robot, "take-treasure", room))
         case LeaveTreasure():
-            hunt.pending.ask(Leave(room), view)
+            hunt.pending.ask(GiveUpTreasure(room), view)
         case _:
             pass
 
 
-def _discuss(hunt: HuntMemory, request: Discuss) -> None:
+def _discuss(hunt: HuntMemory, request: OpenDialogue) -> None:
     """Open a dialogue about it, unless that is agreed on already."""
     if all((consent.matter, consent.room) != (request.matter, request.room) for consent in hunt.view.consents):
         hunt.pending.ask(request, hunt.view)
@@ -173,7 +173,7 @@ def _discuss(hunt: HuntMemory, request: Discuss) -> None:
 def _answer(memory: ParticipantMemory, hunt: HuntMemory, choice: int) -> None:
     if memory.last_drawn.dialogue is None:
         return
-    answer = Answer(*memory.last_drawn.dialogue, choice)
+    answer = AnswerDialogue(*memory.last_drawn.dialogue, choice)
     if not is_open(hunt.view, answer) or hunt.pending.answer(answer.dialogue, answer.turn) is not None:
         return
     hunt.pending.ask(answer, hunt.view)
@@ -203,17 +203,17 @@ def _choose(memory: ParticipantMemory, hunt: HuntMemory, room: int, now: float) 
         if view.robots[robot].moving_to is not None:
             hunt.pending_step = Reroute(robot, room)
         else:
-            _ask_to_go(memory, hunt, Select(robot, room))
+            _ask_to_go(memory, hunt, SelectRoom(robot, room))
 
 
 def _ask_advice(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
     robot = memory.selected
-    already = isinstance(hunt.pending.destination_request(robot), Unsure)
+    already = isinstance(hunt.pending.destination_request(robot), RequestSuggestion)
     if not already and not _refused(memory, why_not_ask(hunt.known, robot), now):
-        _ask_to_go(memory, hunt, Unsure(robot))
+        _ask_to_go(memory, hunt, RequestSuggestion(robot))
 
 
-def _ask_to_go(memory: ParticipantMemory, hunt: HuntMemory, request: Select | Unsure) -> None:
+def _ask_to_go(memory: ParticipantMemory, hunt: HuntMemory, request: SelectRoom | RequestSuggestion) -> None:
     """Ask a robot to go, unless it would leave something behind that it can still name: then ask for confirmation."""
     view, robot = hunt.view, request.robot
     room = undecided_beside(hunt.known, robot)
@@ -275,7 +275,7 @@ def _ask_back(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: floa
     elif asked.asked_back:
         note(memory, f"You have just asked for {robot_name(robot)}. You can ask again in some seconds.", now)
     else:
-        hunt.pending.ask(AskBack(robot), hunt.view)
+        hunt.pending.ask(RequestHandback(robot), hunt.view)
 
 
 def _put_aside(memory: ParticipantMemory, hunt: HuntMemory) -> None:

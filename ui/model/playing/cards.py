@@ -5,7 +5,7 @@ from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rules import affordable
 from thbridge.roles.notices import RobotMotion
-from thbridge.roles.view import AskBack, CallBack, RobotView
+from thbridge.roles.view import CallBack, RequestHandback, RobotView
 from ui.model.keys import key_of
 from ui.model.playing.possible import is_allowed, undecided_beside, why_not_command
 from ui.model.playing.state import HuntMemory, ParticipantMemory
@@ -84,7 +84,7 @@ def _stop(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
 def _ask_back(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
     if not robot.other_commander or hunt.view.over is not None:
         return None
-    busy = AskBack(robot.robot) in hunt.pending
+    busy = RequestHandback(robot.robot) in hunt.pending
     asked = robot.asked_back or busy
     commander = as_sentence(f"{robot.other_commander} commands {robot_name(robot.robot)}")
     hint = f"{commander} {how_it_comes_back(robot.commander)}"

@@ -2,7 +2,7 @@
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import Condition
-from thbridge.roles.view import Agree
+from thbridge.roles.view import GiveConsent
 from ui.model.keys import HELP, help_lines, key_of
 from ui.model.playing.cards import cards
 from ui.model.playing.popup_queue import DestinationItem, PopupItem, TreasureItem
@@ -114,7 +114,7 @@ def _agree(hunt: HuntMemory | None) -> Action:
     act = AgreeToTakePart()
     if hunt is None or hunt.view.consent is None:
         return _not_now(act, "I agree")
-    busy = Agree() in hunt.pending
+    busy = GiveConsent() in hunt.pending
     return Action(act, "I agree", key_of(act), not busy, "You take part in the study.", busy)
 
 

@@ -4,18 +4,18 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.roles.participant_rules import Situation, revealed
 from thbridge.roles.view import (
-    Agree,
-    Answer,
-    AskBack,
+    AnswerDialogue,
     CallBack,
-    Discuss,
+    GiveConsent,
     GiveUp,
-    Leave,
+    GiveUpTreasure,
+    OpenDialogue,
     ParticipantRequest,
     PlayAgain,
     RefusalView,
-    Select,
-    Unsure,
+    RequestHandback,
+    RequestSuggestion,
+    SelectRoom,
     View,
 )
 from thbridge.wire.notice import kind_of
@@ -46,24 +46,26 @@ class PendingRequests:
 
     def ask(self, request: ParticipantRequest, view: View) -> None:
         """Add a request; a robot is asked to go to one place at a time."""
-        if isinstance(request, Select | Unsure):
+        if isinstance(request, SelectRoom | RequestSuggestion):
             self.forget_destination(request.robot)
-        self._requests[request] = _open_dialogue(view, request.robot) if isinstance(request, Unsure) else None
+        self._requests[request] = (
+            _open_dialogue(view, request.robot) if isinstance(request, RequestSuggestion) else None
+        )
 
     def forget_destination(self, robot: int) -> None:
         """Drop the requests to this robot to go somewhere."""
         for request in self.requests:
-            if isinstance(request, Select | Unsure) and request.robot == robot:
+            if isinstance(request, SelectRoom | RequestSuggestion) and request.robot == robot:
                 del self._requests[request]
 
-    def destination_request(self, robot: int) -> Select | Unsure | None:
+    def destination_request(self, robot: int) -> SelectRoom | RequestSuggestion | None:
         """The pending request to this robot about where to go."""
-        destinations = (request for request in self._requests if isinstance(request, Select | Unsure))
+        destinations = (request for request in self._requests if isinstance(request, SelectRoom | RequestSuggestion))
         return next((request for request in destinations if request.robot == robot), None)
 
     def answer(self, dialogue: int, turn: int) -> int | None:
         """The choice made at this turn of a dialogue, while the view does not show it yet."""
-        answers = (request for request in self._requests if isinstance(request, Answer))
+        answers = (request for request in self._requests if isinstance(request, AnswerDialogue))
         return next((each.choice for each in answers if (each.dialogue, each.turn) == (dialogue, turn)), None)
 
     def drop_refused(self, refusal: RefusalView) -> None:
@@ -77,7 +79,7 @@ class PendingRequests:
         reasons = []
         known = revealed(view)
         for request, before in list(self._requests.items()):
-            if isinstance(request, Unsure) and _open_dialogue(view, request.robot) is None:
+            if isinstance(request, RequestSuggestion) and _open_dialogue(view, request.robot) is None:
                 self._requests[request] = None
             if _granted(request, view, known, before):
                 del self._requests[request]
@@ -90,10 +92,10 @@ class PendingRequests:
 def _kinds(request: ParticipantRequest) -> tuple[str, ...]:
     """Names under which a refusal may mean this request: a request for a dialogue is also refused by its matter."""
     match request:
-        case Select() | Unsure():
+        case SelectRoom() | RequestSuggestion():
             return ("select-room", kind_of(type(request)))
-        case Discuss(matter=matter):
-            return (matter, kind_of(Discuss))
+        case OpenDialogue(matter=matter):
+            return (matter, kind_of(OpenDialogue))
         case _:
             return (kind_of(type(request)),)
 
@@ -104,24 +106,24 @@ def _open_dialogue(view: View, robot: int) -> int | None:
 
 def _granted(request: ParticipantRequest, view: View, known: Situation, before: int | None) -> bool:
     match request:
-        case Agree():
+        case GiveConsent():
             return view.consent is None
-        case Select(robot, room):
+        case SelectRoom(robot, room):
             return (robot, "select-room", room) in known.discussed or view.robots[robot].moving_to == room
-        case Unsure(robot):
+        case RequestSuggestion(robot):
             fresh = _open_dialogue(view, robot) not in (None, before)
             agreed = any(consent.robot == robot and consent.matter == "select-room" for consent in view.consents)
             return fresh or agreed or view.robots[robot].moving_to is not None
-        case Answer(dialogue, turn, _):
+        case AnswerDialogue(dialogue, turn, _):
             return not any((each.dialogue, each.turn) == (dialogue, turn) for each in view.dialogues)
         case CallBack(robot):
             return view.robots[robot].moving_to is None
-        case AskBack(robot):
+        case RequestHandback(robot):
             return view.robots[robot].asked_back
-        case Discuss(robot, matter, room):
+        case OpenDialogue(robot, matter, room):
             done = view.room(room).picture is not None if matter == "take-picture" else not view.room(room).undecided
             return done or (robot, matter, room) in known.discussed
-        case Leave(room):
+        case GiveUpTreasure(room):
             return not view.room(room).undecided
         case GiveUp(game):
             return view.over is not None or view.game != game
@@ -136,16 +138,16 @@ def _moot(request: ParticipantRequest, view: View, known: Situation) -> str | No
     if view.over is not None:
         return None if isinstance(request, PlayAgain) else ""
     match request:
-        case Select(robot, room):
+        case SelectRoom(robot, room):
             return why_not_go(known, robot, room)
-        case Unsure(robot):
+        case RequestSuggestion(robot):
             return why_not_work(known, robot) or why_not_command(known, robot)
         case CallBack(robot):
             return why_not_command(known, robot)
-        case AskBack(robot):
+        case RequestHandback(robot):
             # A robot that came back is announced anyway.
             return None if view.robots[robot].other_commander else ""
-        case Discuss(robot, matter, room) if robot != _worker(known.state, matter, room):
+        case OpenDialogue(robot, matter, room) if robot != _worker(known.state, matter, room):
             return why_not_work(known, robot) or ""
         case _:
             return None

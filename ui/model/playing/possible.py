@@ -9,13 +9,13 @@ from dataclasses import replace
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
 from thbridge.hunt.costs import energy_text
-from thbridge.hunt.events import Arrived, Commander
+from thbridge.hunt.events import Commander, RobotArrived
 from thbridge.hunt.game import apply
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.rules import RuleReason, commander_name
 from thbridge.roles.participant_rules import JudgedRequest, KeeperReason, Situation, judge, other_candidate
-from thbridge.roles.view import CallBack, Discuss, GiveUp, Select, Unsure
+from thbridge.roles.view import CallBack, GiveUp, OpenDialogue, RequestSuggestion, SelectRoom
 from ui.model.playing.words import how_it_comes_back, titled
 
 
@@ -47,7 +47,7 @@ def why_not_go(known: Situation, robot: int, room: int) -> str | None:
     """Reason why a robot cannot go to a room, or None; a robot that is driving would be called back first."""
     goes_there = known.state.robots[robot].bound_for == Room(room)
     then = known if goes_there else _called_back(known, robot)
-    refused = judge(then, Select(robot, room))
+    refused = judge(then, SelectRoom(robot, room))
     if isinstance(refused, tuple):
         return None
     mover = then.state.robots[robot]
@@ -72,7 +72,7 @@ def why_not_go(known: Situation, robot: int, room: int) -> str | None:
 
 def why_not_ask(known: Situation, robot: int) -> str | None:
     """Reason why a robot cannot be asked for advice, or None."""
-    refused = judge(known, Unsure(robot))
+    refused = judge(known, RequestSuggestion(robot))
     if isinstance(refused, tuple):
         return None
     bound_for = known.state.robots[robot].bound_for
@@ -85,7 +85,9 @@ def why_not_ask(known: Situation, robot: int) -> str | None:
 
 def why_not_picture(known: Situation, robot: int, room: int) -> str | None:
     """Reason why a robot cannot take a picture in the room where it stands, or None."""
-    return _why_not_discuss(known, Discuss(robot, "take-picture", room), "A picture", known.state.started.picture_cost)
+    return _why_not_discuss(
+        known, OpenDialogue(robot, "take-picture", room), "A picture", known.state.started.picture_cost
+    )
 
 
 def why_not_name(known: Situation, robot: int, room: int) -> str | None:
@@ -93,7 +95,7 @@ def why_not_name(known: Situation, robot: int, room: int) -> str | None:
     if known.state.room(Room(room)).is_decided:
         return "This is decided."
     return _why_not_discuss(
-        known, Discuss(robot, "take-treasure", room), "Naming it", known.state.started.identify_cost
+        known, OpenDialogue(robot, "take-treasure", room), "Naming it", known.state.started.identify_cost
     )
 
 
@@ -125,7 +127,7 @@ def energy_warning(known: Situation, robot: int, room: int) -> str:
     if isinstance(departure, RequestRefused):
         return ""
     there = known.state
-    for event in (*departure, Arrived(robot, Room(room))):
+    for event in (*departure, RobotArrived(robot, Room(room))):
         there = apply(there, event)
     named = rules.identify(there, Room(room), "", 0)
     return "" if isinstance(named, tuple) else "Enough to get there, not to name what is there."
@@ -137,7 +139,7 @@ def _called_back(known: Situation, robot: int) -> Situation:
     return known if isinstance(events, RequestRefused) else replace(known, state=apply(known.state, events[0]))
 
 
-def _why_not_discuss(known: Situation, request: Discuss, what: str, cost: float) -> str | None:
+def _why_not_discuss(known: Situation, request: OpenDialogue, what: str, cost: float) -> str | None:
     robot = request.robot
     refused = judge(known, request)
     if isinstance(refused, tuple):

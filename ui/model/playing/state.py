@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from thbridge.hunt.rooms import Room
 from thbridge.roles.notices import FloorPlan, RobotMotion
 from thbridge.roles.participant_rules import Situation, revealed
-from thbridge.roles.view import DialogueView, Select, Unsure, View
+from thbridge.roles.view import DialogueView, RequestSuggestion, SelectRoom, View
 from ui.model.playing.connection import ConnectionStatus
 from ui.model.playing.history import GameHistory
 from ui.model.playing.pending import PendingRequests
@@ -26,7 +26,7 @@ class Reroute:
 class LeaveUndecided:
     """A robot is to go on although the treasure in its room is not decided."""
 
-    request: Select | Unsure
+    request: SelectRoom | RequestSuggestion
     room: int
 
 
@@ -84,9 +84,9 @@ class HuntMemory:
         """The robot that stands in a room and is not driving."""
         return self.known.state.standing_in(Room(room))
 
-    def ask_to_go(self, request: Select | Unsure) -> str:
+    def ask_to_go(self, request: SelectRoom | RequestSuggestion) -> str:
         """Ask a robot to go somewhere, and show the dialogue at once; return the sentence said to the robot."""
-        sentence = f"Go to room {request.room}." if isinstance(request, Select) else "I don't know where to go."
+        sentence = f"Go to room {request.room}." if isinstance(request, SelectRoom) else "I don't know where to go."
         self.pending.ask(request, self.view)
         self.opening_sentences[request.robot] = sentence
         self.popups.show(DestinationItem(request.robot))
@@ -112,10 +112,10 @@ class HuntMemory:
         match self.pending_step:
             case Reroute(rerouted, room) if rerouted == robot:
                 return room
-            case LeaveUndecided(Select() as request, _) if request.robot == robot:
+            case LeaveUndecided(SelectRoom() as request, _) if request.robot == robot:
                 return request.room
         asked = self.pending.destination_request(robot)
-        if isinstance(asked, Select):
+        if isinstance(asked, SelectRoom):
             return asked.room
         dialogue = self.destination_dialogue(robot)
         agreed = (consent for consent in self.view.consents if consent.robot == robot)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
-from thbridge.roles.view import GiveUp, RoomView, Select, Unsure
+from thbridge.roles.view import GiveUp, RequestSuggestion, RoomView, SelectRoom
 from ui.model.keys import key_of
 from ui.model.playing.possible import energy_warning, why_not_ask, why_not_end, why_not_go
 from ui.model.playing.state import HuntMemory, ParticipantMemory
@@ -22,7 +22,7 @@ def dont_know(memory: ParticipantMemory, hunt: HuntMemory) -> Action:
     """The action that asks the selected robot for its advice."""
     robot = memory.selected
     refused = why_not_ask(hunt.known, robot)
-    asked = isinstance(hunt.pending.destination_request(robot), Unsure)
+    asked = isinstance(hunt.pending.destination_request(robot), RequestSuggestion)
     hint = f"{titled(robot)} suggests where to go." if refused is None else refused
     return Action(AskAdvice(), "Don't know", key_of(AskAdvice()), refused is None and not asked, hint, asked)
 
@@ -55,7 +55,7 @@ def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Ma
 def _choose(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView) -> Action:
     robot, number = memory.selected, room.room
     refused = why_not_go(hunt.known, robot, number)
-    busy = Select(robot, number) in hunt.pending or hunt.reroutes.get(robot) == number
+    busy = SelectRoom(robot, number) in hunt.pending or hunt.reroutes.get(robot) == number
     discussed = hunt.destination_considered(robot) == number
     if refused is not None:
         hint = refused

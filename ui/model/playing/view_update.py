@@ -8,15 +8,15 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.roles.participant_rules import Discussed
 from thbridge.roles.view import (
-    Answer,
-    Discuss,
-    Identify,
+    AnswerDialogue,
+    IdentifyTreasure,
+    OpenDialogue,
     ParticipantRequest,
     RobotView,
     RoomView,
-    Select,
+    SelectRoom,
     SendRobot,
-    Sense,
+    SenseTreasure,
     TakePicture,
     View,
 )
@@ -88,8 +88,10 @@ def open_requests(hunt: HuntMemory) -> tuple[ParticipantRequest, ...]:
             case "take-picture":
                 agreed.append(TakePicture(consent.room))
             case "take-treasure" if consent.room in hunt.submitted_names:
-                agreed.append(Identify(consent.room, hunt.submitted_names[consent.room]))
-    sense = [Sense(room.room) for room in view.rooms if room.undecided and not room.sensed and _can_look(hunt, room)]
+                agreed.append(IdentifyTreasure(consent.room, hunt.submitted_names[consent.room]))
+    sense = [
+        SenseTreasure(room.room) for room in view.rooms if room.undecided and not room.sensed and _can_look(hunt, room)
+    ]
     return (*hunt.pending.requests, *agreed, *sense)
 
 
@@ -188,7 +190,7 @@ def _receive_refusal(memory: ParticipantMemory, hunt: HuntMemory, now: float) ->
     memory.note = (refusal.sentence, now + NOTE)
     memory.history.add_event(refusal.sentence)
     hunt.pending.drop_refused(refusal)
-    if refusal.wish == kind_of(Identify):
+    if refusal.wish == kind_of(IdentifyTreasure):
         hunt.submitted_names.clear()
 
 
@@ -207,7 +209,7 @@ def _reroute(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
         elif refused is not None:
             note(memory, refused, now)
         else:
-            memory.history.add_request(robot, hunt.ask_to_go(Select(robot, room)))
+            memory.history.add_request(robot, hunt.ask_to_go(SelectRoom(robot, room)))
 
 
 def _drop_obsolete_step(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
@@ -236,7 +238,7 @@ def _is_talked_over(hunt: HuntMemory, room: int) -> bool:
     if not hunt.view.room(room).undecided:
         return False
     asked = any(
-        isinstance(request, Discuss) and (request.matter, request.room) == ("take-treasure", room)
+        isinstance(request, OpenDialogue) and (request.matter, request.room) == ("take-treasure", room)
         for request in hunt.pending.requests
     )
     return asked or any((about.matter, about.room) == ("take-treasure", room) for about in hunt.known.discussed)
@@ -259,7 +261,7 @@ def _items(hunt: HuntMemory) -> Iterator[PopupItem]:
             yield TreasureItem(hunt.verdicts[room.room], room.room)
 
 
-def is_open(view: View, answer: Answer) -> bool:
+def is_open(view: View, answer: AnswerDialogue) -> bool:
     """Return True when a dialogue waits for an answer at just this turn."""
     return any(
         (each.dialogue, each.turn) == (answer.dialogue, answer.turn) and 0 <= answer.choice < len(each.choices)

@@ -10,10 +10,10 @@ import numpy as np
 
 from sim.common.geometry import Pose2
 from sim.common.traversability import inside
-from sim.team import Carry, ClearCostmaps, Die, PutThing, RemoveThing, Revive
+from sim.team import ClearCostmaps, KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot
 from sim.world.things import Thing
 from thbridge.hunt.refusals import RequestRefused
-from thbridge.roles.robot_requests import AdviseFor, Puppeteer, Request, SpeakFor, WizardRequest
+from thbridge.roles.robot_requests import Request, WizardAdvice, WizardMode, WizardMove, WizardRequest
 from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.records import InitialPose, SimpleGoal
 from ui.model.watching.scene import PendingTurn, RobotScene, Scene
@@ -86,19 +86,21 @@ class Tools:
         known = found.truth or found.estimate
         kept = 0.0 if known is None else known.theta
         place = Pose2(x, y, kept if heading is None else heading)
-        return _off_map(scene, place) or Carry(robot, place)
+        return _off_map(scene, place) or KidnapRobot(robot, place)
 
     def kill(self, scene: Scene, robot: int) -> Request | RequestRefused:
         """Stop a robot's software."""
         found = _alive_robot(scene, robot)
-        return found if isinstance(found, RequestRefused) else Die(robot)
+        return found if isinstance(found, RequestRefused) else KillRobot(robot)
 
     def revive(self, scene: Scene, robot: int) -> Request | RequestRefused:
         """Let a dead robot go on."""
         found = _robot(scene, robot)
         if isinstance(found, RequestRefused):
             return found
-        return Revive(robot) if found.dead else RequestRefused(ToolRefusalReason.ALIVE, f"{_named(found)} is alive.")
+        return (
+            ReviveRobot(robot) if found.dead else RequestRefused(ToolRefusalReason.ALIVE, f"{_named(found)} is alive.")
+        )
 
     def put(self, scene: Scene, shape: Shape, x: float, y: float, size: float) -> Request | RequestRefused:
         """Put an obstacle in the way; it appears once its place is free."""
@@ -117,19 +119,19 @@ class Tools:
     def puppeteer(self, scene: Scene, robot: int, on: bool) -> WizardRequest | RequestRefused:
         """Speak for a robot from now on, or no more."""
         found = _robot(scene, robot)
-        return found if isinstance(found, RequestRefused) else Puppeteer(robot, on)
+        return found if isinstance(found, RequestRefused) else WizardMode(robot, on)
 
     def speak(self, scene: Scene, turn: PendingTurn, move: int, text: str = "") -> WizardRequest | RequestRefused:
         """Make a robot's move, in one's own words where there are any."""
         if turn not in scene.wizard.turns or not 0 <= move < len(turn.sentences):
             return RequestRefused(ToolRefusalReason.NOT_WAITING, "That answer is not waited for any more.")
-        return SpeakFor(turn.dialogue, turn.turn, move, text.strip())
+        return WizardMove(turn.dialogue, turn.turn, move, text.strip())
 
     def advise(self, scene: Scene, robot: int, room: int) -> WizardRequest | RequestRefused:
         """Answer a participant's "don't know" for a robot."""
         if not any(waiting.robot == robot for waiting in scene.wizard.advice):
             return RequestRefused(ToolRefusalReason.NOT_WAITING, "No advice is waited for any more.")
-        return AdviseFor(robot, room)
+        return WizardAdvice(robot, room)
 
 
 def dragged_pose(x: float, y: float, to_x: float, to_y: float, heading: float = 0.0) -> Pose2:

@@ -17,7 +17,7 @@ from sim.robot.control.braking import gap, placed
 from sim.robot.costmap.costs import LETHAL
 from sim.robot.costmap.footprint import outline
 from sim.robot.navigator import PROGRESS_DISTANCE, PROGRESS_TIMEOUT, Cancelled, Goal, GoalReached, Navigator, NoPath
-from sim.team import Go, PutThing, RemoveThing, ScheduledInput, Team
+from sim.team import PutThing, RemoveThing, ScheduledInput, SendGoal, Team
 from sim.world.things import Thing
 from thbridge.files.map_files import read_map
 
@@ -391,7 +391,7 @@ def touch_nothing_and_arrive(grid, starts, goals, seed, waits=0):
     team = Team(grid, WorldParameters(), [RobotParameters()] * count, starts, seed, 1000.0)
     for _ in range(waits):
         team.step()
-    snapshot = team.step([Go(i, Goal(i, goal)) for i, goal in enumerate(goals)])
+    snapshot = team.step([SendGoal(i, Goal(i, goal)) for i, goal in enumerate(goals)])
     results = {}
     while len(results) < count and snapshot.tick < 100 / TICK:
         snapshot = team.step()
@@ -525,7 +525,7 @@ def closed(seconds, *, opens, parameters=None):
     schedule = [ScheduledInput(1, PutThing(crate)), ScheduledInput(round(opens / TICK), RemoveThing("crate"))]
     robot = replace(parameters or RobotParameters(), localization="truth")
     team = Team(grid, WorldParameters(), [robot], [Pose2(1.5, 2.0, 0.0)], 1, 1000.0, schedule)
-    snapshot = team.step([Go(0, Goal(1, Pose2(6.0, 2.0, 0.0)))])
+    snapshot = team.step([SendGoal(0, Goal(1, Pose2(6.0, 2.0, 0.0)))])
     while snapshot.robots[0].navigation.result is None:
         snapshot = team.step()
         assert snapshot.tick < seconds / TICK

@@ -11,17 +11,17 @@ from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from sim.parameters import WorldParameters
 from sim.team import (
-    Carry,
     ClearCostmaps,
-    Die,
-    Disturb,
-    Drive,
-    Globalize,
-    Localize,
+    DriveManually,
+    GlobalLocalization,
+    KidnapRobot,
+    KillRobot,
+    NomotionUpdate,
     PutThing,
     RemoveThing,
-    RequestUpdate,
-    Revive,
+    ReviveRobot,
+    SetPoseEstimate,
+    SetWorldParameters,
 )
 from sim.world.things import Thing
 from thbridge.app.compose import StudySetting, build_bot, read_setting
@@ -52,15 +52,15 @@ from thbridge.recording.bag.writer import BagWriter
 from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.notices import KEEPER, MoveOrder, Orders, Subscribe
 from thbridge.roles.robot_requests import (
-    AdviseFor,
     PaceRequest,
     Pause,
-    Puppeteer,
     Request,
     Resume,
     SetParameters,
-    SpeakFor,
     Step,
+    WizardAdvice,
+    WizardMode,
+    WizardMove,
 )
 from thbridge.roles.tabui import TabUI
 from thbridge.ros import names
@@ -191,12 +191,12 @@ class TestSame:
         plan: list[tuple[int, Request | PaceRequest]] = [
             (40, Pause()),
             (40, SetParameters(0, (("amcl.recovery_alpha_fast", 0.1),))),
-            (40, Carry(0, Pose2(1.0, 0.0, 0.0))),
+            (40, KidnapRobot(0, Pose2(1.0, 0.0, 0.0))),
             (40, Step(30)),
             (60, PutThing(crate)),
             (70, Resume()),
-            (120, Die(1)),
-            (180, Revive(1)),
+            (120, KillRobot(1)),
+            (180, ReviveRobot(1)),
             (190, SimpleGoal(1, Pose2(2.0, 0.0, 0.0), 0)),
         ]
         bag = tmp_path / "hunt.bag"
@@ -213,7 +213,7 @@ class TestSame:
             if tick == 120:
                 session.ask("window", SetParameters(1, (("world.laser.dropout", 1.0),)))
             if tick == 160:
-                session.ask("window", Disturb(1, WorldParameters()))
+                session.ask("window", SetWorldParameters(1, WorldParameters()))
 
         act(tmp_path / "plain.bag", STUDY, 200, lambda tick, session: None)
         act(tmp_path / "worse.bag", STUDY, 200, disturb)
@@ -230,15 +230,15 @@ class TestSame:
     def test_what_a_wizard_said_is_said_again(self, tmp_path: Path) -> None:
         def conjure(tick: int, session: Session) -> None:
             if tick == 1:
-                session.ask("wizard", Puppeteer(0, on=True))
+                session.ask("wizard", WizardMode(0, on=True))
             if tick == 60:
-                session.ask("wizard", AdviseFor(0, 5))
-                session.ask("wizard", SpeakFor(1, 0, 0, "This is for a later turn, or none."))
+                session.ask("wizard", WizardAdvice(0, 5))
+                session.ask("wizard", WizardMove(1, 0, 0, "This is for a later turn, or none."))
             if tick == 80:
-                session.ask("wizard", Puppeteer(0, on=False))
+                session.ask("wizard", WizardMode(0, on=False))
             for number in (1, 2):
                 if tick == 70:
-                    session.ask("wizard", SpeakFor(number, 0, 0, "Room 5, shall I?"))
+                    session.ask("wizard", WizardMove(number, 0, 0, "Room 5, shall I?"))
 
         bag = tmp_path / "hunt.bag"
         act(bag, STUDY, 200, conjure)
@@ -274,15 +274,15 @@ class TestSame:
         here = Pose2(1.0, 0.1 + 0.2, -0.0)
         crate = Thing("crate", ((0.1, 0.1), (-0.1, 0.1), (0.0, -0.1)), Pose2(3.0, 1.0, 0.0))
         asked: Mapping[int, Sequence[Request]] = {
-            50: [Drive(0, Twist(0.3, 0.1), 40), Localize(1, here, np.diag([0.1, 0.1, 0.2]))],
-            120: [Globalize(0), RequestUpdate(1), ClearCostmaps(1)],
-            150: [PutThing(crate), Die(1)],
-            200: [Revive(1), GoalRequest(1, "rviz-1", 4_000_000_000, Pose2(-2.0, 0.0, 1.0), 10**6)],
+            50: [DriveManually(0, Twist(0.3, 0.1), 40), SetPoseEstimate(1, here, np.diag([0.1, 0.1, 0.2]))],
+            120: [GlobalLocalization(0), NomotionUpdate(1), ClearCostmaps(1)],
+            150: [PutThing(crate), KillRobot(1)],
+            200: [ReviveRobot(1), GoalRequest(1, "rviz-1", 4_000_000_000, Pose2(-2.0, 0.0, 1.0), 10**6)],
             230: [SimpleGoal(1, Pose2(2.0, 0.0, 1.0), 10**6 + 1), VelocityCommand(0, Twist(0.2, -0.4))],
             260: [CancelRequest(1, "", 0), InitialPose(0, here, np.eye(3) / 7)],
             290: [SetParameters(0, (("amcl.max_particles", 333), ("amcl.laser_z_rand", 0.3)))],
             300: [GoalRequest(0, "", 0, None, 10**6 + 2, "no frame"), RemoveThing("crate")],
-            305: [Carry(1, Pose2(0.0, 4.0, 1.0))],
+            305: [KidnapRobot(1, Pose2(0.0, 4.0, 1.0))],
             310: [GoalRequest(7, "nobody", 0, here, 10**6 + 3)],
         }
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from sim.common.observations import Twist
-from sim.team import RequestUpdate
+from sim.team import NomotionUpdate
 from tests.thbridge.app.rosgraph.knocking import Visited, asked, cancel, goal
 from tests.thbridge.ros.test_clients import stamped
 from thbridge.app.compose import read_setting
@@ -69,9 +69,9 @@ def test_a_flood_costs_nobody_else_a_request(visited: Visited) -> None:
 
 def test_what_is_the_same_once_and_often_is_asked_once_and_answered_every_time(visited: Visited) -> None:
     assert [visited.call("/robot1/request_nomotion_update") for _ in range(50)] == [b""] * 50
-    assert asked(visited.step()) == [RequestUpdate(0)]
+    assert asked(visited.step()) == [NomotionUpdate(0)]
     visited.call("/robot1/request_nomotion_update")
-    assert asked(visited.step()) == [RequestUpdate(0)]
+    assert asked(visited.step()) == [NomotionUpdate(0)]
 
 
 def test_a_frame_on_a_robots_topic_is_heard_by_that_robot_and_none_else(

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
-from sim.inputs import Go
+from sim.inputs import SendGoal
 from sim.parameters import RobotParameters
 from sim.robot.navigator import Goal
 from sim.world.things import Thing
@@ -117,7 +117,7 @@ THERE = '"base_in_map":{"x":1.5,"y":-2.0,"theta":0.25}'
     ("request_", "text"),
     [
         (
-            Go(1, Goal(4, Pose2(1.5, -2.0, 0.25), GoalOwner.RESEARCHER)),
+            SendGoal(1, Goal(4, Pose2(1.5, -2.0, 0.25), GoalOwner.RESEARCHER)),
             f'Go {{"robot":1,"goal":{{"id":2000000004,{THERE}}}}}',
         ),
         (

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from sim.common.observations import TICKS_PER_SECOND
-from sim.inputs import Die
+from sim.inputs import KillRobot
 from tests.thbridge.app.session.test_recording import Tape
 from tests.thbridge.ros.drive import snapshots
 from thbridge.app.compose import read_setting
@@ -218,7 +218,7 @@ def test_between_two_ticks_that_are_long_apart_vehicles_say_that_they_are_there(
 
 def test_a_robot_that_does_not_answer_says_nothing_between_ticks_either(session: Session):
     session.open_link("a")
-    session.ask("researcher", Die(0))
+    session.ask("researcher", KillRobot(0))
     steps(session, TICKS_PER_SECOND + 5)
     transmitted: list[OutgoingFrame] = []
     session.transmit = transmitted.extend

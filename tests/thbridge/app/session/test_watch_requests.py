@@ -14,22 +14,22 @@ from hypothesis import strategies as st
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from sim.inputs import (
-    Carry,
     ClearCostmaps,
-    Configure,
-    Die,
-    Disturb,
-    Drive,
-    Globalize,
-    Go,
-    Halt,
-    Localize,
-    Place,
+    DriveManually,
+    GlobalLocalization,
+    KidnapRobot,
+    KillRobot,
+    NomotionUpdate,
+    PlaceRobot,
     PutThing,
     RemoveThing,
-    RequestUpdate,
-    Revive,
+    ReviveRobot,
+    SendGoal,
     SetCharge,
+    SetPoseEstimate,
+    SetSoftwareParameters,
+    SetWorldParameters,
+    WithdrawGoal,
 )
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator import Goal
@@ -44,16 +44,17 @@ from thbridge.app.session.watch_requests import (
     request_line,
 )
 from thbridge.roles.robot_requests import (
-    AdviseFor,
+    REQUESTS,
     PaceRequest,
     Pause,
-    Puppeteer,
     Request,
     Resume,
     SetParameters,
     SetRate,
-    SpeakFor,
     Step,
+    WizardAdvice,
+    WizardMode,
+    WizardMove,
     WizardRequest,
 )
 from thbridge.roles.simr.controls import RobotControls
@@ -66,26 +67,26 @@ HERE = Pose2(1.0, 0.5, 0.1)
 SURE = np.diag([0.1, 0.1, 0.01])
 CRATE = Thing("crate", ((0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)), HERE)
 GRANTED: list[WatchRequest] = [
-    Go(0, Goal(3, HERE)),
-    Halt(1),
+    SendGoal(0, Goal(3, HERE)),
+    WithdrawGoal(1),
     SimpleGoal(0, HERE, 3),
     CancelRequest(0, "", 0),
     VelocityCommand(1, Twist(0.2, 0.0)),
     InitialPose(0, HERE, SURE),
-    Localize(1, HERE, SURE),
-    Globalize(0),
-    RequestUpdate(0),
+    SetPoseEstimate(1, HERE, SURE),
+    GlobalLocalization(0),
+    NomotionUpdate(0),
     ClearCostmaps(1),
     SetParameters(0, (("amcl.kld_err", 0.02), ("amcl.recovery_alpha_fast", 0.1), ("world.laser.range_noise", 0.3))),
     PutThing(CRATE),
     RemoveThing("crate"),
-    Carry(1, HERE),
-    Place(0, HERE),
-    Die(1),
-    Revive(1),
-    Puppeteer(1, on=True),
-    SpeakFor(3, 0, 0, "Off I go!"),
-    AdviseFor(0, 4),
+    KidnapRobot(1, HERE),
+    PlaceRobot(0, HERE),
+    KillRobot(1),
+    ReviveRobot(1),
+    WizardMode(1, on=True),
+    WizardMove(3, 0, 0, "Off I go!"),
+    WizardAdvice(0, 4),
 ]
 
 
@@ -127,8 +128,8 @@ def test_what_is_granted_is_asked_in_the_watchers_name(visited: Visited, request
     ((sender, asked),) = visited.asked
     assert sender == "window"
     match request_:
-        case Go(robot, goal):
-            assert asked == Go(robot, Goal(0, goal.base_in_map, GoalOwner.RESEARCHER))
+        case SendGoal(robot, goal):
+            assert asked == SendGoal(robot, Goal(0, goal.base_in_map, GoalOwner.RESEARCHER))
         case SimpleGoal():
             assert asked == dataclasses.replace(request_, number=0, owner=GoalOwner.RESEARCHER)
         case _:
@@ -137,18 +138,18 @@ def test_what_is_granted_is_asked_in_the_watchers_name(visited: Visited, request
 
 def test_who_gives_no_name_goes_by_the_doors(visited: Visited) -> None:
     assert visited.desk.ask("watcher 4", {"request": "Die", "fields": {"robot": 1}}) is None
-    assert visited.asked == [("watcher 4", Die(1))]
+    assert visited.asked == [("watcher 4", KillRobot(1))]
 
 
 FAR = Pose2(1e7, 0.0, 0.0)
 REFUSED: list[tuple[Request, str]] = [
-    (Die(2), "robot"),
-    (Revive(-1), "robot"),
-    (Carry(0, FAR), "no map"),
+    (KillRobot(2), "robot"),
+    (ReviveRobot(-1), "robot"),
+    (KidnapRobot(0, FAR), "no map"),
     (SimpleGoal(0, None, 1), "no pose"),
-    (Go(0, Goal(1, FAR)), "no map"),
+    (SendGoal(0, Goal(1, FAR)), "no map"),
     (VelocityCommand(0, Twist(1e300, 0.0)), "fast"),
-    (Localize(0, HERE, -SURE), "covariance"),
+    (SetPoseEstimate(0, HERE, -SURE), "covariance"),
     (InitialPose(0, HERE, np.eye(2)), "covariance"),
     (SetParameters(0, (("amcl.no_such", 1),)), "amcl.no_such"),
     (SetParameters(0, (("amcl.max_particles", -1),)), "max_particles"),
@@ -161,14 +162,14 @@ REFUSED: list[tuple[Request, str]] = [
     (PutThing(dataclasses.replace(CRATE, footprint=((0.0, 0.0), (1.0, 0.0), (2.0, 0.0)))), "enclose"),
     (PutThing(dataclasses.replace(CRATE, footprint=((0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 2.0)))), "enclose"),
     (RemoveThing("x" * 1000), "name"),
-    (Configure(0, RobotParameters()), "not granted"),
-    (Disturb(0, WorldParameters()), "not granted"),
+    (SetSoftwareParameters(0, RobotParameters()), "not granted"),
+    (SetWorldParameters(0, WorldParameters()), "not granted"),
     (SetCharge(0, 1e9), "not granted"),
-    (Puppeteer(2, on=True), "robot"),
-    (AdviseFor(-1, 3), "robot"),
-    (SpeakFor(1, 0, 0, "one\ntwo"), "one line"),
-    (SpeakFor(1, 0, 0, "x" * 1000), "one line"),
-    (Drive(0, Twist(1.0, 0.0), 10**9), "not granted"),
+    (WizardMode(2, on=True), "robot"),
+    (WizardAdvice(-1, 3), "robot"),
+    (WizardMove(1, 0, 0, "one\ntwo"), "one line"),
+    (WizardMove(1, 0, 0, "x" * 1000), "one line"),
+    (DriveManually(0, Twist(1.0, 0.0), 10**9), "not granted"),
 ]
 
 
@@ -225,26 +226,26 @@ def test_a_pause_ends_when_nobody_watches_any_more(visited: Visited) -> None:
 
 
 def test_robots_are_released_when_nobody_watches_any_more(visited: Visited) -> None:
-    for request in (Puppeteer(1, on=True), Puppeteer(0, on=True), Puppeteer(1, on=False)):
+    for request in (WizardMode(1, on=True), WizardMode(0, on=True), WizardMode(1, on=False)):
         visited.wish(request)
     del visited.asked[:]
     visited.desk.unwatched()
-    assert [request for _, request in visited.asked] == [Puppeteer(0, on=False), Puppeteer(1, on=False)]
+    assert [request for _, request in visited.asked] == [WizardMode(0, on=False), WizardMode(1, on=False)]
     visited.desk.unwatched()
     assert len(visited.asked) == 2
 
 
 def test_where_the_game_is_another_programs_nobody_can_be_spoken_for(team: Team) -> None:
     visited = Visited(team, has_game=False)
-    assert "another program" in (visited.wish(Puppeteer(0, on=True)) or "")
-    assert visited.wish(Die(0)) is None
+    assert "another program" in (visited.wish(WizardMode(0, on=True)) or "")
+    assert visited.wish(KillRobot(0)) is None
 
 
 def test_so_much_may_be_asked_between_two_ticks_and_no_more(visited: Visited) -> None:
-    answers = [visited.wish(Globalize(0)) for _ in range(MOST_PENDING + 3)]
+    answers = [visited.wish(GlobalLocalization(0)) for _ in range(MOST_PENDING + 3)]
     assert [answer is None for answer in answers] == [True] * MOST_PENDING + [False] * 3
     visited.desk.take(1, [])
-    assert visited.wish(Globalize(0)) is None
+    assert visited.wish(GlobalLocalization(0)) is None
 
 
 JSON = st.recursive(
@@ -270,7 +271,7 @@ FIELDS = st.fixed_dictionaries(
         "twist": st.fixed_dictionaries({"linear": NUMBERS, "angular": NUMBERS}),
     },
 )
-KINDS = st.sampled_from([kind.__name__ for kind in get_args(Request)])
+KINDS = st.sampled_from(list(REQUESTS))
 
 
 @settings(max_examples=150)

@@ -11,7 +11,14 @@ from msgspec import structs
 from tests.thbridge.roles import stage
 from tests.thbridge.roles.test_hunt import Script, go
 from thbridge.app.compose import read_setting
-from thbridge.hunt.events import Agreed, Departed, Hidden, Identified, Pictured, Sensed
+from thbridge.hunt.events import (
+    ConsentGiven,
+    RobotDeparted,
+    TreasureIdentified,
+    TreasurePictured,
+    TreasureSensed,
+    TreasuresHidden,
+)
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.bot_strategy import BotStrategy
@@ -21,26 +28,26 @@ from thbridge.roles.keeper.participants import PIECE_PERIOD, PIECE_SIZE, Partici
 from thbridge.roles.notices import KEEPER, FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry, Subscribe
 from thbridge.roles.tabui import RENEWAL_PERIOD, TabUI
 from thbridge.roles.view import (
-    Agree,
-    Answer,
-    AskBack,
+    AnswerDialogue,
     CallBack,
-    Discuss,
+    GiveConsent,
     GiveUp,
-    Identify,
-    Leave,
+    GiveUpTreasure,
+    IdentifyTreasure,
+    OpenDialogue,
     ParticipantRequest,
     PlayAgain,
-    Select,
+    RequestHandback,
+    RequestSuggestion,
+    SelectRoom,
     SendRobot,
-    Sense,
+    SenseTreasure,
     TakePicture,
-    Unsure,
     View,
 )
 from thbridge.study.study_file import Study
 from thbridge.wire import legacy
-from thbridge.wire.notice import decode_notice, encode_notice, parse_notice
+from thbridge.wire.notice import decode_notice, encode_notice, kind_of, parse_notice
 
 Stage = stage.Stage
 HOUSE = FloorPlan("stage", 0.05, (0.0, 0.0, 0.0), 1, 1, "eJxjAAAAAQAB", (), ())
@@ -80,8 +87,8 @@ class Played:
 
     def picture(self, robot: int, room: int) -> View:
         self.go(robot, room)
-        self.say(Sense(room))
-        self.say(Discuss(robot, "take-picture", room))
+        self.say(SenseTreasure(room))
+        self.say(OpenDialogue(robot, "take-picture", room))
         return self.say(TakePicture(room))
 
 
@@ -156,24 +163,24 @@ def test_a_large_picture_leaves_slow_readers_time():
 def test_names_are_told_once_a_treasure_was_sensed():
     played = Played(Briefing(names=("Blue Bottle", "Pink can")))
     assert played.go(0, 3).names == ()
-    assert played.say(Sense(3)).names == ("Blue Bottle", "Pink can")
+    assert played.say(SenseTreasure(3)).names == ("Blue Bottle", "Pink can")
 
 
 # --- consent
 
 
 EVERY_WISH = [
-    Select(0, 3),
-    Unsure(0),
-    Answer(1, 1, 0),
+    SelectRoom(0, 3),
+    RequestSuggestion(0),
+    AnswerDialogue(1, 1, 0),
     SendRobot(0, 3),
     CallBack(0),
-    AskBack(0),
-    Sense(3),
-    Discuss(0, "take-picture", 3),
+    RequestHandback(0),
+    SenseTreasure(3),
+    OpenDialogue(0, "take-picture", 3),
     TakePicture(3),
-    Identify(3, "moon"),
-    Leave(3),
+    IdentifyTreasure(3, "moon"),
+    GiveUpTreasure(3),
     GiveUp(1),
     PlayAgain(1),
 ]
@@ -181,37 +188,37 @@ EVERY_WISH = [
 
 def test_before_agreeing_nothing_else_is_granted():
     played = Played(Briefing(consent=CONSENT))
-    assert {type(wish) for wish in EVERY_WISH} | {Agree} == set(ParticipantRequest.__args__)
+    assert {type(wish) for wish in EVERY_WISH} | {GiveConsent} == set(ParticipantRequest.__args__)
     for number, wish in enumerate(EVERY_WISH, start=1):
         view = played.say(wish)
         assert (view.consent, view.over, view.dialogues) == (CONSENT, None, ())
-        assert (view.refusal.number, view.refusal.wish) == (number, type(wish).__name__)
+        assert (view.refusal.number, view.refusal.wish) == (number, kind_of(type(wish)))
         assert (view.refusal.reason, view.refusal.sentence) == ("not-agreed", "You have not agreed to take part yet.")
-    assert [type(event).__name__ for event in played.stage.log.events] == ["Started", "Hidden"]
+    assert [type(event).__name__ for event in played.stage.log.events] == ["GameStarted", "TreasuresHidden"]
 
 
 def test_who_has_agreed_plays_as_others_do():
     played = Played(Briefing(consent=CONSENT))
-    assert played.say(Agree()).consent is None
-    assert played.say(Agree()).refusal is None
+    assert played.say(GiveConsent()).consent is None
+    assert played.say(GiveConsent()).refusal is None
     assert played.go(0, 3).room(3).state == "visited"
-    assert played.stage.log.events.count(Agreed()) == 1
+    assert played.stage.log.events.count(ConsentGiven()) == 1
 
 
 def test_agreement_holds_for_later_games_and_their_journals_say_so():
     played = Played(Briefing(consent=CONSENT))
-    played.say(Agree())
+    played.say(GiveConsent())
     played.say(GiveUp(1))
     view = played.say(PlayAgain(1))
     assert (view.game, view.consent) == (2, None)
     events = played.stage.log.events
-    second = [event for event in events[events.index(Agreed()) + 1 :] if not isinstance(event, Hidden)]
-    assert [type(event).__name__ for event in second] == ["Ended", "Started", "Agreed"]
+    second = [event for event in events[events.index(ConsentGiven()) + 1 :] if not isinstance(event, TreasuresHidden)]
+    assert [type(event).__name__ for event in second] == ["GameEnded", "GameStarted", "ConsentGiven"]
 
 
 def test_agreement_outlives_the_server():
     played = Played(Briefing(consent=CONSENT))
-    played.say(Agree())
+    played.say(GiveConsent())
     again = Keeper(stage.RULES, lambda game: stage.engine(stage.templates()), tuple(played.stage.log.events))
     assert again.state.agreed
 
@@ -221,7 +228,7 @@ def test_simulated_participants_agree(strategy):
     played = Stage(strategy=strategy, briefing=Briefing(consent=CONSENT))
     played.finish()
     assert played.session.game.agreed
-    assert any(isinstance(event, Departed) for event in played.log.events)
+    assert any(isinstance(event, RobotDeparted) for event in played.log.events)
 
 
 def test_programs_of_2016_cannot_be_asked_and_are_not():
@@ -291,12 +298,12 @@ def test_nothing_of_a_treasure_is_told_before_the_game_reveals_it(strategy, seed
         # What is decided in a tick is told in the next.
         for event in tick_record.events:
             match event:
-                case Sensed(_, colour, footprint):
+                case TreasureSensed(_, colour, footprint):
                     revealed |= {colour, footprint}
-                case Pictured(_, _, image):
+                case TreasurePictured(_, _, image):
                     revealed |= {image, base64.b64encode(files[image]).decode()}
                     pictures += 1
-                case Identified(name=name):
+                case TreasureIdentified(name=name):
                     revealed.add(name)
     assert pictures > 0
     assert len(revealed) > 8

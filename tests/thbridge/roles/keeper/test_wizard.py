@@ -9,11 +9,19 @@ from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
 from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.keeper.wizard import WizardState
-from thbridge.roles.robot_requests import AdviseFor, Puppeteer, SpeakFor, WizardRequest
+from thbridge.roles.robot_requests import WizardAdvice, WizardMode, WizardMove, WizardRequest
 from thbridge.roles.tabui import TabUI
-from thbridge.roles.view import Answer, GiveUp, ParticipantRequest, PlayAgain, Select, Unsure, View
+from thbridge.roles.view import (
+    AnswerDialogue,
+    GiveUp,
+    ParticipantRequest,
+    PlayAgain,
+    RequestSuggestion,
+    SelectRoom,
+    View,
+)
 
-ON, OFF = Puppeteer(0, on=True), Puppeteer(0, on=False)
+ON, OFF = WizardMode(0, on=True), WizardMode(0, on=False)
 
 
 class Oz:
@@ -60,53 +68,53 @@ def oz() -> Oz:
 
 def test_a_puppets_turn_waits_and_is_made_in_the_wizards_words(oz: Oz) -> None:
     oz.ask(ON)
-    view = oz.wish(Select(0, 3))
+    view = oz.wish(SelectRoom(0, 3))
     (dialogue,) = view.dialogues
     assert (dialogue.robot, dialogue.said, dialogue.choices) == (0, (), ())
     (turn,) = oz.held.turns
     assert (turn.dialogue, turn.turn, turn.robot, turn.scenario, turn.room) == (1, 0, 0, "select-room", 3)
     assert len(turn.sentences) == 1
-    (dialogue,) = oz.ask(SpeakFor(1, 0, 0, "Room 3? Are you serious?")).dialogues
+    (dialogue,) = oz.ask(WizardMove(1, 0, 0, "Room 3? Are you serious?")).dialogues
     assert dialogue.said == ("Room 3? Are you serious?",)
     assert dialogue.choices == ("Continue", "Stop")
     assert oz.held == WizardState(puppets=(0,))
-    (dialogue,) = oz.wish(Answer(1, 1, 0)).dialogues
+    (dialogue,) = oz.wish(AnswerDialogue(1, 1, 0)).dialogues
     assert dialogue.choices == ()
     (turn,) = oz.held.turns
-    (dialogue,) = oz.ask(SpeakFor(1, 2, 0)).dialogues
+    (dialogue,) = oz.ask(WizardMove(1, 2, 0)).dialogues
     assert dialogue.said == ("Room 3? Are you serious?", "Continue", turn.sentences[0])
     assert [author for author, _ in oz.said] == [Author.WIZARD, Author.PERSON, Author.WIZARD]
 
 
 def test_other_robots_speak_for_themselves(oz: Oz) -> None:
     oz.ask(ON)
-    (dialogue,) = oz.wish(Select(1, 3)).dialogues
+    (dialogue,) = oz.wish(SelectRoom(1, 3)).dialogues
     assert dialogue.choices == ("Continue", "Stop")
     assert oz.held.turns == ()
 
 
 def test_a_move_that_is_not_waited_for_changes_nothing(oz: Oz) -> None:
     oz.ask(ON)
-    before = oz.wish(Select(0, 3))
-    wrong = [SpeakFor(1, 1, 0), SpeakFor(2, 0, 0), SpeakFor(1, 0, 7), SpeakFor(1, 0, -1), AdviseFor(0, 4)]
+    before = oz.wish(SelectRoom(0, 3))
+    wrong = [WizardMove(1, 1, 0), WizardMove(2, 0, 0), WizardMove(1, 0, 7), WizardMove(1, 0, -1), WizardAdvice(0, 4)]
     assert oz.ask(*wrong) == before
-    after = oz.ask(SpeakFor(1, 0, 0), SpeakFor(1, 0, 0, "again"))
+    after = oz.ask(WizardMove(1, 0, 0), WizardMove(1, 0, 0, "again"))
     assert len(after.dialogues[0].said) == 1
 
 
 def test_a_robot_that_is_released_goes_on_at_once_as_it_would_have(oz: Oz) -> None:
     oz.ask(ON)
-    oz.wish(Select(0, 3))
+    oz.wish(SelectRoom(0, 3))
     released = oz.ask(OFF)
     other = Oz()
-    assert released.dialogues == other.wish(Select(0, 3)).dialogues
+    assert released.dialogues == other.wish(SelectRoom(0, 3)).dialogues
     assert [author for author, _ in oz.said] == [Author.ROBOT]
     assert oz.held == WizardState()
 
 
 def test_advice_waits_and_is_the_wizards(oz: Oz) -> None:
     oz.ask(ON)
-    view = oz.wish(Unsure(0))
+    view = oz.wish(RequestSuggestion(0))
     assert (view.thinking, view.dialogues) == ((0,), ())
     (advice,) = oz.held.advice
     assert advice.robot == 0
@@ -115,8 +123,8 @@ def test_advice_waits_and_is_the_wizards(oz: Oz) -> None:
     own = advice.suggestion
     assert own is not None
     chosen = next(room for room, _ in advice.costs if room != own)
-    assert oz.ask(AdviseFor(0, 9), AdviseFor(0, -1), AdviseFor(1, chosen)) == view
-    view = oz.ask(AdviseFor(0, chosen))
+    assert oz.ask(WizardAdvice(0, 9), WizardAdvice(0, -1), WizardAdvice(1, chosen)) == view
+    view = oz.ask(WizardAdvice(0, chosen))
     assert (view.thinking, [dialogue.room for dialogue in view.dialogues]) == ((), [chosen])
     assert oz.held.advice == ()
     (turn,) = oz.held.turns
@@ -125,12 +133,12 @@ def test_advice_waits_and_is_the_wizards(oz: Oz) -> None:
 
 def test_advice_stands_though_the_question_comes_once_more(oz: Oz) -> None:
     oz.ask(ON)
-    oz.wish(Unsure(0))
-    oz.player.wish = (Unsure(0),)
+    oz.wish(RequestSuggestion(0))
+    oz.player.wish = (RequestSuggestion(0),)
     for step in range(60):  # at whatever tick it is asked again
         if step == 30:
-            oz.stage.session.ask("wizard", AdviseFor(0, 5))
-            oz.stage.session.ask("wizard", SpeakFor(1, 0, 0, "Room 5?"))
+            oz.stage.session.ask("wizard", WizardAdvice(0, 5))
+            oz.stage.session.ask("wizard", WizardMove(1, 0, 0, "Room 5?"))
         oz.stage.tabui.connected()
         oz.stage.tabui.poll_player()
         oz.stage.run(1)
@@ -140,31 +148,31 @@ def test_advice_stands_though_the_question_comes_once_more(oz: Oz) -> None:
 
 def test_a_robot_that_is_released_gives_its_own_advice(oz: Oz) -> None:
     oz.ask(ON)
-    oz.wish(Unsure(0))
+    oz.wish(RequestSuggestion(0))
     view = oz.ask(OFF)
-    assert view == Oz().wish(Unsure(0))
+    assert view == Oz().wish(RequestSuggestion(0))
 
 
 def test_asking_for_a_room_takes_the_question_back(oz: Oz) -> None:
     oz.ask(ON)
-    oz.wish(Unsure(0))
-    view = oz.wish(Select(0, 5))
+    oz.wish(RequestSuggestion(0))
+    view = oz.wish(SelectRoom(0, 5))
     assert (view.thinking, [dialogue.room for dialogue in view.dialogues]) == ((), [5])
     assert oz.held.advice == ()
 
 
 def test_a_room_that_is_talked_about_with_another_is_no_advice(oz: Oz) -> None:
     oz.ask(ON)
-    oz.wish(Select(1, 3))
-    oz.wish(Unsure(0))
+    oz.wish(SelectRoom(1, 3))
+    oz.wish(RequestSuggestion(0))
     (advice,) = oz.held.advice
     assert 3 not in [room for room, _ in advice.costs]
-    assert oz.ask(AdviseFor(0, 3)).thinking == (0,)
+    assert oz.ask(WizardAdvice(0, 3)).thinking == (0,)
 
 
 def test_a_puppet_that_does_not_answer_any_more_is_not_waited_for(oz: Oz) -> None:
     oz.ask(ON)
-    oz.wish(Unsure(0))
+    oz.wish(RequestSuggestion(0))
     oz.stage.puppets.conditions[0] = Condition.SILENT
     oz.stage.run(60)
     assert (oz.view.thinking, oz.held.advice) == ((), ())
@@ -177,19 +185,19 @@ def test_puppets_stay_puppets_in_the_next_game(oz: Oz) -> None:
     oz.stage.run(10)
     assert oz.view.game == 2
     assert oz.held == WizardState(puppets=(0,))
-    assert oz.wish(Select(0, 2)).dialogues[0].choices == ()
+    assert oz.wish(SelectRoom(0, 2)).dialogues[0].choices == ()
 
 
 @pytest.mark.parametrize("strategy", list(BotStrategy))
 def test_a_simulated_participant_waits_for_a_puppet_and_does_not_give_up(strategy: BotStrategy) -> None:
     stage = Stage(strategy=strategy)
     for robot in (0, 1):
-        stage.session.ask("wizard", Puppeteer(robot, on=True))
+        stage.session.ask("wizard", WizardMode(robot, on=True))
     stage.run(200)
     assert stage.session.game is not None
     assert stage.session.game.ended is None
     assert all(stage.session.game.robots[robot].at == Room(0) for robot in (0, 1))
     for robot in (0, 1):
-        stage.session.ask("wizard", Puppeteer(robot, on=False))
+        stage.session.ask("wizard", WizardMode(robot, on=False))
     stage.finish()
     assert sum(room.visited for room in stage.session.game.rooms) > 0

@@ -11,7 +11,7 @@ from sim.parameters import RobotParameters
 from sim.parameters.reconfiguration import ParameterRejection
 from tests.thbridge.roles.simr.test_simr import Driver, orders
 from thbridge.app.compose import read_setting
-from thbridge.roles.notices import KEEPER, MoveOrder, Orders, Status
+from thbridge.roles.notices import KEEPER, MoveOrder, Orders, TeamStatus
 from thbridge.roles.robot_requests import SetParameters, with_values
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
@@ -53,9 +53,9 @@ def test_a_clients_goal_wins_and_then_the_order_of_the_game_goes_on(driver):
             break
     driver.run(3)
     assert goal_of(driver) == 1
-    assert driver.levels(Status)[-1].results[0] is None
+    assert driver.levels(TeamStatus)[-1].results[0] is None
     driver.until('%%error SimR TabUI "0;1" ')
-    assert driver.levels(Status)[-1].results[0].arrived
+    assert driver.levels(TeamStatus)[-1].results[0].arrived
 
 
 @pytest.mark.parametrize("pause", [0, 1])
@@ -164,7 +164,7 @@ def test_values_that_only_fit_together_come_in_any_order():
 
 
 def researchers(driver: Driver) -> tuple[str | None, ...]:
-    return driver.levels(Status)[-1].researchers
+    return driver.levels(TeamStatus)[-1].researchers
 
 
 def test_whoever_sets_a_goal_is_told_to_intervene_until_it_ends(driver):
@@ -191,7 +191,7 @@ def test_what_is_asked_in_nobody_s_name_is_no_intervention(driver):
     driver.simr.ask(VelocityCommand(1, Twist(0.1, 0.0)))
     ask_for(driver)
     driver.run(60)
-    assert all(status.researchers == (None, None) for status in driver.levels(Status))
+    assert all(status.researchers == (None, None) for status in driver.levels(TeamStatus))
 
 
 def test_no_line_drives_a_robot_that_somebody_has_taken(driver):

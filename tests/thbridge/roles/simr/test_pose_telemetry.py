@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
 from sim.robot.navigator import Goal
-from sim.team import Go
+from sim.team import SendGoal
 from thbridge.app.compose import read_setting
 from thbridge.hunt.events import Condition
 from thbridge.roles.notices import PlannedPaths, PoseTelemetry
@@ -28,7 +28,7 @@ def team():
     """Two robots some way on their ways, and three ticks of theirs."""
     setting = read_setting(replace(Study(), robots=2), Path())
     team = setting.team()
-    goals = [Go(robot, Goal(1, setting.map.rooms[room].goal)) for robot, room in ((0, 4), (1, 7))]
+    goals = [SendGoal(robot, Goal(1, setting.map.rooms[room].goal)) for robot, room in ((0, 4), (1, 7))]
     team.step(goals)
     for _ in range(150):
         team.step()

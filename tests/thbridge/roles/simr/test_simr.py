@@ -10,7 +10,16 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.team import Team, TeamSnapshot
 from thbridge.app.compose import StudySetting, read_setting
 from thbridge.hunt.events import Condition
-from thbridge.roles.notices import KEEPER, MoveOrder, MoveResult, Orders, PoseTelemetry, RobotsReady, Status, Subscribe
+from thbridge.roles.notices import (
+    KEEPER,
+    MoveOrder,
+    MoveResult,
+    Orders,
+    PoseTelemetry,
+    RobotsReady,
+    Subscribe,
+    TeamStatus,
+)
 from thbridge.roles.robot_requests import SetParameters
 from thbridge.roles.simr.pose_telemetry import POSE_PERIOD, SUBSCRIPTION_TICKS
 from thbridge.roles.simr.simr import KEEPER_TIMEOUT, RESPONSE_TIMEOUT, SimR
@@ -83,7 +92,7 @@ def test_with_a_keeper_only_its_orders_count(driver):
     assert driver.simr.snapshot.robots[0].navigation.goal is not None
     assert driver.simr.snapshot.robots[1].observations.battery.charge == 80.0
     driver.until('%%error SimR TabUI "0;1" ')
-    result = driver.levels(Status)[-1].results[0]
+    result = driver.levels(TeamStatus)[-1].results[0]
     assert (result.move, result.arrived) == (1, True)
 
 
@@ -98,7 +107,7 @@ def test_a_withdrawn_order_stops_the_robot_and_is_reported(driver):
     driver.run(100, orders(1, MoveOrder(1, 8), None))
     driver.run(5, orders(1, None, None))
     assert driver.simr.snapshot.robots[0].navigation.goal is None
-    result = driver.levels(Status)[-1].results[0]
+    result = driver.levels(TeamStatus)[-1].results[0]
     assert (result.move, result.arrived) == (1, False)
     assert 0.0 <= result.share < 1.0
 
@@ -106,11 +115,11 @@ def test_a_withdrawn_order_stops_the_robot_and_is_reported(driver):
 def test_a_robot_called_back_under_way_goes_where_it_is_sent_next(driver):
     driver.run(150, orders(1, MoveOrder(1, 8), None))
     driver.run(5, orders(1, None, None))
-    assert driver.levels(Status)[-1].results[0].sentence == "It was called back."
+    assert driver.levels(TeamStatus)[-1].results[0].sentence == "It was called back."
     driver.run(2, orders(1, MoveOrder(2, 2), None))
     driver.until('%%error SimR TabUI "0;1" ')
     driver.run(1)
-    assert driver.levels(Status)[-1].results[0] == MoveResult(2, True, "", 1.0)
+    assert driver.levels(TeamStatus)[-1].results[0] == MoveResult(2, True, "", 1.0)
 
 
 def test_back_in_a_game_robots_are_where_they_were(driver):
@@ -166,19 +175,19 @@ def with_mishaps(setting: StudySetting, *mishaps: tuple[Mishap, float]) -> Drive
 def test_the_move_of_a_robot_that_died_fails_with_its_reason(setting):
     driver = with_mishaps(setting, (Mishap.DIES, 1.0))
     driver.run(60, orders(1, MoveOrder(1, 2), None))
-    assert driver.levels(Status)[-1].results[0] is None
+    assert driver.levels(TeamStatus)[-1].results[0] is None
     driver.run(RESPONSE_TIMEOUT)
-    result = driver.levels(Status)[-1].results[0]
+    result = driver.levels(TeamStatus)[-1].results[0]
     assert (result.arrived, result.sentence) == (False, "Robot 1 does not answer any more.")
-    assert driver.levels(Status)[-1].conditions == (Condition.SILENT, Condition.WELL)
+    assert driver.levels(TeamStatus)[-1].conditions == (Condition.SILENT, Condition.WELL)
 
 
 def test_a_robot_that_revives_is_told_of_at_once(setting):
     driver = with_mishaps(setting, (Mishap.DIES, 0.1), (Mishap.REVIVES, 5.5))
     driver.run(270)
-    assert driver.levels(Status)[-1].conditions[0] is Condition.SILENT
+    assert driver.levels(TeamStatus)[-1].conditions[0] is Condition.SILENT
     driver.run(8)
-    assert driver.levels(Status)[-1].conditions[0] is Condition.WELL
+    assert driver.levels(TeamStatus)[-1].conditions[0] is Condition.WELL
 
 
 @pytest.mark.parametrize("ordered", [20, 80])
@@ -189,7 +198,7 @@ def test_a_robot_that_was_dead_for_a_moment_goes_where_it_was_sent(setting, orde
     driver.run(200 - ordered, orders(1, MoveOrder(1, 2), None))
     assert driver.simr.snapshot.robots[0].navigation.goal is not None
     driver.run(5, orders(1, None, None))
-    assert driver.levels(Status)[-1].results[0].sentence == "It was called back."
+    assert driver.levels(TeamStatus)[-1].results[0].sentence == "It was called back."
 
 
 def test_a_robot_called_back_while_it_was_dead_for_a_moment_stays(setting):
@@ -197,14 +206,14 @@ def test_a_robot_called_back_while_it_was_dead_for_a_moment_stays(setting):
     driver.run(80, orders(1, MoveOrder(1, 2), None))
     driver.run(120, orders(1, None, None))
     assert driver.simr.snapshot.robots[0].navigation.goal is None
-    assert driver.levels(Status)[-1].results[0].sentence == "It was called back."
+    assert driver.levels(TeamStatus)[-1].results[0].sentence == "It was called back."
 
 
 def test_a_room_behind_a_closed_door_is_told_of_in_words(setting):
     door = ThingEntry(name="door", shape=Shape.DOOR, at=(7.0, -4.0, math.pi / 2), size=(2.0, 0.1))
     driver = Driver(replace(setting, study=replace(setting.study, things=(door,))).simr())
     driver.run(100 * TICKS_PER_SECOND, orders(1, MoveOrder(1, 8), None))
-    result = driver.levels(Status)[-1].results[0]
+    result = driver.levels(TeamStatus)[-1].results[0]
     assert result.sentence == "Something that is not on the map blocks the way of robot 1."
 
 
@@ -228,4 +237,4 @@ def test_of_real_robots_it_tells_what_they_believe_and_sets_no_parameters(settin
     driver.until('%%error SimR TabUI "0;1" ')
     believed = driver.simr.snapshot.robots[0].estimate.base_in_map
     driver.run(1)
-    assert driver.levels(Status)[-1].poses[0] == pytest.approx((believed.x, believed.y, believed.theta), abs=0.05)
+    assert driver.levels(TeamStatus)[-1].poses[0] == pytest.approx((believed.x, believed.y, believed.theta), abs=0.05)

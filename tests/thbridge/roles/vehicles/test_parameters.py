@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.parameters import ParameterRejection, RobotParameters, WorldParameters
-from sim.team import Configure, Disturb, TeamInput
+from sim.team import SetSoftwareParameters, SetWorldParameters, TeamInput
 from thbridge.app.compose import read_setting
 from thbridge.roles.robot_requests import ParameterValue, SetParameters, Tuning
 from thbridge.roles.simr.simr import SimR
@@ -273,7 +273,12 @@ def test_several_in_one_tick_all_hold_and_are_told_before_it(noted: Noted) -> No
     software, world = noted.parameters[0], noted.worlds[0]
     assert (software.amcl.min_particles, software.amcl.max_particles) == (200, 400)
     assert (world.laser.dropout, world.gyro_noise) == (0.5, 0.25)
-    assert [type(item) for item in noted.inputs] == [Configure, Configure, Disturb, Disturb]
+    assert [type(item) for item in noted.inputs] == [
+        SetSoftwareParameters,
+        SetSoftwareParameters,
+        SetWorldParameters,
+        SetWorldParameters,
+    ]
     assert (noted.parameters[1], noted.worlds[1]) == (RobotParameters(), WorldParameters())
 
 

@@ -10,7 +10,7 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.grid import OCCUPIED
 from sim.common.observations import Twist
-from sim.inputs import Die
+from sim.inputs import KillRobot
 from sim.parameters import RobotParameters
 from tests.thbridge.roles.stage import Log
 from tests.thbridge.roles.test_hunt import Script
@@ -18,16 +18,16 @@ from thbridge.app.compose import StudySetting, read_setting
 from thbridge.app.session.session import Session, TickRecord
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (
-    Arrived,
-    AskedBack,
-    Commanded,
     Commander,
-    Departed,
-    Failed,
-    Identified,
-    Left,
-    Pictured,
-    Started,
+    CommanderChanged,
+    GameStarted,
+    HandbackRequested,
+    MoveFailed,
+    RobotArrived,
+    RobotDeparted,
+    TreasureIdentified,
+    TreasureLeft,
+    TreasurePictured,
 )
 from thbridge.hunt.game import GameState, apply, begin
 from thbridge.hunt.rooms import Room
@@ -38,7 +38,7 @@ from thbridge.roles.tabui import TabUI
 from thbridge.roles.vehicles.pilot import Pilot
 from thbridge.roles.vehicles.speed_limit import SpeedLimit
 from thbridge.roles.vehicles.station_texts import handback_texts
-from thbridge.roles.view import Answer, AskBack, ParticipantRequest, Select, SendRobot
+from thbridge.roles.view import AnswerDialogue, ParticipantRequest, RequestHandback, SelectRoom, SendRobot
 from thbridge.ros.messages.records import SimpleGoal
 from thbridge.study.study_file import Study
 from thbridge.wire.mavlink.vehicle_interface import DenialKind, Denied, LegState, RobotReadings, Station, Target
@@ -134,10 +134,10 @@ class Flight:
         return self
 
     def send_as_participant(self, room: int) -> None:
-        self._wish(Select(0, room))
+        self._wish(SelectRoom(0, room))
         while not self.tabui.view.consents:
             (dialogue,) = self.tabui.view.dialogues
-            self._wish(Answer(dialogue.dialogue, dialogue.turn, 0))
+            self._wish(AnswerDialogue(dialogue.dialogue, dialogue.turn, 0))
         self._wish(SendRobot(0, room))
 
     def _wish(self, wish: ParticipantRequest) -> None:
@@ -200,10 +200,10 @@ def test_a_point_in_a_room_is_a_move_of_the_game(taken: Flight) -> None:
     assert readings.leg.number == number and readings.leg.state is UNDER_WAY and readings.leg.remaining > 0.5
     readings = taken.run(20)
     assert readings.under_way and readings.goal_in_map.distance(taken.setting.map.rooms[3].goal) < 1e-9
-    assert readings.energy == 100.0 - taken.events(Departed)[0].cost
+    assert readings.energy == 100.0 - taken.events(RobotDeparted)[0].cost
     readings = taken.until(ARRIVED)
     assert readings.leg.number == number and readings.leg.remaining == 0.0
-    assert taken.events(Departed, Arrived)[1] == Arrived(0, Room(4))
+    assert taken.events(RobotDeparted, RobotArrived)[1] == RobotArrived(0, Room(4))
     taken.run(3)
     assert taken.session.game.room(Room(4)).sensed is not None
 
@@ -214,14 +214,14 @@ def test_rules_answer_at_once(taken: Flight) -> None:
     taken.run(2)
     denied = taken.pilots[1].go_to(Target(*taken.goal_of(4)))
     assert denied == Denied("Robot 1 is already under way to room 4.")
-    assert len(taken.events(Departed)) == 1
+    assert len(taken.events(RobotDeparted)) == 1
 
 
 def test_too_little_energy_is_said_at_once() -> None:
     taken = Flight(energy=15.0).taken()
     denied = taken.pilot.go_to(Target(*taken.goal_of(3)))
     assert isinstance(denied, Denied) and "energy left, but the way to room 3 costs" in denied.sentence
-    assert not taken.events(Departed)
+    assert not taken.events(RobotDeparted)
 
 
 def test_a_point_outside_all_rooms_is_no_move_of_the_game(taken: Flight) -> None:
@@ -230,8 +230,8 @@ def test_a_point_outside_all_rooms_is_no_move_of_the_game(taken: Flight) -> None
     readings = taken.until(ARRIVED)
     assert readings.leg.number == number
     assert readings.base_in_map.distance(Pose2(home.x + 0.6, home.y, 0.5)) < 0.35
-    assert readings.energy == 100.0 and not taken.events(Departed)
-    assert [event.by for event in taken.events(Commanded)] == [Commander.GROUND_STATION]
+    assert readings.energy == 100.0 and not taken.events(RobotDeparted)
+    assert [event.by for event in taken.events(CommanderChanged)] == [Commander.GROUND_STATION]
 
 
 def test_a_point_that_cannot_be_reached_fails_with_the_navigators_words(taken: Flight) -> None:
@@ -263,8 +263,8 @@ def test_a_move_under_way_is_called_back_before_the_next_and_gives_its_energy_ba
     assert second == first + 1
     readings = taken.until(ARRIVED)
     assert readings.leg.number == second
-    happened = taken.events(Departed, Failed, Arrived)
-    assert [type(event) for event in happened] == [Departed, Failed, Departed, Arrived]
+    happened = taken.events(RobotDeparted, MoveFailed, RobotArrived)
+    assert [type(event) for event in happened] == [RobotDeparted, MoveFailed, RobotDeparted, RobotArrived]
     assert happened[1].refund > 0.0 and happened[3].room == Room(3)
 
 
@@ -274,7 +274,7 @@ def test_legs_asked_for_within_one_tick_leave_the_last_one(taken: Flight) -> Non
     taken.pilot.go_to(Target(home.x + 0.5, home.y))
     last = taken.pilot.go_to(Target(*taken.goal_of(3)))
     readings = taken.until(ARRIVED)
-    assert readings.leg.number == last and taken.events(Arrived) == [Arrived(0, Room(3))]
+    assert readings.leg.number == last and taken.events(RobotArrived) == [RobotArrived(0, Room(3))]
 
 
 def test_the_same_room_again_goes_on(taken: Flight) -> None:
@@ -282,7 +282,7 @@ def test_the_same_room_again_goes_on(taken: Flight) -> None:
     taken.run(30)
     number = taken.pilot.go_to(Target(*taken.goal_of(3)))
     assert taken.until(ARRIVED).leg.number == number
-    assert len(taken.events(Departed)) == 1 and not taken.events(Failed)
+    assert len(taken.events(RobotDeparted)) == 1 and not taken.events(MoveFailed)
 
 
 @pytest.mark.parametrize("ticks", [0, 1, 2, 3, 40])
@@ -305,7 +305,7 @@ def test_anybody_at_the_helm_may_halt_what_the_participant_ordered(flight: Fligh
     flight.run(2)
     flight.pilot.halt()
     flight.run(10)
-    assert [event.room for event in flight.events(Failed)] == [Room(4)]
+    assert [event.room for event in flight.events(MoveFailed)] == [Room(4)]
 
 
 def test_a_robot_goes_on_when_it_is_given_back(taken: Flight) -> None:
@@ -324,7 +324,7 @@ def test_a_way_home_outlives_the_command_of_a_station_that_was_lost(taken: Fligh
     readings = taken.until(ARRIVED)
     assert (readings.leg.number, readings.commanded_by) == (number, "participant")
     assert readings.base_in_map.distance(home) < 0.35
-    assert [event.room for event in taken.events(Failed)] == [Room(4)]
+    assert [event.room for event in taken.events(MoveFailed)] == [Room(4)]
 
 
 def test_a_way_home_ends_where_the_participant_sends_the_robot_elsewhere(taken: Flight) -> None:
@@ -364,7 +364,7 @@ def test_a_researcher_goes_before_and_is_named(taken: Flight) -> None:
         if taken.run().commanded_by != "researcher":
             break
     assert isinstance(taken.pilot.go_to(Target(*taken.goal_of(3))), int)
-    assert [(event.by, event.name) for event in taken.events(Commanded)][1:] == [
+    assert [(event.by, event.name) for event in taken.events(CommanderChanged)][1:] == [
         (Commander.RESEARCHER, "/rviz"),
         (Commander.GROUND_STATION, "ground station 255"),
     ]
@@ -374,7 +374,7 @@ def test_a_dead_robot_says_so_and_is_refused(taken: Flight) -> None:
     home = taken.pilot.start()
     taken.pilot.go_to(Target(home.x + 0.6, home.y))
     taken.run(5)
-    taken.session.ask("researcher", Die(0))
+    taken.session.ask("researcher", KillRobot(0))
     readings = taken.run(120)
     assert not readings.responsive and not readings.under_way
     assert (readings.leg.state, readings.leg.reason) == (FAILED, "Robot 1 does not answer any more.")
@@ -395,23 +395,23 @@ def test_treasures_are_pictured_named_and_left_from_the_helm(taken: Flight) -> N
     treasure = taken.session.game.treasure(Room(3))
     assert taken.pilot.identify(names.index(treasure.name) + 1) is None
     taken.run(3)
-    assert [event.points for event in taken.events(Identified)] == [treasure.points]
+    assert [event.points for event in taken.events(TreasureIdentified)] == [treasure.points]
     assert taken.news == [
         "Robot 1 is in room 3.",
         f"Room 3: something {treasure.colour.lower()}, {treasure.footprint.lower()}.",
         f"Room 3: a picture was taken, {treasure.image}.",
         f"Room 3: {treasure.name}, {treasure.points:+d} points.",
     ]
-    assert len(taken.events(Pictured)) == 1
+    assert len(taken.events(TreasurePictured)) == 1
     assert taken.pilot.leave() == Denied("The treasure in room 3 has been decided already.")
-    assert not taken.events(Left)
+    assert not taken.events(TreasureLeft)
 
 
 def test_a_station_is_told_what_the_participant_asks_of_it_and_no_other_is(taken: Flight) -> None:
     taken.pilots[1].take(STATION)
     taken.run(2)
     asked = []
-    taken.player.wish = (AskBack(0),)
+    taken.player.wish = (RequestHandback(0),)
     taken.tabui.poll_player()
     for _ in range(10):
         taken.run()
@@ -421,13 +421,13 @@ def test_a_station_is_told_what_the_participant_asks_of_it_and_no_other_is(taken
 
 def test_what_a_participant_asks_of_a_researcher_alone_is_told_to_no_station() -> None:
     def asks(state: GameState) -> list[str]:
-        return [*handback_texts(0, state, apply(state, AskedBack(0)))]
+        return [*handback_texts(0, state, apply(state, HandbackRequested(0)))]
 
     costs = CostMatrix(((0.0, 1.0), (1.0, 0.0)))
-    state = begin(Started(1, 1, 1, 10.0, 1.0, 1.0, 1.0, costs))
-    researcher = Commanded(0, Commander.RESEARCHER, "/rviz")
+    state = begin(GameStarted(1, 1, 1, 10.0, 1.0, 1.0, 1.0, costs))
+    researcher = CommanderChanged(0, Commander.RESEARCHER, "/rviz")
     assert asks(apply(state, researcher)) == []
-    station = Commanded(0, Commander.GROUND_STATION, "ground station 255")
+    station = CommanderChanged(0, Commander.GROUND_STATION, "ground station 255")
     assert asks(apply(apply(state, station), researcher)) == ["The participant asks for robot 1 back."]
 
 

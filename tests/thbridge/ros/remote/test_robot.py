@@ -7,7 +7,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Battery, LaserMount, Scan, Twist
-from sim.inputs import Drive, Go, Halt, Localize
+from sim.inputs import DriveManually, SendGoal, SetPoseEstimate, WithdrawGoal
 from sim.robot.navigator import Goal, GoalReached
 from thbridge.ros import names
 from thbridge.ros.clients import InvalidMessage
@@ -99,7 +99,7 @@ def test_what_was_heard_is_told_as_a_simulation_tells_it(rig):
 
 
 def test_a_goal_goes_out_with_a_name_and_comes_to_its_end(rig):
-    rig.robot.take(Go(1, GOAL), rig.now)
+    rig.robot.take(SendGoal(1, GOAL), rig.now)
     assert rig.step().navigation.goal == GOAL
     ((topic, data),) = rig.sent()
     goal = unpack.move_base_goal(data)
@@ -120,7 +120,7 @@ def test_what_is_left_is_measured_along_the_plan_to_this_goal(rig):
     corner = np.array([[1.0, 0, 0], [1.0, 2, 0], [4.0, 2, 0], [4.0, 0, 0]])
     rig.receive(NAMED.plan, pack.path(rig.tick, "map", corner))
     rig.tick += 1
-    rig.robot.take(Go(1, GOAL), rig.now)
+    rig.robot.take(SendGoal(1, GOAL), rig.now)
     assert rig.step().navigation.remaining == 3.0  # the plan is older than the goal
     rig.receive(NAMED.plan, pack.path(rig.tick, "map", corner))
     navigation = rig.step().navigation
@@ -131,7 +131,7 @@ def test_what_is_left_is_measured_along_the_plan_to_this_goal(rig):
 
 
 def test_driving_by_hand_repeats_the_command_and_ends_with_a_stop(rig):
-    rig.robot.take(Drive(1, Twist(0.3, -0.2), 25), rig.now)
+    rig.robot.take(DriveManually(1, Twist(0.3, -0.2), 25), rig.now)
     rig.step(40)
     sent = [(topic, unpack.twist(data)) for topic, data in rig.sent()]
     assert {topic for topic, _ in sent} == {"/robot2/cmd_vel"}
@@ -139,13 +139,13 @@ def test_driving_by_hand_repeats_the_command_and_ends_with_a_stop(rig):
 
 
 def test_a_halt_stops_driving_at_once_and_the_end_of_the_program_stops_everything(rig):
-    rig.robot.take(Drive(1, Twist(0.3, 0.0), 100), rig.now)
+    rig.robot.take(DriveManually(1, Twist(0.3, 0.0), 100), rig.now)
     rig.step(3)
     rig.sent()
-    rig.robot.take(Halt(1), rig.now)
+    rig.robot.take(WithdrawGoal(1), rig.now)
     ((topic, data),) = rig.sent()
     assert (topic, unpack.twist(data)) == ("/robot2/cmd_vel", STANDSTILL)
-    rig.robot.take(Go(1, GOAL), rig.now)
+    rig.robot.take(SendGoal(1, GOAL), rig.now)
     rig.step()
     rig.sent()
     rig.robot.stop(rig.now)
@@ -153,7 +153,7 @@ def test_a_halt_stops_driving_at_once_and_the_end_of_the_program_stops_everythin
 
 
 def test_it_can_be_told_where_it_is(rig):
-    rig.robot.take(Localize(1, Pose2(7, 8, 1), np.diag([0.1, 0.2, 0.3])), rig.now)
+    rig.robot.take(SetPoseEstimate(1, Pose2(7, 8, 1), np.diag([0.1, 0.2, 0.3])), rig.now)
     ((topic, data),) = rig.sent()
     sent = unpack.pose_with_covariance(data)
     assert (topic, sent.frame, sent.pose.x) == ("/robot2/initialpose", "map", 7)
@@ -193,7 +193,7 @@ def test_a_network_that_breaks_for_less_than_the_silence_costs_no_goal(rig):
         each.place(0.0)
         each.receive(NAMED.amcl_pose, pack.pose_with_covariance(each.tick, "map", Pose2(1, 0, 0), np.eye(3)))
         each.status()
-        each.robot.take(Go(1, GOAL), each.now)
+        each.robot.take(SendGoal(1, GOAL), each.now)
         each.step(15 * 50)
     assert patient.step().navigation.goal == GOAL
     assert rig.step().navigation.goal is None

@@ -12,7 +12,7 @@ from rosbags.rosbag1 import Reader
 
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL
-from sim.inputs import Carry, Go, Place, SetCharge
+from sim.inputs import KidnapRobot, PlaceRobot, SendGoal, SetCharge
 from sim.robot.navigator import Cancelled, Goal, GoalReached, NoPath
 from sim.team import TeamSnapshot
 from thbridge.recording.bag.reader import messages
@@ -156,7 +156,7 @@ async def fleet_at(uri: str, recorder: object) -> AsyncIterator[Fleet]:
         await fleet.stop()
 
 
-async def ended(fleet: Fleet, *inputs: Go) -> object:
+async def ended(fleet: Fleet, *inputs: SendGoal) -> object:
     """Ask, and go on until a goal ends."""
     snapshot = fleet.step(inputs)
     while (result := snapshot.robots[0].navigation.result) is None:
@@ -197,13 +197,13 @@ async def test_goals_reach_the_robot_and_their_ends_come_back():
     notes = Notes()
     async with master() as ros, alive(Actor(ros.uri)) as actor, fleet_at(ros.uri, notes) as fleet:
         await eventually(lambda: not fleet.missing())
-        assert await ended(fleet, Go(0, GOAL)) == GoalReached(GOAL)
+        assert await ended(fleet, SendGoal(0, GOAL)) == GoalReached(GOAL)
         actor.obeys = GoalStatusCode.ABORTED
-        assert await ended(fleet, Go(0, GOAL)) == NoPath(GOAL, "gave_up", "so be it")
+        assert await ended(fleet, SendGoal(0, GOAL)) == NoPath(GOAL, "gave_up", "so be it")
         actor.obeys = None
-        fleet.step([Go(0, GOAL)])
+        fleet.step([SendGoal(0, GOAL)])
         await eventually(lambda: len(actor.goals) == 3)
-        assert await ended(fleet, Go(0, Goal(6, Pose2(0, 0, 0)))) == Cancelled(GOAL)
+        assert await ended(fleet, SendGoal(0, Goal(6, Pose2(0, 0, 0)))) == Cancelled(GOAL)
         assert notes.went.count("/robot1/move_base/goal") == 4
         assert ("/robot1/move_base/goal", CALLER) not in notes.came
         assert ("/robot1/odom", "/robot") in notes.came
@@ -215,7 +215,7 @@ async def test_a_robot_whose_node_is_restarted_gets_its_goal_again():
         async with alive(Actor(ros.uri)) as actor:
             actor.obeys = None
             await eventually(lambda: not fleet.missing())
-            fleet.step([Go(0, GOAL)])
+            fleet.step([SendGoal(0, GOAL)])
             await eventually(lambda: actor.goals and fleet.step())
         async with alive(Actor(ros.uri)) as reborn:
             assert await ended(fleet) == GoalReached(GOAL)
@@ -229,7 +229,7 @@ async def test_robots_stand_when_the_program_ends():
         actor.obeys = None
         async with fleet_at(ros.uri, Notes()) as fleet:
             await eventually(lambda: not fleet.missing())
-            fleet.step([Go(0, GOAL)])
+            fleet.step([SendGoal(0, GOAL)])
             await eventually(lambda: actor.goals and fleet.step())
         await eventually(lambda: actor.cancelled)
         assert actor.cancelled == actor.goals
@@ -239,8 +239,8 @@ async def test_robots_stand_when_the_program_ends():
 async def test_what_only_a_simulation_can_do_is_left_and_told(caplog):
     async with master() as ros, alive(Actor(ros.uri)), fleet_at(ros.uri, Notes()) as fleet:
         await eventually(lambda: not fleet.missing())
-        fleet.step([SetCharge(0, 10.0), Carry(0, Pose2(9, 9, 0))])
-        fleet.step([Place(0, Pose2(1.1, 2, 0)), Place(0, Pose2(5, 5, 0))])
+        fleet.step([SetCharge(0, 10.0), KidnapRobot(0, Pose2(9, 9, 0))])
+        fleet.step([PlaceRobot(0, Pose2(1.1, 2, 0)), PlaceRobot(0, Pose2(5, 5, 0))])
     told = [record.getMessage() for record in caplog.records]
     assert "real robots cannot be asked to Carry" in told
     assert [line for line in told if "belongs at" in line] == [
@@ -292,7 +292,7 @@ async def test_a_bag_holds_what_robots_said_as_they_said_it_after_the_session(tm
                     await asyncio.sleep(0.01)
                 actor.out[names.TF_STATIC].publish(static)
                 records = (InputRecord("heard", "TabUI", "a line", "{}"), SendRobots("%%goto"))
-                last: TeamSnapshot = fleet.step([Go(0, GOAL)])
+                last: TeamSnapshot = fleet.step([SendGoal(0, GOAL)])
                 recorder.record(last, records)
                 while not actor.goals or fleet.step().robots[0].navigation.goal is not None:
                     await asyncio.sleep(0.01)

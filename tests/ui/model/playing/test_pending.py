@@ -2,7 +2,18 @@ import pytest
 from msgspec import structs
 
 from tests.ui.model.views import asking, refusal, view, with_robot, with_room
-from thbridge.roles.view import Agree, Answer, CallBack, Consent, Discuss, GiveUp, Leave, PlayAgain, Select, Unsure
+from thbridge.roles.view import (
+    AnswerDialogue,
+    CallBack,
+    Consent,
+    GiveConsent,
+    GiveUp,
+    GiveUpTreasure,
+    OpenDialogue,
+    PlayAgain,
+    RequestSuggestion,
+    SelectRoom,
+)
 from ui.model.playing.pending import PendingRequests
 
 STANDING = with_room(with_robot(view(), 0, place=3), 3, state="visited", robot=0, colour="Pink", footprint="Square")
@@ -12,19 +23,23 @@ UNDER_WAY = with_room(with_robot(view(), 0, moving_to=3), 3, state="reserved", r
 @pytest.mark.parametrize(
     ("wanted", "before", "granted"),
     [
-        (Agree(), view(consent="Do you?"), view()),
-        (Select(0, 3), view(), view(dialogues=(asking(0, 3),))),
-        (Select(0, 3), view(), view(consents=(Consent(0, "select-room", 3),))),
-        (Select(0, 3), view(dialogues=(asking(0, 2),)), view(dialogues=(asking(0, 3, 2),))),
-        (Select(0, 3), view(), UNDER_WAY),
-        (Unsure(0), view(), view(dialogues=(asking(0, 3),))),
-        (Unsure(0), view(dialogues=(asking(0, 2, 1),)), view(dialogues=(asking(0, 2, 2),))),
-        (Answer(1, 1, 0), view(dialogues=(asking(0, 3),)), view(dialogues=(asking(0, 3, 1, 3),))),
-        (Answer(1, 1, 0), view(dialogues=(asking(0, 3),)), view()),
+        (GiveConsent(), view(consent="Do you?"), view()),
+        (SelectRoom(0, 3), view(), view(dialogues=(asking(0, 3),))),
+        (SelectRoom(0, 3), view(), view(consents=(Consent(0, "select-room", 3),))),
+        (SelectRoom(0, 3), view(dialogues=(asking(0, 2),)), view(dialogues=(asking(0, 3, 2),))),
+        (SelectRoom(0, 3), view(), UNDER_WAY),
+        (RequestSuggestion(0), view(), view(dialogues=(asking(0, 3),))),
+        (RequestSuggestion(0), view(dialogues=(asking(0, 2, 1),)), view(dialogues=(asking(0, 2, 2),))),
+        (AnswerDialogue(1, 1, 0), view(dialogues=(asking(0, 3),)), view(dialogues=(asking(0, 3, 1, 3),))),
+        (AnswerDialogue(1, 1, 0), view(dialogues=(asking(0, 3),)), view()),
         (CallBack(0), UNDER_WAY, view()),
-        (Leave(3), STANDING, with_room(STANDING, 3, left=True)),
-        (Discuss(0, "take-picture", 3), STANDING, with_room(STANDING, 3, picture="a.jpg")),
-        (Discuss(0, "take-picture", 3), STANDING, structs.replace(STANDING, consents=(Consent(0, "take-picture", 3),))),
+        (GiveUpTreasure(3), STANDING, with_room(STANDING, 3, left=True)),
+        (OpenDialogue(0, "take-picture", 3), STANDING, with_room(STANDING, 3, picture="a.jpg")),
+        (
+            OpenDialogue(0, "take-picture", 3),
+            STANDING,
+            structs.replace(STANDING, consents=(Consent(0, "take-picture", 3),)),
+        ),
         (GiveUp(1), view(), view(over="given-up")),
         (PlayAgain(1), view(over="given-up"), view(game=2)),
     ],
@@ -41,11 +56,11 @@ def test_a_request_is_kept_until_the_view_shows_it_granted(wanted, before, grant
 @pytest.mark.parametrize(
     ("wanted", "before", "kind"),
     [
-        (Select(0, 3), view(), "select-room"),
-        (Unsure(0), view(), "Unsure"),
-        (Unsure(0), view(), "select-room"),
-        (Discuss(0, "take-treasure", 3), STANDING, "take-treasure"),
-        (Leave(3), STANDING, "Leave"),
+        (SelectRoom(0, 3), view(), "select-room"),
+        (RequestSuggestion(0), view(), "Unsure"),
+        (RequestSuggestion(0), view(), "select-room"),
+        (OpenDialogue(0, "take-treasure", 3), STANDING, "take-treasure"),
+        (GiveUpTreasure(3), STANDING, "Leave"),
         (CallBack(0), UNDER_WAY, "CallBack"),
     ],
 )
@@ -60,7 +75,7 @@ def test_a_refusal_ends_the_request_it_is_about_and_no_other(wanted, before, kin
 
 def test_what_can_not_come_true_any_more_is_dropped_with_its_reason():
     pending = PendingRequests()
-    pending.ask(Select(0, 3), view())
+    pending.ask(SelectRoom(0, 3), view())
     taken = with_room(with_robot(view(), 1, moving_to=3), 3, state="reserved", robot=1)
     assert pending.receive(taken) == ("Robot 2 is on its way there.",)
     assert pending.requests == ()
@@ -68,9 +83,9 @@ def test_what_can_not_come_true_any_more_is_dropped_with_its_reason():
 
 def test_advice_is_given_by_a_new_dialogue_even_if_it_has_the_number_of_one_before_a_restart():
     pending = PendingRequests()
-    pending.ask(Unsure(0), view(dialogues=(asking(0, 2),)))
+    pending.ask(RequestSuggestion(0), view(dialogues=(asking(0, 2),)))
     pending.receive(view(dialogues=(asking(0, 2),)))
-    assert pending.requests == (Unsure(0),)
+    assert pending.requests == (RequestSuggestion(0),)
     pending.receive(view())
     pending.receive(view(dialogues=(asking(0, 2),)))
     assert pending.requests == ()
@@ -78,14 +93,14 @@ def test_advice_is_given_by_a_new_dialogue_even_if_it_has_the_number_of_one_befo
 
 def test_a_robot_is_asked_to_go_to_one_place_at_a_time():
     pending = PendingRequests()
-    for wanted in (Select(0, 3), Select(1, 2), Unsure(0), Select(0, 1)):
+    for wanted in (SelectRoom(0, 3), SelectRoom(1, 2), RequestSuggestion(0), SelectRoom(0, 1)):
         pending.ask(wanted, view())
-    assert pending.requests == (Select(1, 2), Select(0, 1))
+    assert pending.requests == (SelectRoom(1, 2), SelectRoom(0, 1))
 
 
 def test_nothing_is_wanted_of_a_game_that_is_over_but_another_one():
     pending = PendingRequests()
-    for wanted in (Select(0, 3), Leave(3), PlayAgain(1)):
+    for wanted in (SelectRoom(0, 3), GiveUpTreasure(3), PlayAgain(1)):
         pending.ask(wanted, STANDING)
     assert set(pending.receive(structs.replace(STANDING, over="given-up"))) <= {""}
     assert pending.requests == (PlayAgain(1),)

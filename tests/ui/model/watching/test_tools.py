@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.traversability import inside
-from sim.team import Carry, ClearCostmaps, Die, PutThing, RemoveThing, Revive
+from sim.team import ClearCostmaps, KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot
 from thbridge.hunt.refusals import RequestRefused
-from thbridge.roles.robot_requests import AdviseFor, Puppeteer, Request, SpeakFor, WizardRequest
+from thbridge.roles.robot_requests import Request, WizardAdvice, WizardMode, WizardMove, WizardRequest
 from thbridge.ros.messages.records import InitialPose, SimpleGoal
 from ui.model.watching.scene import PendingAdvice, PendingTurn, RobotScene, Scene, ThingScene, Wizard
 from ui.model.watching.tools import LEAST_SIZE, MOST_SIZE, ToolRefusalReason, Tools, dragged_pose, obstacle
@@ -40,10 +40,10 @@ def test_what_is_done_to_robots_comes_to_requests(scene: Scene) -> None:
     assert (goal.robot, goal.base_in_map) == (0, place)
     assert isinstance(pose, InitialPose)
     assert pose.base_in_map == place
-    assert tools.carry(scene, 0, 1.0, 0.5) == Carry(0, Pose2(1.0, 0.5, 1.0))
-    assert tools.carry(scene, 0, 1.0, 0.5, 2.0) == Carry(0, Pose2(1.0, 0.5, 2.0))
-    assert tools.kill(scene, 0) == Die(0)
-    assert tools.revive(scene, 1) == Revive(1)
+    assert tools.carry(scene, 0, 1.0, 0.5) == KidnapRobot(0, Pose2(1.0, 0.5, 1.0))
+    assert tools.carry(scene, 0, 1.0, 0.5, 2.0) == KidnapRobot(0, Pose2(1.0, 0.5, 2.0))
+    assert tools.kill(scene, 0) == KillRobot(0)
+    assert tools.revive(scene, 1) == ReviveRobot(1)
     assert tools.clear_costmaps(scene, 0) == ClearCostmaps(0)
 
 
@@ -74,14 +74,14 @@ def test_things_get_names_of_their_own_and_are_taken_away_where_they_stand(scene
 
 def test_a_wizard_answers_only_what_is_waited_for(scene: Scene) -> None:
     tools = Tools()
-    assert tools.puppeteer(scene, 0, True) == Puppeteer(0, True)
-    assert tools.speak(scene, TURN, 1, " No, thank you ") == SpeakFor(3, 5, 1, "No, thank you")
+    assert tools.puppeteer(scene, 0, True) == WizardMode(0, True)
+    assert tools.speak(scene, TURN, 1, " No, thank you ") == WizardMove(3, 5, 1, "No, thank you")
     assert reason(tools.speak(scene, TURN, 2)) == ToolRefusalReason.NOT_WAITING
     assert (
         reason(tools.speak(scene, PendingTurn(3, 4, 0, "select-room", 4, ("Continue",)), 0))
         == ToolRefusalReason.NOT_WAITING
     )
-    assert tools.advise(scene, 0, 2) == AdviseFor(0, 2)
+    assert tools.advise(scene, 0, 2) == WizardAdvice(0, 2)
     assert reason(tools.advise(scene, 1, 2)) == ToolRefusalReason.NOT_WAITING
 
 

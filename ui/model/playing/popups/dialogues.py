@@ -3,7 +3,7 @@
 from typing import Literal
 
 from sim.common.robot_numbers import robot_name
-from thbridge.roles.view import DialogueView, Select
+from thbridge.roles.view import DialogueView, SelectRoom
 from ui.model.keys import choice_keys, key_of
 from ui.model.playing.history import speaker_of
 from ui.model.playing.popup_queue import DestinationItem
@@ -21,7 +21,7 @@ def destination_popup(hunt: HuntMemory, item: DestinationItem) -> DialoguePopup 
     dialogue = hunt.destination_dialogue(item.robot)
     asked = hunt.pending.destination_request(item.robot)
     if asked is not None:
-        about = f" about room {asked.room}" if isinstance(asked, Select) else " for its advice"
+        about = f" about room {asked.room}" if isinstance(asked, SelectRoom) else " for its advice"
         never_mind = Action(ShowNext(), "Never mind", key_of(ShowNext()), hint="Do not ask it.")
         sentences = _request(hunt, item.robot)
         return DialoguePopup(item.robot, f"Asking {robot_name(item.robot)}{about} …", sentences, (), never_mind)

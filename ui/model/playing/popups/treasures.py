@@ -2,7 +2,7 @@
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
-from thbridge.roles.view import Discuss, Leave, RoomView
+from thbridge.roles.view import GiveUpTreasure, OpenDialogue, RoomView
 from ui.model.keys import key_of
 from ui.model.playing.pictures import Pictures
 from ui.model.playing.popup_queue import TreasureItem
@@ -70,7 +70,7 @@ def _take_picture(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> Actio
     view, robot = hunt.view, hunt.view.robots[item.robot]
     if room.picture is not None or not room.undecided:
         return None
-    asked = Discuss(item.robot, "take-picture", item.room) in hunt.pending or any(
+    asked = OpenDialogue(item.robot, "take-picture", item.room) in hunt.pending or any(
         (consent.matter, consent.room) == ("take-picture", item.room) for consent in view.consents
     )
     refused = why_not_picture(hunt.known, item.robot, item.room)
@@ -94,8 +94,8 @@ def _name_it(hunt: HuntMemory, item: TreasureItem) -> Action:
 
 
 def _leave(hunt: HuntMemory, item: TreasureItem) -> Action:
-    busy = Leave(item.room) in hunt.pending
-    possible = is_allowed(hunt.known, Leave(item.room))
+    busy = GiveUpTreasure(item.room) in hunt.pending
+    possible = is_allowed(hunt.known, GiveUpTreasure(item.room))
     silent = why_not_work(hunt.known, item.robot)
     hint = "For good; it costs nothing." if possible else "This is decided."
     return Action(
