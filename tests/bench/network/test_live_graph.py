@@ -20,7 +20,7 @@ import pytest
 from sim.common.observations import TICK
 from tests.bench.budget import Budgets
 from tests.system.ports import free_port
-from thbridge.app import play
+from thbridge.app import listeners, play
 from thbridge.app.compose import build_bot, read_setting
 from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.roles.tabui import TabUI
@@ -140,12 +140,12 @@ def hunt(monkeypatch: pytest.MonkeyPatch, graph: GraphAddress | None) -> Measure
     participant = TabUI(build_bot(setting.templates, setting.study.participant.strategy, study.seed))
     made, walls, cpus = [], [], []
 
-    class Kept(play.LiveGraph):
+    class Kept(listeners.LiveGraph):
         def __init__(self, *arguments) -> None:
             super().__init__(*arguments)
             made.append(self)
 
-    monkeypatch.setattr(play, "LiveGraph", Kept)
+    monkeypatch.setattr(listeners, "LiveGraph", Kept)
 
     def progress(moment) -> None:
         if moment.tick >= WARM_UP * 50:

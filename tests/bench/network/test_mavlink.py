@@ -60,7 +60,7 @@ async def main():
             station.request(robot, mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION, sent)
             answered = False
             while not answered:
-                for event in await link.turn():
+                for event in await link.poll():
                     answered = answered or isinstance(event, CommandAcked | CommandUnanswered) and event.system == robot
             waits.append(time.monotonic() - sent)
             pause = time.monotonic() + 0.013

@@ -116,7 +116,7 @@ class Shown:
             self._at += 1
 
     @property
-    def house(self) -> FloorPlan | None:
+    def floor_plan(self) -> FloorPlan | None:
         return self._model.floor_plan
 
     @property
