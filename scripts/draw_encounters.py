@@ -17,7 +17,7 @@ from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from sim.common.observations import TICK
 from sim.parameters import RobotParameters, WorldParameters
-from sim.robot.navigator import Goal, GoalReached, NoPath
+from sim.robot.navigator.goals import Goal, GoalReached, NoPath
 from sim.team import KillRobot, SendGoal, Team, TeamInput
 
 mpl.use("Agg")

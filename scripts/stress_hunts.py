@@ -20,9 +20,11 @@ from pathlib import Path
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICK, TICKS_PER_SECOND
-from sim.robot.navigator import GoalReached, NoPath
+from sim.robot.navigator.goals import GoalReached, NoPath
 from sim.team import TeamSnapshot
-from thbridge.app.compose import build_bot, read_setting
+from thbridge.app.compose.game import build_bot, build_hider, build_keeper
+from thbridge.app.compose.robots import build_simr
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.session.session import Session
 from thbridge.hunt.events import Event
 from thbridge.roles.bot_strategy import BotStrategy
@@ -119,9 +121,14 @@ def play(hunt: Hunt) -> Outcome:
     """Play one hunt to its end."""
     began = time.process_time()
     setting = read_setting(replace(Study(robots=hunt.robots, seed=hunt.seed), map=hunt.place), Path())
-    simr = setting.simr()
+    simr = build_simr(setting)
     person = TabUI(build_bot(setting.templates, BotStrategy.RANDOM, hunt.seed))
-    session = Session(MessageRouter(), setting.keeper(), [simr, setting.hider(), person], NullStore())
+    session = Session(
+        MessageRouter(),
+        build_keeper(setting),
+        [simr, build_hider(setting.templates, setting.study.seed), person],
+        NullStore(),
+    )
     watch = GoalTimer(hunt.robots)
     while session.tick < MAX_SECONDS * TICKS_PER_SECOND and not (session.game is not None and session.game.ended):
         snapshot = session.step().snapshot

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import Twist
 from sim.parameters import RobotParameters, WorldParameters
-from sim.robot.navigator import Goal
+from sim.robot.navigator.goals import Goal
 from sim.world.things import Thing
 
 

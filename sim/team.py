@@ -42,7 +42,7 @@ from sim.robot.localization.amcl import Amcl
 from sim.robot.localization.ekf import Ekf
 from sim.robot.localization.estimate import Localizer
 from sim.robot.localization.fake_localization import FakeLocalization
-from sim.robot.navigator import Navigator
+from sim.robot.navigator.move_base import Navigator
 from sim.robot.planning.path import PlanRefusal
 from sim.robot.planning.wave import Workspace
 from sim.robot.software import Robot, RobotOutput

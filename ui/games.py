@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.app import play as hunt
-from thbridge.app.compose import StudySetting
+from thbridge.app.compose.setting import StudySetting
 from thbridge.app.listeners import StartupCallbacks
 from thbridge.app.play import HuntOutcome, HuntUnfinished, PlayOptions
 from thbridge.app.session.session import TickRecord

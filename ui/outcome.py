@@ -5,7 +5,7 @@ from pathlib import Path
 from rich.table import Table
 
 from sim.common.robot_numbers import robot_name
-from thbridge.app.compose import StudySetting
+from thbridge.app.compose.setting import StudySetting
 from thbridge.app.play import HuntOutcome
 from thbridge.recording.recordings import parts_of
 from ui.terminal import out

@@ -7,7 +7,9 @@ from pathlib import Path
 from msgspec import structs
 
 from sim.common.observations import TICK
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.game import build_hider, build_keeper
+from thbridge.app.compose.robots import build_simr
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
 from thbridge.roles.robot_requests import Request
@@ -44,7 +46,11 @@ class PicturedHunt:
         setting = read_setting(study, Path())
         self._tabui = TabUI(self, self)
         self._session = Session(
-            MessageRouter(), setting.keeper(), [setting.simr(), setting.hider()], NoLog(), participant=self._tabui
+            MessageRouter(),
+            build_keeper(setting),
+            [build_simr(setting), build_hider(setting.templates, setting.study.seed)],
+            NoLog(),
+            participant=self._tabui,
         )
         self.model.connected(self.now)
         self.until(lambda screen: bool(screen.cards))

@@ -10,7 +10,10 @@ from PySide6.QtWidgets import QApplication, QDialog, QDockWidget, QMessageBox
 from pictured.shot import Shot, Story
 from sim.common.geometry import Pose2
 from sim.inputs import KidnapRobot, KillRobot, PutThing
-from thbridge.app.compose import build_bot, read_setting
+from thbridge.app.compose.game import build_bot, build_hider, build_keeper
+from thbridge.app.compose.recording import build_publisher, build_record, build_writer
+from thbridge.app.compose.robots import build_simr
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.session.broadcast import Broadcast, Listener
 from thbridge.app.session.recording import BagRecorder
@@ -50,10 +53,10 @@ def play(listeners: Sequence[Listener], ticks: int, requests: Mapping[int, Reque
     """Play the beginning of a hunt with a simulated participant."""
     setting = read_setting(STUDY, Path())
     participant = TabUI(build_bot(setting.templates, STUDY.participant.strategy, STUDY.seed))
-    record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
-    recorder = BagRecorder(Broadcast(setting.publisher(), record, setting.map.grid, listeners))
-    roles = [setting.simr(), setting.hider()]
-    hunt = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [recorder], participant)
+    record = build_record(setting, PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
+    recorder = BagRecorder(Broadcast(build_publisher(setting), record, setting.map.grid, listeners))
+    roles = [build_simr(setting), build_hider(setting.templates, setting.study.seed)]
+    hunt = Session(MessageRouter(), build_keeper(setting), roles, NoLog(), [recorder], participant)
     for tick in range(ticks):
         if tick in requests:
             hunt.ask("watch", requests[tick])
@@ -67,7 +70,7 @@ def recorded() -> Iterator[Shot]:
     """Half a minute of three robots; robot 3 has just been carried away."""
     with tempfile.TemporaryDirectory() as folder:
         bag = Path(folder) / "hunt.bag"
-        with read_setting(STUDY, Path()).writer(bag) as writer:
+        with build_writer(read_setting(STUDY, Path()), bag) as writer:
             play([writer], TICKS, REQUESTS)
         window = ResearcherWindow(RecordingFeed(BagOpener(bag)), "hunt.bag", LIGHT, lambda: 0.0)
         window.show()

@@ -7,7 +7,8 @@ from sim.common.geometry import FloatArray
 from sim.common.observations import Neighbour, Observations
 from sim.parameters import RobotParameters
 from sim.robot.localization.estimate import Estimate, Localizer
-from sim.robot.navigator import Navigation, Navigator
+from sim.robot.navigator.move_base import Navigator
+from sim.robot.navigator.navigation import Navigation
 
 
 @dataclass(frozen=True, slots=True)

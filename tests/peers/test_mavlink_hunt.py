@@ -19,7 +19,8 @@ from tests.peers.rovers import free_udp_port
 from tests.system.ports import free_port
 from tests.system.programs import THBRIDGE, Program, until
 from thbridge.analysis.report.gathering import read_report
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.game import build_briefing
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.replay.mavlink_replay import hunt_result_of
 from thbridge.recording.bag.reader import messages
 from thbridge.study.study_file import read_study
@@ -58,7 +59,7 @@ def hunter(folder: Path, study: str = STUDY) -> Iterator[tuple[Hunter, tuple[str
     setting = read_setting(read_study(folder / "study.yaml"), folder)
     goals = {number: (room.goal.x, room.goal.y) for number, room in enumerate(setting.map.rooms, 1)}
     port = free_udp_port()
-    with Hunter(port, goals, setting.briefing().names) as hunter:
+    with Hunter(port, goals, build_briefing(setting).names) as hunter:
         yield hunter, ("study.yaml", "--mavlink", "--udp", f"127.0.0.1:{port}", "--bag", "hunt.bag", "--rate", RATE)
 
 

@@ -8,7 +8,7 @@ from thbridge.recording.tlog import TlogFile
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.hub import Traffic
+from thbridge.wire.mavlink.traffic import Traffic
 
 TOOLS = Path(sys.executable).parent
 

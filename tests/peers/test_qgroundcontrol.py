@@ -15,13 +15,15 @@ import pytest
 
 from sim.common.observations import TICKS_PER_SECOND
 from tests.peers.qgroundcontrol import COMPONENT, SYSTEM, Learned, QGroundControl, Step
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.game import build_hider, build_keeper
+from thbridge.app.compose.robots import build_simr, vehicle_factory
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
 from thbridge.study.study_file import Study
 from thbridge.wire.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.hub import OutgoingFrame
+from thbridge.wire.mavlink.traffic import OutgoingFrame
 from thbridge.wire.mavlink.vehicle.component_files.metadata_files import checksum
 from thbridge.wire.mavlink.vehicle.vehicle import AutopilotIdentity
 from thbridge.wire.router import MessageRouter
@@ -42,9 +44,15 @@ def sitting(identity: AutopilotIdentity) -> Session:
         mavlink=replace(study.mavlink, on=True, identity=identity),
     )
     setting = read_setting(study, Path())
-    simr = setting.simr()
-    vehicles = setting.vehicles(simr)
-    session = Session(MessageRouter(), setting.keeper(), [simr, setting.hider()], NoLog(), vehicles=vehicles)
+    simr = build_simr(setting)
+    vehicles = vehicle_factory(setting, simr)
+    session = Session(
+        MessageRouter(),
+        build_keeper(setting),
+        [simr, build_hider(setting.templates, setting.study.seed)],
+        NoLog(),
+        vehicles=vehicles,
+    )
     for _ in range(2 * TICKS_PER_SECOND):
         session.step()
     return session

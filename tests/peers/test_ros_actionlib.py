@@ -13,7 +13,8 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL
 from sim.inputs import SendGoal
-from sim.robot.navigator import Cancelled, Goal, GoalReached, GoalResult, Navigation, NoPath
+from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, GoalResult, NoPath
+from sim.robot.navigator.navigation import Navigation
 from thbridge.ros.actionlib import STATUS_PERIOD, ActionRequest, GoalEnded, MoveBaseServer, StatusList
 from thbridge.ros.messages.records import CancelRequest, GoalRequest
 from thbridge.ros.messages.stamps import stamp_ns

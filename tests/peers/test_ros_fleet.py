@@ -16,12 +16,12 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from sim.inputs import DriveManually, SendGoal, WithdrawGoal
-from sim.robot.navigator import Cancelled, Goal, GoalReached, NoPath
+from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.recording.real_robots import FleetRecorder
 from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.session_records import SessionRecord
-from thbridge.ros.remote import RemoteRobot
+from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
 from thbridge.sockets.rosgraph.joining import GraphAddress

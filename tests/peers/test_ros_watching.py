@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from tests.peers.beside import NEEDS_ROS, PYTHON, clean
-from thbridge.app.compose import build_bot, read_setting
+from thbridge.app.compose.game import build_bot
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.app.play import HuntUnfinished, PlayOptions, play
 from thbridge.recording.bag.reader import info

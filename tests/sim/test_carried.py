@@ -7,7 +7,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.parameters import RobotParameters, WorldParameters
-from sim.robot.navigator import Goal, GoalReached
+from sim.robot.navigator.goals import Goal, GoalReached
 from sim.team import KidnapRobot, SendGoal, Team
 from thbridge.files.map_files import read_map
 

@@ -10,7 +10,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import TICK, Twist
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.costs import LETHAL
-from sim.robot.navigator import Cancelled, Goal, GoalReached
+from sim.robot.navigator.goals import Cancelled, Goal, GoalReached
 from sim.team import (
     START_COVARIANCE,
     ClearCostmaps,

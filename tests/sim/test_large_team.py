@@ -4,7 +4,7 @@ import tracemalloc
 from pathlib import Path
 
 from sim.parameters import RobotParameters, WorldParameters
-from sim.robot.navigator import Goal
+from sim.robot.navigator.goals import Goal
 from sim.team import SendGoal, Team
 from thbridge.files.map_files import read_map
 

@@ -13,7 +13,8 @@ from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
 from thbridge.wire.mavlink.options import AutopilotIdentity
 from ui.cli import app
-from ui.settings import ports_of, with_mavlink
+from ui.listening import ports_of
+from ui.settings import with_mavlink
 
 
 @pytest.fixture(autouse=True)

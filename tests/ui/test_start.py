@@ -1,6 +1,7 @@
 """What commands load before they do anything, and before they do what needs little."""
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -80,3 +81,29 @@ def test_a_summary_of_a_bag_and_a_suggestion_load_no_simulator(tmp_path: Path) -
         assert not {name.partition(".")[0] for name in modules} & {"numba", "scipy", "matplotlib", "pyarrow", "asyncio"}
         assert not {name for name in modules if name.startswith(("sim.", "thbridge.app"))}
         assert "thbridge.analysis.summary" in modules or "thbridge.hunt.tour" in modules
+
+
+def test_a_text_server_listens_without_robots_vehicles_and_bags(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", PROGRAM, "server", "--port", "0"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(command, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        assert server.stdout.readline().startswith("listening on")
+        server.send_signal(signal.SIGINT)
+    modules = set((tmp_path / "modules").read_text().split())
+    assert "thbridge.app.server" in modules
+    assert not {name.partition(".")[0] for name in modules} & {
+        "pymavlink",
+        "rosbags",
+        "matplotlib",
+        "pyarrow",
+        "PySide6",
+    }
+    unwanted = ("sim.team", "sim.world.physics", "sim.robot.localization", "sim.robot.navigator.move_base")
+    unwanted += (
+        "thbridge.roles.simr",
+        "thbridge.roles.vehicles",
+        "thbridge.ros.publisher",
+        "thbridge.recording.bag.writer",
+    )
+    assert not {name for name in modules if name.startswith(unwanted)}

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Protocol
 
 from sim.team import Team
-from thbridge.app.compose import StudySetting
+from thbridge.app.compose.recording import build_team_description, build_writer
+from thbridge.app.compose.setting import StudySetting
 from thbridge.app.rosgraph.live import LiveGraph, on_graph
 from thbridge.app.session.broadcast import Listener
 from thbridge.app.session.watch_requests import WatchRequestHandler
@@ -104,11 +105,11 @@ async def listeners(
     listening: list[Listener] = []
     async with AsyncExitStack() as opened:
         if options.graph is not None:
-            live = LiveGraph(options.graph, setting.team_description(publisher), team, ask, receive_frame)
+            live = LiveGraph(options.graph, build_team_description(setting, publisher), team, ask, receive_frame)
             await opened.enter_async_context(on_graph(live, options.graph, callbacks.joined))
             listening.append(live)
         if options.bag is not None:
-            listening.append(opened.enter_context(setting.writer(options.bag)))
+            listening.append(opened.enter_context(build_writer(setting, options.bag)))
         if options.watch is not None:
             desk = WatchRequestHandler(ask, team, pacer, has_game=has_game)
             server = WatchServer(desk, options.watch.key)

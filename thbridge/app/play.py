@@ -6,7 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
-from thbridge.app.compose import StudySetting
+from thbridge.app.compose.game import build_hider, build_keeper
+from thbridge.app.compose.recording import build_publisher, build_record
+from thbridge.app.compose.robots import build_simr, build_team, rehearse, vehicle_factory
+from thbridge.app.compose.setting import StudySetting
 from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress, listeners
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder, TlogRecorder
@@ -132,16 +135,16 @@ async def play(
         BadFile: the journal, the telemetry log or the bag cannot be written (the latter as `BagNotWritten`).
         Unfinished: it was stopped, or the game was not over in time; what was recorded is complete.
     """
-    team = setting.team()
-    simr = setting.simr(team)
+    team = build_team(setting)
+    simr = build_simr(setting, team)
     roles: list[Role] = [simr]
     if legacy.HIDER not in options.outside:
-        roles.append(setting.hider())
+        roles.append(build_hider(setting.templates, setting.study.seed))
     inside = None if legacy.TABUI in options.outside else participant
     who = "" if inside is None else options.participant
     names = [role.name for role in (*roles, inside) if role is not None]
-    record = setting.record(PLAY, names, who)
-    publisher = setting.publisher()
+    record = build_record(setting, PLAY, names, who)
+    publisher = build_publisher(setting)
     pacer = Pacer(options.rate, pause_abandoned=options.left)
 
     def ask(sender: str, request: Request) -> None:
@@ -154,7 +157,7 @@ async def play(
         # First of all: no recording is begun if the MAVLink ports cannot be opened.
         links = await _links(options.mavlink, opened, callbacks)
         if options.rate > 0.0:
-            setting.rehearse()
+            rehearse(setting)
         log: EventLog = NoLog()
         if options.bag is not None:
             log = opened.enter_context(closing(JournalStore(journal_of(options.bag))))
@@ -167,7 +170,9 @@ async def play(
             recorders.append(BagRecorder(Broadcast(publisher, record, setting.map.grid, audience)))
         if options.bag is not None and has_vehicles and setting.study.mavlink.tlog:
             recorders.append(TlogRecorder(opened.enter_context(TlogFile(tlog_of(options.bag)))))
-        session = Session(MessageRouter(), setting.keeper(), roles, log, recorders, inside, setting.vehicles(simr))
+        session = Session(
+            MessageRouter(), build_keeper(setting), roles, log, recorders, inside, vehicle_factory(setting, simr)
+        )
         server = TextServer(session, session.note_forwarded)
         session.perform = server.perform
         if has_vehicles and options.graph is not None:

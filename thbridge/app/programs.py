@@ -1,86 +1,32 @@
-"""Programs of a single part: the text server, or one role at it, in real time, until it is over or stopped."""
+"""Programs of one role at a text server, in real time, until it is over or stopped."""
 
-import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 from typing import Protocol
 
-from thbridge.app.compose import StudySetting
+from thbridge.app.compose.recording import build_publisher, build_record
+from thbridge.app.compose.robots import build_simr, build_team, rehearse
+from thbridge.app.compose.setting import StudySetting
 from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress, listeners
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder
-from thbridge.app.session.session import Session
 from thbridge.app.session.simr_session import SimrSession
-from thbridge.recording.journals import JournalStore
 from thbridge.roles.hider import Hider
-from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.robot_requests import Request
 from thbridge.roles.role import Role
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import View
-from thbridge.sockets.addresses import ListeningAddress
-from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.text_client import ConnectionLost, LossReason, TextClient
-from thbridge.sockets.text_server import TextServer
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 from thbridge.wire.client import NameRegistered
-from thbridge.wire.router import MessageRouter
 from thbridge.wire.text import TextMessage
-
-_log = logging.getLogger(__name__)
 
 SIMR = "simr"
 """Name in recordings of the program with the robots alone."""
-
-
-async def serve(
-    setting: StudySetting,
-    journals: JournalStore,
-    new_game: bool,
-    ready: Callable[[ListeningAddress | CannotListen], None],
-) -> None:
-    """Run the text server and the keeper until stopped; a game that was cut off goes on.
-
-    Args:
-        setting: the study.
-        journals: of the games; closed at the end.
-        new_game: True leaves an unfinished game as it is and begins the next.
-        ready: takes the address of the server, or the reason why it cannot listen; then the function returns.
-
-    Raises:
-        BadFile: the journal cannot be read or written.
-    """
-    try:
-        unfinished = None if new_game else journals.resume()
-        if unfinished is not None:
-            _log.warning("going on with game %d (--new-game begins another)", journals.last_game)
-            if unfinished.torn:
-                _log.warning("its last event was half written and is lost")
-        last_game = journals.last_game if unfinished is None else journals.last_game - 1
-        keeper: Keeper = setting.keeper(() if unfinished is None else unfinished.history, last_game)
-        router = MessageRouter()
-        session = Session(router, keeper, [], journals)
-        server = TextServer(session, session.note_forwarded)
-        session.perform = server.perform
-        listening = await server.start(setting.study.server.host, setting.study.server.port)
-        ready(listening)
-        if isinstance(listening, CannotListen):
-            return
-
-        def tick() -> bool:
-            session.step()
-            return True
-
-        try:
-            await run_ticks(tick, Pacer(1.0))
-        finally:
-            await server.stop()
-    finally:
-        journals.close()
 
 
 class RoleRunner(Protocol):
@@ -210,17 +156,17 @@ async def simr(
     Raises:
         BagNotWritten: the bag cannot be written; it is closed, and the program over.
     """
-    setting.rehearse()
-    team = setting.team()
-    role = setting.simr(team)
-    publisher = setting.publisher()
+    rehearse(setting)
+    team = build_team(setting)
+    role = build_simr(setting, team)
+    publisher = build_publisher(setting)
     pacer = Pacer(options.rate)
 
     def ask(sender: str, request: Request) -> None:
         session.ask(sender, request)
 
     async with listeners(options, setting, team, publisher, pacer, ask, callbacks, has_game=False) as audience:
-        record = setting.record(SIMR, [role.name], "")
+        record = build_record(setting, SIMR, [role.name], "")
         recorders = [BagRecorder(Broadcast(publisher, record, setting.map.grid, audience))] if audience else []
         session = SimrSession(role, recorders)
         client = TextClient(role.name, options.token, options.host, options.port)

@@ -6,12 +6,14 @@ from contextlib import AsyncExitStack
 import numpy as np
 
 from sim.common.observations import TICKS_PER_SECOND
-from thbridge.app.compose import StudySetting
+from thbridge.app.compose.recording import build_record, build_writer
+from thbridge.app.compose.robots import build_simr
+from thbridge.app.compose.setting import StudySetting
 from thbridge.app.programs import SIMR, SimrOptions, run_at_server
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.simr_session import SimrSession
 from thbridge.recording.real_robots import FleetRecorder
-from thbridge.ros.remote import RemoteRobot
+from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.ros.topics import RosMessage
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
@@ -60,8 +62,8 @@ async def simr_with_real_robots(
     async with AsyncExitStack() as opened:
         recorder: FleetRecorder | None = None
         if options.bag is not None:
-            writer = opened.enter_context(setting.writer(options.bag, CALLER))
-            recorder = FleetRecorder(writer, setting.record(SIMR, [legacy.SIMR], ""))
+            writer = opened.enter_context(build_writer(setting, options.bag, CALLER))
+            recorder = FleetRecorder(writer, build_record(setting, SIMR, [legacy.SIMR], ""))
         footprint = np.array(setting.study.world.footprint, dtype=np.float64)
         named = setting.study.fleet.names(setting.study.robots)
         stale_ns = round(setting.study.fleet.silence * 1e9)
@@ -86,7 +88,7 @@ async def simr_with_real_robots(
 
         if not (await run_ticks(wait, Pacer(1.0))).finished:
             return None
-        role = setting.simr(fleet, round(setting.study.fleet.silence * TICKS_PER_SECOND))
+        role = build_simr(setting, fleet, round(setting.study.fleet.silence * TICKS_PER_SECOND))
         session = SimrSession(role, [] if recorder is None else [BagRecorder(recorder)])
         client = TextClient(role.name, options.token, options.host, options.port)
         await run_at_server(session, client, Pacer(1.0), lambda: role.rejection is not None, lost)

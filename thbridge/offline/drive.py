@@ -11,7 +11,7 @@ from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OCCUPIED, OccupancyGrid
 from sim.common.observations import TICK
 from sim.parameters import RobotParameters, WorldParameters
-from sim.robot.navigator import Goal, GoalReached, NoPath
+from sim.robot.navigator.goals import Goal, GoalReached, NoPath
 from sim.team import SendGoal, Team
 from sim.world.physics import Misplaced, World
 

@@ -14,7 +14,7 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.laser import Laser, usable
 from thbridge.offline.odometry import CLOCK_SET_BACK_NS, OdometryTrack
 from thbridge.offline.recording import StampedScan
-from thbridge.ros.frames import frame_name
+from thbridge.ros.names import frame_name
 
 
 class SkipReason(StrEnum):

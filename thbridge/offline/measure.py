@@ -8,7 +8,7 @@ from statistics import fmean, stdev
 from sim.common import noise
 from sim.common.observations import TICK
 from sim.parameters import RobotParameters, WorldParameters
-from sim.robot.navigator import Goal, GoalReached, NoPath
+from sim.robot.navigator.goals import Goal, GoalReached, NoPath
 from sim.team import SendGoal, Team
 from thbridge.files.map_files import Map
 from thbridge.hunt.rooms import Room

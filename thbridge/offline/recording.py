@@ -12,10 +12,11 @@ from thbridge.files.errors import BadFile
 from thbridge.offline.laser import Laser, usable
 from thbridge.offline.odometry import OdometrySample, OdometryTrack
 from thbridge.recording.bag.reader import RawMessage, TopicInfo, info, messages
-from thbridge.ros.frames import FrameTree, PlanarMount, frame_name
+from thbridge.ros.frames import FrameTree, PlanarMount
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.types import LASER_SCAN, ODOMETRY, TFMESSAGE
 from thbridge.ros.messages.unpack import LaserScan
+from thbridge.ros.names import frame_name
 from thbridge.ros.robots import ODOM_FRAME, is_odom_frame, is_truth, namespace_of, owner_of, usual_first
 
 T = TypeVar("T")

@@ -6,8 +6,8 @@ from typing import Self
 
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.recording.append import append_whole
-from thbridge.wire.mavlink.hub import Traffic
 from thbridge.wire.mavlink.tlog import Tlog
+from thbridge.wire.mavlink.traffic import Traffic
 
 
 class TlogFile:

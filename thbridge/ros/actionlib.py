@@ -20,7 +20,8 @@ from typing import TypeAlias, assert_never
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import SendGoal, WithdrawGoal
-from sim.robot.navigator import Cancelled, Goal, GoalReached, GoalResult, Navigation, NoPath
+from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, GoalResult, NoPath
+from sim.robot.navigator.navigation import Navigation
 from thbridge.ros.goal_owners import GoalOwner, recorded_number
 from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal

@@ -10,9 +10,8 @@ import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import Twist
-from thbridge.ros.frames import frame_name
 from thbridge.ros.messages.cursor import FLOAT32, Cursor
-from thbridge.ros.names import MAP_FRAME
+from thbridge.ros.names import MAP_FRAME, frame_name
 
 _GOAL_ID_LENGTH = 512
 """actionlib's goal ids consist of node, number and time; every status list repeats them."""

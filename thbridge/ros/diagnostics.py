@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from sim.common.geometry import Pose2
-from sim.robot.navigator import NavigatorState
+from sim.robot.navigator.navigation import NavigatorState
 from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
 from thbridge.ros.actionlib import ActionRequest, ActionServerMessage, GoalEnded, GoalSet

@@ -7,11 +7,7 @@ import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from thbridge.ros.messages.unpack import SpatialTransform
-
-
-def frame_name(name: str) -> str:
-    """A frame's name without the leading slash that tf of old wrote and tf2 forbids."""
-    return name.lstrip("/")
+from thbridge.ros.names import frame_name
 
 
 def matrix(transform: SpatialTransform) -> FloatArray:

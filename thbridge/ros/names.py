@@ -32,6 +32,11 @@ USE_SIM_TIME = "/use_sim_time"
 """Name of a parameter."""
 
 
+def frame_name(name: str) -> str:
+    """A frame's name without the leading slash that tf of old wrote and tf2 forbids."""
+    return name.lstrip("/")
+
+
 @dataclass(frozen=True, slots=True)
 class RobotNames:
     """One robot's namespace, frames and topics; frames carry no leading slash (tf2 forbids it).

@@ -8,7 +8,7 @@ import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Twist
-from sim.robot.navigator import Navigation
+from sim.robot.navigator.navigation import Navigation
 from sim.robot.software import RobotOutput
 from thbridge.ros.actionlib import (
     ActionRequest,

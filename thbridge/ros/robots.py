@@ -8,7 +8,7 @@ from its namespace, unless that is the name of a node.
 import re
 from collections.abc import Collection, Iterable, Mapping
 
-from thbridge.ros.frames import frame_name
+from thbridge.ros.names import frame_name
 
 MAP_FRAMES = frozenset({"map", "world", "static_map"})
 """Last words of the frames that maps are in."""

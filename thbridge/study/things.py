@@ -11,8 +11,8 @@ from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from sim.common.robot_numbers import index_of
 from sim.common.traversability import Polygon, area, crosses_itself
+from sim.inputs import KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot, ScheduledInput, TeamInput
 from sim.parameters import param
-from sim.team import KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot, ScheduledInput, TeamInput
 from sim.world.things import Thing
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded

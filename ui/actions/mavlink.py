@@ -9,7 +9,7 @@ from typing import NoReturn, TypeVar
 
 from rich.table import Table
 
-from thbridge.app.compose import StudySetting, read_setting
+from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.replay.mavlink_replay import FramesReplayed, HuntResult, has_session
 from thbridge.app.replay.replay import session_of
 from thbridge.files.signing_key import read_signing_key

@@ -7,7 +7,7 @@ from pathlib import Path
 from rich.table import Table
 
 from thbridge.analysis.comparison import RobotFigures, RunFigures
-from thbridge.app.compose import versions
+from thbridge.app.compose.recording import versions
 from thbridge.app.replay.replay import Difference, Replayed
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.study.overrides import StudyChange

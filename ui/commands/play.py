@@ -95,12 +95,14 @@ def play(
     from thbridge.app import play as hunt
     from thbridge.app.play import HuntUnfinished, PlayOptions
     from thbridge.app.session.session import TickRecord
+    from ui.event_loop import run
     from ui.first_start import announce_compiling
     from ui.games import WindowGames, offer_of, play_in_window
+    from ui.listening import graph_of, hosts_of, ports_of, watch_of
     from ui.outcome import show_outcome, usual_bag
     from ui.report import write_report
-    from ui.seats import run, seat_of_bot, seat_of_person
-    from ui.settings import graph_of, hosts_of, ports_of, setting_of, study_of, watch_of, with_mavlink, with_server
+    from ui.seats import seat_of_bot, seat_of_person
+    from ui.settings import setting_of, study_of, with_mavlink, with_server
     from ui.story import print_story
 
     study = with_server(study_of(study_file, {"robots": robots, "map": map_name, "seed": seed}), None, port)

@@ -44,9 +44,9 @@ def server(
     new_game: Annotated[bool, typer.Option("--new-game", help="Do not go on with an unfinished game.")] = False,
 ) -> None:
     """Run the text server of 2016, and with it the keeper of the game, until stopped."""
-    from thbridge.app import programs
+    from thbridge.app.server import serve
     from thbridge.recording.journals import JournalStore
-    from ui.seats import run
+    from ui.event_loop import run
     from ui.settings import setting_of, study_of, with_server
 
     setting = setting_of(with_server(study_of(study_file, {}), host, port), study_file)
@@ -59,7 +59,7 @@ def server(
             fail(BAD_INPUT, str(where))
         print(f"listening on {where.host}:{where.port}", flush=True)  # noqa: T201 - programs wait for this line
 
-    run(programs.serve(setting, ledger, new_game, ready))
+    run(serve(setting, ledger, new_game, ready))
 
 
 def simr(
@@ -87,9 +87,10 @@ def simr(
     from thbridge.app.programs import SimrOptions
     from thbridge.app.real_robots import simr_with_real_robots
     from ui.actions.programs import new_token, settings_without_effect, tell_lost
+    from ui.event_loop import run
     from ui.first_start import announce_compiling
-    from ui.seats import run
-    from ui.settings import graph_of, hosts_of, setting_of, study_of, watch_of
+    from ui.listening import graph_of, hosts_of, watch_of
+    from ui.settings import setting_of, study_of
 
     host, port = _address(server)
     changes = {"robots": robots, "robots_from": robots_from, "map": map_name, "seed": seed}
@@ -134,10 +135,10 @@ def hider(
 ) -> None:
     """Run the treasures' program (Hider) at a text server until stopped."""
     from thbridge.app import programs
-    from thbridge.app.compose import build_hider
+    from thbridge.app.compose.game import build_hider
     from thbridge.study.study_file import Study
     from ui.actions.programs import new_token, read_templates, tell_lost
-    from ui.seats import run
+    from ui.event_loop import run
 
     host, port = _address(server)
     default = Study()
@@ -166,7 +167,7 @@ def tabui(
         raise typer.Exit(play_hosted(look.value))
     from thbridge.app import programs
     from ui.actions.programs import new_token, seat_of, show_nothing, tell_lost
-    from ui.seats import run
+    from ui.event_loop import run
 
     host, port = _address(server)
     if participant is None and templates is None and seed is None and not as_json:

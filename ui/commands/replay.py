@@ -45,7 +45,7 @@ def replay_command(
 
     from thbridge.analysis.comparison import RunFigures, figures_of
     from thbridge.analysis.report.gathering import read_report
-    from thbridge.app.compose import read_setting
+    from thbridge.app.compose.setting import read_setting
     from thbridge.app.replay.replay import ReplayOptions, replay, session_of
     from thbridge.app.session.session import TickRecord
     from thbridge.recording.bag.reader import info, messages
@@ -53,8 +53,8 @@ def replay_command(
     from thbridge.study.overrides import with_changes
     from thbridge.study.study_file import read_study_text
     from ui.actions.replay import changes_of, other_versions, replayed_as_json, show_replayed
+    from ui.event_loop import run
     from ui.first_start import announce_compiling
-    from ui.seats import run
     from ui.story import print_story
 
     files, assignments = changes_of(changes or [])

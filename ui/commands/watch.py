@@ -30,7 +30,7 @@ def watch(
     At a session the window also sends robots, kidnaps and kills them, puts things in their way and speaks for them;
     whatever it asks is recorded. Keys are told by F1. See docs/watching.md.
     """
-    from ui.settings import parse_key
+    from ui.listening import parse_key
 
     address = ADDRESS.fullmatch(what)
     if address is not None and not Path(what).exists():

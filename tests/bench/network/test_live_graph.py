@@ -21,7 +21,9 @@ from sim.common.observations import TICK
 from tests.bench.budget import Budgets
 from tests.system.ports import free_port
 from thbridge.app import listeners, play
-from thbridge.app.compose import build_bot, read_setting
+from thbridge.app.compose.game import build_bot
+from thbridge.app.compose.recording import build_publisher
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.roles.tabui import TabUI
 from thbridge.ros.topics import CLOCK
@@ -162,7 +164,7 @@ def beside(monkeypatch: pytest.MonkeyPatch, stalled: bool) -> Measured:
     port = free_port()
     graph = GraphAddress(f"http://127.0.0.1:{port}")
     study = dataclasses.replace(Study(), robots=ROBOTS, map="warehouse12")
-    topics = [topic.name for topic in read_setting(study, Path()).publisher().topics]
+    topics = [topic.name for topic in build_publisher(read_setting(study, Path())).topics]
     listening = (LISTEN, graph.master_uri, str(LISTENERS), str(WARM_UP), str(WARM_UP + SECONDS))
     scripts = [listening, *([(STALL, graph.master_uri)] if stalled else [])]
     running = [

@@ -20,7 +20,7 @@ from sim.common.observations import TICK
 from tests.bench.budget import Budgets
 from tests.bench.network.hall_for_fifty import hall_for_fifty
 from thbridge.app import play
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.app.session.session import TickRecord
 from thbridge.sockets.addresses import Address, UdpTarget

@@ -7,9 +7,10 @@ import pytest
 
 from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import SendGoal
-from sim.robot.navigator import Goal
+from sim.robot.navigator.goals import Goal
 from tests.bench.budget import Budgets, best
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.robots import build_team
+from thbridge.app.compose.setting import read_setting
 from thbridge.hunt.events import Condition
 from thbridge.roles.simr.pose_telemetry import TelemetryOptions, TelemetryPublisher
 from thbridge.study.study_file import Study
@@ -22,7 +23,7 @@ SECONDS = 20
 @pytest.mark.parametrize("robots", [4, 10])
 def test_one_window_is_told_of_robots_under_way(robots: int, budgets: Budgets) -> None:
     setting = read_setting(replace(Study(), map="warehouse12", robots=robots), Path())
-    team = setting.team()
+    team = build_team(setting)
     goals = [SendGoal(robot, Goal(1, setting.map.rooms[robot].goal)) for robot in range(robots)]
     film = [team.step(goals if tick == 0 else []) for tick in range(SECONDS * TICKS_PER_SECOND)]
     conditions = [Condition.WELL] * robots

@@ -16,7 +16,8 @@ import pytest
 
 from tests.bench.budget import Budgets
 from thbridge.app import play
-from thbridge.app.compose import build_bot, read_setting
+from thbridge.app.compose.game import build_bot
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.roles.tabui import TabUI

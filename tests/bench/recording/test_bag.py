@@ -17,7 +17,8 @@ from sim.world.sensors import mount_of
 from tests.bench.budget import Budgets
 from tests.bench.errands import drive
 from tests.thbridge.ros.drive import SESSION
-from thbridge.app.compose import StudySetting, read_setting
+from thbridge.app.compose.robots import build_team
+from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.options import Compression
@@ -57,7 +58,7 @@ class Drive:
     def __init__(self, robots: int) -> None:
         self.setting: StudySetting = read_setting(replace(Study(), map="warehouse12", robots=robots), Path())
         self.snapshots: list[TeamSnapshot] = []
-        drive(self.setting.team(), [room.goal for room in self.setting.map.rooms], SECONDS, self.snapshots.append)
+        drive(build_team(self.setting), [room.goal for room in self.setting.map.rooms], SECONDS, self.snapshots.append)
         publisher = self.publisher()
         self.messages: list[RosMessage] = publisher.opening(0, SESSION, self.setting.map.grid)
         for snapshot in self.snapshots:

@@ -10,7 +10,7 @@ from sim.common.geometry import FloatArray
 from sim.common.noise import NoiseStream
 from sim.common.observations import Imu, LaserMount, Odometry, Scan
 from sim.parameters import LaserParameters, OdometryNoise, RobotParameters, WorldParameters
-from sim.robot.navigator import Goal
+from sim.robot.navigator.goals import Goal
 from sim.team import SendGoal, Team
 from sim.world.sensors import mount_of
 from thbridge.files.map_files import Map

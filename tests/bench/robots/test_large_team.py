@@ -17,7 +17,8 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.team import Team
 from tests.bench.budget import Budgets
 from tests.bench.errands import best_ticks, drive
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.robots import rehearse
+from thbridge.app.compose.setting import read_setting
 from thbridge.study.study_file import Study
 
 pytestmark = pytest.mark.bench
@@ -42,7 +43,7 @@ def free_places(grid: OccupancyGrid, spacing: float) -> list[Pose2]:
 @pytest.mark.parametrize("robots", [10, 50, 100, 250])
 def test_large_teams(robots: int, under_way: bool, budgets: Budgets) -> None:
     setting = read_setting(replace(Study(), map="warehouse12", robots=2), Path())
-    setting.rehearse()
+    rehearse(setting)
     world, software = setting.study.world, setting.study.robot
     places = free_places(setting.map.grid, 1.0 if robots <= 50 else 0.72)
 
@@ -63,7 +64,7 @@ def test_large_teams(robots: int, under_way: bool, budgets: Budgets) -> None:
 
 def test_memory() -> None:
     setting = read_setting(replace(Study(), map="warehouse12", robots=2), Path())
-    setting.rehearse()
+    rehearse(setting)
     places = free_places(setting.map.grid, 1.0)
 
     def held(robots: int) -> int:

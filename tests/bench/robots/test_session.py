@@ -24,7 +24,9 @@ from sim.world.physics import World
 from sim.world.sensors import Sensors
 from tests.bench.budget import Budgets
 from tests.bench.errands import best_ticks, drive
-from thbridge.app.compose import StudySetting, read_setting
+from thbridge.app.compose.recording import build_publisher, build_record, build_writer
+from thbridge.app.compose.robots import build_team
+from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.study.study_file import Study
 
@@ -56,8 +58,8 @@ def test_simulated_seconds_per_cpu_second(tmp_path, budgets: Budgets, capsys):
         # Twelve rooms, so that ten robots always have somewhere to go.
         setting = read_setting(replace(Study(), map="warehouse12", robots=robots), Path())
         rooms = [room.goal for room in setting.map.rooms]
-        drive(setting.team(), rooms, 2)
-        alone = best_ticks([drive(setting.team(), rooms, SECONDS) for _ in range(RUNS)]).sum()
+        drive(build_team(setting), rooms, 2)
+        alone = best_ticks([drive(build_team(setting), rooms, SECONDS) for _ in range(RUNS)]).sum()
         recorded = min(drive_recorded(setting, rooms, tmp_path / "session.bag") for _ in range(RUNS))
         figures[robots] = (alone / SECONDS, recorded / SECONDS)
     with capsys.disabled():
@@ -72,10 +74,10 @@ def test_simulated_seconds_per_cpu_second(tmp_path, budgets: Budgets, capsys):
 def drive_recorded(setting: StudySetting, goals: list[Pose2], path: Path) -> float:
     """CPU seconds of all threads: those that pack and write work beside the ticks, and after the last."""
     path.unlink(missing_ok=True)
-    team = setting.team()
+    team = build_team(setting)
     began = time.process_time()
-    with setting.writer(path) as writer:
-        said = Broadcast(setting.publisher(), setting.record("play", [], ""), setting.map.grid, [writer])
+    with build_writer(setting, path) as writer:
+        said = Broadcast(build_publisher(setting), build_record(setting, "play", [], ""), setting.map.grid, [writer])
         drive(team, goals, SECONDS, said.record)
     return time.process_time() - began
 

@@ -5,7 +5,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.game import build_hider, build_keeper
+from thbridge.app.compose.robots import build_simr
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
 from thbridge.roles.notices import FloorPlan
@@ -44,7 +46,14 @@ def shoot(robots: int, seconds: float, place: str = "warehouse12") -> Film:
     study = replace(Study(), map=place, robots=robots, seed=4, participant=EVERYTHING)
     setting = read_setting(study, Path())
     seat = _Seat()
-    session = Session(MessageRouter(), setting.keeper(), [setting.simr(), setting.hider()], NoLog(), [], seat.tabui)
+    session = Session(
+        MessageRouter(),
+        build_keeper(setting),
+        [build_simr(setting), build_hider(setting.templates, setting.study.seed)],
+        NoLog(),
+        [],
+        seat.tabui,
+    )
     for tick in range(int(seconds * TICKS_PER_SECOND)):
         seat.now = tick * TICK
         if tick % PACE == 0:

@@ -8,7 +8,7 @@ from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICKS_PER_SECOND
 from sim.parameters import LaserParameters, OdometryNoise, RobotParameters, WorldParameters
-from sim.robot.navigator import Cancelled, Goal, GoalReached
+from sim.robot.navigator.goals import Cancelled, Goal, GoalReached
 from sim.team import (
     KidnapRobot,
     KillRobot,

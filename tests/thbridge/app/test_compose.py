@@ -4,7 +4,9 @@ from pathlib import Path
 import pytest
 
 from sim.team import Team
-from thbridge.app.compose import REHEARSERS, StudySetting, read_setting
+from thbridge.app.compose.game import build_briefing
+from thbridge.app.compose.robots import REHEARSERS, build_simr, rehearse
+from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.roles.notices import Subscribe
 from thbridge.study.study_file import ParticipantSection, ShowsSection, Study
 from thbridge.wire.notice import encode_notice
@@ -24,7 +26,7 @@ def test_of_a_large_team_only_some_rehearse_and_whoever_has_software_of_its_own(
 ) -> None:
     own = dataclasses.replace(Study().robot, localization="truth")
     setting = read_setting(dataclasses.replace(Study(), map="warehouse12", robots=14, each={2: own, 13: own}), Path())
-    monkeypatch.setattr("thbridge.app.compose.REHEARSAL", 1)
+    monkeypatch.setattr("thbridge.app.compose.robots.REHEARSAL", 1)
     software = [parameters.localization for parameters in rehearsed(setting, monkeypatch).parameters]
     assert software == ["amcl", "truth", *["amcl"] * (REHEARSERS - 2), "truth"]
 
@@ -37,15 +39,15 @@ def rehearsed(setting: StudySetting, monkeypatch: pytest.MonkeyPatch) -> Team:
         teams.append(Team(*arguments))  # type: ignore[arg-type]
         return teams[0]
 
-    monkeypatch.setattr("thbridge.app.compose.Team", made)
-    setting.rehearse()
+    monkeypatch.setattr("thbridge.app.compose.robots.Team", made)
+    rehearse(setting)
     return teams[0]
 
 
 def test_participants_are_briefed_with_the_study_s_map_pictures_and_consent(tmp_path: Path) -> None:
     (tmp_path / "terms.txt").write_text("\ufeffWe record you.\n", encoding="utf-8")
     participant = ParticipantSection(consent=Path("terms.txt"))
-    briefing = read_setting(dataclasses.replace(Study(), participant=participant), tmp_path).briefing()
+    briefing = build_briefing(read_setting(dataclasses.replace(Study(), participant=participant), tmp_path))
     assert briefing.consent == "We record you."
     assert briefing.names == ("Blue Bottle", "Orange Bottle", "Pink can", "Yellow can")
     assert {name: data[:3] for name, data in briefing.pictures.items()} == {
@@ -53,13 +55,13 @@ def test_participants_are_briefed_with_the_study_s_map_pictures_and_consent(tmp_
     }
     assert briefing.floor_plan is not None
     assert [room.room for room in briefing.floor_plan.rooms] == list(range(1, 9))
-    assert read_setting(Study(), Path()).briefing().consent is None
+    assert build_briefing(read_setting(Study(), Path())).consent is None
 
 
 @pytest.mark.parametrize("truth", [False, True])
 def test_the_truth_about_robots_is_told_only_where_the_study_says_so(truth: bool) -> None:
     participant = ParticipantSection(shows=ShowsSection(truth=truth, uncertainty=truth, way=truth))
-    simr = read_setting(dataclasses.replace(Study(), participant=participant), Path()).simr()
+    simr = build_simr(read_setting(dataclasses.replace(Study(), participant=participant), Path()))
     subscribed = encode_notice("Window", simr.name, Subscribe())
     said = [message.line() for tick in range(10) for message in simr.step(tick, [subscribed] if tick == 0 else [])]
     told = [line for line in said if "SimR Window" in line]

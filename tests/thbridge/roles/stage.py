@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from thbridge.app.compose import build_bot, build_hider
+from thbridge.app.compose.game import build_bot, build_hider
 from thbridge.app.session.session import Session, TickRecord
 from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.protocols import TemplateProtocol

@@ -8,7 +8,9 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from tests.thbridge.roles.stage import Stage, templates
-from thbridge.app.compose import build_bot, read_setting
+from thbridge.app.compose.game import build_bot
+from thbridge.app.compose.robots import build_simr
+from thbridge.app.compose.setting import read_setting
 from thbridge.hunt.events import GameStarted
 from thbridge.hunt.game import fold
 from thbridge.roles import notices, view
@@ -126,7 +128,7 @@ def test_the_keeper_and_its_neighbours(said):
 
 @pytest.fixture(scope="module")
 def simr():
-    return read_setting(replace(Study(), robots=2), Path()).simr()
+    return build_simr(read_setting(replace(Study(), robots=2), Path()))
 
 
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -10,7 +10,8 @@ from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, Battery, Imu, LaserMount, Neighbour, Observations, Odometry, Scan, Twist
 from sim.parameters import WorldParameters
 from sim.robot.localization.estimate import Estimate
-from sim.robot.navigator import Goal, GoalReached, Navigation, NoPath
+from sim.robot.navigator.goals import Goal, GoalReached, NoPath
+from sim.robot.navigator.navigation import Navigation
 from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
 from sim.world.physics import WorldState

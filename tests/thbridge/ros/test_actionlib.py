@@ -8,7 +8,8 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL
 from sim.inputs import SendGoal, WithdrawGoal
-from sim.robot.navigator import Cancelled, Goal, GoalReached, GoalResult, Navigation, NoPath
+from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, GoalResult, NoPath
+from sim.robot.navigator.navigation import Navigation
 from thbridge.ros.actionlib import (
     LISTED,
     ActionRequest,

@@ -9,7 +9,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import Battery, Twist
 from sim.parameters import RobotParameters
 from sim.robot.costmap.view import CostmapView
-from sim.robot.navigator import Cancelled, Goal
+from sim.robot.navigator.goals import Cancelled, Goal
 from sim.team import TeamSnapshot
 from sim.world.things import Thing, ThingState, polygons_of
 from tests.thbridge.ros.drive import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots

@@ -5,9 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.robot.navigator import Goal, GoalReached
+from sim.robot.navigator.goals import Goal, GoalReached
 from sim.team import SendGoal
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.robots import build_team
+from thbridge.app.compose.setting import read_setting
 from thbridge.study.noise import PRESETS, NoisePreset
 from thbridge.study.study_file import read_study_text
 
@@ -22,7 +23,7 @@ HUNT = 120 * 50
 def test_robots_know_where_they_are(preset: NoisePreset, mean: float, worst: float) -> None:
     text = f"noise: {{preset: {preset}}}\neach: {{2: {{localization: ekf}}}}\n"
     setting = read_setting(read_study_text(Path("study.yaml"), text), Path())
-    team, rooms = setting.team(), setting.map.rooms
+    team, rooms = build_team(setting), setting.map.rooms
     errors = np.empty((HUNT, 2))
     arrived = 0
     inputs = [SendGoal(robot, Goal(robot, rooms[robot].goal)) for robot in range(2)]

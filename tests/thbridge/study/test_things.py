@@ -7,9 +7,10 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
-from sim.robot.navigator import Goal, GoalReached
+from sim.robot.navigator.goals import Goal, GoalReached
 from sim.team import KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot, ScheduledInput, SendGoal
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.robots import build_team
+from thbridge.app.compose.setting import read_setting
 from thbridge.files.errors import BadFile
 from thbridge.study.study_file import read_study_text
 from thbridge.study.text import resolved
@@ -98,7 +99,7 @@ def test_a_robot_cannot_be_carried_into_a_wall():
 
 def test_a_study_runs_as_it_says():
     study = replace(read_study_text(STUDY, EXAMPLE.replace("12,", "0.1,").replace("time: 30", "time: 0.2")))
-    team = read_setting(study, Path()).team()
+    team = build_team(read_setting(study, Path()))
     snapshots = [team.step() for _ in range(20)]
     names = [[presence.thing.name for presence in snapshot.world.things] for snapshot in snapshots]
     assert names[3] == ["the visitor", "slab"]
@@ -121,7 +122,7 @@ things:
 """,
     )
     setting = read_setting(study, Path())
-    team = setting.team()
+    team = build_team(setting)
     arrived = 0
     inputs = [SendGoal(robot, Goal(0, setting.map.rooms[robot].goal)) for robot in range(4)]
     for number in range(1, 100 * TICKS_PER_SECOND):

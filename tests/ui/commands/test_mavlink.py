@@ -22,9 +22,10 @@ from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.frames.signing import SigningKey, parse_key
-from thbridge.wire.mavlink.hub import FrameOutcome, Hub
+from thbridge.wire.mavlink.hub import Hub
 from thbridge.wire.mavlink.outgoing import LinkId
 from thbridge.wire.mavlink.station import ground_station, trip
+from thbridge.wire.mavlink.traffic import FrameOutcome
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
 from thbridge.wire.mavlink.vehicle_interface import Denied
 from ui.cli import app

@@ -1,6 +1,7 @@
 """A whole hunt steered by a ground station, while the participant's window follows it."""
 
 from tests.thbridge.roles.vehicles.test_pilot import STATION, Flight
+from thbridge.app.compose.game import build_briefing
 from thbridge.hunt.events import RobotArrived, TreasureIdentified
 from thbridge.roles.notices import PoseTelemetry
 from thbridge.roles.tabui import TabUI
@@ -31,7 +32,7 @@ class Follower:
 def test_the_window_follows_a_hunt_that_a_ground_station_steers():
     follower = Follower()
     flight = Flight(participant=TabUI(follower, follower))
-    names = flight.setting.briefing().names
+    names = build_briefing(flight.setting).names
     for pilot in flight.pilots:
         pilot.take(STATION)
     flight.run(3)

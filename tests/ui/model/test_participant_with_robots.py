@@ -5,7 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.game import build_hider, build_keeper
+from thbridge.app.compose.robots import build_simr
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
 from thbridge.roles.tabui import TabUI
@@ -41,8 +43,8 @@ class Table:
         setting = read_setting(dataclasses.replace(Study(), robots=ROBOTS), Path())
         self.model, self.now = Participant(), 0.0
         self.tabui = TabUI(self, self)
-        roles = [setting.simr(), setting.hider()]
-        self.session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [], self.tabui)
+        roles = [build_simr(setting), build_hider(setting.templates, setting.study.seed)]
+        self.session = Session(MessageRouter(), build_keeper(setting), roles, NoLog(), [], self.tabui)
         self.model.connected(0.0)
 
     def observe(self, level) -> None:

@@ -6,7 +6,10 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.team import KidnapRobot, KillRobot, PutThing, ReviveRobot
-from thbridge.app.compose import build_bot, read_setting
+from thbridge.app.compose.game import build_bot, build_hider, build_keeper
+from thbridge.app.compose.recording import build_publisher, build_record, build_writer
+from thbridge.app.compose.robots import build_simr
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder
@@ -34,11 +37,11 @@ def record(bag: Path, study: Study, ticks: int, done: Mapping[int, Request] = DO
     """A hunt with a simulated participant, and these requests."""
     setting = read_setting(study, Path())
     participant = TabUI(build_bot(setting.templates, study.participant.strategy, study.seed))
-    session_record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
-    with setting.writer(bag) as writer:
-        recorder = BagRecorder(Broadcast(setting.publisher(), session_record, setting.map.grid, [writer]))
-        roles = [setting.simr(), setting.hider()]
-        session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [recorder], participant)
+    session_record = build_record(setting, PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
+    with build_writer(setting, bag) as writer:
+        recorder = BagRecorder(Broadcast(build_publisher(setting), session_record, setting.map.grid, [writer]))
+        roles = [build_simr(setting), build_hider(setting.templates, setting.study.seed)]
+        session = Session(MessageRouter(), build_keeper(setting), roles, NoLog(), [recorder], participant)
         for tick in range(ticks):
             if tick in done:
                 session.ask("watch", done[tick])

@@ -17,7 +17,7 @@ from thbridge.analysis.check.finding import (
     OccurrenceCounter,
 )
 from thbridge.recording.bag.scan import ConnectionRecord
-from thbridge.ros.frames import frame_name
+from thbridge.ros.names import frame_name
 
 SHOWN = (BagTool.RVIZ, BagTool.FOXGLOVE)
 FIXED_FRAMES = ("map", "world", "odom")

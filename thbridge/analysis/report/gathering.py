@@ -18,12 +18,11 @@ from sim.common.grid import OccupancyGrid
 from sim.common.robot_numbers import namespace_of
 from thbridge.analysis.report.tracks import PoseSeries, SeriesByTopic, deviations
 from thbridge.analysis.report.values import GoalAttempt, ObstacleTrack, Report, TimelineEntry, Track
-from thbridge.ros.frames import frame_name
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import GoalStatusCode
 from thbridge.ros.messages.session_records import GameEvent, ScoreRecord, SessionRecord, UtteranceRecord
 from thbridge.ros.messages.unpack import PoseInFrame
-from thbridge.ros.names import MAP, THINGS
+from thbridge.ros.names import MAP, THINGS, frame_name
 from thbridge.ros.robots import is_map_frame, is_odom_frame, usual_first
 
 OUTCOMES: dict[int, str] = {

@@ -10,7 +10,7 @@ import numpy as np
 from sim.common.geometry import FloatArray, Pose2
 from thbridge.analysis.report.paths import corrected, distance, errors, table
 from thbridge.analysis.report.values import GoalAttempt, Track
-from thbridge.ros.frames import frame_name
+from thbridge.ros.names import frame_name
 from thbridge.ros.robots import (
     ODOM_FRAME,
     by_number,

@@ -13,7 +13,10 @@ from pathlib import Path
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
 from sim.common.robot_numbers import RobotNumber, index_of, number_of
-from thbridge.app.compose import StudySetting
+from thbridge.app.compose.game import build_hider, build_keeper
+from thbridge.app.compose.recording import build_publisher, build_record, build_writer
+from thbridge.app.compose.robots import build_simr, vehicle_factory
+from thbridge.app.compose.setting import StudySetting
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.session.broadcast import Broadcast, Listener
 from thbridge.app.session.mavros import frame_in
@@ -180,12 +183,14 @@ async def replay_frames(
     with ExitStack() as opened:
         listening: list[Listener] = [poses]
         if options.to is not None:
-            listening.append(opened.enter_context(setting.writer(options.to)))
-        simr, hider = setting.simr(), setting.hider()
-        record = setting.record(PLAY, [simr.name, hider.name], "")
-        recorder = BagRecorder(Broadcast(setting.publisher(), record, setting.map.grid, listening))
-        vehicles = setting.vehicles(simr)
-        session = Session(MessageRouter(), setting.keeper(), [simr, hider], NoLog(), [recorder, hunt], None, vehicles)
+            listening.append(opened.enter_context(build_writer(setting, options.to)))
+        simr, hider = build_simr(setting), build_hider(setting.templates, setting.study.seed)
+        record = build_record(setting, PLAY, [simr.name, hider.name], "")
+        recorder = BagRecorder(Broadcast(build_publisher(setting), record, setting.map.grid, listening))
+        vehicles = vehicle_factory(setting, simr)
+        session = Session(
+            MessageRouter(), build_keeper(setting), [simr, hider], NoLog(), [recorder, hunt], None, vehicles
+        )
 
         def tick() -> bool:
             frames.give(session, setting.study.robots)

@@ -14,10 +14,14 @@ from pathlib import Path
 from typing import Protocol
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
-from thbridge.app.compose import StudySetting, build_bot
+from thbridge.app.compose.game import build_bot, build_hider, build_keeper
+from thbridge.app.compose.recording import build_publisher, build_record, build_writer
+from thbridge.app.compose.robots import build_simr, vehicle_factory
+from thbridge.app.compose.setting import StudySetting
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.programs import SIMR
 from thbridge.app.session.broadcast import Broadcast
+from thbridge.app.session.input_records import from_record
 from thbridge.app.session.inputs import (
     BytesReceived,
     ClientRequest,
@@ -33,7 +37,6 @@ from thbridge.app.session.inputs import (
     MessageForwarded,
     NameAccepted,
     ParticipantSent,
-    from_record,
 )
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session, TickRecord, TickRecorder
@@ -198,11 +201,11 @@ async def replay(
         BadFile: the bag cannot be read, or the new one not be written (as `BagNotWritten`).
     """
     record = session_of(path)
-    fresh = setting.record(record.program, record.roles, options.participant or record.participant)
+    fresh = build_record(setting, record.program, record.roles, options.participant or record.participant)
     buffer = _MessageBuffer()
     with ExitStack() as opened:
-        kept = [] if options.to is None else [opened.enter_context(setting.writer(options.to))]
-        broadcast = Broadcast(setting.publisher(), fresh, setting.map.grid, [buffer, *kept])
+        kept = [] if options.to is None else [opened.enter_context(build_writer(setting, options.to))]
+        broadcast = Broadcast(build_publisher(setting), fresh, setting.map.grid, [buffer, *kept])
         session = _replayed_session(
             setting, record, options.participant, [BagRecorder(broadcast), _ProgressReporter(progress, options.start)]
         )
@@ -238,19 +241,20 @@ def _replayed_session(
     setting: StudySetting, record: SessionRecord, participant: BotStrategy | None, recorders: Sequence[TickRecorder]
 ) -> ReplayedSession:
     """Return the roles of the recorded session; messages of its participant are inputs."""
-    simr = setting.simr()
+    simr = build_simr(setting)
     if record.program == SIMR:
         return _ReplayedSimr(SimrSession(simr, recorders))
     roles: list[Role] = [simr]
     if legacy.HIDER in record.roles:
-        roles.append(setting.hider())
+        roles.append(build_hider(setting.templates, setting.study.seed))
     recorded_participant = _RecordedParticipant() if legacy.TABUI in record.roles and participant is None else None
     player: Role | None = recorded_participant
     if participant is not None:
         player = TabUI(build_bot(setting.templates, participant, setting.study.seed))
-    vehicles = setting.vehicles(simr)
+    vehicles = vehicle_factory(setting, simr)
     return _ReplayedPlay(
-        Session(MessageRouter(), setting.keeper(), roles, NoLog(), recorders, player, vehicles), recorded_participant
+        Session(MessageRouter(), build_keeper(setting), roles, NoLog(), recorders, player, vehicles),
+        recorded_participant,
     )
 
 

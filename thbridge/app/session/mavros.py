@@ -3,8 +3,8 @@
 from thbridge.ros.messages.records import MavlinkFrame, VehicleFrame, VehicleState
 from thbridge.wire.mavlink.dialect import crc_extra
 from thbridge.wire.mavlink.frames.frame import V1, V2, Frame
-from thbridge.wire.mavlink.hub import Traffic
 from thbridge.wire.mavlink.outgoing import VehicleStatus
+from thbridge.wire.mavlink.traffic import Traffic
 
 
 def frame_record(traffic: Traffic) -> VehicleFrame:

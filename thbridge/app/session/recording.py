@@ -9,7 +9,8 @@ import numpy as np
 from sim.common.geometry import FloatArray
 from sim.common.observations import TICKS_PER_SECOND
 from sim.team import TeamSnapshot
-from thbridge.app.session.inputs import ClientRequest, to_record
+from thbridge.app.session.input_records import to_record
+from thbridge.app.session.inputs import ClientRequest
 from thbridge.app.session.mavros import frame_record, state_record
 from thbridge.app.session.session import TickRecord
 from thbridge.dialogue import moves

@@ -6,9 +6,8 @@ server is another process), and are recorded as an `Input` of the next one.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from sim.team import TeamSnapshot
 from thbridge.app.session.inputs import (
     BytesReceived,
     ClientRequest,
@@ -29,15 +28,18 @@ from thbridge.hunt.game import GameState
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.keeper.wizard import WizardState
 from thbridge.roles.robot_requests import GameRequest, Request
+from thbridge.roles.robots_role import RobotsRole
 from thbridge.roles.role import Role
-from thbridge.roles.simr.simr import SimR
-from thbridge.roles.vehicles.vehicles import RequestSink, Vehicles
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.hub import FrameOutcome, OutgoingFrame, Traffic
 from thbridge.wire.mavlink.links import LinkReport
 from thbridge.wire.mavlink.outgoing import LinkId, VehicleStatus
+from thbridge.wire.mavlink.traffic import FrameOutcome, OutgoingFrame, Traffic
 from thbridge.wire.router import ConnectionId, Forwarded, MessageRouter, RouterOutput, TurnedAway
 from thbridge.wire.text import TextMessage
+
+if TYPE_CHECKING:  # Only sessions with robots need these.
+    from sim.team import TeamSnapshot
+    from thbridge.roles.vehicles.vehicles import RequestSink, Vehicles
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +61,7 @@ class TickRecord:
 
     tick: int
     inputs: tuple[Input, ...]
-    snapshot: TeamSnapshot | None
+    snapshot: "TeamSnapshot | None"
     forwarded: tuple[Forwarded, ...]
     events: tuple[Event, ...]
     utterances: tuple[DialogueUtterance, ...]
@@ -114,7 +116,7 @@ class Session:
         log: EventLog,
         recorders: Sequence[TickRecorder] = (),
         participant: Role | None = None,
-        vehicles: Callable[[RequestSink], Vehicles] | None = None,
+        vehicles: "Callable[[RequestSink], Vehicles] | None" = None,
     ) -> None:
         self.tick = 0
         self.perform: Callable[[Sequence[RouterOutput]], None] = self._note_all_forwarded
@@ -125,7 +127,7 @@ class Session:
         self._log = log
         self._recorders = tuple(recorders)
         self._participant = participant
-        self._simr = next((role for role in roles if isinstance(role, SimR)), None)
+        self._robots = next((role for role in roles if isinstance(role, RobotsRole)), None)
         self._inputs: list[Input] = []
         self._forwarded: list[Forwarded] = []
         self._vehicles = None if vehicles is None else vehicles(self._pass_on)
@@ -281,7 +283,7 @@ class Session:
             self._step_role(role)
         if self._participant is not None:
             inputs += [ParticipantSent(message) for message in self._step_role(self._participant)]
-        snapshot = None if self._simr is None else self._simr.snapshot
+        snapshot = None if self._robots is None else self._robots.snapshot
         sent = [] if self._vehicles is None or snapshot is None else self._vehicles.step(snapshot, self._keeper.state)
         record = TickRecord(
             self.tick,
@@ -305,10 +307,10 @@ class Session:
         """Pass a request on to its role; see `ask`."""
         if isinstance(request, GameRequest):
             self._keeper.ask(request)
-        elif self._simr is None:
+        elif self._robots is None:
             raise ValueError("the robots are not in this process")
         else:
-            self._simr.ask(request, researcher)
+            self._robots.ask(request, researcher)
 
     def _step_role(self, role: Role) -> Sequence[TextMessage]:
         messages = role.step(self.tick, self._router.take(role.name))

@@ -23,7 +23,7 @@ from sim.inputs import (
     WithdrawGoal,
 )
 from sim.parameters.reconfiguration import ParameterRejection
-from thbridge.app.session.inputs import decode_request, decode_value, encode_request
+from thbridge.app.session.input_records import decode_request, decode_value, encode_request
 from thbridge.roles.robot_requests import (
     PACE_REQUESTS,
     PaceRequest,

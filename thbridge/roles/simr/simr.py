@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND, Twist
-from sim.robot.navigator import Goal, GoalReached, NoPath
+from sim.robot.navigator.goals import Goal, GoalReached, NoPath
 from sim.robot.software import RobotOutput
 from sim.team import DriveManually, PlaceRobot, SendGoal, SetCharge, TeamInput, TeamSnapshot, WithdrawGoal
 from thbridge.hunt.events import Condition
@@ -23,6 +23,7 @@ from thbridge.roles.notices import (
     TeamStatus,
 )
 from thbridge.roles.robot_requests import RobotRequest, Tuning
+from thbridge.roles.robots_role import RobotsRole
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS, RobotControls
 from thbridge.roles.simr.pose_telemetry import TelemetryOptions, TelemetryPublisher
 from thbridge.roles.simr.team import RobotTeam
@@ -80,7 +81,7 @@ class _Move:
         return 1.0 - self.remaining / self.length if self.length > 0.0 else 0.0
 
 
-class SimR:
+class SimR(RobotsRole):
     """The robots' role.
 
     Moves are the keeper's orders. Without a keeper (at a server of another make) a `%%goto` is obeyed as SimR did in
@@ -138,12 +139,7 @@ class SimR:
         self._introduce = True
 
     def ask(self, request: RobotRequest, researcher: str | None = None) -> None:
-        """Queue a request for the next step, before the messages of that step; a move of the game resumes afterwards.
-
-        Args:
-            request: the request.
-            researcher: name of the researcher who intervenes by it, and so commands the robot; None: nobody.
-        """
+        """See `RobotsRole`."""
         self._controls.ask(request, researcher)
 
     def tuning(self, robot: int) -> Tuning | None:

@@ -5,7 +5,7 @@ from enum import Enum
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
-from sim.robot.navigator import Cancelled, Goal, GoalReached, NoPath
+from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
 from thbridge.hunt.game import GameState

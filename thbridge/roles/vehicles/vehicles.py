@@ -9,10 +9,11 @@ from sim.team import TeamSnapshot
 from thbridge.hunt.game import GameState
 from thbridge.roles.robot_requests import Request
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.hub import FrameOutcome, Hub, OutgoingFrame, Traffic
+from thbridge.wire.mavlink.hub import Hub
 from thbridge.wire.mavlink.links import LinkReport
 from thbridge.wire.mavlink.options import VehicleOptions
 from thbridge.wire.mavlink.outgoing import LinkId, VehicleStatus
+from thbridge.wire.mavlink.traffic import FrameOutcome, OutgoingFrame, Traffic
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
 from thbridge.wire.mavlink.vehicle_interface import RobotReadings, VehicleInterface
 

@@ -2,8 +2,3 @@
 
 There are no sockets and no clocks here: messages go in with the time of their arrival, values and messages come out.
 """
-
-from thbridge.ros.remote.names import RemoteNames
-from thbridge.ros.remote.robot import RemoteRobot
-
-__all__ = ["RemoteNames", "RemoteRobot"]

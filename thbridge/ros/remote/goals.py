@@ -12,8 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sim.common.geometry import Pose2
-from sim.robot.navigator import Cancelled, Goal, GoalReached, GoalResult, NoPath
-from sim.robot.navigator.goals import NoPathReason
+from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, GoalResult, NoPath, NoPathReason
 from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.remote.pose import STALE_NS

@@ -14,9 +14,9 @@ from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import STANDSTILL, Twist
 from sim.robot.localization.estimate import Estimate
 from thbridge.ros.clients import InvalidMessage
-from thbridge.ros.frames import frame_name
 from thbridge.ros.messages.pack import Transform
 from thbridge.ros.messages.unpack import OdometryMessage, PoseInFrame
+from thbridge.ros.names import frame_name
 from thbridge.ros.remote.names import RemoteNames
 
 STALE_NS = 5_000_000_000

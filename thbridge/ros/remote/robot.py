@@ -15,14 +15,15 @@ from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import STANDSTILL, Battery, Imu, LaserMount, Neighbour, Observations, Odometry, Scan, Twist
 from sim.common.robot_numbers import namespace_of, robot_name
 from sim.inputs import DriveManually, SendGoal, SetPoseEstimate, WithdrawGoal
-from sim.robot.navigator import Navigation
+from sim.robot.navigator.navigation import Navigation
 from sim.robot.software import RobotOutput
 from thbridge.ros import clients, names
 from thbridge.ros.clients import InvalidMessage
-from thbridge.ros.frames import FrameTree, PlanarMount, frame_name
+from thbridge.ros.frames import FrameTree, PlanarMount
 from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.goal_status import GoalId
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
+from thbridge.ros.names import frame_name
 from thbridge.ros.remote.goals import CancelGoal, MoveBaseClient, SetGoal
 from thbridge.ros.remote.names import RemoteNames
 from thbridge.ros.remote.pose import STALE_NS, RemotePose

@@ -26,9 +26,8 @@ from thbridge.ros import names
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types
 from thbridge.ros.messages.cursor import Cursor
-from thbridge.ros.remote import RemoteRobot
 from thbridge.ros.remote.clock import RosClock
-from thbridge.ros.remote.robot import missing_of, tick_of
+from thbridge.ros.remote.robot import RemoteRobot, missing_of, tick_of
 from thbridge.ros.topics import RosMessage
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.joining import GraphAddress

@@ -8,53 +8,18 @@ Source: the MAVLink developer guide, "Routing".
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 from sim.common.observations import TICKS_PER_SECOND
-from thbridge.wire.mavlink.dialect import BROADCAST, SECRETS, crc_extra, decoded, payload_of, target_of
+from thbridge.wire.mavlink.dialect import BROADCAST, SECRETS, crc_extra, decoded, mav, payload_of, target_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.links import DropReason, HubLink, LinkReport
-from thbridge.wire.mavlink.outgoing import COMPONENT, LinkId, OutgoingMessage
+from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
+from thbridge.wire.mavlink.traffic import FrameOutcome, OutgoingFrame, Traffic
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
 from thbridge.wire.mavlink.vehicle_interface import RobotReadings, Station
 
-
-@dataclass(frozen=True, slots=True)
-class OutgoingFrame:
-    """Frame to be sent on a link."""
-
-    link: LinkId
-    frame: Frame
-
-
-@dataclass(frozen=True, slots=True)
-class FrameOutcome:
-    """Result of a received frame.
-
-    Attributes:
-        dropped: reason why it had no effect; None when it had.
-        replies: frames to be sent at once.
-    """
-
-    dropped: DropReason | None = None
-    replies: Sequence[OutgoingFrame] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Traffic:
-    """Frame that a vehicle received or sent.
-
-    Attributes:
-        robot: index of the vehicle in the team.
-        incoming: True when the vehicle received it; False when it sent it.
-        link: name of the link.
-        frame: frame without its signature.
-    """
-
-    robot: int
-    incoming: bool
-    link: str
-    frame: Frame
+COMPONENT = mav.MAV_COMP_ID_AUTOPILOT1
+"""Component id of a vehicle; it has only this one."""
 
 
 class Hub:

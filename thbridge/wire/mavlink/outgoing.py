@@ -1,14 +1,12 @@
 """Output of a vehicle: messages for links, and its status."""
 
 from dataclasses import dataclass
-from typing import NewType
+from typing import TYPE_CHECKING, NewType
 
-from thbridge.wire.mavlink.dialect import Message, mav
+if TYPE_CHECKING:
+    from thbridge.wire.mavlink.dialect import Message
 
 LinkId = NewType("LinkId", int)
-
-COMPONENT = mav.MAV_COMP_ID_AUTOPILOT1
-"""Component id of a vehicle; it has only this one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +20,7 @@ class OutgoingMessage:
         to_inactive: True when it also goes to inactive links, as heartbeats do.
     """
 
-    message: Message
+    message: "Message"
     link: LinkId | None = None
     to_inactive: bool = False
     except_links: frozenset[LinkId] = frozenset()

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.hub import Traffic
+from thbridge.wire.mavlink.traffic import Traffic
 
 _STAMP = struct.Struct(">Q")
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.setting import read_setting
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.yaml.edit import with_value, without
 from thbridge.files.yaml.places import node_at, steps_of

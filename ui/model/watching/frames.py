@@ -6,9 +6,10 @@ from struct import Struct
 import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2
-from thbridge.ros.frames import PlanarMount, frame_name, matrix
+from thbridge.ros.frames import PlanarMount, matrix
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.unpack import SpatialTransform
+from thbridge.ros.names import frame_name
 from thbridge.ros.robots import is_map_frame, is_odom_frame
 from ui.model.watching.messages import WatchedMessage
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 from sim.common.robot_numbers import index_of, robot_name
 from thbridge.analysis.report.tracks import BATTERIES, ESTIMATES, NO_ESTIMATES
-from thbridge.ros.frames import frame_name
 from thbridge.ros.messages import types, unpack
+from thbridge.ros.names import frame_name
 from thbridge.ros.robots import (
     ODOM_FRAME,
     by_number,

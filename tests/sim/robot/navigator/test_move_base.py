@@ -16,7 +16,9 @@ from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.control.braking import gap, placed
 from sim.robot.costmap.costs import LETHAL
 from sim.robot.costmap.footprint import outline
-from sim.robot.navigator import PROGRESS_DISTANCE, PROGRESS_TIMEOUT, Cancelled, Goal, GoalReached, Navigator, NoPath
+from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
+from sim.robot.navigator.move_base import Navigator
+from sim.robot.navigator.progress import PROGRESS_DISTANCE, PROGRESS_TIMEOUT
 from sim.team import PutThing, RemoveThing, ScheduledInput, SendGoal, Team
 from sim.world.things import Thing
 from thbridge.files.map_files import read_map

@@ -12,7 +12,10 @@ import pytest
 
 from tests.thbridge.app.replay.test_replay import again, equal
 from tests.thbridge.wire.mavlink.hostile import Foe
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.game import build_hider, build_keeper
+from thbridge.app.compose.recording import build_publisher, build_record, build_writer
+from thbridge.app.compose.robots import build_simr, vehicle_factory
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.replay.mavlink_replay import FramesOptions, FramesReplayed, has_session, replay_frames
 from thbridge.app.session.broadcast import Broadcast
@@ -84,14 +87,16 @@ def record(
 ) -> None:
     """A hunt that nobody plays, and something that is done from outside before each tick."""
     setting = read_setting(study, Path())
-    simr = setting.simr()
-    with setting.writer(bag) as writer:
+    simr = build_simr(setting)
+    with build_writer(setting, bag) as writer:
         window = None if follower is None else TabUI(follower, follower)
         roles_within = [legacy.SIMR, legacy.HIDER, *([] if window is None else [window.name])]
-        opening = setting.record(PLAY, roles_within, "" if window is None else "person")
-        recorder = BagRecorder(Broadcast(setting.publisher(), opening, setting.map.grid, [writer]))
-        roles = [simr, setting.hider()]
-        session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [recorder], window, setting.vehicles(simr))
+        opening = build_record(setting, PLAY, roles_within, "" if window is None else "person")
+        recorder = BagRecorder(Broadcast(build_publisher(setting), opening, setting.map.grid, [writer]))
+        roles = [simr, build_hider(setting.templates, setting.study.seed)]
+        session = Session(
+            MessageRouter(), build_keeper(setting), roles, NoLog(), [recorder], window, vehicle_factory(setting, simr)
+        )
         for tick in range(ticks):
             doing(tick, session)
             session.step()

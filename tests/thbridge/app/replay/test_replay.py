@@ -24,7 +24,10 @@ from sim.team import (
     SetWorldParameters,
 )
 from sim.world.things import Thing
-from thbridge.app.compose import StudySetting, build_bot, read_setting
+from thbridge.app.compose.game import build_bot, build_hider, build_keeper
+from thbridge.app.compose.recording import build_publisher, build_record, build_writer
+from thbridge.app.compose.robots import build_simr
+from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.app.play import PLAY, HuntUnfinished, NoLog, PlayOptions, play
 from thbridge.app.programs import SIMR
@@ -140,11 +143,11 @@ def watched(bag: Path, study: Study, seconds: float, plan: Sequence[tuple[int, R
 def act(bag: Path, study: Study, ticks: int, doing: Callable[[int, Session], None]) -> None:
     """A hunt with a simulated participant, and something that is done from outside before each tick."""
     setting = setting_of(study)
-    roles = [setting.simr(), setting.hider()]
-    session_record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
-    with setting.writer(bag) as writer:
-        recorder = BagRecorder(Broadcast(setting.publisher(), session_record, setting.map.grid, [writer]))
-        session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [recorder], bot_of(setting))
+    roles = [build_simr(setting), build_hider(setting.templates, setting.study.seed)]
+    session_record = build_record(setting, PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
+    with build_writer(setting, bag) as writer:
+        recorder = BagRecorder(Broadcast(build_publisher(setting), session_record, setting.map.grid, [writer]))
+        session = Session(MessageRouter(), build_keeper(setting), roles, NoLog(), [recorder], bot_of(setting))
         for tick in range(ticks):
             doing(tick, session)
             session.step()
@@ -357,10 +360,10 @@ class TestSame:
 
     def test_robots_by_themselves(self, tmp_path: Path) -> None:
         setting = setting_of(STUDY)
-        simr = setting.simr()
-        record = setting.record(SIMR, [simr.name], "")
-        with setting.writer(tmp_path / "simr.bag") as writer:
-            said = Broadcast(setting.publisher(), record, setting.map.grid, [writer])
+        simr = build_simr(setting)
+        record = build_record(setting, SIMR, [simr.name], "")
+        with build_writer(setting, tmp_path / "simr.bag") as writer:
+            said = Broadcast(build_publisher(setting), record, setting.map.grid, [writer])
             outpost = SimrSession(simr, [BagRecorder(said)])
             for tick in range(400):
                 if tick in {3, 200}:

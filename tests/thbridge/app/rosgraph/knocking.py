@@ -9,7 +9,10 @@ import pytest
 
 from sim.team import TeamSnapshot
 from tests.thbridge.ros.test_clients import STORE, header, packed, pose
-from thbridge.app.compose import StudySetting
+from thbridge.app.compose.game import build_hider, build_keeper
+from thbridge.app.compose.recording import build_publisher, build_record, build_team_description, build_writer
+from thbridge.app.compose.robots import build_simr, build_team, vehicle_factory
+from thbridge.app.compose.setting import StudySetting
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.rosgraph import live
 from thbridge.app.rosgraph.live import LiveGraph
@@ -76,15 +79,15 @@ class Visited:
             return made[0]
 
         monkeypatch.setattr(live, "RosNode", doors)
-        team, publisher = setting.team(), setting.publisher()
-        simr = setting.simr(team)
-        graph = LiveGraph(GraphAddress(), setting.team_description(publisher), team, self.ask, self._hear)
+        team, publisher = build_team(setting), build_publisher(setting)
+        simr = build_simr(setting, team)
+        graph = LiveGraph(GraphAddress(), build_team_description(setting, publisher), team, self.ask, self._hear)
         self.doors = made[0]
-        self.writer = setting.writer(bag)
-        record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER], "")
+        self.writer = build_writer(setting, bag)
+        record = build_record(setting, PLAY, [legacy.SIMR, legacy.HIDER], "")
         recorder = BagRecorder(Broadcast(publisher, record, setting.map.grid, [graph, self.writer]))
-        roles, vehicles = [simr, setting.hider()], setting.vehicles(simr)
-        self._session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [recorder], vehicles=vehicles)
+        roles, vehicles = [simr, build_hider(setting.templates, setting.study.seed)], vehicle_factory(setting, simr)
+        self._session = Session(MessageRouter(), build_keeper(setting), roles, NoLog(), [recorder], vehicles=vehicles)
         self._link = self._session.open_link(GRAPH_LINK) if setting.study.mavlink.on else LinkId(0)
 
     def ask(self, sender: str, request: Request) -> None:

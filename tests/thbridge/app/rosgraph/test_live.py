@@ -13,7 +13,7 @@ from sim.common.observations import Twist
 from sim.team import NomotionUpdate
 from tests.thbridge.app.rosgraph.knocking import Visited, asked, cancel, goal
 from tests.thbridge.ros.test_clients import stamped
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.rosgraph.rate_limiter import REQUESTS_PER_TICK
 from thbridge.app.session.inputs import FrameReceived
 from thbridge.app.session.mavros import frame_record
@@ -26,8 +26,8 @@ from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.hub import Traffic
 from thbridge.wire.mavlink.outgoing import LinkId
+from thbridge.wire.mavlink.traffic import Traffic
 from thbridge.wire.rosgraph.links import ServiceFailed
 
 FORWARD = struct.pack("<6d", 0.1, 0, 0, 0, 0, 0)

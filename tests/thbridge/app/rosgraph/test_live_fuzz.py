@@ -11,11 +11,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from sim.robot.navigator import GoalReached
+from sim.robot.navigator.goals import GoalReached
 from tests.thbridge.app.replay.test_replay import equal
 from tests.thbridge.app.rosgraph.knocking import Visited, cancel, goal
 from tests.thbridge.ros.test_clients import STORE, header, packed, pose, stamped
-from thbridge.app.compose import StudySetting, read_setting
+from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.study.study_file import Study
 from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue
 

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from sim.common.geometry import Pose2
 from sim.inputs import SendGoal
 from sim.parameters import RobotParameters
-from sim.robot.navigator import Goal
+from sim.robot.navigator.goals import Goal
 from sim.world.things import Thing
+from thbridge.app.session.input_records import from_record, to_record
 from thbridge.app.session.inputs import (
     BytesReceived,
     ClientRequest,
@@ -28,8 +29,6 @@ from thbridge.app.session.inputs import (
     MessageForwarded,
     NameAccepted,
     ParticipantSent,
-    from_record,
-    to_record,
 )
 from thbridge.roles.robot_requests import Request
 from thbridge.ros.goal_owners import GoalOwner

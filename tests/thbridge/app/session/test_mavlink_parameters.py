@@ -10,7 +10,9 @@ import pytest
 from sim.parameters import RobotParameters, WorldParameters
 from tests.thbridge.app.replay.test_mavlink_replay import STUDY, Station, by_frames, record
 from tests.thbridge.app.replay.test_replay import equal
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.game import build_hider, build_keeper
+from thbridge.app.compose.robots import build_simr, build_team, vehicle_factory
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
 from thbridge.recording.bag.reader import messages
@@ -18,7 +20,7 @@ from thbridge.roles.robot_requests import SetParameters
 from thbridge.roles.vehicles.parameters import PARAMETERS
 from thbridge.ros.messages import unpack
 from thbridge.wire.mavlink.dialect import Message, decoded, mav
-from thbridge.wire.mavlink.hub import OutgoingFrame
+from thbridge.wire.mavlink.traffic import OutgoingFrame
 from thbridge.wire.router import MessageRouter
 
 REAL32 = mav.MAV_PARAM_TYPE_REAL32
@@ -33,10 +35,10 @@ class Played:
 
     def __init__(self) -> None:
         setting = read_setting(STUDY, Path())
-        self.team = setting.team()
-        simr = setting.simr(self.team)
-        roles, vehicles = [simr, setting.hider()], setting.vehicles(simr)
-        self.session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), vehicles=vehicles)
+        self.team = build_team(setting)
+        simr = build_simr(setting, self.team)
+        roles, vehicles = [simr, build_hider(setting.templates, setting.study.seed)], vehicle_factory(setting, simr)
+        self.session = Session(MessageRouter(), build_keeper(setting), roles, NoLog(), vehicles=vehicles)
         self._said: list[tuple[int, Message | None]] = []
         self.session.transmit = self._take
         self.station = Station(self.session)

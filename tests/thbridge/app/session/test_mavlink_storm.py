@@ -10,7 +10,9 @@ import pytest
 
 from sim.common.observations import TICKS_PER_SECOND
 from tests.thbridge.wire.mavlink.hostile import Foe
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.game import build_hider, build_keeper
+from thbridge.app.compose.robots import build_simr, vehicle_factory
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
 from thbridge.roles.vehicles.parameters import VehicleParameters
@@ -29,9 +31,13 @@ def stormed(seed, ticks, bytes_a_tick):
     """What a session's robots did and said in a storm, as a digest, and how often hearts beat."""
     study = replace(Study(), robots=ROBOTS, mavlink=MavlinkSection(on=True), seed=1)
     setting = read_setting(study, Path())
-    simr = setting.simr()
+    simr = build_simr(setting)
     session = Session(
-        MessageRouter(), setting.keeper(), [simr, setting.hider()], NoLog(), vehicles=setting.vehicles(simr)
+        MessageRouter(),
+        build_keeper(setting),
+        [simr, build_hider(setting.templates, setting.study.seed)],
+        NoLog(),
+        vehicles=vehicle_factory(setting, simr),
     )
     chance = random.Random(seed)
     session.step()

@@ -11,7 +11,7 @@ from thbridge.ros.messages import pack, unpack
 from thbridge.ros.messages.records import MavlinkFrame
 from thbridge.wire.mavlink.dialect import crc_extra, mav
 from thbridge.wire.mavlink.frames.frame import SIGNED, V1, V2, Frame
-from thbridge.wire.mavlink.hub import Traffic
+from thbridge.wire.mavlink.traffic import Traffic
 
 BYTES = st.integers(0, 255)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.app.play import HuntUnfinished, PlayOptions, play
 from thbridge.app.replay.replay import ReplayOptions, replay, ticks_of

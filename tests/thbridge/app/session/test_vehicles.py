@@ -11,10 +11,14 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import KillRobot
 from tests.thbridge.app.session.test_recording import Tape
 from tests.thbridge.ros.drive import snapshots
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.game import build_keeper
+from thbridge.app.compose.recording import build_publisher, build_record
+from thbridge.app.compose.robots import build_simr, vehicle_factory
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.session.broadcast import Broadcast
-from thbridge.app.session.inputs import FrameReceived, HeartbeatsSent, LinkClosed, LinkOpened, from_record, to_record
+from thbridge.app.session.input_records import from_record, to_record
+from thbridge.app.session.inputs import FrameReceived, HeartbeatsSent, LinkClosed, LinkOpened
 from thbridge.app.session.recording import BagRecorder, TlogRecorder
 from thbridge.app.session.session import Session, TickRecord
 from thbridge.recording.tlog import TlogFile
@@ -26,8 +30,8 @@ from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.hub import OutgoingFrame
 from thbridge.wire.mavlink.outgoing import VehicleStatus
+from thbridge.wire.mavlink.traffic import OutgoingFrame
 from thbridge.wire.router import MessageRouter
 
 WITH_VEHICLES = replace(Study(), mavlink=MavlinkSection(on=True))
@@ -38,8 +42,8 @@ FRAME = Frame(255, 190, 7, HEARTBEAT.id, payload_of(HEARTBEAT), crc_extra(HEARTB
 @pytest.fixture
 def session() -> Session:
     setting = read_setting(WITH_VEHICLES, Path())
-    simr = setting.simr()
-    return Session(MessageRouter(), setting.keeper(), [simr], NoLog(), vehicles=setting.vehicles(simr))
+    simr = build_simr(setting)
+    return Session(MessageRouter(), build_keeper(setting), [simr], NoLog(), vehicles=vehicle_factory(setting, simr))
 
 
 def steps(session: Session, ticks: int) -> list[TickRecord]:
@@ -129,8 +133,8 @@ def test_what_vehicles_hear_and_say_goes_to_the_topics_of_mavros(session: Sessio
         def take(self, tick: int, said: Sequence[RosMessage]) -> None:
             messages.extend(said)
 
-    publisher = setting.publisher()
-    ear = BagRecorder(Broadcast(publisher, setting.record(PLAY, [], ""), setting.map.grid, [Ear()]))
+    publisher = build_publisher(setting)
+    ear = BagRecorder(Broadcast(publisher, build_record(setting, PLAY, [], ""), setting.map.grid, [Ear()]))
     session.step()
     link, graph = session.open_link("a"), session.open_link("ros")
     session.receive_frame(link, FRAME, 1)
@@ -176,12 +180,12 @@ def test_states_are_said_when_they_change_and_every_second():
 
 def test_a_telemetry_log_has_all_traffic_with_the_stamps_of_the_bag(tmp_path: Path):
     setting = read_setting(WITH_VEHICLES, Path())
-    simr = setting.simr()
+    simr = build_simr(setting)
     log = tmp_path / "hunt.tlog"
     with TlogFile(log) as file:
         recorders = [TlogRecorder(file)]
         session = Session(
-            MessageRouter(), setting.keeper(), [simr], NoLog(), recorders, vehicles=setting.vehicles(simr)
+            MessageRouter(), build_keeper(setting), [simr], NoLog(), recorders, vehicles=vehicle_factory(setting, simr)
         )
         session.step()
         session.receive_frame(session.open_link("a"), FRAME)
@@ -193,8 +197,8 @@ def test_a_telemetry_log_has_all_traffic_with_the_stamps_of_the_bag(tmp_path: Pa
 
 def test_where_robots_are_no_vehicles_there_is_no_link():
     setting = read_setting(Study(), Path())
-    simr = setting.simr()
-    session = Session(MessageRouter(), setting.keeper(), [simr], NoLog(), vehicles=setting.vehicles(simr))
+    simr = build_simr(setting)
+    session = Session(MessageRouter(), build_keeper(setting), [simr], NoLog(), vehicles=vehicle_factory(setting, simr))
     with pytest.raises(ValueError, match="no vehicles"):
         session.open_link("a")
 

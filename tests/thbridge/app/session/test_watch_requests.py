@@ -32,11 +32,12 @@ from sim.inputs import (
     WithdrawGoal,
 )
 from sim.parameters import RobotParameters, WorldParameters
-from sim.robot.navigator import Goal
+from sim.robot.navigator.goals import Goal
 from sim.team import Team
 from sim.world.things import Thing
-from thbridge.app.compose import read_setting
-from thbridge.app.session.inputs import decode_value
+from thbridge.app.compose.robots import build_team
+from thbridge.app.compose.setting import read_setting
+from thbridge.app.session.input_records import decode_value
 from thbridge.app.session.watch_requests import (
     MOST_PENDING,
     WatchRequest,
@@ -92,7 +93,7 @@ GRANTED: list[WatchRequest] = [
 
 @pytest.fixture(scope="module")
 def team() -> Team:
-    return read_setting(dataclasses.replace(Study(), robots=2), Path()).team()
+    return build_team(read_setting(dataclasses.replace(Study(), robots=2), Path()))
 
 
 class Visited:

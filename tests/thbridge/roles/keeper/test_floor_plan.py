@@ -12,7 +12,8 @@ from msgspec import structs
 
 from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.game import build_floor_plan
+from thbridge.app.compose.setting import read_setting
 from thbridge.roles.keeper.floor_plan import MOST_PACKED, floor_plan_of, grid_of
 from thbridge.roles.notices import KEEPER, FloorPlan
 from thbridge.study.study_file import Study
@@ -33,7 +34,7 @@ def test_a_map_comes_back_as_it_went(cells):
 @pytest.mark.parametrize("name", ["arena8", "office", "warehouse12"])
 def test_a_house_fits_into_a_line(name):
     setting = read_setting(replace(Study(), map=name), Path())
-    line = encode_notice(KEEPER, "TabUI", setting.floor_plan())
+    line = encode_notice(KEEPER, "TabUI", build_floor_plan(setting))
     house = decode_notice(parse_notice(line), FloorPlan)
     assert len(line.line()) < LINE_LIMIT
     assert (grid_of(house).cells == setting.map.grid.cells).all()

@@ -10,7 +10,8 @@ from msgspec import structs
 
 from tests.thbridge.roles import stage
 from tests.thbridge.roles.test_hunt import Script, go
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.game import build_floor_plan
+from thbridge.app.compose.setting import read_setting
 from thbridge.hunt.events import (
     ConsentGiven,
     RobotDeparted,
@@ -281,7 +282,7 @@ def hidden_kinds() -> list[TreasureKind]:
 def test_nothing_of_a_treasure_is_told_before_the_game_reveals_it(strategy, seed):
     kinds = hidden_kinds()
     files = {kind.image: f"bytes of {kind.name}".encode() for kind in kinds}
-    house = read_setting(Study(), Path()).floor_plan()
+    house = build_floor_plan(read_setting(Study(), Path()))
     briefing = Briefing(house, tuple(kind.name for kind in kinds), files, CONSENT)
     played = Stage(robots=2, strategy=strategy, seed=seed, briefing=briefing, kinds=kinds)
     played.finish()

@@ -10,7 +10,8 @@ from sim.common.observations import Twist
 from sim.parameters import RobotParameters
 from sim.parameters.reconfiguration import ParameterRejection
 from tests.thbridge.roles.simr.test_simr import Driver, orders
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.robots import build_simr
+from thbridge.app.compose.setting import read_setting
 from thbridge.roles.notices import KEEPER, MoveOrder, Orders, TeamStatus
 from thbridge.roles.robot_requests import SetParameters, with_values
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
@@ -26,7 +27,7 @@ CLIENT = 10**6
 @pytest.fixture
 def driver():
     """Two robots; the first is under way for the game to room 2, its move 1."""
-    driver = Driver(read_setting(replace(Study(), robots=2), Path()).simr())
+    driver = Driver(build_simr(read_setting(replace(Study(), robots=2), Path())))
     driver.run(30, orders(1, MoveOrder(1, 2), None))
     assert goal_of(driver) == 1
     return driver

@@ -10,9 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
-from sim.robot.navigator import Goal
+from sim.robot.navigator.goals import Goal
 from sim.team import SendGoal
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.robots import build_team
+from thbridge.app.compose.setting import read_setting
 from thbridge.hunt.events import Condition
 from thbridge.roles.notices import PlannedPaths, PoseTelemetry
 from thbridge.roles.simr.pose_telemetry import PATH_PERIOD, TelemetryOptions, TelemetryPublisher, ellipse_of
@@ -27,7 +28,7 @@ TICKS = range(0, 2 * PATH_PERIOD)
 def team():
     """Two robots some way on their ways, and three ticks of theirs."""
     setting = read_setting(replace(Study(), robots=2), Path())
-    team = setting.team()
+    team = build_team(setting)
     goals = [SendGoal(robot, Goal(1, setting.map.rooms[room].goal)) for robot, room in ((0, 4), (1, 7))]
     team.step(goals)
     for _ in range(150):

@@ -8,7 +8,8 @@ import pytest
 
 from sim.common.observations import TICKS_PER_SECOND
 from sim.team import Team, TeamSnapshot
-from thbridge.app.compose import StudySetting, read_setting
+from thbridge.app.compose.robots import build_simr, build_team
+from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.hunt.events import Condition
 from thbridge.roles.notices import (
     KEEPER,
@@ -64,7 +65,7 @@ class Driver:
 
 @pytest.fixture
 def driver(setting):
-    return Driver(setting.simr())
+    return Driver(build_simr(setting))
 
 
 def orders(game: int, *moves: MoveOrder | None, at=(0, 0), poses=None) -> TextMessage:
@@ -231,7 +232,7 @@ class Real:
 
 
 def test_of_real_robots_it_tells_what_they_believe_and_sets_no_parameters(setting):
-    driver = Driver(setting.simr(Real(setting.team())))
+    driver = Driver(build_simr(setting, Real(build_team(setting))))
     driver.simr.ask(SetParameters(0, (("amcl.kld_err", 0.2),)))
     driver.run(2, orders(1, MoveOrder(1, 2), None))
     driver.until('%%error SimR TabUI "0;1" ')

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from sim.parameters import ParameterRejection, RobotParameters, WorldParameters
 from sim.team import SetSoftwareParameters, SetWorldParameters, TeamInput
-from thbridge.app.compose import read_setting
+from thbridge.app.compose.robots import build_simr, build_team
+from thbridge.app.compose.setting import read_setting
 from thbridge.roles.robot_requests import ParameterValue, SetParameters, Tuning
 from thbridge.roles.simr.simr import SimR
 from thbridge.roles.vehicles.parameters import PARAMETERS, VehicleParameters, values_of
@@ -233,8 +234,8 @@ class Noted:
 
     def __init__(self) -> None:
         setting = read_setting(replace(Study(), robots=2), Path())
-        self.team = setting.team()
-        self.simr = setting.simr(self)
+        self.team = build_team(setting)
+        self.simr = build_simr(setting, self)
         self.inputs: list[TeamInput] = []
 
     @property

@@ -14,7 +14,9 @@ from sim.inputs import KillRobot
 from sim.parameters import RobotParameters
 from tests.thbridge.roles.stage import Log
 from tests.thbridge.roles.test_hunt import Script
-from thbridge.app.compose import StudySetting, read_setting
+from thbridge.app.compose.game import build_briefing
+from thbridge.app.compose.robots import build_game_setup
+from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.session.session import Session, TickRecord
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (
@@ -244,7 +246,7 @@ def test_what_can_be_no_home_is_where_no_way_could_end(taken: Flight) -> None:
     start, (x, y), grid = taken.pilot.start(), taken.goal_of(4), taken.setting.map.grid
     assert taken.pilot.misplaced(start.x, start.y) is None and taken.pilot.misplaced(x, y) is None
     walls = (grid.centre_of(int(row), int(col)) for row, col in np.argwhere(grid.cells == OCCUPIED))
-    wall = next(point for point in walls if taken.setting.game_setup().room_at(*point) is None)
+    wall = next(point for point in walls if build_game_setup(taken.setting).room_at(*point) is None)
     for point in (wall, (500.0, 500.0)):
         denied = taken.pilot.misplaced(*point)
         taken.pilot.go_to(Target(*point))
@@ -391,7 +393,7 @@ def test_treasures_are_pictured_named_and_left_from_the_helm(taken: Flight) -> N
     taken.run(3)
     assert isinstance(taken.pilot.identify(0), Denied)
     assert taken.pilot.photograph() is None
-    names = taken.setting.briefing().names
+    names = build_briefing(taken.setting).names
     treasure = taken.session.game.treasure(Room(3))
     assert taken.pilot.identify(names.index(treasure.name) + 1) is None
     taken.run(3)
@@ -467,13 +469,13 @@ def test_who_changes_a_speed_by_a_parameter_finds_it_changed(taken: Flight) -> N
 
 def test_real_robots_speeds_are_not_ours() -> None:
     flight = Flight()
-    pilot = Pilot(0, setting().game_setup(), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), flight.ask)
+    pilot = Pilot(0, build_game_setup(setting()), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), flight.ask)
     denied = pilot.limit_speed(0.5)
     assert isinstance(denied, Denied) and denied.kind is DenialKind.UNSUPPORTED
 
 
 def test_nothing_is_granted_before_there_is_a_game() -> None:
-    pilot = Pilot(0, setting().game_setup(), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), lambda _: None)
+    pilot = Pilot(0, build_game_setup(setting()), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), lambda _: None)
     for refused in (pilot.take(STATION), pilot.go_to(Target(0.0, 0.0)), pilot.drive(Twist(0.0, 0.0)), pilot.leave()):
         assert isinstance(refused, Denied) and refused.kind is DenialKind.NOT_NOW
     pilot.halt()

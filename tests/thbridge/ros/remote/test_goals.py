@@ -3,7 +3,7 @@
 import pytest
 
 from sim.common.geometry import Pose2
-from sim.robot.navigator import Cancelled, Goal, GoalReached, NoPath
+from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.goal_status import GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.remote.goals import (

@@ -8,15 +8,14 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Battery, LaserMount, Scan, Twist
 from sim.inputs import DriveManually, SendGoal, SetPoseEstimate, WithdrawGoal
-from sim.robot.navigator import Goal, GoalReached
+from sim.robot.navigator.goals import Goal, GoalReached
 from thbridge.ros import names
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import pack, unpack
 from thbridge.ros.messages.goal_status import GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.messages.pack import Transform
 from thbridge.ros.messages.stamps import stamp_ns
-from thbridge.ros.remote import RemoteRobot
-from thbridge.ros.remote.robot import missing_of, tick_of
+from thbridge.ros.remote.robot import RemoteRobot, missing_of, tick_of
 from thbridge.study.real_robots import FleetNames
 
 NAMED = FleetNames().names(2)

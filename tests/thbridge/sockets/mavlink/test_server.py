@@ -19,9 +19,9 @@ from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.frames.framer import FrameParser
-from thbridge.wire.mavlink.hub import FrameOutcome, OutgoingFrame
 from thbridge.wire.mavlink.links import DropReason, LinkReport
 from thbridge.wire.mavlink.outgoing import LinkId
+from thbridge.wire.mavlink.traffic import FrameOutcome, OutgoingFrame
 
 PATIENCE = 20
 

@@ -10,9 +10,9 @@ from thbridge.wire.mavlink.dialect import payload_of
 from thbridge.wire.mavlink.frames.channel import Channel
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.frames.signing import EPOCH, SignatureFault, SigningKey
-from thbridge.wire.mavlink.hub import FrameOutcome, OutgoingFrame
 from thbridge.wire.mavlink.links import LinkReport
 from thbridge.wire.mavlink.outgoing import LinkId
+from thbridge.wire.mavlink.traffic import FrameOutcome, OutgoingFrame
 
 KEY = SigningKey(bytes(range(32)))
 NOW = 1_763_000_000.0

@@ -13,7 +13,7 @@ from rosbags.rosbag1 import Reader
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL
 from sim.inputs import KidnapRobot, PlaceRobot, SendGoal, SetCharge
-from sim.robot.navigator import Cancelled, Goal, GoalReached, NoPath
+from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from sim.team import TeamSnapshot
 from thbridge.recording.bag.reader import messages
 from thbridge.recording.bag.writer import BagWriter
@@ -23,7 +23,8 @@ from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.messages.records import SendRobots
 from thbridge.ros.messages.session_records import InputRecord, SessionRecord
-from thbridge.ros.remote import RemoteNames, RemoteRobot
+from thbridge.ros.remote.names import RemoteNames
+from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
 from thbridge.sockets.rosgraph.joining import GraphAddress

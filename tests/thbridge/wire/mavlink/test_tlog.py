@@ -6,8 +6,8 @@ from dataclasses import replace
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.frames.framer import parse_datagram
-from thbridge.wire.mavlink.hub import Traffic
 from thbridge.wire.mavlink.tlog import Tlog
+from thbridge.wire.mavlink.traffic import Traffic
 
 
 def frame_of(message, system, sequence=0):

@@ -9,7 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from thbridge.app.compose import build_bot, read_setting
+from thbridge.app.compose.game import build_bot
+from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import HuntUnfinished, PlayOptions, play
 from thbridge.roles.tabui import TabUI
 from thbridge.study.study_file import Study

@@ -1,0 +1,70 @@
+"""Builders of the game's roles: keeper, treasures and simulated participants."""
+
+from dataclasses import replace
+
+from sim.common import noise
+from thbridge.app.compose.setting import StudySetting
+from thbridge.dialogue.engine import Engine
+from thbridge.dialogue.protocols import TemplateProtocol
+from thbridge.dialogue.strategies import TemplateStrategy
+from thbridge.dialogue.templates import TemplatePhrasing
+from thbridge.files.template_files import TemplateSet
+from thbridge.hunt.events import Event
+from thbridge.roles.bot_strategy import BotStrategy
+from thbridge.roles.bots import Bot, TreasureKnowledge
+from thbridge.roles.hider import Hider
+from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.keeper.floor_plan import floor_plan_of
+from thbridge.roles.keeper.keeper import GameRules, Keeper
+from thbridge.roles.notices import FloorPlan, RoomOutline
+
+
+def build_keeper(setting: StudySetting, history: tuple[Event, ...] = (), last_game: int = 0) -> Keeper:
+    """Return the keeper; see `Keeper` for a game that goes on."""
+    study, template = setting.study, setting.templates.dialogue
+    game = study.game
+    rules = GameRules(study.seed, game.energy, game.picture_cost, game.identify_cost, game.wrong_share)
+
+    def engine(number: int) -> Engine:
+        seed = int(noise.key(study.seed, "dialogue", str(number)))
+        return Engine(TemplateProtocol(template), TemplateStrategy(), TemplatePhrasing(template, seed))
+
+    return Keeper(rules, engine, history, last_game, build_briefing(setting))
+
+
+def build_briefing(setting: StudySetting) -> Briefing:
+    """Return the briefing of participants."""
+    treasures = treasure_names(setting)
+    return Briefing(build_floor_plan(setting), treasures, setting.templates.pictures, setting.consent)
+
+
+def build_floor_plan(setting: StudySetting) -> FloorPlan:
+    """Return the map as participants see it."""
+    place = setting.map
+    return floor_plan_of(place.name, place.grid, room_outlines(setting), setting.study.world.footprint)
+
+
+def room_outlines(setting: StudySetting) -> tuple[RoomOutline, ...]:
+    """Return the rooms of the map as participants know them."""
+    return tuple(
+        RoomOutline(entry.room.people, entry.name, entry.region, (entry.goal.x, entry.goal.y, entry.goal.theta))
+        for entry in setting.map.rooms
+    )
+
+
+def treasure_names(setting: StudySetting) -> tuple[str, ...]:
+    """Return the names of treasures, in alphabetical order."""
+    return tuple(sorted((kind.name for kind in setting.templates.kinds), key=str.casefold))
+
+
+def build_hider(templates: TemplateSet, seed: int) -> Hider:
+    """Return the treasures' role."""
+    return Hider(templates.kinds, seed, len(templates.costs.rooms))
+
+
+def build_bot(templates: TemplateSet, strategy: BotStrategy, seed: int) -> Bot:
+    """Return a simulated participant."""
+    # The participant's copy of the list has no images; the bot recognises pictures as a person does.
+    known = tuple(replace(kind, image=None) for kind in templates.kinds)
+    shown_by = {kind.image: kind.name for kind in templates.kinds if kind.image is not None}
+    return Bot(strategy, TreasureKnowledge(known, shown_by), seed)

@@ -1,0 +1,53 @@
+"""Builders of what tells others of the robots: ROS messages, bags and their first record, a ROS graph's description."""
+
+from collections.abc import Sequence
+from importlib import metadata
+from pathlib import Path
+from platform import python_version
+
+from sim.common.robot_numbers import robot_numbers
+from sim.world.sensors import mount_of
+from thbridge.app.compose.setting import StudySetting
+from thbridge.app.rosgraph.live import TeamDescription
+from thbridge.recording.bag.writer import BagWriter
+from thbridge.ros.messages.session_records import SessionRecord
+from thbridge.ros.names import CALLER
+from thbridge.ros.parameters import tree_of
+from thbridge.ros.publisher import Planners, TeamPublisher
+from thbridge.study.text import resolved
+
+RECORDED_PACKAGES = ("thbridge", "numpy", "scipy", "numba", "filterpy", "rosbags", "pymavlink")
+"""Packages whose versions a bag records, since another version may run the same study differently."""
+
+
+def build_record(setting: StudySetting, program: str, roles: Sequence[str], participant: str) -> SessionRecord:
+    """Return a bag's first record; see `SessionRecord` for the arguments."""
+    study = setting.study
+    return SessionRecord(resolved(study), study.seed, versions(), program, tuple(roles), participant)
+
+
+def build_publisher(setting: StudySetting) -> TeamPublisher:
+    """Return the publisher of these robots' ROS messages."""
+    study, laser = setting.study, setting.study.world.laser
+    planners = [Planners.of(study.software(number)) for number in robot_numbers(study.robots)]
+    return TeamPublisher(study.robots, mount_of(laser), 1.0 / laser.rate, planners, vehicles=study.mavlink.on)
+
+
+def build_writer(setting: StudySetting, path: Path, caller: str = CALLER) -> BagWriter:
+    """Return a writer of a new bag, for messages of this node. Raises BagNotWritten."""
+    recording = setting.study.recording
+    return BagWriter(path, compression=recording.compression, splitting=recording.splitting, caller=caller)
+
+
+def build_team_description(setting: StudySetting, publisher: TeamPublisher) -> TeamDescription:
+    """Return the description of these robots for a ROS graph."""
+    rest = {name: value for name, value in tree_of(setting.study).items() if name not in {"robot", "each"}}
+    return TeamDescription(publisher.topics, setting.map.grid, rest)
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of this program and of the packages that its results depend on."""
+    found = {"python": python_version()}
+    for package in RECORDED_PACKAGES:
+        found[package] = metadata.version(package)
+    return found

@@ -1,0 +1,89 @@
+"""Builders of the robots: the simulated team, its role, its MAVLink vehicles."""
+
+from collections.abc import Callable, Sequence
+
+from sim.common.observations import TICKS_PER_SECOND
+from sim.common.robot_numbers import number_of
+from sim.inputs import ScheduledInput, SendGoal
+from sim.robot.navigator.goals import Goal
+from sim.team import Team
+from thbridge.app.compose.game import room_outlines, treasure_names
+from thbridge.app.compose.setting import StudySetting
+from thbridge.roles.keeper.disclosure import plain_costs
+from thbridge.roles.simr.pose_telemetry import TelemetryOptions
+from thbridge.roles.simr.simr import RESPONSE_TIMEOUT, GameMap, SimR
+from thbridge.roles.simr.team import RobotTeam
+from thbridge.roles.vehicles.parameters import VehicleParameters
+from thbridge.roles.vehicles.pilot import GameSetup, Pilot
+from thbridge.roles.vehicles.speed_limit import SpeedLimit
+from thbridge.roles.vehicles.vehicles import RequestSink, Vehicles
+from thbridge.study.things import schedule_of
+
+REHEARSAL = 5 * TICKS_PER_SECOND
+"""Ticks of a rehearsal: enough for robots to localise, plan around each other, turn and drive."""
+REHEARSERS = 10
+"""Robots of a rehearsal: enough for all of that to happen."""
+
+
+def build_team(setting: StudySetting) -> Team:
+    """Return the simulated robots at their start poses."""
+    study = setting.study
+    return _team(setting, range(study.robots), schedule_of(study.things, study.mishaps))
+
+
+def _team(setting: StudySetting, robots: Sequence[int], schedule: Sequence[ScheduledInput]) -> Team:
+    """Return some of the study's robots at their start poses."""
+    study = setting.study
+    starts = [setting.map.starts[robot] for robot in robots]
+    software = [study.software(number_of(robot)) for robot in robots]
+    return Team(setting.map.grid, study.world, software, starts, study.seed, study.game.energy, schedule)
+
+
+def rehearse(setting: StudySetting) -> None:
+    """Drive simulated robots for a few seconds, so that numba compiles all kernels before the session begins.
+
+    A few robots of a large team suffice, together with those that have software parameters of their own.
+    """
+    study, rooms = setting.study, setting.map.rooms
+    robots = [robot for robot in range(study.robots) if robot < REHEARSERS or number_of(robot) in study.each]
+    team = _team(setting, robots, schedule_of(study.things, ()))
+    orders = [SendGoal(robot, Goal(0, rooms[robot % len(rooms)].goal)) for robot in range(team.size)]
+    for tick in range(REHEARSAL):
+        team.step(orders if tick == 0 else [])
+
+
+def build_simr(
+    setting: StudySetting, robots: RobotTeam | None = None, response_timeout: int = RESPONSE_TIMEOUT
+) -> SimR:
+    """Return the robots' role; None for simulated robots of its own. `response_timeout` as for `SimR`, ticks."""
+    field = GameMap(
+        name=setting.map.name,
+        goals=tuple(room.goal for room in setting.map.rooms),
+        starts=setting.map.starts[: setting.study.robots],
+        costs=plain_costs(setting.costs),
+    )
+    shown = setting.study.participant.shows
+    shows = TelemetryOptions(shown.way, shown.uncertainty, shown.truth)
+    return SimR(robots or build_team(setting), field, setting.study.server.dialect, response_timeout, shows)
+
+
+def build_game_setup(setting: StudySetting) -> GameSetup:
+    """Return the facts that pilots know before the game begins."""
+    return GameSetup(setting.floor(), room_outlines(setting), treasure_names(setting), setting.study.game.energy)
+
+
+def vehicle_factory(setting: StudySetting, simr: SimR) -> Callable[[RequestSink], Vehicles] | None:
+    """Return the factory of the robots' MAVLink vehicles, given a sink of their requests; None without vehicles."""
+    study = setting.study
+    if not study.mavlink.on:
+        return None
+    setup = build_game_setup(setting)
+
+    def made(ask: RequestSink) -> Vehicles:
+        pilots = []
+        for robot, start in enumerate(setting.map.starts[: study.robots]):
+            speed_limit = SpeedLimit(robot, study.software(number_of(robot)), simr)
+            pilots.append(Pilot(robot, setup, start, speed_limit, VehicleParameters(robot, simr), ask))
+        return Vehicles(pilots, study.mavlink.options)
+
+    return made

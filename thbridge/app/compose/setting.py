@@ -1,0 +1,122 @@
+"""A study with all files it names, read and checked."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sim.common.geometry import Pose2
+from sim.common.traversability import TraversabilityMap
+from sim.robot.costmap.footprint import radii
+from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.map_files import Map, read_map
+from thbridge.files.map_times import MAP_TIMES, read_map_times
+from thbridge.files.resources import Resources, shipped
+from thbridge.files.template_files import TemplateSet, read_template_set
+from thbridge.files.yaml.tree import read_text
+from thbridge.hunt.costs import CostMatrix
+from thbridge.study.study_file import Study
+
+LARGEST_CONSENT = 8000
+"""Bytes of the text that participants agree to; it must fit into one line with the rest of a view."""
+
+
+@dataclass(frozen=True, slots=True)
+class StudySetting:
+    """A study with all files it names, read and checked; all parts of a session are built from it.
+
+    Attributes:
+        study: the study.
+        map: its map.
+        templates: its set of templates.
+        costs: energy of every move.
+        consent: text that participants have to agree to; None: nothing.
+    """
+
+    study: Study
+    map: Map
+    templates: TemplateSet
+    costs: CostMatrix
+    consent: str | None = None
+
+    def floor(self) -> TraversabilityMap:
+        """Return the map's floor, for robots of the study's footprint."""
+        return _floor(self.study, self.map)
+
+
+def read_setting(study: Study, beside: Path, resources: Resources | None = None) -> StudySetting:
+    """Read the files that a study names.
+
+    Args:
+        study: the study.
+        beside: the folder that paths in the study are relative to.
+        resources: maps and templates that are known by name; by default those of the project.
+
+    Raises:
+        BadFile: a file is missing or wrong, or files do not fit together.
+    """
+    resources = resources or shipped()
+    place = read_map(resources.find("maps", study.map, beside), study.world.footprint)
+    folder = resources.find("templates", study.templates, beside)
+    templates = read_template_set(folder)
+    largest = max((study.robots, *(study.participant.robots or ())))
+    if largest > len(place.starts):
+        raise BadFile(
+            resources.find("maps", study.map, beside) / "rooms.yaml",
+            None,
+            "starts",
+            f"there are start poses for {len(place.starts)} robots, but the study has {largest}",
+            "add start poses or lower `robots` in the study",
+        )
+    faults = tuple(_misplaced(study, place, resources.find("maps", study.map, beside) / "map.yaml"))
+    if faults:
+        raise BadFiles(faults)
+    return StudySetting(study, place, templates, _costs(study, beside, place, folder), _consent(study, beside))
+
+
+def _consent(study: Study, beside: Path) -> str | None:
+    """Return the text that participants have to agree to, if the study names one."""
+    if study.participant.consent is None:
+        return None
+    path = beside / study.participant.consent
+    text = read_text(path, LARGEST_CONSENT).strip()
+    if not text:
+        problem, remedy = "there is nothing to agree to in it", "write the text, or take `participant: consent:` away"
+        raise BadFile(path, None, None, problem, remedy)
+    return text
+
+
+def _floor(study: Study, place: Map) -> TraversabilityMap:
+    """Return the map's floor, for robots of the study's footprint."""
+    return TraversabilityMap.of(place.grid, *radii(np.array(study.world.footprint)))
+
+
+def _misplaced(study: Study, place: Map, map_yaml: Path) -> Iterator[BadFile]:
+    """Yield faults of mishaps that carry robots into walls or off the map."""
+    floor = _floor(study, place)
+    for index, mishap in enumerate(study.mishaps):
+        if mishap.to is not None and floor.clearance_at(Pose2(*mishap.to)) < floor.inscribed:
+            x, y, _ = mishap.to
+            problem = f"robot {mishap.robot} would be carried to ({x:g}, {y:g}), where it does not fit on this map"
+            yield BadFile(map_yaml, None, None, problem, f"mend mishaps[{index}].to in the study")
+
+
+def _costs(study: Study, beside: Path, place: Map, folder: Path) -> CostMatrix:
+    """Return the costs of the study's own file, or else the map's, or else the templates'; they must fit the map."""
+    if study.game.costs is not None:
+        path = beside / study.game.costs
+    elif place.costs is not None:
+        path = place.costs
+    else:
+        path = folder / MAP_TIMES
+    costs = read_map_times(path)
+    if len(costs.rooms) != len(place.rooms):
+        raise BadFile(
+            path,
+            1,
+            "number of nodes",
+            f"{len(costs.rooms) + 1} nodes, but the map {place.name} has {len(place.rooms)} rooms and a corridor",
+            f"give a mapTimes of {len(place.rooms) + 1} nodes in the map's folder, or by `game: costs:` in the study",
+        )
+    return costs

@@ -1,0 +1,64 @@
+"""The program of the text server and the keeper, in real time, until it is stopped."""
+
+import logging
+from collections.abc import Callable
+
+from thbridge.app.compose.game import build_keeper
+from thbridge.app.compose.setting import StudySetting
+from thbridge.app.session.session import Session
+from thbridge.recording.journals import JournalStore
+from thbridge.roles.keeper.keeper import Keeper
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.text_server import TextServer
+from thbridge.timing.loop import run_ticks
+from thbridge.timing.pacer import Pacer
+from thbridge.wire.router import MessageRouter
+
+_log = logging.getLogger(__name__)
+
+
+async def serve(
+    setting: StudySetting,
+    journals: JournalStore,
+    new_game: bool,
+    ready: Callable[[ListeningAddress | CannotListen], None],
+) -> None:
+    """Run the text server and the keeper until stopped; a game that was cut off goes on.
+
+    Args:
+        setting: the study.
+        journals: of the games; closed at the end.
+        new_game: True leaves an unfinished game as it is and begins the next.
+        ready: takes the address of the server, or the reason why it cannot listen; then the function returns.
+
+    Raises:
+        BadFile: the journal cannot be read or written.
+    """
+    try:
+        unfinished = None if new_game else journals.resume()
+        if unfinished is not None:
+            _log.warning("going on with game %d (--new-game begins another)", journals.last_game)
+            if unfinished.torn:
+                _log.warning("its last event was half written and is lost")
+        last_game = journals.last_game if unfinished is None else journals.last_game - 1
+        keeper: Keeper = build_keeper(setting, () if unfinished is None else unfinished.history, last_game)
+        router = MessageRouter()
+        session = Session(router, keeper, [], journals)
+        server = TextServer(session, session.note_forwarded)
+        session.perform = server.perform
+        listening = await server.start(setting.study.server.host, setting.study.server.port)
+        ready(listening)
+        if isinstance(listening, CannotListen):
+            return
+
+        def tick() -> bool:
+            session.step()
+            return True
+
+        try:
+            await run_ticks(tick, Pacer(1.0))
+        finally:
+            await server.stop()
+    finally:
+        journals.close()

@@ -1,0 +1,178 @@
+"""Inputs of a session as records of a bag, and requests as JSON for other programs; both hold all of the value."""
+
+import json
+from dataclasses import replace
+from typing import TypeVar
+
+import msgspec
+import numpy as np
+
+from sim.inputs import SendGoal
+from thbridge.app.session.inputs import (
+    BytesReceived,
+    ClientRequest,
+    ClockAdvanced,
+    ConnectionBacklogged,
+    ConnectionClosed,
+    ConnectionOpened,
+    FrameReceived,
+    HeartbeatsSent,
+    Input,
+    LinkClosed,
+    LinkOpened,
+    MessageForwarded,
+    NameAccepted,
+    ParticipantSent,
+)
+from thbridge.roles.robot_requests import PACE_REQUESTS, REQUESTS, PaceRequest, Request
+from thbridge.ros.goal_owners import GoalOwner, owned_number, recorded_number
+from thbridge.ros.messages.records import GoalRequest, SimpleGoal
+from thbridge.ros.messages.session_records import InputRecord
+from thbridge.wire.mavlink.dialect import name_of
+
+T = TypeVar("T")
+_CLASSES: dict[str, type[Input]] = {
+    "opened": ConnectionOpened,
+    "received": BytesReceived,
+    "closed": ConnectionClosed,
+    "backlogged": ConnectionBacklogged,
+    "advanced": ClockAdvanced,
+    "said": ParticipantSent,
+    "registered": NameAccepted,
+    "heard": MessageForwarded,
+    "asked": ClientRequest,
+    "linkopened": LinkOpened,
+    "linkclosed": LinkClosed,
+    "framed": FrameReceived,
+    "keptalive": HeartbeatsSent,
+}
+"""Classes of inputs by their kinds in recordings."""
+_KINDS = {input_class: kind for kind, input_class in _CLASSES.items()}
+_REQUEST_NAMES = {request_class: name for name, request_class in {**REQUESTS, **PACE_REQUESTS}.items()}
+
+
+def to_record(item: Input) -> InputRecord:
+    """Return the record of an input, which holds all of it."""
+    kind = _KINDS[type(item)]
+    if isinstance(item, ClientRequest):
+        line = _readable(f"{_REQUEST_NAMES[type(item.request)]} {_json(item.request)}")
+        return InputRecord(kind, item.sender, line, encode_request(item.sender, item.request))
+    return InputRecord(kind, *_for_people(item), _json(item))
+
+
+def from_record(record: InputRecord) -> Input:
+    """Return the input of a record.
+
+    Raises:
+        ValueError: it is none, or one of another release.
+    """
+    input_class = _CLASSES.get(record.kind)
+    if input_class is None:
+        raise ValueError(f"no input is of the kind {record.kind!r}")
+    value: object = json.loads(record.json)
+    return decode_request(value) if input_class is ClientRequest else decode_value(value, input_class)
+
+
+def encode_request(sender: str, request: Request | PaceRequest) -> str:
+    """Return a request as JSON, in one line: sender, name, fields."""
+    name = _REQUEST_NAMES[type(request)]
+    return f'{{"sender":{json.dumps(sender)},"request":{json.dumps(name)},"fields":{_json(request)}}}'
+
+
+def decode_request(value: object) -> ClientRequest:
+    """Return the request in its JSON.
+
+    Raises:
+        ValueError: it is no request.
+    """
+    match value:
+        case {"sender": str(sender), "request": str(name), "fields": fields} if name in REQUESTS:
+            return ClientRequest(sender, _with_owner(decode_value(fields, REQUESTS[name])))
+    raise ValueError("nobody can be asked for that")
+
+
+def _for_people(item: Input) -> tuple[str, str]:
+    """Return the sender of an input, and a description for people."""
+    match item:
+        case ConnectionOpened(connection):
+            return f"connection {connection}", "a connection is opened"
+        case BytesReceived(_, sender, data):
+            return _readable(sender), data.decode(errors="replace").rstrip("\r\n")
+        case ConnectionClosed(_, sender):
+            return _readable(sender), "the connection has ended"
+        case ConnectionBacklogged(_, sender, size):
+            return _readable(sender), f"the connection is given up: {size} bytes wait for it"
+        case ClockAdvanced():
+            return "", "somebody has been silent for long"
+        case ParticipantSent(message) | MessageForwarded(message):
+            return _readable(message.sender), _readable(message.line())
+        case NameAccepted():
+            return "", "the server has accepted the name"
+        case ClientRequest(sender):
+            return _readable(sender), ""
+        case LinkOpened(_, name):
+            return _readable(name), "a link is opened"
+        case LinkClosed(_, sender):
+            return _readable(sender), "the link has ended"
+        case HeartbeatsSent():
+            return "", "robots say that they are there"
+        case FrameReceived(_, sender, frame):
+            return _readable(sender), f"{name_of(frame.message_id)} of {frame.system}/{frame.component}"
+
+
+def _readable(text: str) -> str:
+    """Return text that a bag can hold: characters outside UTF-8 (lone surrogates) become question marks."""
+    return text.encode(errors="replace").decode()
+
+
+def _json(value: object) -> str:
+    """Return a dataclass as JSON: floats to their last bit, infinities and NaN by Python's names, bytes in base 64."""
+    return json.dumps(_fields(value), separators=(",", ":"))
+
+
+def _fields(value: object) -> object:
+    """Return a dataclass as builtins; a goal has no owner there, but its number in recordings."""
+    fields: dict[str, object] = msgspec.to_builtins(value, enc_hook=_plain)
+    match value:
+        case SendGoal(_, goal):
+            number = recorded_number(goal.owner, goal.id)
+            fields["goal"] = {"id": number, "base_in_map": msgspec.to_builtins(goal.base_in_map)}
+        case SimpleGoal(number=number):
+            fields["number"] = recorded_number(value.owner, number)
+            del fields["owner"]
+        case GoalRequest(number=number):
+            fields["number"] = recorded_number(GoalOwner.ROS_CLIENT, number)
+    return fields
+
+
+def _with_owner(request: Request) -> Request:
+    """Return a request as it came from a recording, with its goal's owner, and the number that the owner counts."""
+    match request:
+        case SendGoal(_, goal):
+            owner, number = owned_number(goal.id)
+            return replace(request, goal=replace(goal, id=number, owner=owner))
+        case SimpleGoal(number=recorded):
+            owner, number = owned_number(recorded)
+            return replace(request, number=number, owner=owner)
+        case GoalRequest(number=recorded):
+            return replace(request, number=owned_number(recorded)[1])
+    return request
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, np.ndarray):
+        rows: object = value.tolist()
+        return rows
+    raise NotImplementedError(f"no way to record a {type(value).__name__}")
+
+
+def decode_value(value: object, kind: type[T]) -> T:
+    """Return the dataclass of a JSON value. Raises ValueError."""
+    try:
+        return msgspec.convert(value, kind, dec_hook=_array)
+    except msgspec.ValidationError as error:
+        raise ValueError(str(error)) from None
+
+
+def _array(kind: type, value: object) -> object:
+    return np.array(value, dtype=np.float64)

@@ -1,0 +1,37 @@
+"""The event loop that runs a program, with the keyboard if somebody types."""
+
+import asyncio
+import sys
+from collections.abc import Callable, Coroutine
+from typing import TypeVar
+
+from ui.terminal import BAD_INPUT, FAILED, bad_input, fail
+
+T = TypeVar("T")
+
+
+def run(program: Coroutine[object, object, T], typed: Callable[[str], None] | None = None) -> T:
+    """Run a program to its end, with the keyboard if somebody types. A file at fault ends the command as failed."""
+    with bad_input(FAILED):
+        return asyncio.run(_with_keyboard(program, typed))
+
+
+async def _with_keyboard(program: Coroutine[object, object, T], typed: Callable[[str], None] | None) -> T:
+    """Run a program; lines are taken in as they are typed, between two ticks."""
+    if typed is None:
+        return await program
+    loop = asyncio.get_running_loop()
+
+    def readable() -> None:
+        line = sys.stdin.readline()
+        if line:
+            typed(line)
+        else:
+            loop.remove_reader(sys.stdin)
+
+    try:
+        loop.add_reader(sys.stdin, readable)
+    except (OSError, ValueError):
+        program.close()
+        fail(BAD_INPUT, "--participant person: standard input is a file or closed. Type in a terminal, or feed a pipe.")
+    return await program

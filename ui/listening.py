@@ -1,0 +1,91 @@
+"""Where a session listens beside its text server: ROS graph, researchers' windows, ground stations."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from thbridge.app.listeners import StartupCallbacks, WatchAddress
+from thbridge.files.errors import BadFile
+from thbridge.files.signing_key import read_signing_key
+from thbridge.files.yaml.tree import read_text
+from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, WATCH_PORT, ListeningAddress, parse_address
+from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.mavlink.server import MavlinkPorts
+from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence, is_master_uri
+from thbridge.study.study_file import Study
+from ui.terminal import BAD_INPUT, bad_input, fail, note
+
+
+def graph_of(ros: bool, master: str | None, host: str | None) -> GraphAddress | None:
+    """Return the ROS graph to join; None where that is not wanted."""
+    if not ros:
+        return None
+    uri = master or ROS_MASTER_URI
+    if not is_master_uri(uri):
+        fail(BAD_INPUT, f"--ros-master: {uri!r} is not a master's address. Write {ROS_MASTER_URI}, for example.")
+    return GraphAddress(uri, host or LOCALHOST)
+
+
+def watch_of(study: Study, file: Path | None, at: str | None, key: Path | None) -> WatchAddress | None:
+    """Return the address for researchers' windows, None for none; the study gives it where options do not."""
+    section = study.watch
+    host, port = section.host, section.port
+    if at is not None:
+        given, _, number = at.rpartition(":")
+        if not number.isdecimal() or int(number) > 65535 or (":" in at and not given):
+            fail(BAD_INPUT, f"--watch: {at!r} is no address. Write a port, such as {WATCH_PORT}, or HOST:PORT.")
+        host, port = given.strip("[]") or host, int(number)
+    if port is None:
+        if key is not None:
+            fail(BAD_INPUT, f"--watch-key: nobody may watch. Add --watch {WATCH_PORT}, or leave the option out.")
+        return None
+    beside = Path() if file is None else file.parent
+    path = key or (None if section.key is None else beside / section.key)
+    return WatchAddress(host, port, None if path is None else parse_key(path))
+
+
+def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts | None:
+    """Return the links for ground stations, None for none; `key` wins over the study's."""
+    section = study.mavlink
+    if not section.on:
+        if key is not None:
+            fail(BAD_INPUT, "--signing-key: the robots do not speak MAVLink. Add --mavlink, or leave the option out.")
+        return None
+    beside = Path() if file is None else file.parent
+    path = key or (None if section.signing_key is None else beside / section.signing_key)
+    with bad_input():
+        secret = None if path is None else read_signing_key(path)
+    listens = None if section.udp_listen is None else parse_address(section.udp_listen)
+    return MavlinkPorts(section.targets, None if section.tcp is None else parse_address(section.tcp), secret, listens)
+
+
+def parse_key(path: Path) -> str:
+    """Return the key in a file."""
+    with bad_input():
+        key = next(iter(read_text(path).splitlines()), "").strip()
+        if not key:
+            raise BadFile(path, 1, None, "there is no key in this line", "write one, some random letters, into it")
+    return key
+
+
+def hosts_of(graph: GraphAddress | None, quiet: bool = False) -> StartupCallbacks:
+    """Return callbacks that tell how graph, watch and MAVLink have started; each ends the program on failure."""
+
+    def joined(master: MasterPresence | CannotListen) -> None:
+        if isinstance(master, CannotListen):
+            fail(BAD_INPUT, f"ROS: {master}")
+        if not quiet and graph is not None:
+            note(f"ROS: {master.value} ({graph.master_uri}).")
+
+    def watched(where: ListeningAddress | CannotListen) -> None:
+        if isinstance(where, CannotListen):
+            fail(BAD_INPUT, f"--watch: {where}")
+        if not quiet:
+            note(f"Researchers can watch at {where.host}:{where.port}.")
+
+    def linked(names: Sequence[str] | CannotListen) -> None:
+        if isinstance(names, CannotListen):
+            fail(BAD_INPUT, f"MAVLink: {names}")
+        if not quiet:
+            note(f"Robots speak MAVLink: {', '.join(names) or 'to nobody'}.")
+
+    return StartupCallbacks(joined, watched, linked)
