@@ -30,7 +30,7 @@ class Team:
     def handle_message(self, link, sender, message):
         number = message.get_msgId()
         frame = Frame(sender.system, sender.component, 0, number, payload_of(message), crc_extra(number))
-        return self._from_first(self.hub.receive(link, frame))
+        return self._from_first(self.hub.receive(link, frame).replies)
 
     def step(self, tick, _):
         return self._from_first(self.hub.step(tick, [robot.readings for robot in self.robots]))
