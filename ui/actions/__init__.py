@@ -1,1 +1,1 @@
-"""What commands read and show beside their options; each module is loaded by its command when that is called."""
+"""The work of commands behind their options: each module is loaded when its command is called."""
