@@ -1,4 +1,4 @@
-"""Where a session listens beside its text server: ROS graph, researchers' windows, ground stations."""
+"""Addresses on which a session listens beside its text server: ROS graph, researchers' windows, ground stations."""
 
 from collections.abc import Sequence
 from pathlib import Path

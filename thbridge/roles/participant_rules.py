@@ -54,7 +54,7 @@ class KeeperReason(StrEnum):
 
 
 class Discussed(NamedTuple):
-    """What robot and participant talk about, or have agreed on and not carried out yet."""
+    """Subject that robot and participant talk about, or have agreed on and not carried out yet."""
 
     robot: int
     matter: DialogueMatter

@@ -41,7 +41,7 @@ def other_versions(record: SessionRecord) -> Iterator[str]:
 def replayed_as_json(
     done: Replayed, to: Path | None, figures: tuple[RunFigures, RunFigures] | None
 ) -> dict[str, object]:
-    """What became of a replay as the JSON object has it."""
+    """Result of a replay, as the JSON object has it."""
     told: dict[str, object] = {
         "equal": done.difference is None and done.finished,
         "first_difference": None if done.difference is None else dataclasses.asdict(done.difference),
