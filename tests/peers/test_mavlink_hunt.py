@@ -23,7 +23,7 @@ from thbridge.app.compose.game import build_briefing
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.replay.mavlink_replay import hunt_result_of
 from thbridge.recording.bag.reader import messages
-from thbridge.study.study_file import read_study
+from thbridge.study.study_file import load_study
 
 STUDY = """\
 map: arena8
@@ -56,7 +56,7 @@ GUESS = 1
 def hunter(folder: Path, study: str = STUDY) -> Iterator[tuple[Hunter, tuple[str, ...]]]:
     """Somebody who knows the house of a study, and what else robots have to be started with."""
     (folder / "study.yaml").write_text(study)
-    setting = read_setting(read_study(folder / "study.yaml"), folder)
+    setting = read_setting(load_study(folder / "study.yaml").value, folder)
     goals = {number: (room.goal.x, room.goal.y) for number, room in enumerate(setting.map.rooms, 1)}
     port = free_udp_port()
     with Hunter(port, goals, build_briefing(setting).names) as hunter:

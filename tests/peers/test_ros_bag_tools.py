@@ -18,13 +18,13 @@ import rosbag
 from rosbags.rosbag1 import Reader
 
 from tests.system.ports import free_port
+from tests.thbridge.recording.bag.inline_queue import InlineQueue
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.options import Compression, SplitLimits
 from thbridge.recording.bag.reader import info, messages
 from thbridge.recording.bag.repair import reindex
-from thbridge.recording.bag.worker import InlineQueue
 from thbridge.recording.bag.writer import WHOLE, BagWriter
 from thbridge.recording.recordings import parts_of
 from thbridge.ros.messages.records import MavlinkFrame, VehicleFrame, VehicleState

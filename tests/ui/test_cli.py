@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.ros.publisher import RosMessage, Topic
-from thbridge.study.study_file import read_study
+from thbridge.study.study_file import load_study
 from ui.cli import app
 
 ROOT = Path(__file__).parents[2]
@@ -237,7 +237,7 @@ def test_a_map_with_faults_gives_them_all_and_exit_code_2() -> None:
 def test_the_study_that_is_written_is_without_fault_and_says_the_defaults() -> None:
     assert thbridge("study", "init", "study.yaml").exit_code == 0
     assert thbridge("study", "check", "study.yaml").stdout == "study.yaml: no faults\n"
-    assert read_study(Path("study.yaml")).seed == 1
+    assert load_study(Path("study.yaml")).value.seed == 1
     assert "there is such a file already" in refusal("study", "init", "study.yaml")
 
 

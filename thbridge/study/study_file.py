@@ -205,11 +205,6 @@ def load_study(path: Path) -> Loaded[Study]:
     return _load(path, read_text(path))
 
 
-def read_study(path: Path) -> Study:
-    """Read a study file, without notices; see `load_study`."""
-    return load_study(path).value
-
-
 def read_study_text(path: Path, text: str) -> Study:
     """Read a study from a text, such as that in a bag; faults name `path` as the file. See `load_study`."""
     return _load(path, text).value

@@ -18,7 +18,6 @@ from thbridge.study.study_file import (
     ShowsSection,
     Study,
     load_study,
-    read_study,
     read_study_text,
 )
 from thbridge.study.text import commented_study, resolved
@@ -322,28 +321,28 @@ def test_names_that_only_ros_knows_are_told_of(tmp_path: Path) -> None:
 class TestFiles:
     def test_a_missing_file(self, tmp_path: Path) -> None:
         with pytest.raises(BadFile, match="there is no such file"):
-            read_study(tmp_path / "none.yaml")
+            load_study(tmp_path / "none.yaml")
 
     def test_a_folder(self, tmp_path: Path) -> None:
         with pytest.raises(BadFile, match="cannot be read"):
-            read_study(tmp_path)
+            load_study(tmp_path)
 
     def test_another_encoding(self, tmp_path: Path) -> None:
         path = tmp_path / "latin.yaml"
         path.write_bytes("seed: 1\nmap: größe\n".encode("latin-1"))
         with pytest.raises(BadFile, match=r"line 2: byte 0xf6 is not UTF-8. Save the file with the encoding UTF-8"):
-            read_study(path)
+            load_study(path)
 
     def test_a_byte_order_mark_and_windows_line_ends_do_no_harm(self, tmp_path: Path) -> None:
         path = tmp_path / "windows.yaml"
         path.write_bytes(b"\xef\xbb\xbfseed: 7\r\nrobots: 3\r\n")
-        assert read_study(path) == Study(seed=7, robots=3)
+        assert load_study(path).value == Study(seed=7, robots=3)
 
     def test_a_huge_file(self, tmp_path: Path) -> None:
         path = tmp_path / "huge.yaml"
         path.write_bytes(b"#" * ((1 << 20) + 1))
         with pytest.raises(BadFile, match="larger than 1048576 bytes"):
-            read_study(path)
+            load_study(path)
 
 
 def test_a_required_key_that_is_missing_is_named() -> None:
@@ -369,7 +368,7 @@ def test_software_may_come_from_files_of_ros(tmp_path: Path) -> None:
     (tmp_path / "ros" / "amcl.yaml").write_text("max_particles: 700\nkld_err: 0.02\n")
     study_file = tmp_path / "study.yaml"
     study_file.write_text("ros_parameters: [ros/amcl.yaml]\nrobot: {amcl: {kld_err: 0.03}}\n")
-    study = read_study(study_file)
+    study = load_study(study_file).value
     assert (study.robot.amcl.max_particles, study.robot.amcl.kld_err) == (700, 0.03)
     assert read_study_text(tmp_path / "elsewhere" / "study.yaml", resolved(study)) == study
 
@@ -378,14 +377,14 @@ def test_a_fault_in_a_file_of_ros_is_told_there(tmp_path: Path) -> None:
     (tmp_path / "amcl.yaml").write_text("max_particles: 700\nkld_er: 0.02\n")
     (tmp_path / "study.yaml").write_text("ros_parameters: [amcl.yaml]\n")
     with pytest.raises(BadFile, match=r"amcl\.yaml, line 2, amcl\.kld_er: .*kld_err"):
-        read_study(tmp_path / "study.yaml")
+        load_study(tmp_path / "study.yaml")
 
 
 @pytest.mark.parametrize("written", ["amcl.yaml", "[[a]]", "{a: 1}", "[nowhere.yaml]"])
 def test_ros_parameters_that_name_no_files(tmp_path: Path, written: str) -> None:
     (tmp_path / "study.yaml").write_text(f"ros_parameters: {written}\n")
     with pytest.raises(BadFile):
-        read_study(tmp_path / "study.yaml")
+        load_study(tmp_path / "study.yaml")
 
 
 class TestRecording:

@@ -144,9 +144,6 @@ class CheckedMessage:
 
 MessageHandler = Callable[[CheckedMessage], None]
 
-StructureRule = Callable[[BagStructure], Iterator[Finding]]
-"""A rule that needs the structure of the bag, but no message."""
-
 
 class MessageRule(Protocol):
     """A rule that reads messages; a new one is made for each bag."""

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Literal, cast, get_args, get_origin, get_type_hints
 
 Metadata = Mapping[str, object]
-NO_METADATA: Metadata = {}
 
 
 def renamed_of(section: type) -> Mapping[str, str]:

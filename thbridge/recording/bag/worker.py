@@ -37,33 +37,6 @@ class JobQueue(Protocol):
         """Take no more jobs, and drop those that wait; the present one is finished."""
 
 
-class InlineQueue:
-    """A queue that does each job at once, in the thread that submits it."""
-
-    def __init__(self) -> None:
-        self.failure: Exception | None = None
-        self.waiting = 0
-
-    def submit(self, job: Job, size: int = 0) -> None:
-        """Do a job."""
-        if self.failure is None:
-            try:
-                job()
-            except Exception as error:  # read from `failure` by the owner
-                self.failure = error
-
-    def oldest_wait(self) -> float:
-        """Return 0: no job ever waits."""
-        return 0.0
-
-    def wait(self, size: int, seconds: float) -> bool:
-        """Return True: no job ever waits."""
-        return True
-
-    def end(self) -> None:
-        """Do nothing: there is no thread."""
-
-
 class WorkerThread:
     """A queue with its own thread, which ends with the program.
 

@@ -1,24 +1,17 @@
-"""Floor plan of a game's map: packed into one line of the wire, and unpacked again."""
+"""Floor plan of a game's map: packed into one line of the wire."""
 
 import base64
-import binascii
 import zlib
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common.geometry import Pose2
-from sim.common.grid import FREE, OCCUPIED, Cells, OccupancyGrid
+from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from thbridge.roles.notices import FloorPlan, RoomOutline
 
 MOST_PACKED = 40_000
 """Characters of packed cells beyond which the map's resolution is halved."""
-MOST_CELLS = 64_000_000
-"""Upper limit of the cells of a received map; more than any map has."""
-
-_OF_CODE: Cells = np.array([FREE, OCCUPIED, -1], dtype=np.int8)
-"""Occupancy of the codes 0, 1 and 2 of `FloorPlan.cells`."""
 
 
 def floor_plan_of(
@@ -44,27 +37,6 @@ def floor_plan_of(
     height, width = codes.shape
     x, y, theta = grid.origin.array().tolist()
     return FloorPlan(name, resolution, (x, y, theta), width, height, packed, tuple(rooms), footprint)
-
-
-def grid_of(plan: FloorPlan) -> OccupancyGrid:
-    """Return the map of a floor plan.
-
-    Raises:
-        ValueError: its cells do not unpack to the size it states.
-    """
-    count = plan.width * plan.height
-    if min(plan.width, plan.height) < 1 or count > MOST_CELLS or not plan.resolution > 0.0:
-        raise ValueError(f"no map has {plan.width} x {plan.height} cells of {plan.resolution} m")
-    unpacking = zlib.decompressobj()
-    try:
-        # One byte more than there may be, so that too many are noticed without unpacking them all.
-        data = unpacking.decompress(base64.b64decode(plan.cells, validate=True), count + 1)
-    except (binascii.Error, zlib.error) as error:
-        raise ValueError(f"the cells cannot be unpacked: {error}") from None
-    codes = np.frombuffer(data, dtype=np.uint8)
-    if len(codes) != count or codes.max() >= len(_OF_CODE):
-        raise ValueError("the cells are not as many, or not of the kinds, that there should be")
-    return OccupancyGrid(_OF_CODE[codes.reshape(plan.height, plan.width)], plan.resolution, Pose2(*plan.origin))
 
 
 def _packed(codes: NDArray[np.uint8]) -> str:

@@ -2,13 +2,13 @@
 
 import base64
 import zlib
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
+from msgspec import structs
 
 from tests.ui.windows.map.houses import house_of, shipped_map
 from thbridge.roles.notices import FloorPlan
@@ -50,14 +50,14 @@ def house() -> FloorPlan:
 
 @given(noise=st.binary(max_size=40))
 def test_cells_that_cannot_be_read_leave_the_rooms(house: FloorPlan, noise: bytes) -> None:
-    plan = unpack(replace(house, cells=base64.b64encode(noise).decode()))
+    plan = unpack(structs.replace(house, cells=base64.b64encode(noise).decode()))
     assert len(plan.walls) == 0
     assert plan.bounds[0] < plan.bounds[2]
 
 
 def test_more_cells_than_announced_are_not_unpacked(house: FloorPlan) -> None:
     bomb = base64.b64encode(zlib.compress(bytes(1_000_000))).decode()
-    assert len(unpack(replace(house, cells=bomb, width=4, height=4)).floor) == 1
+    assert len(unpack(structs.replace(house, cells=bomb, width=4, height=4)).floor) == 1
 
 
 def test_a_region_holds_what_lies_in_it() -> None:
