@@ -78,7 +78,7 @@ def frames_again(folder: Path, bag: str, *arguments: str) -> dict[str, Any]:
 
 def departures(bag: Path) -> dict[int, list[int | None]]:
     """The rooms that each robot set out for."""
-    moments = [moment for moment in read_report(messages(bag)).moments if moment.kind == "departed"]
+    moments = [moment for moment in read_report(messages(bag)).timeline if moment.kind == "departed"]
     return {robot: [moment.room for moment in moments if moment.who == f"robot{robot}"] for robot in (1, 2)}
 
 
@@ -167,7 +167,7 @@ def test_window_station_and_recording_agree(followed: Followed) -> None:
     assert list(hunt.order) == followed.arrivals
     assert sorted(room for _, room in followed.arrivals) == end.visited
     assert followed.score == hunt.score == end.score != 0
-    moments = read_report(messages(followed.folder / "hunt.bag")).moments
+    moments = read_report(messages(followed.folder / "hunt.bag")).timeline
     # What was too quick for the eye is not missed.
     scores = accumulate((moment.points for moment in moments if moment.points is not None), initial=0)
     assert all(score in scores for score, _ in groupby(sight.score for sight in followed.sights))

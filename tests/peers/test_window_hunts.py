@@ -89,7 +89,7 @@ def play(player: Player, step: Callable[[Sight], None]) -> Sight:
 def first_game(program: subprocess.Popen[bytes], folder: Path) -> list[TimelineEntry]:
     """What the recording tells of the first game, once the program has closed it."""
     assert program.wait(60) == 0, (folder / "told.txt").read_text()
-    moments = read_report(messages(folder / "hunt.bag")).moments
+    moments = read_report(messages(folder / "hunt.bag")).timeline
     return list(takewhile(lambda moment: moment.kind != "ended", moments))
 
 

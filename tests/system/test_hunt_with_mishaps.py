@@ -60,7 +60,7 @@ def test_the_journal_says_why_robots_did_not_get_there(told, folder):
 def test_the_bag_is_whole(told, folder):
     report = read_report(recorded(folder / "hunt.bag"))
     assert report.missing == ()
-    assert {"appeared", "died", "carried", "reported"} <= {moment.kind for moment in report.moments}
+    assert {"appeared", "died", "carried", "reported"} <= {moment.kind for moment in report.timeline}
     assert [thing.name for thing in report.things] == ["closed door", "visitor", "crate"]
 
 

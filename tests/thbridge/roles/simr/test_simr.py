@@ -170,7 +170,7 @@ def test_whereabouts_go_to_those_who_asked_for_as_long_as_they_ask(driver):
 
 def with_mishaps(setting: StudySetting, *mishaps: tuple[Mishap, float]) -> Driver:
     entries = tuple(MishapEntry(robot=1, what=what, time=time) for what, time in mishaps)
-    return Driver(replace(setting, study=replace(setting.study, mishaps=entries)).simr())
+    return Driver(build_simr(replace(setting, study=replace(setting.study, mishaps=entries))))
 
 
 def test_the_move_of_a_robot_that_died_fails_with_its_reason(setting):
@@ -212,7 +212,7 @@ def test_a_robot_called_back_while_it_was_dead_for_a_moment_stays(setting):
 
 def test_a_room_behind_a_closed_door_is_told_of_in_words(setting):
     door = ThingEntry(name="door", shape=Shape.DOOR, at=(7.0, -4.0, math.pi / 2), size=(2.0, 0.1))
-    driver = Driver(replace(setting, study=replace(setting.study, things=(door,))).simr())
+    driver = Driver(build_simr(replace(setting, study=replace(setting.study, things=(door,)))))
     driver.run(100 * TICKS_PER_SECOND, orders(1, MoveOrder(1, 8), None))
     result = driver.levels(TeamStatus)[-1].results[0]
     assert result.sentence == "Something that is not on the map blocks the way of robot 1."

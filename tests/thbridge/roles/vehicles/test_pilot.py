@@ -14,8 +14,8 @@ from sim.inputs import KillRobot
 from sim.parameters import RobotParameters
 from tests.thbridge.roles.stage import Log
 from tests.thbridge.roles.test_hunt import Script
-from thbridge.app.compose.game import build_briefing
-from thbridge.app.compose.robots import build_game_setup
+from thbridge.app.compose.game import build_briefing, build_hider, build_keeper
+from thbridge.app.compose.robots import build_game_setup, build_simr
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.session.session import Session, TickRecord
 from thbridge.hunt.costs import CostMatrix
@@ -92,12 +92,17 @@ class Flight:
         self.setting = made
         self.log = Log()
         self.player = Script()
-        self.simr: SimR = made.simr()
-        self.keeper = made.keeper()
+        self.simr: SimR = build_simr(made)
+        self.keeper = build_keeper(made)
         self.tabui = participant or TabUI(self.player)
-        self.session = Session(MessageRouter(), self.keeper, [self.simr, made.hider(), self.tabui], self.log)
+        self.session = Session(
+            MessageRouter(),
+            self.keeper,
+            [self.simr, build_hider(made.templates, made.study.seed), self.tabui],
+            self.log,
+        )
         self.asked: list[Request] = []
-        setup = made.game_setup()
+        setup = build_game_setup(made)
         software = made.study.software(1)
         self.pilots = [
             Pilot(robot, setup, made.map.starts[robot], SpeedLimit(robot, software, self.simr), Parameters(), self.ask)
