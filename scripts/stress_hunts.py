@@ -27,10 +27,10 @@ from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.session.session import Session
 from thbridge.hunt.events import Event
-from thbridge.roles.bot_strategy import BotStrategy
-from thbridge.roles.tabui import TabUI
+from thbridge.protocols.text.router import MessageRouter
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.study.study_file import Study
-from thbridge.wire.router import MessageRouter
 
 MAPS = ("arena8", "warehouse12")
 MAX_SECONDS = 1800.0

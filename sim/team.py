@@ -38,13 +38,13 @@ from sim.inputs import (
 )
 from sim.parameters import RobotParameters, WorldParameters
 from sim.parameters.reconfiguration import P, fixed_differences
+from sim.robot.global_planning.path import PlanRefusal
+from sim.robot.global_planning.wave import Workspace
 from sim.robot.localization.amcl import Amcl
 from sim.robot.localization.ekf import Ekf
 from sim.robot.localization.estimate import Localizer
 from sim.robot.localization.fake_localization import FakeLocalization
 from sim.robot.navigator.move_base import Navigator
-from sim.robot.planning.path import PlanRefusal
-from sim.robot.planning.wave import Workspace
 from sim.robot.software import Robot, RobotOutput
 from sim.world.physics import Misplaced, World, WorldState, with_charge, with_noise, with_thing, without_thing
 from sim.world.sensors import Sensors, mount_of

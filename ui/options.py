@@ -6,9 +6,9 @@ from typing import Annotated
 
 import typer
 
-from thbridge.roles.bot_strategy import BotStrategy
+from thbridge.protocols.mavlink.options import AutopilotIdentity
+from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, TEXT_SERVER_PORT, WATCH_PORT
-from thbridge.wire.mavlink.options import AutopilotIdentity
 
 StudyFile = Annotated[
     Path | None, typer.Argument(help="Study file (YAML); see `thbridge study init`. Options below win over it.")

@@ -5,13 +5,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from thbridge.app.compose.setting import StudySetting, read_setting
-from thbridge.sockets.addresses import (
-    Address,
-    parse_address,
-    parse_target,
-)
+from thbridge.protocols.mavlink.options import AutopilotIdentity
+from thbridge.sockets.addresses import Address, parse_address, parse_target
 from thbridge.study.study_file import Study, load_study
-from thbridge.wire.mavlink.options import AutopilotIdentity
 from ui.terminal import BAD_INPUT, bad_input, fail, note
 
 

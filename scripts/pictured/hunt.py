@@ -12,11 +12,11 @@ from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
+from thbridge.protocols.text.router import MessageRouter
+from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
 from thbridge.roles.robot_requests import Request
-from thbridge.roles.tabui import ParticipantUpdate, TabUI
 from thbridge.roles.view import ParticipantRequest, View
 from thbridge.study.study_file import Study
-from thbridge.wire.router import MessageRouter
 from ui.model.participant import Participant
 from ui.model.playing.offers import offer
 from ui.model.screen import Act, ConsiderRoom, GiveAnswer, PickName, Screen

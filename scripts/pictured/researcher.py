@@ -18,14 +18,14 @@ from thbridge.app.play import PLAY, NoLog
 from thbridge.app.session.broadcast import Broadcast, Listener
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.router import MessageRouter
+from thbridge.protocols.watching import STATUS, SessionMessage, WatchStatus
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import Request, WizardAdvice, WizardMode
-from thbridge.roles.tabui import TabUI
 from thbridge.ros.topics import RosMessage
-from thbridge.sockets.watch_client import WatchClient, WatchConnected, WatchEvent
+from thbridge.sockets.watching.client import WatchClient, WatchConnected, WatchEvent
 from thbridge.study.study_file import Study
-from thbridge.wire import legacy
-from thbridge.wire.router import MessageRouter
-from thbridge.wire.watch_protocol import STATUS, SessionMessage, WatchStatus
 from ui.model.theme import LIGHT
 from ui.model.watching.tools import obstacle
 from ui.windows.researcher.docks.displays import MapDisplay

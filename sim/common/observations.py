@@ -108,8 +108,9 @@ class Neighbour:
         twist: its velocity.
         footprint: (n, 2) corners in its base frame, metres.
         path: (m, 2) map points it is heading along, its own place first; empty when it stands.
-        times: (m,) when it means to be there: the order in which robots pass a place (`sim.robot.planning.itinerary`).
-            Empty with a path that is only wanted: other robots obstruct it and are asked to clear it.
+        times: (m,) when it means to be there: the order in which robots pass a place
+            (`sim.robot.global_planning.itinerary`). Empty with a path that is only wanted: other robots obstruct it
+            and are asked to clear it.
         claim: with a path that is only wanted: the priority of the robot that wants it.
     """
 

@@ -6,12 +6,12 @@ from pathlib import Path
 
 from tests.system.programs import Program, until
 from thbridge.app.session.mavros import frame_in
+from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
+from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.protocols.mavlink.frames.framer import FrameParser
 from thbridge.recording.bag.reader import messages
 from thbridge.recording.bag.repair import reindex
 from thbridge.ros.messages import unpack
-from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.framer import FrameParser
 
 LOST = 1.0
 """Seconds before the kill of which nothing is promised."""

@@ -8,10 +8,10 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
+from thbridge.protocols.mavlink.options import AutopilotIdentity
 from thbridge.sockets.addresses import Address, UdpTarget
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
-from thbridge.wire.mavlink.options import AutopilotIdentity
 from ui.cli import app
 from ui.listening import ports_of
 from ui.settings import with_mavlink

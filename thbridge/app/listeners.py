@@ -12,14 +12,14 @@ from thbridge.app.compose.setting import StudySetting
 from thbridge.app.rosgraph.live import LiveGraph, on_graph
 from thbridge.app.session.broadcast import Listener
 from thbridge.app.session.watch_requests import WatchRequestHandler
+from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.roles.robot_requests import Request
 from thbridge.ros.publisher import TeamPublisher
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence
-from thbridge.sockets.watch_server import WatchServer
+from thbridge.sockets.watching.server import WatchServer
 from thbridge.timing.pacer import Pacer
-from thbridge.wire.mavlink.frames.frame import Frame
 
 
 @dataclass(frozen=True, slots=True)

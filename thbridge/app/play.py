@@ -15,25 +15,25 @@ from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder, TlogRecorder
 from thbridge.app.session.session import EventLog, Session, TickRecord, TickRecorder
 from thbridge.hunt.game import GameState
+from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.journals import JournalStore
 from thbridge.recording.recordings import journal_of, tlog_of
 from thbridge.recording.tlog import TlogFile
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import Request
 from thbridge.roles.role import Role
 from thbridge.roles.simr.simr import SimR
-from thbridge.roles.tabui import TabUI
 from thbridge.ros.names import GRAPH_LINK
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
 from thbridge.sockets.rosgraph.joining import GraphAddress
-from thbridge.sockets.text_server import TextServer
+from thbridge.sockets.text.server import TextServer
 from thbridge.timing.keepalive import kept_alive
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
-from thbridge.wire import legacy
-from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.router import MessageRouter
 
 PLAY = "play"
 """Name of this program in recordings."""

@@ -13,17 +13,17 @@ from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress,
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.simr_session import SimrSession
+from thbridge.protocols.text.client import NameRegistered
+from thbridge.protocols.text.lines import TextMessage
 from thbridge.roles.hider import Hider
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import Request
 from thbridge.roles.role import Role
-from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import View
 from thbridge.sockets.rosgraph.joining import GraphAddress
-from thbridge.sockets.text_client import ConnectionLost, LossReason, TextClient
+from thbridge.sockets.text.client import ConnectionLost, LossReason, TextClient
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
-from thbridge.wire.client import NameRegistered
-from thbridge.wire.text import TextMessage
 
 SIMR = "simr"
 """Name in recordings of the program with the robots alone."""

@@ -12,17 +12,17 @@ from thbridge.app.compose.setting import StudySetting
 from thbridge.app.programs import SIMR, SimrOptions, run_at_server
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.simr_session import SimrSession
+from thbridge.protocols.rosgraph.links import TopicHeader
+from thbridge.protocols.text import legacy
 from thbridge.recording.real_robots import FleetRecorder
 from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.ros.topics import RosMessage
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
 from thbridge.sockets.rosgraph.joining import GraphAddress
-from thbridge.sockets.text_client import ConnectionLost, TextClient
+from thbridge.sockets.text.client import ConnectionLost, TextClient
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
-from thbridge.wire import legacy
-from thbridge.wire.rosgraph.links import TopicHeader
 
 
 class _NoRecorder:

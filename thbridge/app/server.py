@@ -6,14 +6,14 @@ from collections.abc import Callable
 from thbridge.app.compose.game import build_keeper
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.session.session import Session
+from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.journals import JournalStore
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.text_server import TextServer
+from thbridge.sockets.text.server import TextServer
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
-from thbridge.wire.router import MessageRouter
 
 _log = logging.getLogger(__name__)
 

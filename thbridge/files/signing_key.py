@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.wire.mavlink.frames.signing import InvalidKey, SigningKey, parse_key
+from thbridge.protocols.mavlink.frames.signing import InvalidKey, SigningKey, parse_key
 
 _REMEDY = "put a passphrase, 32 bytes or 64 hexadecimal digits there"
 _LARGEST = 4096

@@ -12,9 +12,9 @@ from sim.parameters import InflationParameters, NavfnParameters, RobotParameters
 from sim.robot.costmap.costs import CostFrame, Costs, Window
 from sim.robot.costmap.inflation import InflationLayer
 from sim.robot.costmap.static import StaticLayer
-from sim.robot.planning.navfn import Navfn
-from sim.robot.planning.path import Path, PlanRefusalCode
-from sim.robot.planning.potential_planner import PotentialPlanner
+from sim.robot.global_planning.navfn import Navfn
+from sim.robot.global_planning.path import Path, PlanRefusalCode
+from sim.robot.global_planning.potential_planner import PotentialPlanner
 
 _COSTMAP = RobotParameters().global_costmap
 

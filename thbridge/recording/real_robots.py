@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from sim.team import TeamSnapshot
+from thbridge.protocols.rosgraph import links
 from thbridge.recording.bag.writer import BagWriter, ForeignTopic
 from thbridge.ros.messages import pack
 from thbridge.ros.messages.records import Record
@@ -15,7 +16,6 @@ from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.publisher import messages_of
 from thbridge.ros.remote.robot import tick_of
 from thbridge.ros.topics import INPUTS, SESSION, RosMessage
-from thbridge.wire.rosgraph import links
 
 
 class _ForeignMessage(NamedTuple):

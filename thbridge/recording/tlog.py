@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Self
 
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.protocols.mavlink.tlog import Tlog
+from thbridge.protocols.mavlink.traffic import Traffic
 from thbridge.recording.append import append_whole
-from thbridge.wire.mavlink.tlog import Tlog
-from thbridge.wire.mavlink.traffic import Traffic
 
 
 class TlogFile:

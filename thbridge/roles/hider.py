@@ -6,11 +6,18 @@ from dataclasses import dataclass
 from sim.common.noise import NoiseStream
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.hunt.treasures import TreasureKind, hide, same_name
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.legacy import (
+    AskTreasure,
+    FoundTreasure,
+    NameTreasure,
+    PointsAwarded,
+    SnapTreasure,
+    TreasureImage,
+)
+from thbridge.protocols.text.lines import TextMessage
+from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, is_notice, parse_notice
 from thbridge.roles.notices import KEEPER, HideRequest, HiderReady, HideTreasures, LegacyReply
-from thbridge.wire import legacy
-from thbridge.wire.legacy import AskTreasure, FoundTreasure, NameTreasure, PointsAwarded, SnapTreasure, TreasureImage
-from thbridge.wire.notice import Notice, decode_notice, encode_notice, is_notice, parse_notice
-from thbridge.wire.text import TextMessage
 
 KEEPER_TIMEOUT = TICKS_PER_SECOND
 """Ticks that a question waits for a keeper; without any notice of a keeper it is then answered as in 2016."""

@@ -8,7 +8,7 @@ from typing import Literal
 
 from thbridge.hunt.events import Condition
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.wire.notice import NoticeValue
+from thbridge.protocols.text.notice import NoticeValue
 
 KEEPER = "Game"
 """Name of the keeper at the text server."""

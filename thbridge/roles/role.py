@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Protocol
 
-from thbridge.wire.text import TextMessage
+from thbridge.protocols.text.lines import TextMessage
 
 
 class Role(Protocol):

@@ -10,7 +10,7 @@ from typing import Literal
 
 from thbridge.hunt.events import Commander, Condition
 from thbridge.hunt.rules import commander_name
-from thbridge.wire.notice import Notice, NoticeValue, decode_notice
+from thbridge.protocols.text.notice import Notice, NoticeValue, decode_notice
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,1 +1,1 @@
-"""TCP and UDP sockets for the protocols of `thbridge.wire`, which makes all decisions."""
+"""TCP and UDP sockets for the protocols of `thbridge.protocols`, which makes all decisions."""

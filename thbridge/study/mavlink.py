@@ -8,8 +8,7 @@ from typing import TypeVar
 from sim.parameters import param
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
-from thbridge.sockets.addresses import Address, UdpTarget, parse_address, parse_target
-from thbridge.wire.mavlink.options import (
+from thbridge.protocols.mavlink.options import (
     LONGEST_TIMEOUT,
     SHORTEST_TIMEOUT,
     AutopilotIdentity,
@@ -17,6 +16,7 @@ from thbridge.wire.mavlink.options import (
     GeoOrigin,
     VehicleOptions,
 )
+from thbridge.sockets.addresses import Address, UdpTarget, parse_address, parse_target
 
 S = TypeVar("S")
 

@@ -10,9 +10,9 @@ from sim.common.robot_numbers import RobotNumber, robot_numbers
 from sim.parameters import param
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
+from thbridge.protocols.rosgraph.names import canonical, join
 from thbridge.ros.names import frame_name
 from thbridge.ros.remote.names import RemoteNames
-from thbridge.wire.rosgraph.names import canonical, join
 
 S = TypeVar("S")
 

@@ -20,8 +20,9 @@ from thbridge.files.ros.parameters import read_ros_parameters
 from thbridge.files.yaml.load import Loaded, load_tree
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, read_text
 from thbridge.hunt.rules import MOST_ROBOTS
+from thbridge.protocols.text.canonical import Dialect
 from thbridge.recording.bag.options import Compression, SplitLimits
-from thbridge.roles.bot_strategy import BotStrategy
+from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.sockets.addresses import TEXT_SERVER_PORT
 from thbridge.study.mavlink import MavlinkSection, faults_of_mavlink
 from thbridge.study.noise import (
@@ -37,7 +38,6 @@ from thbridge.study.noise import (
 from thbridge.study.real_robots import FleetSection, faults_of_fleet
 from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.things import MishapEntry, ThingEntry, faults_of_mishaps, faults_of_things
-from thbridge.wire.canonical import Dialect
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,16 +13,16 @@ from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.replay.mavlink_replay import FramesReplayed, HuntResult, has_session
 from thbridge.app.replay.replay import session_of
 from thbridge.files.signing_key import read_signing_key
+from thbridge.protocols.mavlink import conventions
+from thbridge.protocols.mavlink.frames.signing import SigningKey
+from thbridge.protocols.mavlink.modes import shown_mode_name
+from thbridge.protocols.mavlink.station.ground_station import KnownRobot
+from thbridge.protocols.mavlink.station.trip import Destination, StationTrip, StationTripStage, TripOutcome
 from thbridge.sockets.addresses import Address
 from thbridge.sockets.mavlink.client import StationSocket, Unreachable, open_station
 from thbridge.study.overrides import with_changes
 from thbridge.study.study_file import read_study_text
 from thbridge.timing.loop import stopping
-from thbridge.wire.mavlink import conventions
-from thbridge.wire.mavlink.frames.signing import SigningKey
-from thbridge.wire.mavlink.modes import shown_mode_name
-from thbridge.wire.mavlink.station.ground_station import KnownRobot
-from thbridge.wire.mavlink.station.trip import Destination, StationTrip, StationTripStage, TripOutcome
 from ui.actions.replay import changes_of, other_versions
 from ui.settings import setting_of, study_of
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out

@@ -7,10 +7,10 @@ from thbridge.app import programs
 from thbridge.files.resources import shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.roles.view import View
-from thbridge.sockets.text_client import ConnectionLost
+from thbridge.sockets.text.client import ConnectionLost
 from thbridge.study.study_file import Study
 from ui.options import ParticipantKind
-from ui.seats import Seat, seat_of_bot, seat_of_person
+from ui.participants.seats import Seat, seat_of_bot, seat_of_person
 from ui.terminal import bad_input, note
 
 

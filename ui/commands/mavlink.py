@@ -93,8 +93,8 @@ def mavlink_goto(
 
     Its number, X and Y are those of `thbridge mavlink status`. A point in a room is a move of the game.
     """
+    from thbridge.protocols.mavlink.station.trip import Destination, TripOutcome
     from thbridge.sockets.mavlink.client import StationSocket
-    from thbridge.wire.mavlink.station.trip import Destination, TripOutcome
     from ui.actions.mavlink import drive_robot, fail_without_robots, run_program, signing_key_in, station_at
 
     for name, value in (("X", x), ("Y", y), ("--heading", 0.0 if heading is None else heading)):

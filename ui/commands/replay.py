@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from thbridge.roles.bot_strategy import BotStrategy
+from thbridge.roles.participant.bot_strategy import BotStrategy
 from ui.options import AsJson
 from ui.outputs import make_copy_ready
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json

@@ -46,7 +46,7 @@ def watch(
 
 def _watch_session(host: str, port: int, key: str | None, look: ColourScheme) -> None:
     _need_window()
-    from thbridge.sockets.watch_client import WatchClient
+    from thbridge.sockets.watching.client import WatchClient
     from ui.windows.researcher.feeds.session import SessionFeed, WatchConnection
     from ui.windows.researcher.show import show
 

@@ -14,11 +14,11 @@ from typing import TypeAlias
 
 from sim.common.observations import TICK
 from thbridge.app.programs import exchange
+from thbridge.protocols.text.lines import TextMessage
 from thbridge.roles.notices import FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry
-from thbridge.roles.tabui import TabUI
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.view import ParticipantRequest, View
-from thbridge.sockets.text_client import Backoff, ConnectionLost, LossReason, TextClient
-from thbridge.wire.text import TextMessage
+from thbridge.sockets.text.client import Backoff, ConnectionLost, LossReason, TextClient
 
 POLL_PERIOD = 0.005
 """Seconds from one poll of the connection to the next. Robots are drawn later by half of it, and by the jitter that it
@@ -115,7 +115,7 @@ class ParticipantLink:
                 await asyncio.sleep(POLL_PERIOD)
 
     def observe(self, level: View | FloorPlan | PoseTelemetry | PlannedPaths | PicturePiece) -> None:
-        """Pass on a notice that the role received; see `thbridge.roles.tabui.ParticipantObserver`."""
+        """Pass on a notice that the role received; see `thbridge.roles.participant.tabui.ParticipantObserver`."""
         self._report(level)
 
     def _lost(self, lost: ConnectionLost) -> None:

@@ -11,11 +11,11 @@ from sim.common.geometry import IDENTITY, FloatArray, Pose2
 from sim.common.grid import OccupancyGrid, clearance_field
 from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Scan, Twist
 from sim.parameters import RobotParameters
-from sim.robot.control.braking import LATENCY, Surroundings, beside_obstacles, surroundings
-from sim.robot.control.local_planner import LocalPlanner, PlannedCommand
-from sim.robot.control.planners import local_planner
 from sim.robot.costmap.costmap_2d import CostmapObservation
 from sim.robot.costmap.costs import CostFrame
+from sim.robot.local_planning.braking import LATENCY, Surroundings, beside_obstacles, surroundings
+from sim.robot.local_planning.local_planner import LocalPlanner, PlannedCommand
+from sim.robot.local_planning.planners import local_planner
 from sim.robot.navigator.costmaps import Costmaps
 from sim.robot.navigator.scan_obstacles import may_turn, seen_around
 

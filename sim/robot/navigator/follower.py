@@ -13,14 +13,20 @@ import numpy as np
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.kernels import njit
 from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Neighbour, Twist
-from sim.robot.control.braking import Surroundings
-from sim.robot.control.local_planner import PlannedCommand
 from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
+from sim.robot.global_planning.itinerary import (
+    Itinerary,
+    itineraries_of,
+    reached_index,
+    relevant_neighbours,
+    right_of_way,
+)
+from sim.robot.global_planning.itinerary_planner import ItineraryPlanner
+from sim.robot.global_planning.path import headings
+from sim.robot.local_planning.braking import Surroundings
+from sim.robot.local_planning.local_planner import PlannedCommand
 from sim.robot.navigator.controller import Controller
 from sim.robot.navigator.transitions import check_transition
-from sim.robot.planning.itinerary import Itinerary, itineraries_of, reached_index, relevant_neighbours, right_of_way
-from sim.robot.planning.itinerary_planner import ItineraryPlanner
-from sim.robot.planning.path import headings
 
 HALT_DISTANCE = 0.12
 """Metres before a point that may not be passed at which a robot waits."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from sim.common.geometry import Pose2
-from sim.robot.planning.path import PlanRefusalCode
+from sim.robot.global_planning.path import PlanRefusalCode
 
 NoPathReason = (
     PlanRefusalCode | Literal["blocked_by_obstacle", "stuck", "lost"] | Literal["gave_up", "called_off", "unanswered"]

@@ -25,6 +25,19 @@ from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Claim, Neighbour, Scan, Twist
 from sim.parameters import GlobalPlannerParameters, NavfnParameters, RobotParameters
 from sim.robot.costmap.robots import neighbours_reaching
+from sim.robot.global_planning.itinerary import (
+    Itinerary,
+    OtherItineraries,
+    itineraries_of,
+    itineraries_of_moving,
+    start_time,
+)
+from sim.robot.global_planning.itinerary_planner import BlockedByRobots, ItineraryPlanner
+from sim.robot.global_planning.make_plan import make_plan
+from sim.robot.global_planning.path import PlanRefusal, headings
+from sim.robot.global_planning.planners import global_planner
+from sim.robot.global_planning.potential_planner import PotentialPlanner
+from sim.robot.global_planning.wave import Workspace
 from sim.robot.navigator.controller import Controller
 from sim.robot.navigator.costmaps import Costmaps
 from sim.robot.navigator.follower import NO_POSES, NO_TIMES, STANDING, Follower, FollowerOutput
@@ -46,19 +59,6 @@ from sim.robot.navigator.states import (
     WantedPath,
 )
 from sim.robot.navigator.transitions import check_transition
-from sim.robot.planning.itinerary import (
-    Itinerary,
-    OtherItineraries,
-    itineraries_of,
-    itineraries_of_moving,
-    start_time,
-)
-from sim.robot.planning.itinerary_planner import BlockedByRobots, ItineraryPlanner
-from sim.robot.planning.make_plan import make_plan
-from sim.robot.planning.path import PlanRefusal, headings
-from sim.robot.planning.planners import global_planner
-from sim.robot.planning.potential_planner import PotentialPlanner
-from sim.robot.planning.wave import Workspace
 
 PLAN_RETRY = 0.5
 """Seconds between attempts to plan."""

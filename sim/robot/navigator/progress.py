@@ -3,7 +3,7 @@
 import math
 
 from sim.common.observations import TICKS_PER_SECOND
-from sim.robot.planning.itinerary import ITINERARY_SPEED
+from sim.robot.global_planning.itinerary import ITINERARY_SPEED
 
 PROGRESS_TIMEOUT = 120.0
 """Seconds, beside those that its longest path takes, in which the remaining path must become shorter than ever before,

@@ -7,8 +7,8 @@ from scipy.ndimage import distance_transform_edt
 
 from sim.common.geometry import FloatArray
 from sim.common.observations import Scan
-from sim.robot.control.braking import WALL_MARGIN, Surroundings
 from sim.robot.costmap.costs import CostFrame
+from sim.robot.local_planning.braking import WALL_MARGIN, Surroundings
 
 _REACH = 1.2
 """Metres from the base that are looked at: turning in place and a slow step forward need no more."""

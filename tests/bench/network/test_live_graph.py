@@ -25,7 +25,7 @@ from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.recording import build_publisher
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import HuntUnfinished, PlayOptions
-from thbridge.roles.tabui import TabUI
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.ros.topics import CLOCK
 from thbridge.sockets.rosgraph import tcpros_server
 from thbridge.sockets.rosgraph.joining import GraphAddress

@@ -20,12 +20,12 @@ import pytest
 from sim.common.observations import TICK
 from tests.bench.budget import Budgets
 from tests.bench.network.hall_for_fifty import hall_for_fifty
-from tests.peers.rovers import free_udp_port
+from tests.peers.mavlink.rovers import free_udp_port
 from tests.system.programs import Program, until
+from thbridge.protocols.mavlink.dialect import mav
+from thbridge.protocols.mavlink.station.ground_station import CommandAcked, CommandUnanswered, StationCommand
 from thbridge.sockets.addresses import Address
 from thbridge.sockets.mavlink.client import StationSocket, open_station
-from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.station.ground_station import CommandAcked, CommandUnanswered, StationCommand
 
 pytestmark = pytest.mark.bench
 

@@ -9,13 +9,13 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND, Twist
 from tests.bench.budget import Budgets, best
-from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.framer import FrameParser
-from thbridge.wire.mavlink.frames.signing import SignatureTimestamps, Signing, SigningKey
-from thbridge.wire.mavlink.hub import Hub
-from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
-from thbridge.wire.mavlink.vehicle_interface import RobotReadings
+from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
+from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.protocols.mavlink.frames.framer import FrameParser
+from thbridge.protocols.mavlink.frames.signing import SignatureTimestamps, Signing, SigningKey
+from thbridge.protocols.mavlink.hub import Hub
+from thbridge.protocols.mavlink.outgoing import LinkId, OutgoingMessage
+from thbridge.protocols.mavlink.vehicle_interface import RobotReadings
 
 pytestmark = pytest.mark.bench
 

@@ -15,10 +15,10 @@ import time
 import pytest
 
 from tests.bench.budget import Budgets
+from thbridge.protocols.rosgraph.tcpros import encode_header
 from thbridge.sockets.rosgraph.http_client import XmlRpcClient
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 from thbridge.sockets.rosgraph.publications import Publication
-from thbridge.wire.rosgraph.tcpros import encode_header
 
 pytestmark = [
     pytest.mark.bench,

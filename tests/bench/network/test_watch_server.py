@@ -20,11 +20,11 @@ from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.app.play import HuntUnfinished, PlayOptions
-from thbridge.roles.tabui import TabUI
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.ros.topics import RosMessage
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.watch_server import WatchServer
+from thbridge.sockets.watching.server import WatchServer
 from thbridge.study.study_file import Study
 
 pytestmark = pytest.mark.bench

@@ -22,12 +22,12 @@ from sim.parameters import (
     TrajectoryPlannerParameters,
     WorldParameters,
 )
-from sim.robot.control.braking import surroundings
-from sim.robot.control.planners import local_planner
 from sim.robot.costmap.costmap_2d import Costmap2D
-from sim.robot.planning.navfn import Navfn
-from sim.robot.planning.path import Path as Plan
-from sim.robot.planning.potential_planner import PotentialPlanner
+from sim.robot.global_planning.navfn import Navfn
+from sim.robot.global_planning.path import Path as Plan
+from sim.robot.global_planning.potential_planner import PotentialPlanner
+from sim.robot.local_planning.braking import surroundings
+from sim.robot.local_planning.planners import local_planner
 from tests.bench.budget import Budgets
 from thbridge.files.map_files import read_map
 

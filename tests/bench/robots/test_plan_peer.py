@@ -16,10 +16,10 @@ from sim.parameters import InflationParameters, NavfnParameters, StaticParameter
 from sim.robot.costmap.costs import CostFrame, Costs, Window
 from sim.robot.costmap.inflation import InflationLayer
 from sim.robot.costmap.static import interpretation
-from sim.robot.planning.navfn import Navfn
-from sim.robot.planning.path import Path as Way
-from sim.robot.planning.potential_planner import PotentialPlanner
-from sim.robot.planning.wave import Workspace, prepare
+from sim.robot.global_planning.navfn import Navfn
+from sim.robot.global_planning.path import Path as Way
+from sim.robot.global_planning.potential_planner import PotentialPlanner
+from sim.robot.global_planning.wave import Workspace, prepare
 from tests.bench.budget import best
 
 pytestmark = pytest.mark.bench

@@ -14,11 +14,11 @@ from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.parameters import LaserParameters, RobotParameters, WorldParameters
 from sim.robot.costmap.costmap_2d import Costmap2D
+from sim.robot.global_planning.itinerary_planner import ItineraryPlanner
 from sim.robot.localization.amcl import Amcl
 from sim.robot.navigator.controller import Controller
 from sim.robot.navigator.follower import Follower
 from sim.robot.navigator.move_base import Navigator
-from sim.robot.planning.itinerary_planner import ItineraryPlanner
 from sim.team import Team, TeamSnapshot
 from sim.world.physics import World
 from sim.world.sensors import Sensors

@@ -10,11 +10,11 @@ from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
+from thbridge.protocols.text.router import MessageRouter
 from thbridge.roles.notices import FloorPlan
-from thbridge.roles.tabui import ParticipantUpdate, TabUI
+from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
 from thbridge.roles.view import ParticipantRequest, View
 from thbridge.study.study_file import ParticipantSection, ShowsSection, Study
-from thbridge.wire.router import MessageRouter
 from ui.model.keys import act_for
 from ui.model.participant import Participant
 from ui.model.scene import RobotMark, RoomMark

@@ -12,7 +12,7 @@ import pytest
 
 from sim.common.geometry import FloatArray
 from sim.common.observations import TICK
-from tests.peers.desktop import desktop, needs_desktop
+from tests.peers.windows.desktop import desktop, needs_desktop
 
 pytestmark = [pytest.mark.bench, needs_desktop]
 

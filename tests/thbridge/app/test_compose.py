@@ -7,9 +7,9 @@ from sim.team import Team
 from thbridge.app.compose.game import build_briefing
 from thbridge.app.compose.robots import REHEARSERS, build_simr, rehearse
 from thbridge.app.compose.setting import StudySetting, read_setting
+from thbridge.protocols.text.notice import encode_notice
 from thbridge.roles.notices import Subscribe
 from thbridge.study.study_file import ParticipantSection, ShowsSection, Study
-from thbridge.wire.notice import encode_notice
 
 
 @pytest.mark.parametrize("name", ["arena8", "office", "warehouse12"])

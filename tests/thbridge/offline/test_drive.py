@@ -7,7 +7,7 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.parameters import RobotParameters, WorldParameters
-from sim.robot.control.braking import gap, placed
+from sim.robot.local_planning.braking import gap, placed
 from sim.world.physics import Misplaced
 from thbridge.files.map_files import read_map
 from thbridge.offline.drive import DriveResult, DriveTask, _to_squares, drive

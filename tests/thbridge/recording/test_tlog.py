@@ -6,11 +6,11 @@ import pytest
 from pymavlink import mavutil
 
 from thbridge.files.errors import BadFile
+from thbridge.protocols.mavlink.dialect import mav, payload_of
+from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.protocols.mavlink.traffic import Traffic
 from thbridge.recording.tlog import TlogFile
 from thbridge.ros.messages.stamps import stamp_ns
-from thbridge.wire.mavlink.dialect import mav, payload_of
-from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.traffic import Traffic
 
 HEARTBEAT = Frame(1, 1, 0, 0, payload_of(mav.MAVLink_heartbeat_message(10, 0, 1, 0, 4, 3)), 50)
 SAID = [Traffic(0, False, "a", HEARTBEAT)]

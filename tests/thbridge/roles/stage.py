@@ -16,17 +16,17 @@ from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.hunt.events import Condition, Event
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.bot_strategy import BotStrategy
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.lines import TextMessage
+from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, parse_notice
+from thbridge.protocols.text.router import MessageRouter
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.disclosure import plain_costs
 from thbridge.roles.keeper.keeper import GameRules, Keeper
 from thbridge.roles.notices import KEEPER, MoveOrder, MoveResult, Orders, RobotsReady, TeamRejection, TeamStatus
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.role import Role
-from thbridge.roles.tabui import TabUI
-from thbridge.wire import legacy
-from thbridge.wire.notice import Notice, decode_notice, encode_notice, parse_notice
-from thbridge.wire.router import MessageRouter
-from thbridge.wire.text import TextMessage
 
 RULES = GameRules(seed=7, energy=100.0, picture_cost=5.0, identify_cost=1.0, wrong_share=1.0)
 

@@ -19,8 +19,10 @@ from thbridge.hunt.events import (
     TreasuresHidden,
 )
 from thbridge.hunt.rooms import CORRIDOR, Room
-from thbridge.roles.bot_strategy import BotStrategy
+from thbridge.protocols.text.notice import Notice, decode_notice
 from thbridge.roles.notices import KEEPER, Orders, TeamStatus
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import (
     CommandRequest,
     ReleaseCommand,
@@ -31,7 +33,6 @@ from thbridge.roles.robot_requests import (
     StationTakePicture,
     TakeCommand,
 )
-from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import (
     AnswerDialogue,
     CallBack,
@@ -47,7 +48,6 @@ from thbridge.roles.view import (
     TakePicture,
     View,
 )
-from thbridge.wire.notice import Notice, decode_notice
 
 NAME = "ground station 255"
 TAKE = TakeCommand(0, NAME)

@@ -7,6 +7,7 @@ from tests.thbridge.roles.stage import Stage
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.hunt.events import Commander, CommanderChanged, GameStarted, HandbackRequested, RobotDeparted
 from thbridge.hunt.game import CommandHolder, apply, begin
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import (
     ReleaseCommand,
     StationCallBack,
@@ -16,7 +17,6 @@ from thbridge.roles.robot_requests import (
     StationTakePicture,
     TakeCommand,
 )
-from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import (
     AnswerDialogue,
     CallBack,

@@ -2,8 +2,8 @@ from typing import get_args
 
 import pytest
 
+from sim.robot.global_planning.path import PlanRefusalCode
 from sim.robot.navigator.goals import NoPathReason
-from sim.robot.planning.path import PlanRefusalCode
 from thbridge.roles import failure_reasons as reasons
 
 CODES = sorted(

@@ -1,10 +1,10 @@
 """Hider without a keeper: it answers by itself, as in 2016."""
 
 from thbridge.hunt.treasures import TreasureKind
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.notice import encode_notice
 from thbridge.roles.hider import KEEPER_TIMEOUT, Hider
 from thbridge.roles.notices import KEEPER, HideRequest
-from thbridge.wire import legacy
-from thbridge.wire.notice import encode_notice
 
 KINDS = [TreasureKind("Red", "Round and Large", 10, "Red Ball", "ball.jpg")]
 

@@ -21,9 +21,10 @@ from thbridge.hunt.events import (
     TreasuresHidden,
 )
 from thbridge.hunt.game import fold
-from thbridge.roles.bot_strategy import BotStrategy
+from thbridge.protocols.text import legacy
 from thbridge.roles.keeper.keeper import Keeper
-from thbridge.roles.tabui import TabUI
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.view import (
     AnswerDialogue,
     CallBack,
@@ -40,7 +41,6 @@ from thbridge.roles.view import (
     TakePicture,
     View,
 )
-from thbridge.wire import legacy
 
 Stage = stage.Stage
 

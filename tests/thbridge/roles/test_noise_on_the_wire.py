@@ -13,15 +13,15 @@ from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
 from thbridge.hunt.events import GameStarted
 from thbridge.hunt.game import fold
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.lines import TextCommand, TextMessage
+from thbridge.protocols.text.notice import encode_notice, kind_of, notice
 from thbridge.roles import notices, view
-from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.notices import KEEPER
-from thbridge.roles.tabui import ParticipantUpdate, TabUI
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
 from thbridge.study.study_file import Study
-from thbridge.wire import legacy
-from thbridge.wire.notice import encode_notice, kind_of, notice
-from thbridge.wire.text import TextCommand, TextMessage
 
 small = st.integers(-2, 10)
 number = st.one_of(small, st.integers(), st.floats(allow_nan=False, allow_infinity=False))

@@ -5,9 +5,9 @@ from typing import get_args, get_type_hints
 from hypothesis import given, reject
 from hypothesis import strategies as st
 
+from thbridge.protocols.text.notice import decode_notice, encode_notice, kind_of, parse_notice
 from thbridge.roles.notices import StateNotice
 from thbridge.roles.view import ParticipantRequest, View
-from thbridge.wire.notice import decode_notice, encode_notice, kind_of, parse_notice
 
 VALUES = (*get_args(StateNotice), View, *get_args(ParticipantRequest))
 ON_THE_WIRE = """

@@ -10,16 +10,9 @@ from sim.parameters import OdometryNoise, RobotParameters, WorldParameters
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.yaml.load import load_text
 from thbridge.recording.bag.options import Compression, SplitLimits
-from thbridge.roles.bot_strategy import BotStrategy
+from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.study.noise import NoisePreset
-from thbridge.study.study_file import (
-    GameSection,
-    ParticipantSection,
-    ShowsSection,
-    Study,
-    load_study,
-    read_study_text,
-)
+from thbridge.study.study_file import GameSection, ParticipantSection, ShowsSection, Study, load_study, read_study_text
 from thbridge.study.text import commented_study, resolved
 
 STUDY = Path("study.yaml")

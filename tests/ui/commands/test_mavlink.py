@@ -15,19 +15,19 @@ from typer.testing import CliRunner
 from tests.system.ports import free_port
 from tests.system.programs import Program, until
 from tests.thbridge.app.replay.test_mavlink_replay import Station, record
-from tests.thbridge.wire.mavlink.rig import OPTIONS, Game
+from tests.thbridge.protocols.mavlink.rig import OPTIONS, Game
 from thbridge.app.session.session import Session
+from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
+from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.protocols.mavlink.frames.signing import SigningKey, parse_key
+from thbridge.protocols.mavlink.hub import Hub
+from thbridge.protocols.mavlink.outgoing import LinkId
+from thbridge.protocols.mavlink.station import ground_station, trip
+from thbridge.protocols.mavlink.traffic import FrameOutcome
+from thbridge.protocols.mavlink.vehicle.vehicle import Vehicle
+from thbridge.protocols.mavlink.vehicle_interface import Denied
 from thbridge.sockets.addresses import Address, UdpTarget
 from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
-from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.signing import SigningKey, parse_key
-from thbridge.wire.mavlink.hub import Hub
-from thbridge.wire.mavlink.outgoing import LinkId
-from thbridge.wire.mavlink.station import ground_station, trip
-from thbridge.wire.mavlink.traffic import FrameOutcome
-from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
-from thbridge.wire.mavlink.vehicle_interface import Denied
 from ui.cli import app
 
 

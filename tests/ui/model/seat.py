@@ -1,7 +1,7 @@
 """A participant who only looks at screens and does what they offer, in a real game without a simulator."""
 
 from tests.thbridge.roles.stage import Stage
-from thbridge.roles.tabui import TabUI
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.view import View
 from ui.model.participant import Participant
 from ui.model.playing.offers import offer, offers

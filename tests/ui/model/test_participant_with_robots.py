@@ -10,10 +10,10 @@ from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
-from thbridge.roles.tabui import TabUI
+from thbridge.protocols.text.router import MessageRouter
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.view import View
 from thbridge.study.study_file import Study
-from thbridge.wire.router import MessageRouter
 from ui.model.keys import act_for
 from ui.model.participant import Participant
 from ui.model.screen import DialoguePopup, Phase, Screen, TreasurePopup

@@ -14,12 +14,12 @@ from thbridge.app.play import PLAY, NoLog
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.bag.options import Compression
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import Request
-from thbridge.roles.tabui import TabUI
 from thbridge.study.study_file import RecordingSection, Study
-from thbridge.wire import legacy
-from thbridge.wire.router import MessageRouter
 from ui.model.watching.tools import obstacle
 
 STUDY = dataclasses.replace(Study(), seed=7, robots=3)

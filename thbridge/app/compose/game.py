@@ -10,13 +10,13 @@ from thbridge.dialogue.strategies import TemplateStrategy
 from thbridge.dialogue.templates import TemplatePhrasing
 from thbridge.files.template_files import TemplateSet
 from thbridge.hunt.events import Event
-from thbridge.roles.bot_strategy import BotStrategy
-from thbridge.roles.bots import Bot, TreasureKnowledge
 from thbridge.roles.hider import Hider
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.floor_plan import floor_plan_of
 from thbridge.roles.keeper.keeper import GameRules, Keeper
 from thbridge.roles.notices import FloorPlan, RoomOutline
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.bots import Bot, TreasureKnowledge
 
 
 def build_keeper(setting: StudySetting, history: tuple[Event, ...] = (), last_game: int = 0) -> Keeper:

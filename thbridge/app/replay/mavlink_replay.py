@@ -25,6 +25,8 @@ from thbridge.app.session.session import Session, TickRecord
 from thbridge.files.errors import BadFile
 from thbridge.hunt.codec import kind_of
 from thbridge.hunt.events import RobotArrived
+from thbridge.protocols.mavlink.outgoing import LinkId
+from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.bag import reader as bag_reader
 from thbridge.recording.bag.reader import BagInfo
 from thbridge.ros import names
@@ -36,8 +38,6 @@ from thbridge.ros.publisher import RosMessage
 from thbridge.ros.topics import VehicleTopics
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
-from thbridge.wire.mavlink.outgoing import LinkId
-from thbridge.wire.router import MessageRouter
 
 _TOPIC = re.compile(r"(?:/robot([1-9]\d{0,2}))?/mavlink/to")
 _LEAD = 1_000_000_000

@@ -42,11 +42,14 @@ from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session, TickRecord, TickRecorder
 from thbridge.app.session.simr_session import SimrSession
 from thbridge.files.errors import BadFile
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.lines import TextMessage
+from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.bag import reader as bag_reader
 from thbridge.recording.bag.reader import RawMessage
-from thbridge.roles.bot_strategy import BotStrategy
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.role import Role
-from thbridge.roles.tabui import TabUI
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.differences import FieldDifference, differences
@@ -57,8 +60,6 @@ from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import read_study_text
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
-from thbridge.wire import legacy, text
-from thbridge.wire.router import MessageRouter
 
 
 @dataclass(frozen=True, slots=True)
@@ -264,16 +265,16 @@ class _RecordedParticipant:
     name = legacy.TABUI
 
     def __init__(self) -> None:
-        self._lines: list[text.TextMessage] = []
+        self._lines: list[TextMessage] = []
 
     def connected(self) -> None:
         """Do nothing: the recorded participant's introduction is one of the messages."""
 
-    def prompt(self, line: text.TextMessage) -> None:
+    def prompt(self, line: TextMessage) -> None:
         """Send this with the next step."""
         self._lines.append(line)
 
-    def step(self, tick: int, messages: Sequence[text.TextMessage]) -> list[text.TextMessage]:
+    def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
         """See `Role`."""
         lines, self._lines = self._lines, []
         return lines

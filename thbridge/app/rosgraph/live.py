@@ -18,12 +18,14 @@ from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
 from sim.inputs import ClearCostmaps, GlobalLocalization, NomotionUpdate, SetPoseEstimate
 from sim.parameters import RobotParameters
-from sim.robot.planning.path import PlanRefusal as NoPlan
+from sim.robot.global_planning.path import PlanRefusal as NoPlan
 from thbridge.app.rosgraph.live_parameters import LiveParameters, sendable
 from thbridge.app.rosgraph.rate_limiter import RateLimiter
 from thbridge.app.rosgraph.typed_node import TypedNode
 from thbridge.app.session.mavros import frame_in
 from thbridge.files.ros.definitions import Definitions
+from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.roles.robot_requests import Request
 from thbridge.ros import clients, names
 from thbridge.ros.clients import InvalidMessage
@@ -38,8 +40,6 @@ from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence, ensu
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 from thbridge.sockets.rosgraph.request_queue import RequestQueue
 from thbridge.sockets.warn_once import WarnOnce
-from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.rosgraph.links import ServiceFailed
 
 _log = logging.getLogger(__name__)
 

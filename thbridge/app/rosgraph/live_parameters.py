@@ -13,6 +13,8 @@ from sim.parameters import RobotParameters, reconfigurable
 from sim.parameters.reconfiguration import ParameterRejection
 from thbridge.app.rosgraph.rate_limiter import RateLimiter
 from thbridge.app.rosgraph.typed_node import TypedNode
+from thbridge.protocols.rosgraph.links import ServiceFailed
+from thbridge.protocols.rosgraph.xmlrpc import XmlRpcValue
 from thbridge.roles.robot_requests import ParameterValue as SetValue
 from thbridge.roles.robot_requests import Request, SetParameters, with_values
 from thbridge.ros import reconfigure
@@ -22,8 +24,6 @@ from thbridge.ros.names import RobotNames
 from thbridge.ros.parameters import ParameterValue, has, leaves, name_of, path_of, robot_tree, value_at
 from thbridge.ros.reconfigure import ReconfigureServer
 from thbridge.sockets.warn_once import WarnOnce
-from thbridge.wire.rosgraph.links import ServiceFailed
-from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue
 
 _log = logging.getLogger(__name__)
 

@@ -24,11 +24,11 @@ from thbridge.app.session.inputs import (
     NameAccepted,
     ParticipantSent,
 )
+from thbridge.protocols.mavlink.dialect import name_of
 from thbridge.roles.robot_requests import PACE_REQUESTS, REQUESTS, PaceRequest, Request
 from thbridge.ros.goal_owners import GoalOwner, owned_number, recorded_number
 from thbridge.ros.messages.records import GoalRequest, SimpleGoal
 from thbridge.ros.messages.session_records import InputRecord
-from thbridge.wire.mavlink.dialect import name_of
 
 T = TypeVar("T")
 _CLASSES: dict[str, type[Input]] = {

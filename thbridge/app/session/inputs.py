@@ -8,11 +8,11 @@ a session that is given the same ones in the same ticks does the same.
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.protocols.mavlink.outgoing import LinkId
+from thbridge.protocols.text.lines import TextMessage
+from thbridge.protocols.text.router import ConnectionId
 from thbridge.roles.robot_requests import Request
-from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.outgoing import LinkId
-from thbridge.wire.router import ConnectionId
-from thbridge.wire.text import TextMessage
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,10 +1,10 @@
 """Conversion of MAVLink frames and vehicle states to mavros' messages and back."""
 
+from thbridge.protocols.mavlink.dialect import crc_extra
+from thbridge.protocols.mavlink.frames.frame import V1, V2, Frame
+from thbridge.protocols.mavlink.outgoing import VehicleStatus
+from thbridge.protocols.mavlink.traffic import Traffic
 from thbridge.ros.messages.records import MavlinkFrame, VehicleFrame, VehicleState
-from thbridge.wire.mavlink.dialect import crc_extra
-from thbridge.wire.mavlink.frames.frame import V1, V2, Frame
-from thbridge.wire.mavlink.outgoing import VehicleStatus
-from thbridge.wire.mavlink.traffic import Traffic
 
 
 def frame_record(traffic: Traffic) -> VehicleFrame:

@@ -18,15 +18,15 @@ from thbridge.hunt import events
 from thbridge.hunt.codec import kind_of, to_json
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
+from thbridge.protocols.mavlink.outgoing import VehicleStatus
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.router import Forwarded
 from thbridge.recording.tlog import TlogFile
 from thbridge.roles.keeper.dialogues import MATTERS
 from thbridge.roles.keeper.wizard import WizardState
 from thbridge.ros.messages.records import GraphRequest, Record, SendRobots, Success
 from thbridge.ros.messages.session_records import GameEvent, HeldTurns, ScoreRecord, UtteranceRecord
 from thbridge.ros.messages.stamps import stamp_ns
-from thbridge.wire import legacy
-from thbridge.wire.mavlink.outgoing import VehicleStatus
-from thbridge.wire.router import Forwarded
 
 JUMP = 0.2
 """Metres in one tick beyond what a robot can drive: it was carried."""

@@ -25,17 +25,17 @@ from thbridge.app.session.inputs import (
 from thbridge.dialogue.moves import DialogueUtterance
 from thbridge.hunt.events import Event
 from thbridge.hunt.game import GameState
+from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.protocols.mavlink.links import LinkReport
+from thbridge.protocols.mavlink.outgoing import LinkId, VehicleStatus
+from thbridge.protocols.mavlink.traffic import FrameOutcome, OutgoingFrame, Traffic
+from thbridge.protocols.text.lines import TextMessage
+from thbridge.protocols.text.router import ConnectionId, Forwarded, MessageRouter, RouterOutput, TurnedAway
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.keeper.wizard import WizardState
 from thbridge.roles.robot_requests import GameRequest, Request
 from thbridge.roles.robots_role import RobotsRole
 from thbridge.roles.role import Role
-from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.links import LinkReport
-from thbridge.wire.mavlink.outgoing import LinkId, VehicleStatus
-from thbridge.wire.mavlink.traffic import FrameOutcome, OutgoingFrame, Traffic
-from thbridge.wire.router import ConnectionId, Forwarded, MessageRouter, RouterOutput, TurnedAway
-from thbridge.wire.text import TextMessage
 
 if TYPE_CHECKING:  # Only sessions with robots need these.
     from sim.team import TeamSnapshot

@@ -18,6 +18,10 @@ from thbridge.hunt.events import Commander, ConsentGiven, Event, GameStarted, Tr
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rules import MOST_ROBOTS
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.lines import TextMessage
+from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, is_notice, kind_of, parse_notice
+from thbridge.protocols.text.router import Forwarded
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.disclosure import view_of
 from thbridge.roles.keeper.legacy_lines import LegacyLines, request_kind
@@ -47,10 +51,6 @@ from thbridge.roles.notices import (
 from thbridge.roles.participant_rules import KeeperReason
 from thbridge.roles.robot_requests import CommandRequest, GameRequest
 from thbridge.roles.view import GiveConsent, ParticipantRequest, PlayAgain, SendRobot
-from thbridge.wire import legacy
-from thbridge.wire.notice import Notice, decode_notice, encode_notice, is_notice, kind_of, parse_notice
-from thbridge.wire.router import Forwarded
-from thbridge.wire.text import TextMessage
 
 _BEFORE_AGREEING = RequestRefused(KeeperReason.NOT_AGREED, "You have not agreed to take part yet.")
 _AFTER_AGREEING = {kind_of(kind) for kind in get_args(ParticipantRequest)} - {kind_of(GiveConsent)}

@@ -11,13 +11,13 @@ from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.lines import TextMessage
+from thbridge.protocols.text.notice import kind_of
+from thbridge.protocols.text.router import Forwarded
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.participant_rules import KeeperReason
 from thbridge.roles.view import DialogueMatter, IdentifyTreasure, SendRobot, SenseTreasure, TakePicture
-from thbridge.wire import legacy
-from thbridge.wire.notice import kind_of
-from thbridge.wire.router import Forwarded
-from thbridge.wire.text import TextMessage
 
 _WISHES: Mapping[type, str] = {
     legacy.GotoRoom: kind_of(SendRobot),

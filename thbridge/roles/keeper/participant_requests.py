@@ -8,6 +8,7 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.tour import suggest
+from thbridge.protocols.text.notice import Notice, decode_notice, kind_of
 from thbridge.roles.keeper.dialogues import MATTERS
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.participant_rules import Situation, free_to_discuss, judge, place
@@ -23,7 +24,6 @@ from thbridge.roles.view import (
     RequestSuggestion,
     SelectRoom,
 )
-from thbridge.wire.notice import Notice, decode_notice, kind_of
 
 
 def handle_participant_request(game: OpenGame, state: GameState, notice: Notice, *, awaits_treasures: bool) -> None:

@@ -5,11 +5,11 @@ from collections import deque
 from collections.abc import Iterator
 
 from sim.common.observations import TICKS_PER_SECOND
+from thbridge.protocols.text.lines import TextMessage
+from thbridge.protocols.text.notice import encode_notice
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.notices import PicturePiece
 from thbridge.roles.view import View
-from thbridge.wire.notice import encode_notice
-from thbridge.wire.text import TextMessage
 
 PIECE_SIZE = 30_000
 """Bytes of a picture in one line; 40,000 characters in base 64."""

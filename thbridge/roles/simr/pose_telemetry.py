@@ -15,10 +15,10 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
 from thbridge.hunt.events import Condition
+from thbridge.protocols.text.lines import TextMessage
+from thbridge.protocols.text.notice import encode_notice
 from thbridge.roles.notices import Activity, Ellipse, PlannedPaths, PoseTelemetry, RobotMotion, StateNotice
 from thbridge.roles.simr.polyline import needed_points
-from thbridge.wire.notice import encode_notice
-from thbridge.wire.text import TextMessage
 
 POSE_PERIOD = TICKS_PER_SECOND // 25
 """Ticks from one message of poses to the next."""

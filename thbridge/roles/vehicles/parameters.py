@@ -16,9 +16,9 @@ import numpy as np
 
 from sim.parameters import LiveParameter, ParameterRejection, WorldParameters, live_parameters
 from sim.parameters.reconfiguration import WORLD_PREFIX
+from thbridge.protocols.mavlink.vehicle_interface import Denied, ParameterDescription, ParameterSetting
 from thbridge.roles.robot_requests import ParameterValue, SetParameters, Tuning
 from thbridge.roles.vehicles.parameter_names import GROUPS, group_of, name_of
-from thbridge.wire.mavlink.vehicle_interface import Denied, ParameterDescription, ParameterSetting
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,6 +21,18 @@ from thbridge.hunt.events import Commander, CommanderChanged
 from thbridge.hunt.game import CommandHolder, GameState, apply
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
+from thbridge.protocols.mavlink.vehicle_interface import (
+    DenialKind,
+    Denied,
+    HelmLeg,
+    LegState,
+    ParameterDescription,
+    ParameterSetting,
+    ParameterSettings,
+    RobotReadings,
+    Station,
+    Target,
+)
 from thbridge.roles import failure_reasons as reasons
 from thbridge.roles.notices import RoomOutline
 from thbridge.roles.robot_requests import (
@@ -38,18 +50,6 @@ from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
 from thbridge.roles.vehicles.speed_limit import SpeedLimit
 from thbridge.roles.vehicles.station_texts import game_texts, handback_texts
 from thbridge.roles.vehicles.trips import TripStage, VehicleTrip, advanced, is_responding
-from thbridge.wire.mavlink.vehicle_interface import (
-    DenialKind,
-    Denied,
-    HelmLeg,
-    LegState,
-    ParameterDescription,
-    ParameterSetting,
-    ParameterSettings,
-    RobotReadings,
-    Station,
-    Target,
-)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,8 @@ import math
 from sim.common.observations import Twist
 from sim.parameters import RobotParameters
 from sim.parameters.reconfiguration import ParameterRejection, reconfigured
+from thbridge.protocols.mavlink.vehicle_interface import DenialKind, Denied
 from thbridge.roles.vehicles.parameters import Tunable
-from thbridge.wire.mavlink.vehicle_interface import DenialKind, Denied
 
 DEFAULT_FASTEST = Twist(0.5, 1.0)
 """Greatest speeds of manual driving for robots whose parameters are unknown."""

@@ -10,9 +10,9 @@ from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
+from thbridge.protocols.mavlink.vehicle_interface import HelmLeg, LegState
 from thbridge.roles import failure_reasons as reasons
 from thbridge.ros.goal_owners import GoalOwner
-from thbridge.wire.mavlink.vehicle_interface import HelmLeg, LegState
 
 RESPONSE_TIMEOUT = TICKS_PER_SECOND
 """Ticks without observations after which a robot counts as silent, and without news of a goal after which it fails."""

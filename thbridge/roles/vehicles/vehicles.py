@@ -7,15 +7,15 @@ from typing import Protocol, TypeAlias
 from sim.common.robot_numbers import number_of
 from sim.team import TeamSnapshot
 from thbridge.hunt.game import GameState
+from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.protocols.mavlink.hub import Hub
+from thbridge.protocols.mavlink.links import LinkReport
+from thbridge.protocols.mavlink.options import VehicleOptions
+from thbridge.protocols.mavlink.outgoing import LinkId, VehicleStatus
+from thbridge.protocols.mavlink.traffic import FrameOutcome, OutgoingFrame, Traffic
+from thbridge.protocols.mavlink.vehicle.vehicle import Vehicle
+from thbridge.protocols.mavlink.vehicle_interface import RobotReadings, VehicleInterface
 from thbridge.roles.robot_requests import Request
-from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.hub import Hub
-from thbridge.wire.mavlink.links import LinkReport
-from thbridge.wire.mavlink.options import VehicleOptions
-from thbridge.wire.mavlink.outgoing import LinkId, VehicleStatus
-from thbridge.wire.mavlink.traffic import FrameOutcome, OutgoingFrame, Traffic
-from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
-from thbridge.wire.mavlink.vehicle_interface import RobotReadings, VehicleInterface
 
 RequestSink: TypeAlias = Callable[[Request], None]
 """Takes requests to robots and game for the next tick."""

@@ -10,11 +10,11 @@ from contextlib import asynccontextmanager, suppress
 from typing import cast
 
 from thbridge.files.errors import reason_of
+from thbridge.protocols.mavlink.frames.channel import Channel
+from thbridge.protocols.mavlink.frames.signing import SignatureTimestamps, Signing, SigningKey
+from thbridge.protocols.mavlink.station.ground_station import GroundStation, StationEvent
 from thbridge.sockets.addresses import Address
 from thbridge.sockets.mavlink.udp import BUFFER, SocketAddress
-from thbridge.wire.mavlink.frames.channel import Channel
-from thbridge.wire.mavlink.frames.signing import SignatureTimestamps, Signing, SigningKey
-from thbridge.wire.mavlink.station.ground_station import GroundStation, StationEvent
 
 CONNECT_SECONDS = 5.0
 

@@ -11,13 +11,13 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from thbridge.protocols.mavlink.frames.channel import Channel
+from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.protocols.mavlink.frames.signing import SignatureTimestamps, Signing, SigningKey
+from thbridge.protocols.mavlink.links import LinkReport
+from thbridge.protocols.mavlink.outgoing import LinkId
+from thbridge.protocols.mavlink.traffic import FrameOutcome, OutgoingFrame
 from thbridge.sockets.warn_once import WarnOnce
-from thbridge.wire.mavlink.frames.channel import Channel
-from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.signing import SignatureTimestamps, Signing, SigningKey
-from thbridge.wire.mavlink.links import LinkReport
-from thbridge.wire.mavlink.outgoing import LinkId
-from thbridge.wire.mavlink.traffic import FrameOutcome, OutgoingFrame
 
 GARBAGE_LIMIT = 16 * 1024
 """Bytes in a row without a good frame after which a peer is ignored, for some time at least."""

@@ -4,12 +4,12 @@ import logging
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
 
+from thbridge.protocols.mavlink.frames.signing import SigningKey
 from thbridge.sockets.addresses import Address, UdpTarget
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.links import MavlinkLinks, MavlinkSession
 from thbridge.sockets.mavlink.tcp import TcpPort, tcp_port
 from thbridge.sockets.mavlink.udp import UdpPort, udp_listener, udp_port
-from thbridge.wire.mavlink.frames.signing import SigningKey
 
 _log = logging.getLogger(__name__)
 

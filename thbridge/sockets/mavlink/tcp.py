@@ -8,11 +8,11 @@ from asyncio import Protocol, Transport
 from collections.abc import Sequence
 
 from thbridge.files.errors import reason_of
+from thbridge.protocols.mavlink.frames.channel import Channel
+from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.sockets.addresses import Address
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.links import GARBAGE_LIMIT, MavlinkLinks
-from thbridge.wire.mavlink.frames.channel import Channel
-from thbridge.wire.mavlink.outgoing import LinkId
 
 CONNECTIONS = 32
 """Most connections at a time; further ones are turned away."""

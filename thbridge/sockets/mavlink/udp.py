@@ -11,11 +11,11 @@ from typing import NamedTuple, cast
 
 from sim.common.robot_numbers import index_of
 from thbridge.files.errors import reason_of
+from thbridge.protocols.mavlink.frames.channel import Channel
+from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.sockets.addresses import Address, UdpTarget
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink.links import GARBAGE_LIMIT, MavlinkLinks
-from thbridge.wire.mavlink.frames.channel import Channel
-from thbridge.wire.mavlink.outgoing import LinkId
 
 MAX_PEERS = 32
 """Most peers of one socket beside its target; one more replaces the peer whose last frame is oldest."""

@@ -1,1 +1,1 @@
-"""ROS 1 graph over TCP: the sockets of `thbridge.wire.rosgraph`."""
+"""ROS 1 graph over TCP: the sockets of `thbridge.protocols.rosgraph`."""

@@ -22,6 +22,7 @@ from sim.inputs import (
 from sim.parameters import RobotParameters, WorldParameters
 from sim.team import TeamSnapshot
 from thbridge.files.ros.definitions import Definitions
+from thbridge.protocols.rosgraph import links
 from thbridge.ros import names
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types
@@ -34,7 +35,6 @@ from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 from thbridge.sockets.rosgraph.publications import Publication
 from thbridge.sockets.warn_once import WarnOnce
-from thbridge.wire.rosgraph import links
 
 CALLER = "/thbridge_fleet"
 """Name of the node; a simulated session on the same graph has another."""

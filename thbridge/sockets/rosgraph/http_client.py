@@ -13,7 +13,7 @@ from urllib.parse import urlsplit
 import h11
 
 from thbridge.files.errors import reason_of
-from thbridge.wire.rosgraph.xmlrpc import (
+from thbridge.protocols.rosgraph.xmlrpc import (
     MAX_BYTES,
     Fault,
     MalformedDocument,

@@ -15,9 +15,7 @@ from typing import TypeAlias
 import h11
 
 from thbridge.files.errors import reason_of
-from thbridge.sockets.addresses import ListeningAddress
-from thbridge.sockets.errors import CannotListen
-from thbridge.wire.rosgraph.xmlrpc import (
+from thbridge.protocols.rosgraph.xmlrpc import (
     MAX_BYTES,
     Fault,
     MalformedDocument,
@@ -27,6 +25,8 @@ from thbridge.wire.rosgraph.xmlrpc import (
     encode_fault,
     encode_response,
 )
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
 
 _log = logging.getLogger(__name__)
 

@@ -11,13 +11,7 @@ from collections import OrderedDict
 from collections.abc import Awaitable, Callable
 from types import TracebackType
 
-from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_PORT, ListeningAddress
-from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
-from thbridge.sockets.rosgraph.http_server import XmlRpcServer
-from thbridge.sockets.rosgraph.rosout import rosout_node
-from thbridge.timing.loop import stopping
-from thbridge.wire.rosgraph.master import (
+from thbridge.protocols.rosgraph.master import (
     ERROR,
     METHODS,
     ApiReply,
@@ -27,7 +21,13 @@ from thbridge.wire.rosgraph.master import (
     ParamUpdate,
     PublisherUpdate,
 )
-from thbridge.wire.rosgraph.xmlrpc import Fault, MethodCall, MethodResponse, XmlRpcValue
+from thbridge.protocols.rosgraph.xmlrpc import Fault, MethodCall, MethodResponse, XmlRpcValue
+from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_PORT, ListeningAddress
+from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
+from thbridge.sockets.rosgraph.http_server import XmlRpcServer
+from thbridge.sockets.rosgraph.rosout import rosout_node
+from thbridge.timing.loop import stopping
 
 CALLER_ID = "/master"
 """Caller id of the master in calls to nodes."""

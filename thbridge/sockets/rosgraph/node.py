@@ -22,6 +22,18 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from thbridge.files.errors import reason_of
+from thbridge.protocols.rosgraph.links import ServiceFailed, ServiceHeader, TopicHeader
+from thbridge.protocols.rosgraph.outbound import ServiceClientLink
+from thbridge.protocols.rosgraph.slave import (
+    METHODS,
+    Consequence,
+    NodeDescription,
+    ParameterChanged,
+    PublishersChanged,
+    ShutdownRequested,
+    answer_call,
+)
+from thbridge.protocols.rosgraph.xmlrpc import MethodCall, XmlRpcValue
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import HttpLimits, XmlRpcServer
@@ -43,18 +55,6 @@ from thbridge.sockets.rosgraph.subscriptions import (
     ignore_publisher,
 )
 from thbridge.sockets.rosgraph.tcpros_server import ServiceHandler, TcprosServer
-from thbridge.wire.rosgraph.links import ServiceFailed, ServiceHeader, TopicHeader
-from thbridge.wire.rosgraph.outbound import ServiceClientLink
-from thbridge.wire.rosgraph.slave import (
-    METHODS,
-    Consequence,
-    NodeDescription,
-    ParameterChanged,
-    PublishersChanged,
-    ShutdownRequested,
-    answer_call,
-)
-from thbridge.wire.rosgraph.xmlrpc import MethodCall, XmlRpcValue
 
 ParamCallback: TypeAlias = Callable[[str, XmlRpcValue], None]
 """Callback with the key of a parameter and its new value."""

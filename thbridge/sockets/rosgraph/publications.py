@@ -7,10 +7,10 @@ from asyncio import Transport
 from collections import deque
 from collections.abc import Iterable
 
+from thbridge.protocols.rosgraph.links import TopicHeader
+from thbridge.protocols.rosgraph.slave import BusConnection
+from thbridge.protocols.rosgraph.tcpros import frame
 from thbridge.sockets.rosgraph.connections import endpoints
-from thbridge.wire.rosgraph.links import TopicHeader
-from thbridge.wire.rosgraph.slave import BusConnection
-from thbridge.wire.rosgraph.tcpros import frame
 
 _log = logging.getLogger(__name__)
 

@@ -9,10 +9,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
 
+from thbridge.protocols.rosgraph.xmlrpc import Fault, MethodResponse, XmlRpcValue
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.replies import value_of
 from thbridge.sockets.warn_once import WarnOnce
-from thbridge.wire.rosgraph.xmlrpc import Fault, MethodResponse, XmlRpcValue
 
 _HEARTBEAT = 1.0
 """Seconds between two checks of the master."""

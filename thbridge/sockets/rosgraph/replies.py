@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from thbridge.protocols.rosgraph.xmlrpc import Fault, MethodResponse, XmlRpcValue
 from thbridge.sockets.rosgraph.http_client import CallFailed
-from thbridge.wire.rosgraph.xmlrpc import Fault, MethodResponse, XmlRpcValue
 
 
 def value_of(uri: str, reply: MethodResponse | Fault | CallFailed) -> XmlRpcValue | CallFailed:

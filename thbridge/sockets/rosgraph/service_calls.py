@@ -7,8 +7,8 @@ from asyncio import Transport
 from urllib.parse import urlsplit
 
 from thbridge.files.errors import reason_of
-from thbridge.wire.rosgraph.links import LinkEnded, LinkRefused, SendToPeer, ServiceAnswered, ServiceFailed
-from thbridge.wire.rosgraph.outbound import ServiceClientLink
+from thbridge.protocols.rosgraph.links import LinkEnded, LinkRefused, SendToPeer, ServiceAnswered, ServiceFailed
+from thbridge.protocols.rosgraph.outbound import ServiceClientLink
 
 
 async def ask(uri: str, link: ServiceClientLink, timeout: float) -> bytes | ServiceFailed:

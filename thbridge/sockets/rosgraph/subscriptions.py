@@ -10,14 +10,14 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from thbridge.files.errors import reason_of
+from thbridge.protocols.rosgraph.links import LinkEnded, LinkRefused, MessageReceived, PublisherAccepted, TopicHeader
+from thbridge.protocols.rosgraph.outbound import SubscriberLink
+from thbridge.protocols.rosgraph.slave import TRANSPORT, BusConnection
+from thbridge.protocols.rosgraph.tcpros import LENGTH_BYTES
 from thbridge.sockets.rosgraph.connections import HANDSHAKE_SECONDS, endpoints, keep_alive
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.replies import value_of
 from thbridge.sockets.warn_once import WarnOnce
-from thbridge.wire.rosgraph.links import LinkEnded, LinkRefused, MessageReceived, PublisherAccepted, TopicHeader
-from thbridge.wire.rosgraph.outbound import SubscriberLink
-from thbridge.wire.rosgraph.slave import TRANSPORT, BusConnection
-from thbridge.wire.rosgraph.tcpros import LENGTH_BYTES
 
 PUBLISHER_LIMIT = 256
 """Most publishers of one topic that are connected to; a hostile peer could report any number."""

@@ -13,13 +13,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from thbridge.files.errors import reason_of
-from thbridge.sockets.addresses import ListeningAddress
-from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.rosgraph.connections import HANDSHAKE_SECONDS, close_gently, keep_alive
-from thbridge.sockets.rosgraph.publications import WAITING_LIMIT, Publication, SubscriberQueue
-from thbridge.sockets.warn_once import WarnOnce
-from thbridge.wire.rosgraph.inbound import InboundLink
-from thbridge.wire.rosgraph.links import (
+from thbridge.protocols.rosgraph.inbound import InboundLink
+from thbridge.protocols.rosgraph.links import (
     InboundEvent,
     LinkEnded,
     LinkRefused,
@@ -30,7 +25,12 @@ from thbridge.wire.rosgraph.links import (
     SubscriberAccepted,
     TopicHeader,
 )
-from thbridge.wire.rosgraph.slave import BusConnection
+from thbridge.protocols.rosgraph.slave import BusConnection
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.rosgraph.connections import HANDSHAKE_SECONDS, close_gently, keep_alive
+from thbridge.sockets.rosgraph.publications import WAITING_LIMIT, Publication, SubscriberQueue
+from thbridge.sockets.warn_once import WarnOnce
 
 CONNECTION_LIMIT = 6144
 """Most connections of subscribers and clients at a time: all topics of 64 robots for four recorders."""

@@ -2,6 +2,7 @@
 
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
+from thbridge.protocols.text.notice import kind_of
 from thbridge.roles.participant_rules import Situation, revealed
 from thbridge.roles.view import (
     AnswerDialogue,
@@ -18,12 +19,7 @@ from thbridge.roles.view import (
     SelectRoom,
     View,
 )
-from thbridge.wire.notice import kind_of
-from ui.model.playing.possible import (
-    why_not_command,
-    why_not_go,
-    why_not_work,
-)
+from ui.model.playing.possible import why_not_command, why_not_go, why_not_work
 
 
 class PendingRequests:

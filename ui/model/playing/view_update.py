@@ -6,6 +6,7 @@ from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
+from thbridge.protocols.text.notice import kind_of
 from thbridge.roles.participant_rules import Discussed
 from thbridge.roles.view import (
     AnswerDialogue,
@@ -20,15 +21,9 @@ from thbridge.roles.view import (
     TakePicture,
     View,
 )
-from thbridge.wire.notice import kind_of
 from ui.model.playing.history import GameHistory
 from ui.model.playing.popup_queue import DestinationItem, PopupItem, TreasureItem
-from ui.model.playing.possible import (
-    why_not_command,
-    why_not_end,
-    why_not_go,
-    why_not_name,
-)
+from ui.model.playing.possible import why_not_command, why_not_end, why_not_go, why_not_name
 from ui.model.playing.state import EndGameEarly, HuntMemory, LeaveUndecided, ParticipantMemory, Reroute
 from ui.model.playing.words import how_it_comes_back, place_name, titled
 

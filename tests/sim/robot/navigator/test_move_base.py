@@ -13,9 +13,9 @@ from sim.common.geometry import Pose2, wrap_angle
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, TICK, LaserMount, Neighbour, Scan, Twist
 from sim.parameters import RobotParameters, WorldParameters
-from sim.robot.control.braking import gap, placed
 from sim.robot.costmap.costs import LETHAL
 from sim.robot.costmap.footprint import outline
+from sim.robot.local_planning.braking import gap, placed
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from sim.robot.navigator.move_base import Navigator
 from sim.robot.navigator.progress import PROGRESS_DISTANCE, PROGRESS_TIMEOUT

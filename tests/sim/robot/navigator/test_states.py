@@ -9,11 +9,11 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Claim, LaserMount, Neighbour, Scan
 from sim.parameters import RecoveryBehavior, RobotParameters
-from sim.robot.control.local_planner import PlannedCommand
+from sim.robot.global_planning.itinerary import timed_itinerary
+from sim.robot.local_planning.local_planner import PlannedCommand
 from sim.robot.navigator import follower, move_base
 from sim.robot.navigator.follower import NO_POSES, Follower
 from sim.robot.navigator.states import TRANSITIONS, Clearing, Controlling, Idle, Planning
-from sim.robot.planning.itinerary import timed_itinerary
 from tests.sim.robot.navigator.test_move_base import ARENA, STUDY, Rig, dead_end
 
 NO_TIMES = np.empty(0)

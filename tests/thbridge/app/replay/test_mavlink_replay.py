@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.thbridge.app.replay.test_replay import again, equal
-from tests.thbridge.wire.mavlink.hostile import Foe
+from tests.thbridge.protocols.mavlink.hostile import Foe
 from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_writer
 from thbridge.app.compose.robots import build_simr, vehicle_factory
@@ -22,9 +22,15 @@ from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
 from thbridge.files.errors import BadFile
+from thbridge.protocols.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
+from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.protocols.mavlink.frames.framer import FrameParser
+from thbridge.protocols.mavlink.outgoing import LinkId
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.bag.reader import messages
 from thbridge.recording.bag.writer import BagWriter
-from thbridge.roles.tabui import ParticipantUpdate, TabUI
+from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
 from thbridge.roles.vehicles.parameters import PARAMETERS
 from thbridge.roles.view import ParticipantRequest, View
 from thbridge.ros import names
@@ -33,12 +39,6 @@ from thbridge.ros.topics import RosMessage, Topic
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.overrides import StudyChange
 from thbridge.study.study_file import Study
-from thbridge.wire import legacy
-from thbridge.wire.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
-from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.framer import FrameParser
-from thbridge.wire.mavlink.outgoing import LinkId
-from thbridge.wire.router import MessageRouter
 
 STUDY = replace(Study(), seed=7, robots=2, mavlink=MavlinkSection(on=True))
 OPEN, BURST = 4, 15

@@ -48,12 +48,19 @@ from thbridge.app.session.session import Session, TickRecord
 from thbridge.app.session.simr_session import SimrSession
 from thbridge.app.session.watch_requests import request_line
 from thbridge.files.errors import BadFile
+from thbridge.protocols import watching
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.client import NameRegistered
+from thbridge.protocols.text.lines import TextMessage
+from thbridge.protocols.text.notice import encode_notice
+from thbridge.protocols.text.router import ConnectionId, Forwarded, MessageRouter, RouterOutput, SendToClient
 from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reader import messages
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.bag.writer import BagWriter
-from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.notices import KEEPER, MoveOrder, Orders, Subscribe
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import (
     PaceRequest,
     Pause,
@@ -65,7 +72,6 @@ from thbridge.roles.robot_requests import (
     WizardMode,
     WizardMove,
 )
-from thbridge.roles.tabui import TabUI
 from thbridge.ros import names
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
@@ -73,15 +79,10 @@ from thbridge.ros.messages.stamps import START_NS, TICK_NS
 from thbridge.ros.publisher import RosMessage, Topic
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.text_client import TextClient
-from thbridge.sockets.watch_client import WatchClient
+from thbridge.sockets.text.client import TextClient
+from thbridge.sockets.watching.client import WatchClient
 from thbridge.study.overrides import StudyChange, with_changes
 from thbridge.study.study_file import RecordingSection, Study, read_study_text
-from thbridge.wire import legacy, text
-from thbridge.wire import watch_protocol as watching
-from thbridge.wire.client import NameRegistered
-from thbridge.wire.notice import encode_notice
-from thbridge.wire.router import ConnectionId, Forwarded, MessageRouter, RouterOutput, SendToClient
 
 STUDY = dataclasses.replace(Study(), seed=7, server=dataclasses.replace(Study().server, port=0))
 
@@ -396,7 +397,7 @@ class TestSame:
                         for event in client.take():
                             if isinstance(event, NameRegistered):
                                 role.connected()
-                            elif isinstance(event, text.TextMessage):
+                            elif isinstance(event, TextMessage):
                                 heard.append(event)
                         for message in role.step(tick, heard):
                             client.send(message)

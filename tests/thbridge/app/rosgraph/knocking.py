@@ -20,15 +20,15 @@ from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.inputs import ClientRequest
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session, TickRecord
+from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.protocols.mavlink.outgoing import LinkId
+from thbridge.protocols.rosgraph.links import ServiceFailed
+from thbridge.protocols.rosgraph.xmlrpc import XmlRpcValue
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.router import MessageRouter
 from thbridge.roles.robot_requests import Request
 from thbridge.ros.names import GRAPH_LINK
 from thbridge.sockets.rosgraph.joining import GraphAddress
-from thbridge.wire import legacy
-from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.outgoing import LinkId
-from thbridge.wire.rosgraph.links import ServiceFailed
-from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue
-from thbridge.wire.router import MessageRouter
 
 Answer = bytes | ServiceFailed
 

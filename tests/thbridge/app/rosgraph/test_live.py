@@ -17,6 +17,11 @@ from thbridge.app.compose.setting import read_setting
 from thbridge.app.rosgraph.rate_limiter import REQUESTS_PER_TICK
 from thbridge.app.session.inputs import FrameReceived
 from thbridge.app.session.mavros import frame_record
+from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
+from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.protocols.mavlink.outgoing import LinkId
+from thbridge.protocols.mavlink.traffic import Traffic
+from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.roles.robot_requests import SetParameters
 from thbridge.ros.messages import pack
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal, VelocityCommand
@@ -24,11 +29,6 @@ from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import CALLER
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
-from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.outgoing import LinkId
-from thbridge.wire.mavlink.traffic import Traffic
-from thbridge.wire.rosgraph.links import ServiceFailed
 
 FORWARD = struct.pack("<6d", 0.1, 0, 0, 0, 0, 0)
 

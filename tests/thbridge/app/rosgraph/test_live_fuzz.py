@@ -16,8 +16,8 @@ from tests.thbridge.app.replay.test_replay import equal
 from tests.thbridge.app.rosgraph.knocking import Visited, cancel, goal
 from tests.thbridge.ros.test_clients import STORE, header, packed, pose, stamped
 from thbridge.app.compose.setting import StudySetting, read_setting
+from thbridge.protocols.rosgraph.xmlrpc import XmlRpcValue
 from thbridge.study.study_file import Study
-from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue
 
 ROBOTS = ("/robot1", "/robot2")
 SERVICES = (

@@ -12,13 +12,13 @@ from thbridge.app.rosgraph.live_parameters import LiveParameters
 from thbridge.app.rosgraph.rate_limiter import REQUESTS_PER_TICK, RateLimiter
 from thbridge.app.rosgraph.typed_node import TypedNode
 from thbridge.files.ros.definitions import Definitions
+from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.roles.robot_requests import Request, SetParameters
 from thbridge.ros.messages import types
 from thbridge.ros.messages.types import service_type
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.rosgraph.master_server import MasterServer
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
-from thbridge.wire.rosgraph.links import ServiceFailed
 
 PATIENCE = 30.0
 AMCL = "/robot2/amcl"

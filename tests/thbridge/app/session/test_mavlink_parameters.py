@@ -15,13 +15,13 @@ from thbridge.app.compose.robots import build_simr, build_team, vehicle_factory
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
+from thbridge.protocols.mavlink.dialect import Message, decoded, mav
+from thbridge.protocols.mavlink.traffic import OutgoingFrame
+from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.bag.reader import messages
 from thbridge.roles.robot_requests import SetParameters
 from thbridge.roles.vehicles.parameters import PARAMETERS
 from thbridge.ros.messages import unpack
-from thbridge.wire.mavlink.dialect import Message, decoded, mav
-from thbridge.wire.mavlink.traffic import OutgoingFrame
-from thbridge.wire.router import MessageRouter
 
 REAL32 = mav.MAV_PARAM_TYPE_REAL32
 

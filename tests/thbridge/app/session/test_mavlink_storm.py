@@ -9,19 +9,19 @@ import numpy as np
 import pytest
 
 from sim.common.observations import TICKS_PER_SECOND
-from tests.thbridge.wire.mavlink.hostile import Foe
+from tests.thbridge.protocols.mavlink.hostile import Foe
 from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.robots import build_simr, vehicle_factory
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
+from thbridge.protocols.mavlink.dialect import mav
+from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.protocols.mavlink.frames.framer import FrameParser
+from thbridge.protocols.text.router import MessageRouter
 from thbridge.roles.vehicles.parameters import VehicleParameters
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
-from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.framer import FrameParser
-from thbridge.wire.router import MessageRouter
 
 ROBOTS = 2
 SYSTEMS = range(1, ROBOTS + 1)

@@ -7,11 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from thbridge.app.session.mavros import frame_in, frame_record
+from thbridge.protocols.mavlink.dialect import crc_extra, mav
+from thbridge.protocols.mavlink.frames.frame import SIGNED, V1, V2, Frame
+from thbridge.protocols.mavlink.traffic import Traffic
 from thbridge.ros.messages import pack, unpack
 from thbridge.ros.messages.records import MavlinkFrame
-from thbridge.wire.mavlink.dialect import crc_extra, mav
-from thbridge.wire.mavlink.frames.frame import SIGNED, V1, V2, Frame
-from thbridge.wire.mavlink.traffic import Traffic
 
 BYTES = st.integers(0, 255)
 

@@ -21,6 +21,11 @@ from thbridge.app.session.input_records import from_record, to_record
 from thbridge.app.session.inputs import FrameReceived, HeartbeatsSent, LinkClosed, LinkOpened
 from thbridge.app.session.recording import BagRecorder, TlogRecorder
 from thbridge.app.session.session import Session, TickRecord
+from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
+from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.protocols.mavlink.outgoing import VehicleStatus
+from thbridge.protocols.mavlink.traffic import OutgoingFrame
+from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.tlog import TlogFile
 from thbridge.roles.keeper.wizard import WizardState
 from thbridge.ros.messages import unpack
@@ -28,11 +33,6 @@ from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.publisher import RosMessage
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
-from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.outgoing import VehicleStatus
-from thbridge.wire.mavlink.traffic import OutgoingFrame
-from thbridge.wire.router import MessageRouter
 
 WITH_VEHICLES = replace(Study(), mavlink=MavlinkSection(on=True))
 HEARTBEAT = mav.MAVLink_heartbeat_message(mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, 0, 0, 0, 3)

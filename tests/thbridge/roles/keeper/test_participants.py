@@ -22,12 +22,14 @@ from thbridge.hunt.events import (
 )
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.bot_strategy import BotStrategy
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.notice import decode_notice, encode_notice, kind_of, parse_notice
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.keeper.participants import PIECE_PERIOD, PIECE_SIZE, Participants
 from thbridge.roles.notices import KEEPER, FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry, Subscribe
-from thbridge.roles.tabui import RENEWAL_PERIOD, TabUI
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.tabui import RENEWAL_PERIOD, TabUI
 from thbridge.roles.view import (
     AnswerDialogue,
     CallBack,
@@ -47,8 +49,6 @@ from thbridge.roles.view import (
     View,
 )
 from thbridge.study.study_file import Study
-from thbridge.wire import legacy
-from thbridge.wire.notice import decode_notice, encode_notice, kind_of, parse_notice
 
 Stage = stage.Stage
 HOUSE = FloorPlan("stage", 0.05, (0.0, 0.0, 0.0), 1, 1, "eJxjAAAAAQAB", (), ())

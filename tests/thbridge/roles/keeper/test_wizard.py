@@ -7,10 +7,10 @@ from tests.thbridge.roles.test_hunt import Script
 from thbridge.dialogue.moves import Author
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
-from thbridge.roles.bot_strategy import BotStrategy
 from thbridge.roles.keeper.wizard import WizardState
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import WizardAdvice, WizardMode, WizardMove, WizardRequest
-from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import (
     AnswerDialogue,
     GiveUp,

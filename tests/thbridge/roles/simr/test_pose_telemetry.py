@@ -15,11 +15,11 @@ from sim.team import SendGoal
 from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.setting import read_setting
 from thbridge.hunt.events import Condition
+from thbridge.protocols.text.lines import LINE_LIMIT
+from thbridge.protocols.text.notice import decode_notice, parse_notice
 from thbridge.roles.notices import PlannedPaths, PoseTelemetry
 from thbridge.roles.simr.pose_telemetry import PATH_PERIOD, TelemetryOptions, TelemetryPublisher, ellipse_of
 from thbridge.study.study_file import Study
-from thbridge.wire.notice import decode_notice, parse_notice
-from thbridge.wire.text import LINE_LIMIT
 
 TICKS = range(0, 2 * PATH_PERIOD)
 

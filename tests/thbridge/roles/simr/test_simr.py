@@ -11,6 +11,9 @@ from sim.team import Team, TeamSnapshot
 from thbridge.app.compose.robots import build_simr, build_team
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.hunt.events import Condition
+from thbridge.protocols.text import canonical, legacy
+from thbridge.protocols.text.lines import TextMessage
+from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, parse_notice
 from thbridge.roles.notices import (
     KEEPER,
     MoveOrder,
@@ -26,9 +29,6 @@ from thbridge.roles.simr.pose_telemetry import POSE_PERIOD, SUBSCRIPTION_TICKS
 from thbridge.roles.simr.simr import KEEPER_TIMEOUT, RESPONSE_TIMEOUT, SimR
 from thbridge.study.study_file import Study
 from thbridge.study.things import Mishap, MishapEntry, Shape, ThingEntry
-from thbridge.wire import canonical, legacy
-from thbridge.wire.notice import Notice, decode_notice, encode_notice, parse_notice
-from thbridge.wire.text import TextMessage
 
 
 @pytest.fixture(scope="module")

@@ -14,11 +14,11 @@ from sim.parameters import ParameterRejection, RobotParameters, WorldParameters
 from sim.team import SetSoftwareParameters, SetWorldParameters, TeamInput
 from thbridge.app.compose.robots import build_simr, build_team
 from thbridge.app.compose.setting import read_setting
+from thbridge.protocols.mavlink.vehicle_interface import Denied, ParameterDescription, ParameterSetting
 from thbridge.roles.robot_requests import ParameterValue, SetParameters, Tuning
 from thbridge.roles.simr.simr import SimR
 from thbridge.roles.vehicles.parameters import PARAMETERS, VehicleParameters, values_of
 from thbridge.study.study_file import Study
-from thbridge.wire.mavlink.vehicle_interface import Denied, ParameterDescription, ParameterSetting
 
 SINGLES = st.floats(width=32, allow_nan=False, allow_infinity=False)
 OF_NAME = {parameter.name: parameter for parameter in PARAMETERS}

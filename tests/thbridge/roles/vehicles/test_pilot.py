@@ -33,19 +33,19 @@ from thbridge.hunt.events import (
 )
 from thbridge.hunt.game import GameState, apply, begin
 from thbridge.hunt.rooms import Room
+from thbridge.protocols.mavlink.vehicle_interface import DenialKind, Denied, LegState, RobotReadings, Station, Target
+from thbridge.protocols.mavlink.vehicle_interface import ParameterSetting as Parameter
+from thbridge.protocols.text.router import MessageRouter
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import GameRequest, Request, SetParameters
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
 from thbridge.roles.simr.simr import SimR
-from thbridge.roles.tabui import TabUI
 from thbridge.roles.vehicles.pilot import Pilot
 from thbridge.roles.vehicles.speed_limit import SpeedLimit
 from thbridge.roles.vehicles.station_texts import handback_texts
 from thbridge.roles.view import AnswerDialogue, ParticipantRequest, RequestHandback, SelectRoom, SendRobot
 from thbridge.ros.messages.records import SimpleGoal
 from thbridge.study.study_file import Study
-from thbridge.wire.mavlink.vehicle_interface import DenialKind, Denied, LegState, RobotReadings, Station, Target
-from thbridge.wire.mavlink.vehicle_interface import ParameterSetting as Parameter
-from thbridge.wire.router import MessageRouter
 
 STATION = Station(255, 190)
 UNDER_WAY, ARRIVED, FAILED = LegState.UNDER_WAY, LegState.ARRIVED, LegState.FAILED

@@ -10,18 +10,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
+from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.protocols.mavlink.frames.framer import FrameParser
+from thbridge.protocols.mavlink.links import DropReason, LinkReport
+from thbridge.protocols.mavlink.outgoing import LinkId
+from thbridge.protocols.mavlink.traffic import FrameOutcome, OutgoingFrame
 from thbridge.sockets.addresses import Address, UdpTarget, parse_target
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.mavlink import tcp as mavlink_tcp
 from thbridge.sockets.mavlink import udp as mavlink_udp
 from thbridge.sockets.mavlink.links import GARBAGE_LIMIT
 from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
-from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.framer import FrameParser
-from thbridge.wire.mavlink.links import DropReason, LinkReport
-from thbridge.wire.mavlink.outgoing import LinkId
-from thbridge.wire.mavlink.traffic import FrameOutcome, OutgoingFrame
 
 PATIENCE = 20
 

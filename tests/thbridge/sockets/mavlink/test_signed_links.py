@@ -5,14 +5,14 @@ from collections.abc import Callable, Sequence
 import pytest
 from pymavlink.dialects.v20 import all as mav
 
+from thbridge.protocols.mavlink.dialect import payload_of
+from thbridge.protocols.mavlink.frames.channel import Channel
+from thbridge.protocols.mavlink.frames.frame import Frame
+from thbridge.protocols.mavlink.frames.signing import EPOCH, SignatureFault, SigningKey
+from thbridge.protocols.mavlink.links import LinkReport
+from thbridge.protocols.mavlink.outgoing import LinkId
+from thbridge.protocols.mavlink.traffic import FrameOutcome, OutgoingFrame
 from thbridge.sockets.mavlink.links import MavlinkLinks
-from thbridge.wire.mavlink.dialect import payload_of
-from thbridge.wire.mavlink.frames.channel import Channel
-from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.signing import EPOCH, SignatureFault, SigningKey
-from thbridge.wire.mavlink.links import LinkReport
-from thbridge.wire.mavlink.outgoing import LinkId
-from thbridge.wire.mavlink.traffic import FrameOutcome, OutgoingFrame
 
 KEY = SigningKey(bytes(range(32)))
 NOW = 1_763_000_000.0

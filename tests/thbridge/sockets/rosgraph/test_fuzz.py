@@ -8,9 +8,9 @@ from contextlib import suppress
 
 import pytest
 
+from thbridge.protocols.rosgraph.xmlrpc import MethodResponse, XmlRpcValue, encode_call
 from thbridge.sockets.rosgraph.http_client import XmlRpcClient
 from thbridge.sockets.rosgraph.master_server import MasterServer
-from thbridge.wire.rosgraph.xmlrpc import MethodResponse, XmlRpcValue, encode_call
 
 ROUNDS = 6
 PEERS = 400

@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from thbridge.protocols.rosgraph import xmlrpc as codec
+from thbridge.protocols.rosgraph.xmlrpc import Fault, MethodCall, MethodResponse, XmlRpcValue
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import CallHandler, HttpLimits, XmlRpcServer
-from thbridge.wire.rosgraph import xmlrpc as codec
-from thbridge.wire.rosgraph.xmlrpc import Fault, MethodCall, MethodResponse, XmlRpcValue
 
 METHODS = ("echo", "later", "fail", "refuse", "unwritable")
 PATIENCE = 20

@@ -6,12 +6,12 @@ from contextlib import asynccontextmanager
 
 import pytest
 
+from thbridge.protocols.rosgraph.xmlrpc import Fault, MethodCall, MethodResponse, XmlRpcValue
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph.http_client import XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import XmlRpcServer
 from thbridge.sockets.rosgraph.master_server import MasterServer
-from thbridge.wire.rosgraph.xmlrpc import Fault, MethodCall, MethodResponse, XmlRpcValue
 
 PATIENCE = 20
 STRING = "std_msgs/String"

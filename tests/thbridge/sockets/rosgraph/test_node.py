@@ -15,6 +15,9 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from thbridge.protocols.rosgraph.links import ServiceFailed
+from thbridge.protocols.rosgraph.tcpros import decode_header, encode_header, frame
+from thbridge.protocols.rosgraph.xmlrpc import MethodResponse
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.rosgraph import publications, registrar, subscriptions, tcpros_server
@@ -22,9 +25,6 @@ from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import XmlRpcServer
 from thbridge.sockets.rosgraph.master_server import MasterServer
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
-from thbridge.wire.rosgraph.links import ServiceFailed
-from thbridge.wire.rosgraph.tcpros import decode_header, encode_header, frame
-from thbridge.wire.rosgraph.xmlrpc import MethodResponse
 
 PATIENCE = 30.0
 STRING = ("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n")

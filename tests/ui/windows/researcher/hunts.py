@@ -12,7 +12,7 @@ from pathlib import Path
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import HuntUnfinished, PlayOptions, play
-from thbridge.roles.tabui import TabUI
+from thbridge.roles.participant.tabui import TabUI
 from thbridge.study.study_file import Study
 
 

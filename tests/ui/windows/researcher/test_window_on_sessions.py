@@ -12,7 +12,7 @@ from pytestqt.qtbot import QtBot
 
 from sim.common.geometry import Pose2
 from tests.ui.windows.researcher.hunts import watched_hunt
-from thbridge.sockets.watch_client import WatchClient
+from thbridge.sockets.watching.client import WatchClient
 from ui.model.theme import LIGHT
 from ui.model.watching.scene import RobotScene
 from ui.windows.researcher.feeds.session import SessionFeed, WatchConnection

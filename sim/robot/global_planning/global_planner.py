@@ -1,0 +1,221 @@
+"""global_planner: navfn's successor, with other costs, exact ends, and headings to choose from.
+
+Source: ros-planning/navigation, global_planner/src (dijkstra.cpp, astar.cpp, quadratic_calculator.cpp,
+gradient_path.cpp, grid_path.cpp, orientation_filter.cpp).
+Differs: the wave begins in the cells about the robot with their distance from it; costs that ROS lets run over a byte
+stop at its greatest value; `default_tolerance`, which ROS reads and forgets, has its effect; cells about the goal that
+the wave has not reached yet are filled only where there is passage, so that no path ends across a wall; the blend of
+ForwardThenInterpolate begins where it should, at the start of the last straight stretch. See also `wave` and
+`potential_planner`.
+"""
+
+import heapq
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray, wrap_angle
+from sim.common.kernels import njit
+from sim.parameters import GlobalPlannerParameters
+from sim.robot.costmap.costs import UNKNOWN
+from sim.robot.global_planning.wave import (
+    BLOCKED,
+    UNREACHED,
+    CellCosts,
+    Points,
+    Potential,
+    Workspace,
+    descend,
+    descend_by_cells,
+    spread,
+    value_of,
+)
+
+MAX_PASSAGE_COST = 255
+"""Costs of passage stop at the greatest value of a byte."""
+STRAIGHT_ANGLE = 0.35
+"""Poses that turn no more than this against each other are one straight stretch, radians."""
+FILL_REACH = 2
+"""Cells on each side of the goal that are filled when the wave has not reached them."""
+
+
+def passage_costs(parameters: GlobalPlannerParameters) -> CellCosts:
+    """(256,) cost of passing a cell, for each of a costmap's costs."""
+    costs = np.arange(256)
+    lethal = parameters.lethal_cost
+    if not parameters.use_dijkstra:
+        # A* takes costs as they are.
+        taken: CellCosts = np.minimum(costs + parameters.neutral_cost, MAX_PASSAGE_COST).astype(np.float32)
+        taken[lethal:] = BLOCKED
+        if parameters.allow_unknown:
+            taken[UNKNOWN] = MAX_PASSAGE_COST
+        return taken
+    scaled = np.floor(costs * parameters.cost_factor + parameters.neutral_cost)
+    table: CellCosts = np.minimum(scaled, max(lethal - 1, 1)).astype(np.float32)
+    passable = costs < lethal - 1
+    if parameters.allow_unknown:
+        passable[UNKNOWN] = True
+    table[~passable] = BLOCKED
+    return table
+
+
+@njit(cache=True)
+def astar(
+    potential: Potential, costs: CellCosts, cols: int, start: int, target: int, neutral: float, quad: bool
+) -> None:
+    """Fill the potential cell by cell, always the one first that promises the cheapest path, until the target is met.
+
+    As in ROS a cell's potential is set once, when the first neighbour reaches it. So the path found is not always the
+    cheapest one, even where the estimate of the cost to go (`neutral` for each step of the Manhattan distance) is not
+    too high.
+
+    Args:
+        potential: (rows * cols,) UNREACHED.
+        costs: (rows * cols,) cost of passing a cell.
+        cols: columns of the map.
+        start: the cell where it begins.
+        target: the cell where it ends; -1 for the whole map.
+        neutral: estimated cost of a step towards the target.
+        quad: see `quadratic` of `spread`.
+    """
+    potential[start] = np.float32(0.0)
+    queue: list[tuple[float, int]] = [(0.0, start)]
+    while len(queue) > 0:
+        _, cell = heapq.heappop(queue)
+        if cell == target:
+            return
+        for step in (1, -1, cols, -cols):
+            neighbour = cell + step
+            if not 0 <= neighbour < costs.size or potential[neighbour] < UNREACHED or costs[neighbour] == BLOCKED:
+                continue
+            if quad:
+                value = value_of(potential, neighbour, cols, costs[neighbour], True)
+            else:
+                value = potential[cell] + costs[neighbour]
+            potential[neighbour] = value
+            away = abs(neighbour % cols - target % cols) + abs(neighbour // cols - target // cols) if target >= 0 else 0
+            heapq.heappush(queue, (float(value) + away * neutral, neighbour))
+
+
+@njit(cache=True)
+def fill_around(potential: Potential, costs: CellCosts, cols: int, cell: int, reach: int, quadratic: bool) -> None:
+    """Give the cells around one that was reached a potential too, where there is passage."""
+    rows = costs.size // cols
+    row, col = cell // cols, cell % cols
+    for r in range(max(1, row - reach), min(rows - 1, row + reach + 1)):
+        for c in range(max(1, col - reach), min(cols - 1, col + reach + 1)):
+            near = r * cols + c
+            if potential[near] >= UNREACHED and costs[near] < BLOCKED:
+                value = value_of(potential, near, cols, costs[near], quadratic)
+                potential[near] = min(value, UNREACHED)
+
+
+class GlobalPlanner:
+    """The part of global_planner that is its own; see `PotentialMethod`.
+
+    Args:
+        parameters: global_planner's.
+    """
+
+    def __init__(self, parameters: GlobalPlannerParameters) -> None:
+        self.table = passage_costs(parameters)
+        self.tolerance = parameters.default_tolerance
+        self.exact = not parameters.old_navfn_behavior
+        self._parameters = parameters
+
+    def spread(self, space: Workspace, x: float, y: float, target: int) -> None:
+        """Spread the wave in Dijkstra's order or in A*'s."""
+        parameters = self._parameters
+        cols = space.shape[1]
+        start = round(y) * cols + round(x)
+        neutral, quadratic = float(parameters.neutral_cost), parameters.use_quadratic
+        if parameters.use_dijkstra:
+            seeds = self._seeds(space, x, y)
+            spread(
+                space.potential,
+                space.costs,
+                space.waiting,
+                space.queues,
+                cols,
+                seeds,
+                target,
+                0.0,
+                float(parameters.lethal_cost),
+                2.0 * neutral,
+                quadratic,
+            )
+        else:
+            astar(space.potential, space.costs, cols, start, target, neutral, quadratic)
+        if target >= 0 and self.exact and space.potential[target] < UNREACHED:
+            fill_around(space.potential, space.costs, cols, target, FILL_REACH, quadratic)
+
+    def trace(self, potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
+        """Trace the path down the slope, or from cell to cell."""
+        trace = descend_by_cells if self._parameters.use_grid_path else descend
+        return trace(potential, cols, x, y, end_x, end_y)
+
+    def orient(self, points: FloatArray, start: float, goal: float) -> FloatArray:
+        """Turn the poses as `orientation_mode` says; the last one always has the goal's heading."""
+        mode, window = self._parameters.orientation_mode, self._parameters.orientation_window_size
+        return np.column_stack([points, orientations(points, mode, window, start, goal)])
+
+    def _seeds(self, space: Workspace, x: float, y: float) -> NDArray[np.uint32]:
+        """Set the potential where the wave begins: the robot's cell, and if exact the three others about it."""
+        rows, cols = space.shape
+        row, col = round(y), round(x)
+        start = row * cols + col
+        if not self.exact:
+            space.potential[start] = 0.0
+            return np.array([start], np.uint32)
+        aside, up = (1 if x >= col else -1), (1 if y >= row else -1)
+        seeds = [(row, col)]
+        for r, c in ((row, col + aside), (row + up, col)):
+            if 0 <= r < rows and 0 <= c < cols and space.costs[r * cols + c] < BLOCKED:
+                seeds.append((r, c))
+        across = (row + up, col + aside)
+        within = all(0 <= i < n for i, n in zip(across, space.shape, strict=True))
+        if len(seeds) > 1 and within and space.costs[across[0] * cols + across[1]] < BLOCKED:
+            seeds.append(across)
+        for r, c in seeds:
+            space.potential[r * cols + c] = self._parameters.neutral_cost * math.hypot(c - x, r - y)
+        return np.array([r * cols + c for r, c in seeds], np.uint32)
+
+
+def orientations(points: FloatArray, mode: int, window: int, start: float, goal: float) -> FloatArray:
+    """(m,) headings on (m, 2) points, m at least 2.
+
+    Args:
+        points: metres.
+        mode: 0 none, 1 forward, 2 from start to goal evenly, 3 forward and evenly at last, 4 backward, 5 leftward,
+            6 rightward.
+        window: the direction at a point is that from so many points before it to as many behind it.
+        start: the robot's heading.
+        goal: the goal's heading.
+    """
+    last = len(points) - 1
+    index = np.arange(last + 1)
+    chords = points[np.minimum(index + window, last)] - points[np.maximum(index - window, 0)]
+    turned = {4: math.pi, 5: -math.pi / 2, 6: math.pi / 2}.get(mode, 0.0)
+    headings = wrapped(np.arctan2(chords[:, 1], chords[:, 0]) + turned)
+    if mode == 0:
+        headings[:] = 0.0
+    begin = last
+    if mode == 2:
+        begin, headings[0] = 0, start
+    elif mode == 3:
+        begin = max(0, last - 2)
+        straight = headings[begin]
+        while begin > 0 and abs(wrap_angle(headings[begin - 1] - straight)) <= STRAIGHT_ANGLE:
+            begin -= 1
+        headings[0] = start
+    if begin < last:
+        difference = wrap_angle(goal - headings[begin])
+        headings[begin:] = wrapped(headings[begin] + difference * np.linspace(0.0, 1.0, last - begin + 1))
+    headings[last] = goal
+    return headings
+
+
+def wrapped(angles: FloatArray) -> FloatArray:
+    """Wrap angles to [-pi, pi)."""
+    return (angles + math.pi) % math.tau - math.pi

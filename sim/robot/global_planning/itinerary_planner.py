@@ -1,0 +1,217 @@
+"""Planning of itineraries for one robot: over the map, and in time among the other robots.
+
+First the global planner's path, driven without a stop; if that meets other robots' itineraries, a search in space and
+time (`safe_interval`); if that fails, the path that there would be without the others, for them to clear.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import OccupancyGrid, clearance_field
+from sim.common.kernels import njit
+from sim.common.observations import Neighbour
+from sim.parameters import InflationParameters
+from sim.robot.costmap.costmap_2d import Costmap2D
+from sim.robot.costmap.costs import LETHAL, CostFrame, Costs, cost_at
+from sim.robot.global_planning.itinerary import (
+    POINT_SPACING,
+    Itinerary,
+    OtherItineraries,
+    densified,
+    executable,
+    keeps_separation,
+    timed_itinerary,
+)
+from sim.robot.global_planning.path import PathPlanner, PlanRefusal, thinned
+from sim.robot.global_planning.safe_interval import BoolArray, Roadmap, make_roadmap, refuge, route
+
+PLANNED_GAP = 0.16
+"""Metres that two robots' circumscribed circles are apart in a plan."""
+DRIVEN_GAP = 0.1
+"""The same while they drive, by right of way."""
+ROOM_TO_TURN = 0.08
+"""Metres that the circumscribed circle is off the walls where a robot waits or makes a detour."""
+
+
+@dataclass(frozen=True, slots=True)
+class BlockedByRobots:
+    """A path exists, but other robots stand in it.
+
+    Attributes:
+        wanted_path: (m, 2) map points of that path.
+    """
+
+    wanted_path: FloatArray
+
+
+class ItineraryPlanner:
+    """Plans itineraries through a map for one robot.
+
+    Args:
+        static: the map.
+        costmap: the robot's, over the whole map.
+        inflation: its inflation layer's parameters.
+        planner: finds paths for it when it is alone.
+    """
+
+    def __init__(
+        self,
+        static: OccupancyGrid,
+        costmap: Costmap2D,
+        inflation: InflationParameters,
+        planner: PathPlanner,
+    ) -> None:
+        self._static = static
+        self._frame = CostFrame(static.origin.x, static.origin.y, static.resolution)
+        self.costmap = costmap
+        self.configure(inflation, planner)
+
+    def configure(self, inflation: InflationParameters, planner: PathPlanner) -> None:
+        """Go on with this planner, and with what the costmap has become by other parameters.
+
+        Args:
+            inflation: its inflation layer's parameters.
+            planner: finds paths for the robot when it is alone.
+        """
+        costmap = self.costmap
+        self._planner = planner
+        self._alone_query: tuple[Pose2, Pose2] | None = None
+        self._alone_answer: BlockedByRobots | PlanRefusal | None = None
+        self._walls = costmap.without_observations()
+        circumscribed = costmap.circumscribed_radius
+        self.separation = 2 * circumscribed + PLANNED_GAP
+        self.separation_driven = 2 * circumscribed + DRIVEN_GAP
+        self._roadmap, self._cells = _coarse(self._static, circumscribed + ROOM_TO_TURN)
+        self._too_near = cost_at(circumscribed, costmap.inscribed_radius, inflation.cost_scaling_factor)
+
+    def update_neighbours(self, neighbours: Sequence[Neighbour]) -> None:
+        """Bring the costmap up to date with the last broadcasts of the other robots."""
+        self.costmap.update_neighbours(neighbours)
+        self.costmap.update(0.0, 0.0)
+
+    def plan(
+        self, start: Pose2, goal: Pose2, time: float, others: OtherItineraries
+    ) -> Itinerary | BlockedByRobots | PlanRefusal:
+        """Plan an itinerary to a goal that keeps clear of all others: the planner's if it does, else the quickest.
+
+        Args:
+            start: pose of the base.
+            goal: pose at the end.
+            time: from which the itinerary is numbered.
+            others: the other robots' itineraries.
+        """
+        path = self._planner.plan(self.costmap.costs, self._frame, start, goal)
+        if not isinstance(path, PlanRefusal):
+            direct = timed_itinerary(thinned(path.poses[:, :2], POINT_SPACING), time)
+            if keeps_separation(direct.points, direct.times, others, self.separation) and self._executable(
+                direct, others
+            ):
+                return direct
+        free, walls = self._free_space()
+        start_point, goal_point = np.array([start.x, start.y]), np.array([goal.x, goal.y])
+        among = route(self._roadmap, free, start_point, goal_point, time, others, self.separation)
+        if among is not None:
+            among = densified(among)
+            if self._executable(among, others):
+                return among
+        alone = self._alone(walls, start, goal)
+        return self._refusal(alone, start, goal) if isinstance(alone, PlanRefusal) else alone
+
+    def _alone(self, walls: Costs, start: Pose2, goal: Pose2) -> BlockedByRobots | PlanRefusal:
+        """Plan the path that there would be without the other robots.
+
+        A robot that waits for others asks for the same path again and again: it is planned once.
+        """
+        asked = (start, goal)
+        if walls is self._walls and asked == self._alone_query and self._alone_answer is not None:
+            return self._alone_answer
+        path = self._planner.plan(walls, self._frame, start, goal)
+        answer = path if isinstance(path, PlanRefusal) else BlockedByRobots(thinned(path.poses[:, :2], POINT_SPACING))
+        if walls is self._walls:
+            self._alone_query, self._alone_answer = asked, answer
+        return answer
+
+    def _refusal(self, refused: PlanRefusal, start: Pose2, goal: Pose2) -> PlanRefusal:
+        """Return the refusal itself, unless the map alone has a path: then an obstacle that was seen is the cause."""
+        if not self.costmap.any_marks:
+            return refused
+        bare = self._planner.plan(self._walls, self._frame, start, goal)
+        if isinstance(bare, PlanRefusal):
+            return bare
+        return PlanRefusal("blocked_by_obstacle", "an obstacle that is not on the map blocks the way")
+
+    def obstructed(self, points: FloatArray) -> bool:
+        """Return True when an obstacle that was seen lies on (m, 2) points of a path."""
+        radius = self.costmap.inscribed_radius - self._frame.resolution
+        return self.costmap.any_marks and bool(_touched(points, self.costmap.marks, self._frame, radius))
+
+    def refuge(self, start: Pose2, wanted_path: FloatArray, time: float, others: OtherItineraries) -> Itinerary | None:
+        """Plan an itinerary to a place off another robot's path; None when there is none.
+
+        Args:
+            start: pose of the base.
+            wanted_path: (m, 2) the path that the other robot wants to take.
+            time: from which the itinerary is numbered.
+            others: the other robots' itineraries.
+        """
+        free, _ = self._free_space()
+        away = refuge(self._roadmap, free, np.array([start.x, start.y]), wanted_path, time, others, self.separation)
+        if away is None:
+            return None
+        away = densified(away)
+        return away if self._executable(away, others) else None
+
+    def obstructs(self, place: FloatArray, wanted_path: FloatArray) -> bool:
+        """Return True when a robot at a (2,) place obstructs another one on its (m, 2) path."""
+        return bool((np.hypot(wanted_path[:, 0] - place[0], wanted_path[:, 1] - place[1]) < self.separation).any())
+
+    def first_obstructing(self, neighbours: Sequence[Neighbour], wanted_path: FloatArray) -> int | None:
+        """Return the first robot along a (m, 2) path that stands on it, or is to arrive on it."""
+        met: list[tuple[int, int]] = []
+        for other in neighbours:
+            place = other.path[-1] if len(other.times) else other.base_in_map.array()[:2]
+            near = np.flatnonzero(np.hypot(*(wanted_path - place).T) < self.separation)
+            if len(near):
+                met.append((int(near[0]), other.robot))
+        return min(met)[1] if met else None
+
+    def _executable(self, itinerary: Itinerary, others: OtherItineraries) -> bool:
+        return bool(executable(itinerary.points, itinerary.times, others, self.separation_driven))
+
+    def _free_space(self) -> tuple[BoolArray, Costs]:
+        """Return a mask of coarse cells free of walls and obstacles, and the costs without the other robots."""
+        if not self.costmap.any_marks:
+            return self._roadmap.free, self._walls
+        walls = self.costmap.without_robots()
+        near = walls[self._cells[:, 0], self._cells[:, 1]].reshape(self._roadmap.free.shape)
+        return self._roadmap.free & (near <= self._too_near), walls
+
+
+@lru_cache(maxsize=8)
+def _coarse(static: OccupancyGrid, radius: float) -> tuple[Roadmap, NDArray[np.int64]]:
+    """The coarse grid for robots of a radius, metres, and (n, 2) the cells of the map in which its centres lie.
+
+    All robots of one size share them, so they must not be written to.
+    """
+    made = make_roadmap(static, clearance_field(static).astype(np.float64), radius)
+    return made, static.cells_of(made.centres.reshape(-1, 2))
+
+
+@njit(cache=True)
+def _touched(points: FloatArray, marks: Costs, frame: CostFrame, radius: float) -> bool:
+    """Return True when a marked cell's centre is within `radius` of any of (m, 2) points."""
+    span = int(radius / frame.resolution) + 1
+    for k in range(points.shape[0]):
+        row = math.floor((points[k, 1] - frame.y) / frame.resolution)
+        col = math.floor((points[k, 0] - frame.x) / frame.resolution)
+        for r in range(max(0, row - span), min(marks.shape[0], row + span + 1)):
+            for c in range(max(0, col - span), min(marks.shape[1], col + span + 1)):
+                if marks[r, c] == LETHAL and math.hypot(r - row, c - col) * frame.resolution < radius:
+                    return True
+    return False

@@ -1,0 +1,77 @@
+"""A plan on request, to a goal or as near to it as the caller accepts.
+
+Source: ros-planning/navigation, move_base/src/move_base.cpp (planService).
+Differs: costs are left as they are; which places can be reached is found out once, not by a plan to each; offered also
+while the robot drives.
+"""
+
+import math
+
+import numpy as np
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.robot.costmap.costs import CostFrame, Costs
+from sim.robot.global_planning.path import Path, PlanRefusal
+from sim.robot.global_planning.potential_planner import PotentialPlanner
+
+STEP = 3
+"""Cells from one square of places around the goal to the next."""
+
+
+def make_plan(
+    planner: PotentialPlanner,
+    costs: Costs,
+    frame: CostFrame,
+    start: Pose2,
+    goal: Pose2,
+    tolerance: float,
+    add_unreachable_goal: bool,
+) -> FloatArray | PlanRefusal:
+    """Plan a path to the goal, or else to the first place of ever larger squares around it that can be reached.
+
+    Args:
+        planner: finds the paths.
+        costs: (rows, cols).
+        frame: their place in the map.
+        start: pose at the beginning, in the costmap's frame.
+        goal: pose at the end.
+        tolerance: half the side of the largest square, metres.
+        add_unreachable_goal: True when the goal itself follows after a place near to it.
+
+    Returns:
+        (m, 3) poses in the costmap's frame, or why there is no path to the goal itself.
+    """
+    path = planner.plan(costs, frame, start, goal)
+    if isinstance(path, Path):
+        return path.poses
+    if not tolerance > 0.0:
+        return path
+    reached = planner.reached(costs, frame, start)
+    step = min(STEP * frame.resolution, tolerance)
+    rows, cols = costs.shape
+    corner = np.array([frame.x, frame.y])
+    # A hair less, or rounding might lead to a cell beyond the last one.
+    opposite = corner + (np.array([cols, rows]) - 1e-6) * frame.resolution
+    # Beyond the map's size there is nothing to search.
+    farthest = min(tolerance, (rows + cols) * frame.resolution)
+    for ring in range(1, math.floor(farthest / step + 1e-6) + 1):
+        points = np.array([goal.x, goal.y]) + _square(ring) * step
+        points = points[((points >= corner) & (points < opposite)).all(axis=1)]
+        cells = ((points[:, ::-1] - corner[::-1]) / frame.resolution).astype(np.int64)
+        for x, y in points[reached[cells[:, 0], cells[:, 1]]].tolist():
+            near = planner.plan(costs, frame, start, Pose2(x, y, goal.theta))
+            if isinstance(near, Path):
+                return np.vstack([near.poses, goal.array()]) if add_unreachable_goal else near.poses
+    return path
+
+
+_SIGNS = np.array([(-1, -1), (1, -1), (-1, 1), (1, 1)])
+
+
+def _square(ring: int) -> FloatArray:
+    """(k, 2) x and y, in steps, of points on a square so many steps around (0, 0), in the order in which ROS goes."""
+    along = np.arange(ring + 1)
+    sides = np.column_stack([np.full(ring, ring), along[:-1]])
+    ends = np.column_stack([along, np.full(ring + 1, ring)])
+    points: FloatArray = (np.vstack([sides, ends])[:, np.newaxis] * _SIGNS).reshape(-1, 2).astype(np.float64)
+    return points

@@ -1,0 +1,159 @@
+"""A global planner that spreads a potential from the robot and comes down it from the goal.
+
+Source: ros-planning/navigation, navfn/src/navfn_ros.cpp, global_planner/src/planner_core.cpp.
+Differs: a start in a lethal cell is refused, where ROS clears the cell; a goal that was reached is the path's end
+even when a tolerance is set, where navfn ends at one of a raster of points about it; positions are those of the cells'
+centres, where navfn's paths lie half a cell off, towards the origin; the costmap is left as it is.
+"""
+
+import math
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
+from sim.robot.global_planning.path import Path, PlanRefusal, plan_refusal
+from sim.robot.global_planning.wave import BLOCKED, UNREACHED, CellCosts, Points, Potential, Workspace, prepare
+
+MAX_CELLS = 1e9
+"""Cells from a map's corner up to which places are told apart."""
+
+
+class PotentialMethod(Protocol):
+    """The part in which planners by potential differ: costs, spreading, tracing, headings."""
+
+    @property
+    def table(self) -> CellCosts:
+        """(256,) cost of passing a cell of each cost; BLOCKED where there is no passage."""
+
+    @property
+    def tolerance(self) -> float:
+        """Metres from a goal that cannot be reached within which a path may end."""
+
+    @property
+    def exact(self) -> bool:
+        """True when the wave begins between cells' centres, and the path ends there; else both are at centres."""
+
+    def spread(self, space: Workspace, x: float, y: float, target: int) -> None:
+        """Fill the potential from a position, in cells, until the target is reached; -1 for no target."""
+
+    def trace(self, potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
+        """(m, 2) positions from a place that was reached down to where the wave began."""
+
+    def orient(self, points: FloatArray, start: float, goal: float) -> FloatArray:
+        """(m, 3) poses on (m, 2) points, from the headings at both ends."""
+
+
+class PotentialPlanner:
+    """Plans by a potential over the costmap.
+
+    Args:
+        method: the part in which planners differ.
+        space: room to plan in, used where it fits the costmap; nothing is kept there between plans, so that planners
+            may share one. None: of its own.
+    """
+
+    def __init__(self, method: PotentialMethod, space: Workspace | None = None) -> None:
+        self._method = method
+        self._space = space or Workspace(0, 0)
+
+    def reached(self, costs: Costs, frame: CostFrame, start: Pose2) -> NDArray[np.bool_]:
+        """(rows, cols) True in the cells where a path from a start may end; arguments as for `plan`."""
+        rows, cols = costs.shape
+        x, y = _position(frame, start)
+        if not (0 <= round(y) < rows and 0 <= round(x) < cols) or costs[round(y), round(x)] == LETHAL:
+            return np.zeros(costs.shape, dtype=np.bool_)
+        if not self._method.exact:
+            x, y = float(round(x)), float(round(y))
+        space = self._prepared(costs)
+        self._method.spread(space, x, y, -1)
+        return space.potential.reshape(rows, cols) < UNREACHED
+
+    def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | PlanRefusal:
+        """Plan a path from start to goal that keeps off obstacles as their costs ask for.
+
+        Args:
+            costs: (rows, cols).
+            frame: their place in the map.
+            start: pose of the base, in the costmap's frame.
+            goal: pose at the end.
+        """
+        method = self._method
+        rows, cols = costs.shape
+        x, y = _position(frame, start)
+        goal_x, goal_y = _position(frame, goal)
+        row, col, goal_row, goal_col = round(y), round(x), round(goal_y), round(goal_x)
+        if not (0 <= row < rows and 0 <= col < cols):
+            return plan_refusal("start_outside")
+        goal_within = 0 <= goal_row < rows and 0 <= goal_col < cols
+        if not goal_within and method.tolerance == 0.0:
+            return plan_refusal("goal_outside")
+        rim = not (0 < goal_row < rows - 1 and 0 < goal_col < cols - 1)
+        blocked = not goal_within or rim or method.table[costs[goal_row, goal_col]] == BLOCKED
+        at_goal = (row, col) == (goal_row, goal_col)
+        if blocked and method.tolerance == 0.0 and not at_goal:
+            return plan_refusal("goal_occupied")
+        if costs[row, col] == LETHAL:
+            return plan_refusal("start_occupied")
+        if at_goal:
+            return Path(np.array([[start.x, start.y, goal.theta], [goal.x, goal.y, goal.theta]]))
+        if not method.exact:
+            x, y, goal_x, goal_y = float(col), float(row), float(goal_col), float(goal_row)
+        space = self._prepared(costs)
+        method.spread(space, x, y, -1 if blocked else goal_row * cols + goal_col)
+        end = goal
+        if blocked or space.potential[goal_row * cols + goal_col] >= UNREACHED:
+            nearest = _nearest_reached(space, goal_x, goal_y, method.tolerance / frame.resolution)
+            if nearest is None:
+                return plan_refusal("no_way" if goal_within else "goal_outside")
+            goal_x, goal_y = float(nearest[0]), float(nearest[1])
+            end = Pose2(
+                frame.x + (goal_x + 0.5) * frame.resolution, frame.y + (goal_y + 0.5) * frame.resolution, goal.theta
+            )
+        down = method.trace(space.potential, cols, goal_x, goal_y, x, y)
+        points = (down[::-1] + 0.5) * frame.resolution + np.array([frame.x, frame.y])
+        if len(points) == 1:
+            points = np.repeat(points, 2, axis=0)
+        points[0] = start.x, start.y
+        points[-1] = end.x, end.y
+        return Path(method.orient(points, start.theta, end.theta))
+
+    def _prepared(self, costs: Costs) -> Workspace:
+        """Prepare the workspace for these costs, with nothing reached."""
+        if self._space.shape != costs.shape:
+            self._space = Workspace(*costs.shape)
+        prepare(costs, self._method.table, self._space.costs, self._space.potential)
+        return self._space
+
+
+def _position(frame: CostFrame, pose: Pose2) -> tuple[float, float]:
+    """Position in cells, such that rounding gives the cell: whole numbers are centres."""
+    x, y = (pose.x - frame.x) / frame.resolution, (pose.y - frame.y) / frame.resolution
+    # The lower edge is a cell's own, also where rounding to even would say otherwise.
+    return _within(x), _within(y)
+
+
+def _within(position: float) -> float:
+    # Places beyond are on no map, and may be infinitely many cells away.
+    position = min(max(position, -MAX_CELLS), MAX_CELLS)
+    cell = math.floor(position)
+    return cell + min(max(position - cell - 0.5, -0.499999), 0.499999)
+
+
+def _nearest_reached(space: Workspace, x: float, y: float, tolerance: float) -> tuple[int, int] | None:
+    """(col, row) of the reached cell nearest to a position, none farther than the tolerance; all in cells."""
+    rows, cols = space.shape
+    top, left = max(0, math.floor(y - tolerance)), max(0, math.floor(x - tolerance))
+    window = space.potential.reshape(rows, cols)[
+        top : math.ceil(y + tolerance) + 1, left : math.ceil(x + tolerance) + 1
+    ]
+    reached = np.argwhere(window < UNREACHED) + np.array([top, left])
+    if len(reached) == 0:
+        return None
+    away = np.hypot(reached[:, 1] - x, reached[:, 0] - y)
+    first = int(away.argmin())
+    if away[first] > tolerance + 1e-9:
+        return None
+    return int(reached[first, 1]), int(reached[first, 0])

@@ -1,0 +1,406 @@
+"""Safe interval path planning (SIPP): the quickest itinerary among robots whose itineraries are known.
+
+Space is a coarse grid, and each of its cells has a list of safe intervals: spans of time in which no other robot comes
+near. A state of the search is a cell and one of its safe intervals. Within an interval a robot may wait as long as it
+likes, so an earlier arrival can do all that a later one can, and one arrival per state, the earliest, is enough. That
+makes the search as small as one in space alone, times the few intervals of a cell, where a search in space and time
+would have a state for every second of waiting. States are expanded by A*, in the order of arrival plus the time to go
+without other robots. The goal is reached when the robot arrives in an interval that never ends, so that it may stay.
+
+Source: Phillips, Likhachev, SIPP: Safe Interval Path Planning for Dynamic Environments (ICRA 2011).
+Differs: intervals begin and end on a raster of BIN_LENGTH seconds, and what lies beyond the last bin counts as safe or
+not as that bin is.
+"""
+
+import heapq
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray
+from sim.common.grid import OccupancyGrid
+from sim.common.kernels import njit
+from sim.robot.global_planning.itinerary import ITINERARY_SPEED, NEAR_START, Itinerary, OtherItineraries
+
+CELL_SIDE = 0.2
+"""Side of a coarse cell, metres, at most."""
+BIN_LENGTH = 0.5
+"""Seconds of one bin of time: intervals begin and end between bins."""
+BIN_COUNT = 240
+"""Number of bins that are looked ahead: two minutes."""
+
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Roadmap:
+    """The coarse grid.
+
+    Attributes:
+        centres: (rows, cols, 2) map point of each cell: its middle, or its roomiest point when that is too tight.
+        free: (rows, cols) whether a robot can stand and turn there without touching a wall.
+        corner: (2,) map coordinates of the outer corner of cell (0, 0).
+        side: that of a cell, metres.
+    """
+
+    centres: FloatArray
+    free: BoolArray
+    corner: FloatArray
+    side: float
+
+
+def make_roadmap(grid: OccupancyGrid, clearance: FloatArray, radius: float) -> Roadmap:
+    """Lay a coarse grid over a map.
+
+    Args:
+        grid: the map.
+        clearance: (rows, cols) of the map: metres to the nearest obstacle or unknown cell.
+        radius: that of the robot however it is turned, metres.
+    """
+    stride = max(1, int(CELL_SIDE / grid.resolution + 1e-9))
+    rows, cols = grid.rows // stride, grid.cols // stride
+    whole = clearance[: rows * stride, : cols * stride]
+    blocks = whole.reshape(rows, stride, cols, stride).swapaxes(1, 2).reshape(rows, cols, stride * stride)
+    middle = (stride // 2) * stride + stride // 2
+    roomiest = np.where(blocks[:, :, middle] >= radius, middle, blocks.argmax(axis=2))
+    row, col = np.divmod(roomiest, stride)
+    x = (np.arange(cols) * stride + col + 0.5) * grid.resolution + grid.origin.x
+    y = (np.arange(rows)[:, np.newaxis] * stride + row + 0.5) * grid.resolution + grid.origin.y
+    corner = np.array([grid.origin.x, grid.origin.y])
+    return Roadmap(np.stack([x, y], axis=2), blocks.max(axis=2) >= radius, corner, stride * grid.resolution)
+
+
+@njit(cache=True)
+def _shade(
+    busy: BoolArray, free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, x: float, y: float,
+    radius: float, start_x: float, start_y: float, present: float, first: int, last: int,
+) -> None:  # fmt: skip
+    """Mark the free cells around a robot at (x, y) busy from bin `first` to bin `last`.
+
+    `present` is that robot's distance, metres, from the planning robot's start (start_x, start_y): at the start no more
+    distance is asked for than there is, or a robot that stands too near to another could never leave.
+    """
+    rows, cols, bins = busy.shape
+    first, last = max(first, 0), min(last, bins - 1)
+    if last < first:
+        return
+    col, row = (x - corner[0]) / side, (y - corner[1]) / side
+    span = radius / side + 1.0
+    for r in range(max(0, int(row - span)), min(rows, int(row + span) + 1)):
+        for c in range(max(0, int(col - span)), min(cols, int(col + span) + 1)):
+            cx, cy = centres[r, c, 0], centres[r, c, 1]
+            if not free[r, c] or abs(cx - x) >= radius or abs(cy - y) >= radius:
+                continue
+            distance = math.hypot(cx - x, cy - y)
+            if distance >= radius:
+                continue
+            needed = radius
+            off = math.hypot(cx - start_x, cy - start_y)
+            if off < side:
+                # The cell that the start is rounded to may lie nearer to the other robot than the start itself does, by
+                # as much as a cell's half diagonal; the cells beside it may not, but for rounding.
+                needed = min(radius, present - (0.75 * side if off < 0.71 * side else 0.02))
+            if distance < needed:
+                for b in range(first, last + 1):
+                    busy[r, c, b] = True
+
+
+@njit(cache=True)
+def _traffic(
+    free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, others: OtherItineraries, start: FloatArray,
+    time: float, separation: float, bins: int, bin_length: float,
+) -> BoolArray:  # fmt: skip
+    """(rows, cols, bins) True where another robot comes near a free cell within a bin of time."""
+    rows, cols = free.shape
+    busy = np.zeros((rows, cols, bins), np.bool_)
+    for k in range(others.starts.shape[0] - 1):
+        begin, end = others.starts[k], others.starts[k + 1]
+        # Before an itinerary begins, its robot stands at its first point.
+        now_x, now_y = others.points[begin, 0], others.points[begin, 1]
+        present = math.hypot(now_x - start[0], now_y - start[1])
+        first = math.floor((others.times[begin] - time) / bin_length) if others.times[begin] > -math.inf else 0
+        _shade(busy, free, centres, corner, side, now_x, now_y, separation, start[0], start[1], present, 0, first)
+        for i in range(begin, end):
+            x, y = others.points[i, 0], others.points[i, 1]
+            first = 0 if others.times[i] == -math.inf else math.floor((others.times[i] - time) / bin_length)
+            last = bins - 1 if i == end - 1 else math.floor((others.times[i + 1] - time) / bin_length)
+            _shade(busy, free, centres, corner, side, x, y, separation, start[0], start[1], present, first, last)
+            # From one point to the next takes less than a bin. Where it goes over the border of two bins the robot may
+            # be near this point in both. A longer span can only be a wait, at this very point.
+            if i > begin:
+                first = math.floor((others.times[i - 1] - time) / bin_length)
+                last = math.floor((others.times[i] - time) / bin_length)
+                if last - first == 1:
+                    _shade(
+                        busy, free, centres, corner, side, x, y, separation, start[0], start[1], present, first, last
+                    )
+    return busy
+
+
+@njit(cache=True)
+def _distances(free: BoolArray, targets: BoolArray, side: float) -> FloatArray:
+    """(rows, cols) metres to the nearest target through free cells; inf where none can be reached.
+
+    The grid is swept forward and backward in turn until nothing changes (a distance transform over eight neighbours).
+    """
+    rows, cols = free.shape
+    field = np.full((rows, cols), np.inf)
+    for r in range(rows):
+        for c in range(cols):
+            if targets[r, c] and free[r, c]:
+                field[r, c] = 0.0
+    diagonal = math.sqrt(2.0) * side
+    changed = True
+    forward = True
+    while changed:
+        changed = False
+        for i in range(rows):
+            r = i if forward else rows - 1 - i
+            for j in range(cols):
+                c = j if forward else cols - 1 - j
+                if not free[r, c]:
+                    continue
+                best = field[r, c]
+                for dr in (-1, 0, 1):
+                    for dc in (-1, 0, 1):
+                        nr, nc = r + dr, c + dc
+                        if (dr == 0 and dc == 0) or not (0 <= nr < rows and 0 <= nc < cols) or not free[nr, nc]:
+                            continue
+                        step = side if dr == 0 or dc == 0 else diagonal
+                        best = min(best, field[nr, nc] + step)
+                if best < field[r, c] - 1e-9:
+                    field[r, c] = best
+                    changed = True
+        forward = not forward
+    return field
+
+
+@njit(cache=True)
+def _search(
+    free: BoolArray, busy: BoolArray, targets: BoolArray, centres: FloatArray, side: float, start_row: int,
+    start_col: int, bin_length: float, speed: float,
+) -> FloatArray:  # fmt: skip
+    """(m, 3) x, y and seconds from now of the quickest path to a target where one may stay; (0, 3): there is none."""
+    rows, cols, bins = busy.shape
+    # The heuristic ignores other robots and the walls beside diagonal steps, so it hardly ever overestimates.
+    to_go = _distances(free, targets, side)
+    if to_go[start_row, start_col] == np.inf:
+        return np.empty((0, 3))
+    # Number the safe intervals of every cell: those of a cell are the states first[cell] up to first[cell + 1], in the
+    # order of time, each from opens[k] to closes[k]; one that lasts to the end of what is looked at never closes.
+    first = np.zeros(rows * cols + 1, np.int64)
+    for cell in range(rows * cols):
+        r, c = cell // cols, cell % cols
+        count = 0
+        if free[r, c]:
+            before = True
+            for b in range(bins):
+                if before and not busy[r, c, b]:
+                    count += 1
+                before = busy[r, c, b]
+        first[cell + 1] = first[cell] + count
+    total = first[rows * cols]
+    opens, closes = np.empty(total), np.empty(total)
+    for cell in range(rows * cols):
+        if first[cell + 1] == first[cell]:
+            continue
+        r, c = cell // cols, cell % cols
+        k = first[cell] - 1
+        before = True
+        for b in range(bins):
+            now = busy[r, c, b]
+            if before and not now:
+                k += 1
+                opens[k], closes[k] = b * bin_length, np.inf
+            elif now and not before:
+                closes[k] = b * bin_length
+            before = now
+    start_cell = start_row * cols + start_col
+    if first[start_cell + 1] == first[start_cell] or opens[first[start_cell]] > 0.0:
+        return np.empty((0, 3))
+    # arrival[k] is the earliest known arrival in state k, from state parent[k]. Once done it is final.
+    arrival = np.full(total, np.inf)
+    parent = np.full(total, -1, np.int64)
+    cell_of = np.empty(total, np.int64)
+    done = np.zeros(total, np.bool_)
+    root = first[start_cell]
+    arrival[root] = 0.0
+    cell_of[root] = start_cell
+    queue = [(to_go[start_row, start_col] / speed, root)]
+    found = -1
+    while len(queue) > 0:
+        _, state = heapq.heappop(queue)
+        if done[state]:
+            continue
+        done[state] = True
+        cell = cell_of[state]
+        r, c = cell // cols, cell % cols
+        if targets[r, c] and closes[state] == np.inf:
+            found = state
+            break
+        time = arrival[state]
+        for dr in (-1, 0, 1):
+            for dc in (-1, 0, 1):
+                nr, nc = r + dr, c + dc
+                if (dr == 0 and dc == 0) or not (0 <= nr < rows and 0 <= nc < cols) or not free[nr, nc]:
+                    continue
+                # A diagonal step passes between its two side cells: both must be free, or a corner would be cut.
+                if dr != 0 and dc != 0 and not (free[r, nc] and free[nr, c]):
+                    continue
+                length = math.hypot(centres[nr, nc, 0] - centres[r, c, 0], centres[nr, nc, 1] - centres[r, c, 1])
+                takes = length / speed
+                target = nr * cols + nc
+                for k in range(first[target], first[target + 1]):
+                    # The robot sets out when it is here and the next cell is safe, whichever is later: both cells must
+                    # be safe while it is between them.
+                    arrives = max(time, opens[k]) + takes
+                    if arrives > closes[state]:
+                        # This cell is not safe for so long, and the next cell's later intervals open later still.
+                        break
+                    if arrives > closes[k] or arrives >= arrival[k] - 1e-9:
+                        continue
+                    arrival[k] = arrives
+                    parent[k] = state
+                    cell_of[k] = target
+                    heapq.heappush(queue, (arrives + to_go[nr, nc] / speed, k))
+    if found < 0:
+        return np.empty((0, 3))
+    trajectory = np.empty((2 * total, 3))
+    n = 0
+    state = found
+    while state >= 0:
+        r, c = cell_of[state] // cols, cell_of[state] % cols
+        if n > 0:
+            x, y = trajectory[n - 1, 0], trajectory[n - 1, 1]
+            # A robot that does not set out at once waits here: the same point a second time.
+            leaves = trajectory[n - 1, 2] - math.hypot(x - centres[r, c, 0], y - centres[r, c, 1]) / speed
+            if leaves > arrival[state] + 1e-6:
+                trajectory[n] = centres[r, c, 0], centres[r, c, 1], leaves
+                n += 1
+        trajectory[n] = centres[r, c, 0], centres[r, c, 1], arrival[state]
+        n += 1
+        state = parent[state]
+    return trajectory[:n][::-1].copy()
+
+
+@njit(cache=True)
+def _off_path(
+    free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, path: FloatArray, distance: float
+) -> BoolArray:  # fmt: skip
+    """(rows, cols) the free cells that are so many metres or more from each of (m, 2) points."""
+    off = free.copy()
+    rows, cols = free.shape
+    span = distance / side + 1.0
+    for i in range(path.shape[0]):
+        x, y = path[i, 0], path[i, 1]
+        col, row = (x - corner[0]) / side, (y - corner[1]) / side
+        for r in range(max(0, int(row - span)), min(rows, int(row + span) + 1)):
+            for c in range(max(0, int(col - span)), min(cols, int(col + span) + 1)):
+                if math.hypot(centres[r, c, 0] - x, centres[r, c, 1] - y) < distance:
+                    off[r, c] = False
+    return off
+
+
+def _nearest(roadmap: Roadmap, free: BoolArray, x: float, y: float, reach: float) -> tuple[int, int] | None:
+    """Return the free cell whose centre is nearest to a map point, within `reach` metres."""
+    place = np.array([x, y]) - roadmap.corner
+    if (place < -reach).any() or (place > roadmap.side * np.array(free.shape[::-1]) + reach).any():
+        # A place this far off may have no cell number that fits an integer.
+        return None
+    col, row = (place / roadmap.side).astype(np.int64)
+    span = math.ceil(reach / roadmap.side)
+    rows, cols = slice(max(0, row - span), row + span + 1), slice(max(0, col - span), col + span + 1)
+    distances = np.where(
+        free[rows, cols], np.hypot(roadmap.centres[rows, cols, 0] - x, roadmap.centres[rows, cols, 1] - y), np.inf
+    )
+    if distances.size == 0 or distances.min() > reach:
+        return None
+    best_row, best_col = np.unravel_index(int(distances.argmin()), distances.shape)
+    return int(best_row) + rows.start, int(best_col) + cols.start
+
+
+def route(
+    roadmap: Roadmap,
+    free: BoolArray,
+    start: FloatArray,
+    goal: FloatArray,
+    time: float,
+    others: OtherItineraries,
+    separation: float,
+) -> Itinerary | None:
+    """Find the quickest itinerary to a goal, where the robot may then stay, clear of all others.
+
+    Args:
+        roadmap: the coarse grid.
+        free: (rows, cols) True in those of its cells that may be used.
+        start: (2,) map point.
+        goal: (2,) map point.
+        time: from which the itinerary is numbered.
+        others: the other robots'.
+        separation: metres from centre to centre.
+
+    Returns:
+        None when there is none within the time looked ahead.
+    """
+    cell = _nearest(roadmap, free, goal[0], goal[1], 2 * roadmap.side)
+    if cell is None:
+        return None
+    targets = np.zeros(free.shape, dtype=np.bool_)
+    targets[cell] = True
+    itinerary = _itinerary_to(roadmap, free, start, targets, time, others, separation)
+    if itinerary is None:
+        return None
+    points = np.vstack([itinerary.points, goal])
+    last = float(np.hypot(*(goal - itinerary.points[-1]))) / ITINERARY_SPEED
+    return Itinerary(points, np.append(itinerary.times, itinerary.times[-1] + last))
+
+
+def refuge(
+    roadmap: Roadmap,
+    free: BoolArray,
+    start: FloatArray,
+    avoided: FloatArray,
+    time: float,
+    others: OtherItineraries,
+    separation: float,
+) -> Itinerary | None:
+    """Find the quickest itinerary to a place off a path that another robot wants to take.
+
+    Args:
+        roadmap: see `route`, as the other arguments.
+        free: (rows, cols).
+        start: (2,) map point.
+        avoided: (m, 2) map points of that path.
+        time: from which the itinerary is numbered.
+        others: the other robots'.
+        separation: metres from centre to centre, also from that path.
+    """
+    # A cell farther than just off it, since the other robot plans between rounded places too.
+    targets = _off_path(free, roadmap.centres, roadmap.corner, roadmap.side, avoided, separation + roadmap.side)
+    return _itinerary_to(roadmap, free, start, targets, time, others, separation)
+
+
+def _itinerary_to(
+    roadmap: Roadmap,
+    free: BoolArray,
+    start: FloatArray,
+    targets: BoolArray,
+    time: float,
+    others: OtherItineraries,
+    separation: float,
+) -> Itinerary | None:
+    cell = _nearest(roadmap, free, start[0], start[1], NEAR_START)
+    if cell is None:
+        return None
+    busy = _traffic(
+        free, roadmap.centres, roadmap.corner, roadmap.side, others, start, time, separation, BIN_COUNT, BIN_LENGTH
+    )
+    found = _search(free, busy, targets, roadmap.centres, roadmap.side, *cell, BIN_LENGTH, ITINERARY_SPEED)
+    if len(found) < 2:
+        return None
+    # The first cell's centre is but the start, rounded: a robot that has to wait there stays where it is.
+    points = found[:, :2].copy()
+    points[(points == points[0]).all(axis=1)] = start
+    return Itinerary(points, time + found[:, 2])

@@ -1,0 +1,323 @@
+"""The dynamic window approach: of the commands that the next period can reach, the one that leads best.
+
+The dynamic window is the set of velocities (v, w) that the motors can reach within one control period. A grid of
+samples of it is rolled out into arcs, and critics score each arc by its last pose: how far it is from the path, how far
+from the path's end, both for the body and for a nose ahead of it, and what the costs along the arc are. Arcs are rolled
+out first, because the distances are then counted only on the cells that arcs end on (`map_grid`); what is dear, the
+outline's collisions and room to brake, is looked at from the best score on until a command passes
+(`rollout.best_safe_command`).
+
+Source: ros-planning/navigation, dwa_local_planner/src/dwa_planner.cpp; base_local_planner/src/
+simple_trajectory_generator.cpp, simple_scored_sampling_planner.cpp and the cost functions; Fox, Burgard, Thrun, The
+Dynamic Window Approach to Collision Avoidance (1997).
+Differs: as `trajectory_rollout` does; and without the standing robot's first choice of turning in place,
+which ROS makes wherever obstacle costs outweigh progress (see `STALL_TIMEOUT` in `local_planner`).
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from sim.common.geometry import FloatArray
+from sim.common.kernels import njit
+from sim.parameters import DwaPlannerParameters, InflationParameters
+from sim.robot.costmap.costs import CostFrame, Costs
+from sim.robot.local_planning.braking import Surroundings
+from sim.robot.local_planning.local_planner import PlannerLimits, SampledPlanner
+from sim.robot.local_planning.map_grid import MapGrids, cells_along, index_of, map_grids, spread, survey
+from sim.robot.local_planning.rollout import (
+    MotionState,
+    RobotBody,
+    best_safe_command,
+    candidate_commands,
+    surely_free,
+    trajectory_cost,
+)
+
+EPSILON = 1e-4
+"""Tolerance of speeds at their bounds, m/s and rad/s."""
+ESCAPE_VEL = -0.1
+"""Metres a second backwards when no command leads on, for ESCAPE_DIST metres; ROS's leaves that to move_base."""
+ESCAPE_DIST = 0.12
+
+
+class _Samples(NamedTuple):
+    """Commands that are tried, and how they are rolled out.
+
+    Attributes:
+        v: (k,) m/s; w (m,) rad/s.
+        least_v: a command slower than both least_v and least_w is not tried.
+        only_v: the sign that v must have, or 0; only_w that of w.
+        at_once: True when a command's speed is reached in the first instant.
+        sim_time: see DwaPlannerParameters, and so on.
+    """
+
+    v: FloatArray
+    w: FloatArray
+    least_v: float
+    least_w: float
+    only_v: float
+    only_w: float
+    at_once: bool
+    sim_time: float
+    granularity: float
+    angular_granularity: float
+
+
+class _Critics(NamedTuple):
+    """Weights and settings by which a trajectory is scored.
+
+    Attributes:
+        path: per cell that the body ends off the path; alignment the same for the nose.
+        goal: per cell from there to the path's end, for both.
+        obstacles: per unit of cost.
+        sum_scores: True when the costs along the trajectory add up.
+        twirling: per rad/s.
+        nose: metres that the nose is forward of the centre.
+        scaling_speed: m/s above which the footprint grows, up to 1 + max_scaling_factor times at max_vel_trans.
+    """
+
+    path: float
+    alignment: float
+    goal: float
+    obstacles: float
+    sum_scores: bool
+    twirling: float
+    nose: float
+    scaling_speed: float
+    max_scaling_factor: float
+    max_vel_trans: float
+
+
+@njit(cache=True)
+def _growth(v: float, critics: _Critics) -> float:
+    """Factor by which the footprint is scaled: it grows with speed, so that fast robots keep more room."""
+    above = abs(v) - critics.scaling_speed
+    span = critics.max_vel_trans - critics.scaling_speed
+    return 1.0 + critics.max_scaling_factor * above / span if above > 0.0 and span > 0.0 else 1.0
+
+
+@njit(cache=True)
+def _steps(v: float, w: float, samples: _Samples) -> int:
+    """Number of poses in a rollout: none of its steps is longer, or turns farther, than the granularities."""
+    distance, turn = abs(v) * samples.sim_time, abs(w) * samples.sim_time
+    return max(1, math.ceil(max(distance / samples.granularity, turn / samples.angular_granularity)))
+
+
+@njit(cache=True)
+def _best(
+    costs: Costs, frame: CostFrame, grid: MapGrids, path: FloatArray, around: Surroundings, body: RobotBody,
+    now: MotionState, samples: _Samples, critics: _Critics,
+) -> tuple[float, float, bool]:  # fmt: skip
+    """The best safe command (v, w), and whether there is one."""
+    rows, cols = costs.shape
+    total = samples.v.shape[0] * samples.w.shape[0]
+    out = candidate_commands(total)
+    # The cells of the body at the end, and then those of the nose.
+    cells = np.empty(2 * total, dtype=np.int32)
+    n = 0
+    for v in samples.v:
+        growth = _growth(v, critics)
+        free = surely_free(body, growth)
+        for w in samples.w:
+            if abs(v) + EPSILON < samples.least_v and abs(w) + EPSILON < samples.least_w:
+                continue
+            if v * samples.only_v < 0.0 or w * samples.only_w < 0.0:
+                continue
+            steps = _steps(v, w, samples)
+            begin = MotionState(now.x, now.y, now.theta, v, w) if samples.at_once else now
+            tried = trajectory_cost(costs, frame, begin, v, w, body, samples.sim_time, steps, steps - 1, free)
+            if not tried.legal:
+                continue
+            nose_x = tried.x + critics.nose * math.cos(tried.theta)
+            nose_y = tried.y + critics.nose * math.sin(tried.theta)
+            nose = index_of(costs, frame, nose_x, nose_y)
+            if nose < 0:
+                continue
+            out.commands[n, 0], out.commands[n, 1] = v, w
+            cells[2 * n], cells[2 * n + 1] = index_of(costs, frame, tried.x, tried.y), nose
+            cost = tried.total if critics.sum_scores else tried.worst
+            out.scores[n] = critics.obstacles * cost + critics.twirling * abs(w)
+            out.steps[n] = steps
+            out.growth[n] = growth
+            out.doubtful[n] = tried.doubtful
+            n += 1
+    if n > 0:
+        survey(costs, frame, now.x, now.y, body.inscribed, grid.terrain)
+        along = cells_along(costs, frame, path)
+        last = path[path.shape[0] - 1]
+        spread(grid, cols, along, cells[: 2 * n], grid.path)
+        spread(grid, cols, along[along.shape[0] - 1 :], cells[: 2 * n : 2], grid.goal)
+        # The nose's goal lies as far beyond the path's end as the nose is forward of the centre.
+        bearing = math.atan2(last[1] - now.y, last[0] - now.x)
+        ahead = np.empty((1, 2))
+        ahead[0, 0] = last[0] + critics.nose * math.cos(bearing)
+        ahead[0, 1] = last[1] + critics.nose * math.sin(bearing)
+        beyond = cells_along(costs, frame, ahead)
+        spread(
+            grid, cols, beyond if beyond.shape[0] > 0 else along[along.shape[0] - 1 :], cells[1 : 2 * n : 2], grid.nose
+        )
+    # As in ROS, a nose that nothing reaches is as far off as there are cells.
+    lost = rows * cols
+    for i in range(n):
+        end, nose = cells[2 * i], cells[2 * i + 1]
+        if grid.path[end] < 0 or grid.goal[end] < 0:
+            out.scores[i] = np.inf
+            continue
+        off = grid.path[nose] if grid.path[nose] >= 0 else lost
+        left = grid.nose[nose] if grid.nose[nose] >= 0 else lost
+        out.scores[i] += critics.path * grid.path[end] + critics.alignment * off
+        out.scores[i] += critics.goal * (grid.goal[end] + left)
+    v, w, found = best_safe_command(costs, frame, out, n, around, body, now, samples.sim_time, samples.at_once)
+    return v, w, found
+
+
+def _spaced(low: float, high: float, samples: int) -> FloatArray:
+    """(k,) speeds from low to high, evenly; zero is put in where they pass it."""
+    if low >= high:
+        return np.array([high])
+    speeds = np.linspace(low, high, max(2, samples))
+    return np.insert(speeds, np.searchsorted(speeds, 0.0), 0.0) if low < 0.0 < high and 0.0 not in speeds else speeds
+
+
+class _OscillationCritic:
+    """Keeps a robot from reversing: it may not go back at once the way it came (oscillation_cost_function.cpp).
+
+    Args:
+        reset_dist: metres after which it may.
+        reset_angle: or radians.
+    """
+
+    def __init__(self, reset_dist: float, reset_angle: float) -> None:
+        self._reset_dist = reset_dist
+        self._reset_angle = reset_angle
+        self._last = [0.0, 0.0]
+        self._only = [0.0, 0.0]
+        self._since = MotionState(0.0, 0.0, 0.0, 0.0, 0.0)
+
+    @property
+    def only_v(self) -> float:
+        """The sign that v must have; 0 for either."""
+        return self._only[0]
+
+    @property
+    def only_w(self) -> float:
+        """The sign that w must have; 0 for either."""
+        return self._only[1]
+
+    def took(self, now: MotionState, v: float, w: float, least_v: float) -> None:
+        """Take note of the command that the robot was given."""
+        for axis, speed in enumerate((v, w if abs(v) <= least_v else 0.0)):
+            sign = math.copysign(1.0, speed) if speed else 0.0
+            if sign and sign == -self._last[axis]:
+                self._only[axis] = sign
+                self._since = now
+            self._last[axis] = sign or self._last[axis]
+        moved = math.hypot(now.x - self._since.x, now.y - self._since.y)
+        turned = abs(math.remainder(now.theta - self._since.theta, math.tau))
+        if any(self._only) and (moved > self._reset_dist or turned > self._reset_angle):
+            self._last, self._only = [0.0, 0.0], [0.0, 0.0]
+
+
+class DwaPlanner(SampledPlanner):
+    """The dynamic window approach for one robot.
+
+    Args:
+        parameters: dwa_local_planner's.
+        footprint: (n, 2) padded corners, base frame.
+        inflation: the costmap's.
+        shape: rows and columns of the local costmap.
+        period: seconds from one command to the next.
+    """
+
+    def __init__(
+        self,
+        parameters: DwaPlannerParameters,
+        footprint: FloatArray,
+        inflation: InflationParameters,
+        shape: tuple[int, int],
+        period: float,
+    ) -> None:
+        self._parameters = parameters
+        self._grids = map_grids(*shape)
+        limits = PlannerLimits(
+            acc_lim_x=parameters.acc_lim_x,
+            acc_lim_theta=parameters.acc_lim_theta,
+            max_vel_theta=parameters.max_vel_theta,
+            min_in_place_vel_theta=parameters.min_vel_theta,
+            escape_vel=ESCAPE_VEL,
+            escape_reset_dist=ESCAPE_DIST,
+            escape_reset_theta=math.pi / 2,
+            heading_lookahead=parameters.forward_point_distance,
+            oscillation_reset_dist=parameters.oscillation_reset_dist,
+            sim_time=parameters.sim_time,
+            sim_granularity=parameters.sim_granularity,
+            xy_goal_tolerance=parameters.xy_goal_tolerance,
+            yaw_goal_tolerance=parameters.yaw_goal_tolerance,
+            latch_xy_goal_tolerance=parameters.latch_xy_goal_tolerance,
+            trans_stopped_vel=parameters.trans_stopped_vel,
+            theta_stopped_vel=parameters.theta_stopped_vel,
+        )
+        super().__init__(limits, footprint, inflation, period)
+
+    def reset(self) -> None:
+        """Forget the path that was followed."""
+        super().reset()
+        wanted = self._parameters
+        self._oscillation = _OscillationCritic(wanted.oscillation_reset_dist, wanted.oscillation_reset_angle)
+
+    def _search(
+        self,
+        now: MotionState,
+        costs: Costs,
+        frame: CostFrame,
+        path: FloatArray,
+        greatest_v: float,
+        around: Surroundings,
+        stalled: bool,
+    ) -> tuple[float, float, bool]:
+        wanted = self._parameters
+        samples = self._samples(now, greatest_v, stalled)
+        left = math.hypot(path[-1, 0] - now.x, path[-1, 1] - now.y)
+        near = left * left <= wanted.forward_point_distance**2 * wanted.cheat_factor
+        critics = _Critics(
+            wanted.path_distance_bias * frame.resolution,
+            0.0 if near else wanted.path_distance_bias * frame.resolution,
+            wanted.goal_distance_bias * frame.resolution,
+            0.0 if stalled else wanted.occdist_scale,
+            wanted.sum_scores,
+            wanted.twirling_scale,
+            wanted.forward_point_distance,
+            wanted.scaling_speed,
+            wanted.max_scaling_factor,
+            wanted.max_vel_trans,
+        )
+        v, w, found = _best(costs, frame, self._grids, path, around, self._body, now, samples, critics)
+        if found:
+            self._oscillation.took(now, v, w, wanted.min_vel_trans)
+        return v, w, found
+
+    def _samples(self, now: MotionState, greatest_v: float, stalled: bool) -> _Samples:
+        wanted = self._parameters
+        reach = self._body.period if wanted.use_dwa else wanted.sim_time
+        fastest = min(wanted.max_vel_x, wanted.max_vel_trans, max(greatest_v, wanted.min_vel_trans))
+        highest_v = min(fastest, max(now.v, 0.0) + wanted.acc_lim_x * reach)
+        lowest_v = min(highest_v, max(wanted.min_vel_x, -wanted.max_vel_trans, now.v - wanted.acc_lim_x * reach))
+        return _Samples(
+            _spaced(lowest_v, highest_v, wanted.vx_samples),
+            _spaced(
+                max(-wanted.max_vel_theta, now.w - wanted.acc_lim_theta * reach),
+                min(wanted.max_vel_theta, now.w + wanted.acc_lim_theta * reach),
+                wanted.vth_samples,
+            ),
+            wanted.min_vel_trans,
+            # Slower than any rate: nothing is tried that stays where it is.
+            math.inf if stalled else wanted.min_vel_theta,
+            self._oscillation.only_v,
+            self._oscillation.only_w,
+            wanted.use_dwa,
+            wanted.sim_time,
+            wanted.sim_granularity,
+            wanted.angular_sim_granularity,
+        )

@@ -1,0 +1,313 @@
+"""Local planner: the interface that the navigator drives by, and all that planners share but the search itself.
+
+A robot that faces away from its path turns in place before it sets out; one that nothing leads on backs up; every
+command leaves room to stop (`sim.robot.local_planning.braking`).
+"""
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Protocol
+
+from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.kernels import njit
+from sim.common.observations import STANDSTILL, Twist
+from sim.parameters import InflationParameters
+from sim.robot.costmap.costs import CostFrame, Costs
+from sim.robot.costmap.footprint import outline, pad, radii
+from sim.robot.local_planning.braking import LATENCY, Surroundings
+from sim.robot.local_planning.rollout import COMFORT, MotionState, RobotBody, command_safe, rollout
+
+TURN_IN_PLACE = 1.0
+"""Radians off the path beyond which a robot turns in place; within TURNED it sets out."""
+TURNED = 0.3
+OUTLINE_SPACING = 0.1
+STALL_TIMEOUT = 3.0
+"""Seconds of driving without moving STALL_DISTANCE metres, after which of obstacles only collisions count."""
+STALL_DISTANCE = 0.3
+FREE_AGAIN_DISTANCE = 1.0
+"""Metres of driving after which the costs of obstacles count again."""
+MIN_ARC_RADIUS = 0.05
+"""Metres: thinner robots, even a point, back up in arcs as a robot of this radius does."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedCommand:
+    """A command, its trajectory, and whether the search for one failed.
+
+    Attributes:
+        command: the velocity asked for.
+        local_plan: (k, 3) map poses it leads through.
+        stuck: True when every command that leads on was unsafe or blocked.
+    """
+
+    command: Twist
+    local_plan: FloatArray
+    stuck: bool
+
+
+@dataclass(frozen=True, slots=True)
+class PlannerLimits:
+    """Parameters of a local planner that the navigator, and the manoeuvres that all planners share, depend on.
+
+    Attributes:
+        acc_lim_x: m/s^2; acc_lim_theta in turning, rad/s^2.
+        max_vel_theta: rad/s; at least min_in_place_vel_theta in place.
+        escape_vel: m/s of backing up, negative; ends after escape_reset_dist metres or escape_reset_theta radians.
+        heading_lookahead: metres along the path to the point that a robot turns to before it sets out.
+        oscillation_reset_dist: metres after which a robot may turn the other way round.
+        sim_time: seconds a trajectory is rolled out.
+        sim_granularity: metres between its points.
+        xy_goal_tolerance: metres; yaw_goal_tolerance radians.
+        latch_xy_goal_tolerance: True when a robot that was at the goal only turns.
+        trans_stopped_vel: m/s that count as standing; theta_stopped_vel rad/s.
+    """
+
+    acc_lim_x: float
+    acc_lim_theta: float
+    max_vel_theta: float
+    min_in_place_vel_theta: float
+    escape_vel: float
+    escape_reset_dist: float
+    escape_reset_theta: float
+    heading_lookahead: float
+    oscillation_reset_dist: float
+    sim_time: float
+    sim_granularity: float
+    xy_goal_tolerance: float
+    yaw_goal_tolerance: float
+    latch_xy_goal_tolerance: bool
+    trans_stopped_vel: float
+    theta_stopped_vel: float
+
+
+@njit(cache=True)
+def _toward(path: FloatArray, x: float, y: float, lookahead: float) -> tuple[float, float]:
+    """Map heading from (x, y) to the first of (m, 2) points `lookahead` metres off, or the last; metres to the last."""
+    last = path.shape[0] - 1
+    target = last
+    for i in range(last):
+        if math.hypot(path[i, 0] - x, path[i, 1] - y) >= lookahead:
+            target = i
+            break
+    heading = math.atan2(path[target, 1] - y, path[target, 0] - x)
+    return heading, math.hypot(path[last, 0] - x, path[last, 1] - y)
+
+
+class LocalPlanner(Protocol):
+    """Chooses commands for one robot, each of which leaves room to stop."""
+
+    @property
+    def limits(self) -> PlannerLimits:
+        """The parameters that others need."""
+        ...
+
+    def reset(self) -> None:
+        """Forget the path that was followed."""
+        ...
+
+    def turn_first(self) -> None:
+        """Turn to the path before setting out again."""
+        ...
+
+    def safe(self, pose: Pose2, twist: Twist, command: Twist, around: Surroundings) -> bool:
+        """Return True when a command leaves room to stop."""
+        ...
+
+    def turn(self, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> PlannedCommand:
+        """Turn in place toward a heading, the other way round if something is near; slower as it gets there."""
+        ...
+
+    def escape(self, pose: Pose2, twist: Twist, around: Surroundings) -> PlannedCommand:
+        """Drive slowly backwards, in an arc if need be, or where there is no room behind forwards, if that is safe."""
+        ...
+
+    def follow(
+        self,
+        pose: Pose2,
+        twist: Twist,
+        costs: Costs,
+        frame: CostFrame,
+        path: FloatArray,
+        slow_down: float,
+        around: Surroundings,
+    ) -> PlannedCommand:
+        """Choose the command that leads along a path.
+
+        Args:
+            pose: pose of the base in the map.
+            twist: its velocity.
+            costs: (cells, cells) the local costmap.
+            frame: its place in the map.
+            path: (m, 2) map points from the robot on, within the costmap; it leads to the last one.
+            slow_down: seconds left to reach the last point at the present speed, at least.
+            around: walls and neighbours that the robot may hit.
+        """
+        ...
+
+
+class SampledPlanner(ABC):
+    """A local planner that rolls out sampled commands; subclasses say which, and how they are scored.
+
+    Args:
+        limits: from its parameters.
+        footprint: (n, 2) padded corners, base frame.
+        inflation: the costmap's.
+        period: seconds from one command to the next.
+    """
+
+    def __init__(
+        self, limits: PlannerLimits, footprint: FloatArray, inflation: InflationParameters, period: float
+    ) -> None:
+        inscribed, circumscribed = radii(footprint)
+        self._limits = limits
+        self._body = RobotBody(
+            footprint,
+            pad(footprint, COMFORT),
+            outline(footprint, OUTLINE_SPACING),
+            inscribed,
+            circumscribed,
+            inflation.cost_scaling_factor,
+            inflation.inflation_radius,
+            limits.acc_lim_x,
+            limits.acc_lim_theta,
+            period,
+            period + LATENCY,
+        )
+        self.reset()
+
+    @property
+    def limits(self) -> PlannerLimits:
+        """The parameters that others need."""
+        return self._limits
+
+    def reset(self) -> None:
+        """Forget the path that was followed."""
+        self._turning = False
+        self._side = 0.0
+        self._turned_at: Pose2 | None = None
+        self._barred: tuple[float, ...] = ()
+        self._escape_speed = self._limits.escape_vel
+        self._mark: Pose2 | None = None
+        self._stalled_for = 0.0
+
+    def turn_first(self) -> None:
+        """Turn to the path before setting out again."""
+        self._turning = True
+        self._escape_speed = self._limits.escape_vel
+
+    def safe(self, pose: Pose2, twist: Twist, command: Twist, around: Surroundings) -> bool:
+        """Return True when a command leaves room to stop."""
+        return bool(command_safe(around, self._body, _motion(pose, twist), command.linear, command.angular))
+
+    def turn(self, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> PlannedCommand:
+        """Turn in place toward a heading, the other way round if something is near; slower as it gets there."""
+        if abs(twist.linear) > 0.1:
+            return PlannedCommand(STANDSTILL, self._preview(pose, twist, STANDSTILL), False)
+        limits = self._limits
+        difference = wrap_angle(heading - pose.theta)
+        speed = min(limits.max_vel_theta, max(limits.min_in_place_vel_theta, abs(difference)))
+        if self._turned_at is None or self._turned_at.distance(pose) > limits.oscillation_reset_dist:
+            self._turned_at, self._side, self._barred = pose, 0.0, ()
+        if self._side == 0.0 or abs(difference) < TURN_IN_PLACE:
+            self._side = math.copysign(1.0, difference)
+        # Having begun to turn the long way round, go on with it; and a side that something bars stays barred here, or
+        # the robot would turn to and fro between two obstacles.
+        for side in (self._side, -self._side):
+            if side in self._barred:
+                continue
+            command = Twist(0.0, side * speed)
+            if self.safe(pose, twist, command, around):
+                self._side = side
+                return PlannedCommand(command, self._preview(pose, twist, command), False)
+            self._barred = (*self._barred, side)
+        return PlannedCommand(STANDSTILL, self._preview(pose, twist, STANDSTILL), True)
+
+    def escape(self, pose: Pose2, twist: Twist, around: Surroundings) -> PlannedCommand:
+        """Drive slowly backwards, in an arc if need be, or where there is no room behind forwards, if that is safe."""
+        # Having turned round before an obstacle, do not go back to it.
+        for speed in (self._escape_speed, -self._escape_speed):
+            # Beside a corner, which straight on would come nearer, an arc may lead away from it.
+            arc = 2.0 * speed / max(self._body.circumscribed, MIN_ARC_RADIUS)
+            for turn in (0.0, arc, -arc):
+                command = Twist(speed, turn)
+                if self.safe(pose, twist, command, around):
+                    self._escape_speed = speed
+                    return PlannedCommand(command, self._preview(pose, twist, command), False)
+        return PlannedCommand(STANDSTILL, self._preview(pose, twist, STANDSTILL), True)
+
+    def follow(
+        self,
+        pose: Pose2,
+        twist: Twist,
+        costs: Costs,
+        frame: CostFrame,
+        path: FloatArray,
+        slow_down: float,
+        around: Surroundings,
+    ) -> PlannedCommand:
+        """Choose the command that leads along a path; see LocalPlanner."""
+        heading, to_end = _toward(path, pose.x, pose.y, self._limits.heading_lookahead)
+        off = abs(wrap_angle(heading - pose.theta))
+        self._turning = off > (TURNED if self._turning else TURN_IN_PLACE)
+        if self._turning:
+            return self.turn(pose, twist, heading, around)
+        if self._turned_at is not None and self._turned_at.distance(pose) > self._limits.oscillation_reset_dist:
+            self._side, self._turned_at = 0.0, None
+        greatest = to_end / slow_down
+        stalled = self._is_stalled(pose)
+        v, w, found = self._search(_motion(pose, twist), costs, frame, path, greatest, around, stalled)
+        command = Twist(v, w)
+        return PlannedCommand(command, self._preview(pose, twist, command), not found)
+
+    @abstractmethod
+    def _search(
+        self,
+        now: MotionState,
+        costs: Costs,
+        frame: CostFrame,
+        path: FloatArray,
+        greatest_v: float,
+        around: Surroundings,
+        stalled: bool,
+    ) -> tuple[float, float, bool]:
+        """Return the best safe command (v, w), and whether there is one.
+
+        Args:
+            now: the robot's pose and velocities.
+            costs: see `follow`, and so on.
+            frame: see there.
+            path: see there.
+            greatest_v: m/s that it may not exceed, whatever its parameters say.
+            around: see there.
+            stalled: True when obstacles count only where they are hit, and standing is no choice.
+        """
+
+    def _is_stalled(self, pose: Pose2) -> bool:
+        """Return True when the robot has driven for long without moving on.
+
+        ROS's planners can find it best to turn to and fro for ever, or to stand, where all that leads on has a cost.
+        """
+        stalled = self._stalled_for > STALL_TIMEOUT
+        if self._mark is None or self._mark.distance(pose) > (FREE_AGAIN_DISTANCE if stalled else STALL_DISTANCE):
+            self._mark, self._stalled_for = pose, 0.0
+        self._stalled_for += self._body.period
+        return stalled
+
+    def _preview(self, pose: Pose2, twist: Twist, command: Twist) -> FloatArray:
+        time, granularity = self._limits.sim_time, self._limits.sim_granularity
+        # A turn of the body is as long as the path of its farthest corner.
+        arc = abs(command.linear) + abs(command.angular) * self._body.circumscribed
+        poses: FloatArray = rollout(
+            _motion(pose, twist),
+            command.linear,
+            command.angular,
+            self._body,
+            time,
+            max(1, round(arc * time / granularity)),
+        )
+        return poses
+
+
+def _motion(pose: Pose2, twist: Twist) -> MotionState:
+    return MotionState(pose.x, pose.y, pose.theta, twist.linear, twist.angular)

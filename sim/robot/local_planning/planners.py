@@ -1,0 +1,24 @@
+"""Choice of the local planner that a robot drives by."""
+
+from sim.common.geometry import FloatArray
+from sim.parameters import RobotParameters
+from sim.robot.local_planning.dwa import DwaPlanner
+from sim.robot.local_planning.local_planner import LocalPlanner
+from sim.robot.local_planning.trajectory_rollout import TrajectoryPlanner
+
+
+def local_planner(
+    parameters: RobotParameters, footprint: FloatArray, shape: tuple[int, int], period: float
+) -> LocalPlanner:
+    """Make the local planner that `move_base: base_local_planner` names.
+
+    Args:
+        parameters: the robot's software's.
+        footprint: (n, 2) padded corners, base frame.
+        shape: rows and columns of the local costmap.
+        period: seconds from one command to the next.
+    """
+    inflation = parameters.local_costmap.inflation_layer
+    if parameters.move_base.base_local_planner == "dwa_local_planner/DWAPlannerROS":
+        return DwaPlanner(parameters.DWAPlannerROS, footprint, inflation, shape, period)
+    return TrajectoryPlanner(parameters.TrajectoryPlannerROS, footprint, inflation, shape, period)

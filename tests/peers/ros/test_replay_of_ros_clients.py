@@ -1,0 +1,32 @@
+"""What ROS's own clients did to running robots is done again by a replay, to the last bit."""
+
+from pathlib import Path
+
+from tests.peers.ros import live
+from tests.peers.ros.beside import NEEDS_ROS, session
+from tests.thbridge.app.replay.test_replay import again
+from thbridge.app.replay.replay import ticks_of
+from thbridge.app.session.inputs import ClientRequest
+
+pytestmark = NEEDS_ROS
+
+
+def test_robots_do_again_what_they_did_for_ros_clients(tmp_path: Path) -> None:
+    with session(tmp_path, "--bag", "live.bag") as (ros, robots):
+        assert ros.script(live.ASKING)
+        assert robots.stop() == 0
+    inputs = [item for tick in ticks_of(tmp_path / "live.bag") for item in tick.inputs]
+    asked = {type(item.request).__name__ for item in inputs if isinstance(item, ClientRequest)}
+    kinds = {
+        "SimpleGoal",
+        "InitialPose",
+        "VelocityCommand",
+        "SetParameters",
+        "GlobalLocalization",
+        "ClearCostmaps",
+        "CancelRequest",
+    }
+    assert asked == kinds
+    done = again(tmp_path / "live.bag")
+    assert done.finished
+    assert done.difference is None

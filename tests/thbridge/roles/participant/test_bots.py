@@ -1,0 +1,85 @@
+from dataclasses import replace
+
+import pytest
+from msgspec import structs
+
+from thbridge.hunt.events import Condition
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.bots import Bot, TreasureKnowledge
+from thbridge.roles.view import GiveUp, RequestSuggestion, RobotView, RoomView, SelectRoom, View
+
+COSTS = ((None, 5.0, 9.0, 7.0), (None, None, 5.0, 5.0), (None, 5.0, None, 5.0), (None, 5.0, 5.0, None))
+
+
+def view_of(*moving_to: int | None) -> View:
+    """Three rooms that nobody has visited, and robots in the corridor that are bound for these."""
+    rooms = tuple(
+        RoomView(
+            room=number,
+            state="reserved" if number in moving_to else "unvisited",
+            robot=moving_to.index(number) if number in moving_to else None,
+            colour=None,
+            footprint=None,
+            picture=None,
+            verdict=None,
+            left=False,
+        )
+        for number in (1, 2, 3)
+    )
+    robots = tuple(RobotView(robot, 0, bound, 100.0, False, Condition.WELL) for robot, bound in enumerate(moving_to))
+    return View(1, True, COSTS, robots, rooms, (), (), 0, None, 5.0, 1.0, None)
+
+
+def bot(strategy: BotStrategy) -> Bot:
+    return Bot(strategy, TreasureKnowledge((), {}), seed=1)
+
+
+@pytest.mark.parametrize(
+    ("strategy", "first"), [(BotStrategy.SUGGESTION, RequestSuggestion(0)), (BotStrategy.NEAREST, SelectRoom(0, 1))]
+)
+def test_a_room_that_was_missed_is_left_for_last(strategy, first):
+    player = bot(strategy)
+    assert list(player.requests(view_of(None))) == [first]
+    for missed, then in ((1, 3), (3, 2), (2, 1)):
+        assert list(player.requests(view_of(missed))) == []
+        assert list(player.requests(view_of(None))) == [SelectRoom(0, then)]
+    for missed in (1, 3, 2, 1, 3, 2):
+        player.requests(view_of(missed))
+    assert list(player.requests(view_of(None))) == [GiveUp(1)]
+
+
+def test_what_one_robot_missed_another_may_reach():
+    player = bot(BotStrategy.NEAREST)
+    player.requests(view_of(1, 3))
+    player.requests(view_of(None, 3))
+    visited = replace(view_of(None, None).rooms[2], state="visited", robot=1)
+    arrived = view_of(None, None)
+    arrived = structs.replace(arrived, rooms=(*arrived.rooms[:2], visited))
+    assert list(player.requests(arrived)) == [SelectRoom(0, 2), SelectRoom(1, 1)]
+
+
+def in_condition(view: View, *conditions: Condition) -> View:
+    robots = tuple(replace(robot, condition=c) for robot, c in zip(view.robots, conditions, strict=True))
+    return structs.replace(view, robots=robots)
+
+
+def test_a_robot_that_does_not_answer_is_asked_nothing_until_it_does():
+    player = bot(BotStrategy.NEAREST)
+    assert list(player.requests(in_condition(view_of(None, None), Condition.SILENT, Condition.WELL))) == [
+        SelectRoom(1, 1)
+    ]
+    assert list(player.requests(in_condition(view_of(None, 1), Condition.SILENT, Condition.WELL))) == []
+    assert list(player.requests(view_of(None, 1))) == [SelectRoom(0, 3)]
+
+
+def test_the_game_is_given_up_when_no_robot_answers():
+    assert list(bot(BotStrategy.NEAREST).requests(in_condition(view_of(None), Condition.SILENT))) == [GiveUp(1)]
+
+
+def test_a_robot_that_stays_lost_is_sent_once_and_again_when_it_is_found():
+    player = bot(BotStrategy.NEAREST)
+    lost = in_condition(view_of(None), Condition.LOST)
+    assert list(player.requests(lost)) == [SelectRoom(0, 1)]
+    player.requests(in_condition(view_of(1), Condition.LOST))
+    assert list(player.requests(lost)) == [GiveUp(1)]
+    assert list(player.requests(view_of(None))) == [SelectRoom(0, 3)]

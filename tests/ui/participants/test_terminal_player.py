@@ -1,0 +1,123 @@
+"""A person at the keyboard, on a stage without a simulator."""
+
+import pytest
+
+from tests.thbridge.roles.stage import Stage
+from thbridge.hunt.events import Condition, ConsentGiven, RobotDeparted, TreasureIdentified, TreasuresHidden
+from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.participant.tabui import TabUI
+from thbridge.roles.robot_requests import ReleaseCommand, StationSend, TakeCommand
+from ui.participants.terminal_player import TerminalPlayer
+
+
+class Seat:
+    def __init__(self, briefing: Briefing | None = None) -> None:
+        self.shown: list[str] = []
+        self.person = TerminalPlayer(self.shown.append)
+        self.stage = Stage(participant=TabUI(self.person), briefing=briefing)
+        self.stage.run(6)
+
+    def type(self, line: str, ticks: int = 8) -> list[str]:
+        """Type a line; return the lines shown in answer."""
+        before = len(self.shown)
+        self.person.type(line)
+        self.stage.tabui.poll_player()
+        self.stage.run(ticks)
+        return self.shown[before:]
+
+
+@pytest.fixture
+def seat():
+    return Seat()
+
+
+def test_a_person_is_told_how_things_stand(seat):
+    assert seat.type("?") == [
+        "  Robot 1: in the corridor, energy 100",
+        "  Robot 2: in the corridor, energy 100",
+        "  Rooms not visited: 1 2 3 4 5 6 7 8. Score 0.",
+    ]
+
+
+def test_a_person_hunts_by_keyboard_alone(seat):
+    assert seat.type("1 3") == ["Robot 1: It will cost me 17 to go to room 3   [c Continue, s Stop]"]
+    assert seat.type("c") == ["Robot 1: Are you sure?   [c Continue, s Stop]"]
+    assert seat.type("c", 20)[0] == "Robot 1 sets out for room 3; it has 83 energy left."
+    treasure = next(event for event in seat.stage.log.events if isinstance(event, TreasuresHidden)).treasures[2]
+    assert seat.shown[-2:] == [
+        "Robot 1 is in room 3.",
+        f"Room 3: something {treasure.colour.lower()}, {treasure.footprint.lower()}. n 3 NAME names it.",
+    ]
+    assert seat.type("p 3") == [f"Room 3: the picture is {treasure.image}"]
+    assert seat.type("names") == ["  Blue Bottle, Orange Bottle, Pink can, Yellow can"]
+    assert seat.type("n 3 moon") == ["moon is not one of: Blue Bottle, Orange Bottle, Pink can, Yellow can"]
+    assert seat.type(f"n 3 {treasure.name.lower()}") == [f"Room 3: {treasure.name}, {treasure.points:+d} points."]
+    assert any(isinstance(event, TreasureIdentified) for event in seat.stage.log.events)
+
+
+def test_stop_sends_nobody(seat):
+    seat.type("2 ?")
+    seat.type("s")
+    assert not any(isinstance(event, RobotDeparted) for event in seat.stage.log.events)
+
+
+@pytest.mark.parametrize(
+    ("typed", "answer"),
+    [
+        ("hello", "  1 4        talk with robot 1 about going to room 4"),
+        ("9 3", "There is no robot 9; the team has 2."),
+        ("1 77", "Room 77 is not a room of this game; it has 1 to 8."),
+        ("p 77", "No robot stands in room 77."),
+        ("n 3 moon", "No treasure has been found yet."),
+        ("names", "No treasure has been found yet."),
+        ("c", "No robot waits for an answer."),
+        ("1 99999999999999999999", "  1 4        talk with robot 1 about going to room 4"),
+    ],
+)
+def test_what_cannot_be_done_is_said(seat, typed, answer):
+    assert seat.type(typed)[0].splitlines()[0] == answer
+
+
+def test_a_person_is_told_of_robots_that_do_not_answer_or_know_where_they_are(seat):
+    seat.stage.puppets.conditions = [Condition.SILENT, Condition.LOST]
+    seat.stage.run(60)
+    assert seat.shown[-2:] == ["Robot 1 does not answer any more.", "Robot 2 does not know where it is."]
+    assert "  Robot 2 does not know where it is." in seat.type("?")
+    assert seat.type("1 3") == ["Robot 1 does not answer any more."]
+
+
+def test_a_person_is_told_whose_a_robot_is(seat):
+    seat.stage.session.ask("station", TakeCommand(0, "ground station 255"))
+    seat.stage.run(10)
+    assert seat.shown[-1:] == ["Robot 1 is commanded by ground station 255 now."]
+    assert "  Robot 1 is commanded by ground station 255." in seat.type("?")
+    assert seat.type("1 3") == ["Robot 1 is commanded by ground station 255 just now."]
+    seat.stage.session.ask("station", ReleaseCommand(0))
+    seat.stage.run(10)
+    assert seat.shown[-1:] == ["Robot 1 is yours again."]
+
+
+def test_a_person_may_end_the_game(seat):
+    assert seat.type("end") == ["The game is over. Score 0."]
+
+
+def test_a_person_is_asked_to_take_part_before_anything_else():
+    seat = Seat(Briefing(consent="We record\nwhat you do."))
+    assert seat.shown == ["We record", "what you do.", "Type agree to take part."]
+    assert seat.type("1 3") == ["You have not agreed to take part yet."]
+    assert seat.type("agree")[0] == "Game 1. Type ? to see how things stand, h for help."
+    assert ConsentGiven() in seat.stage.log.events
+    assert seat.type("1 3") == ["Robot 1: It will cost me 17 to go to room 3   [c Continue, s Stop]"]
+
+
+def test_a_person_asks_for_a_robot_and_names_what_a_station_left(seat):
+    for request in (TakeCommand(0, "ground station 255"), StationSend(0, 3)):
+        seat.stage.session.ask("station", request)
+    seat.stage.run(20)
+    assert seat.type("a 1") == ["You have asked ground station 255 for robot 1 back."]
+    seat.stage.session.ask("station", StationSend(0, 4))
+    seat.stage.run(3)
+    assert any(line.startswith("  Room 3: something") for line in seat.type("?", 2))
+    treasure = next(event for event in seat.stage.log.events if isinstance(event, TreasuresHidden)).treasures[2]
+    assert f"Room 3: {treasure.name}, {treasure.points:+d} points." in seat.type(f"n 3 {treasure.name}")
+    assert not any(line.startswith("  Room 3") for line in seat.type("?"))

@@ -1,0 +1,134 @@
+"""State of each link: the senders heard there and when, frames lost and frames dropped."""
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from thbridge.protocols.mavlink.frames.frame import missing_between
+from thbridge.protocols.mavlink.vehicle_interface import Station
+
+MOST_STATIONS = 16
+"""Most senders on one link; frames of further ones are dropped."""
+
+
+class DropReason(StrEnum):
+    """Reason why a complete frame is dropped, as the end of the sentence "a frame goes nowhere: ..."."""
+
+    OURS = "its sender has the ids of one of our vehicles"
+    BROADCAST_SENDER = "its sender has the system id 0, which stands for everybody"
+    CROWDED = f"{MOST_STATIONS} other senders are heard on this link"
+    SECRET = "it carries a signing key, and keys come from a file"
+    UNKNOWN = "the dialect does not know its message"
+
+
+@dataclass(frozen=True, slots=True)
+class LinkReport:
+    """Report on a link.
+
+    Attributes:
+        name: name of the link.
+        stations: stations heard lately, in the order in which they first came.
+        received: number of frames received and accepted.
+        lost: number of frames lost, by the gaps in their senders' sequence numbers.
+        dropped: number of frames dropped, by reason.
+        sent: number of frames sent.
+    """
+
+    name: str
+    stations: tuple[Station, ...]
+    received: int
+    lost: int
+    dropped: Mapping[DropReason, int]
+    sent: int
+
+    def __str__(self) -> str:
+        counts = f"{self.received} frames came in, {self.lost} were lost on the way, {self.sent} went out"
+        dropped = "".join(f"; {count} went nowhere: {why}" for why, count in self.dropped.items())
+        return f"{self.name}: {counts}{dropped}"
+
+
+@dataclass(slots=True)
+class _LastFrame:
+    """Tick and sequence number of a sender's last frame."""
+
+    tick: int
+    sequence: int
+
+
+@dataclass(slots=True)
+class HubLink:
+    """State of a link in the hub.
+
+    Attributes:
+        name: name for people.
+        timeout: ticks for which a sender counts as present after a frame.
+        robot: the only vehicle on the link, from 0; None: all are.
+        sent: number of frames sent.
+        dropped: number of frames dropped, by reason.
+    """
+
+    name: str
+    timeout: int
+    robot: int | None = None
+    sent: int = 0
+    dropped: Counter[DropReason] = field(default_factory=Counter)
+    _received: int = 0
+    _lost: int = 0
+    _tick: int | None = None
+    _stations: dict[Station, _LastFrame] = field(default_factory=dict)
+    _counts: dict[int, int] = field(default_factory=dict)
+
+    def reaches(self, robot: int) -> bool:
+        """Return True when this vehicle is on the link."""
+        return self.robot in (None, robot)
+
+    def has_room_for(self, station: Station, tick: int) -> bool:
+        """Return True when frames of this sender are accepted; a stale sender makes room for a new one."""
+        known = self._stations
+        return (
+            station in known
+            or len(known) < MOST_STATIONS
+            or not all(self.heard_recently(other, tick) for other in known)
+        )
+
+    def record_frame(self, station: Station, sequence: int, tick: int) -> None:
+        """Record a frame from a sender for whom there is room."""
+        heard = self._stations.get(station)
+        if heard is None:
+            if len(self._stations) >= MOST_STATIONS:
+                del self._stations[min(self._stations, key=lambda other: self._stations[other].tick)]
+            self._stations[station] = _LastFrame(tick, sequence)
+        else:
+            self._lost += missing_between(heard.sequence, sequence)
+            heard.tick, heard.sequence = tick, sequence
+        self._tick = tick
+        self._received += 1
+
+    def is_active(self, tick: int) -> bool:
+        """Return True when a frame came within the timeout."""
+        return self._tick is not None and tick - self._tick <= self.timeout
+
+    def heard_recently(self, station: Station, tick: int) -> bool:
+        """Return True when a frame of this sender came within the timeout."""
+        heard = self._stations.get(station)
+        return heard is not None and tick - heard.tick <= self.timeout
+
+    def leads_to(self, system: int, component: int | None, tick: int) -> bool:
+        """Return True when a frame of this system came within the timeout; a component of None is any."""
+        return any(
+            station.system == system and component in (None, station.component) and tick - heard.tick <= self.timeout
+            for station, heard in self._stations.items()
+        )
+
+    def next_sequence(self, system: int) -> int:
+        """Return the sequence number of the next frame that one of our vehicles sends here."""
+        number = self._counts.get(system, 0)
+        self._counts[system] = (number + 1) % 256
+        self.sent += 1
+        return number
+
+    def report(self, tick: int) -> LinkReport:
+        """Return the link's report."""
+        stations = tuple(station for station in self._stations if self.heard_recently(station, tick))
+        return LinkReport(self.name, stations, self._received, self._lost, dict(self.dropped), self.sent)

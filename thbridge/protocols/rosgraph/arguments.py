@@ -1,0 +1,63 @@
+"""Argument checks of the master's methods.
+
+Source: ROS's rosmaster/validators.py, with the same order of checks and the same texts.
+"""
+
+from __future__ import annotations
+
+from thbridge.protocols.rosgraph.names import ANY_TYPE, SEPARATOR, resolve
+from thbridge.protocols.rosgraph.xmlrpc import XmlRpcValue
+
+
+class InvalidArgumentError(Exception):
+    """Argument that the method does not accept; the text is for the caller."""
+
+
+def graph_name(value: XmlRpcValue, what: str, caller: str, root: bool = False) -> str:
+    """Return the global name of a node, topic or service; the root namespace is allowed if ``root`` is True."""
+    if not value or not isinstance(value, str):
+        raise InvalidArgumentError(f"ERROR: parameter [{what}] must be a non-empty string")
+    if ":" in value or " " in value:  # a URI, most likely
+        raise InvalidArgumentError(f"ERROR: parameter [{what}] contains illegal chars")
+    if value == SEPARATOR and not root:
+        raise InvalidArgumentError(f"ERROR: parameter [{what}] cannot be the global namespace")
+    return resolve(value, caller)
+
+
+def subgraph(value: XmlRpcValue, caller: str) -> str:
+    """Return the global name of a namespace; empty for the whole graph."""
+    if not isinstance(value, str):
+        raise InvalidArgumentError("ERROR: parameter [subgraph] must be a string")
+    return value and resolve(value, caller)
+
+
+def api_uri(value: XmlRpcValue, what: str = "caller_api") -> str:
+    """Return the URI of a node's slave API or of a service."""
+    if not value or not isinstance(value, str):
+        raise InvalidArgumentError(f"ERROR: parameter [{what}] is not an XMLRPC URI")
+    if not value.startswith(("http://", "rosrpc://")):
+        raise InvalidArgumentError(f"ERROR: parameter [{what}] is not an RPC URI")
+    return value
+
+
+def topic_type(value: XmlRpcValue) -> str:
+    """Return a type's name with its package, or the one that stands for any type."""
+    if not value or not isinstance(value, str):
+        raise InvalidArgumentError("ERROR: parameter [topic_type] must be a non-empty string")
+    if value != ANY_TYPE and value.count("/") != 1:
+        raise InvalidArgumentError("ERROR: parameter [topic_type] is not a valid package resource name")
+    return value
+
+
+def relative_key(value: XmlRpcValue) -> str:
+    """Return a parameter's name as the caller wrote it."""
+    if not value:
+        raise InvalidArgumentError("ERROR: parameter [key] must be specified and non-empty")
+    if not isinstance(value, str):
+        raise InvalidArgumentError("ERROR: parameter [key] must be a string")
+    return value
+
+
+def global_key(value: XmlRpcValue, caller: str) -> str:
+    """Return the global name of a parameter."""
+    return resolve(relative_key(value), caller)

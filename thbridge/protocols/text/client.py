@@ -1,0 +1,103 @@
+"""Text protocol as one of our own programs speaks it, without the socket.
+
+`ClientSession` lives as long as one connection: send its `hello`, feed it what arrives, carry out the events. It
+registers as an extended client, answers pings and keeps the server's own lines to itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import TypeAlias
+
+from thbridge.protocols.text.lines import (
+    EXTENDED,
+    LineSplitter,
+    OverlongLine,
+    TextCommand,
+    TextMessage,
+    encode_line,
+    parse_tokens,
+    tokens,
+)
+
+_PONG_LINE = encode_line(f"{TextCommand.PONG} ")
+
+
+@dataclass(frozen=True, slots=True)
+class NameRegistered:
+    """The server has accepted our name: the moment to introduce ourselves to the other programs."""
+
+
+@dataclass(frozen=True, slots=True)
+class SendToServer:
+    """Bytes to be written to the server."""
+
+    data: bytes
+
+
+class ServerCloseReason(Enum):
+    """Reason why the server ends the connection."""
+
+    REFUSED = "our name is already held, or the server is full"
+    STOPPED = "the server stops"
+
+
+@dataclass(frozen=True, slots=True)
+class ClosedByServer:
+    """The server has announced the end of this connection; nothing more will come on it."""
+
+    reason: ServerCloseReason
+
+
+ClientSessionEvent: TypeAlias = NameRegistered | TextMessage | SendToServer | ClosedByServer | OverlongLine
+
+
+class ClientSession:
+    """One connection of the program called `name`.
+
+    Args:
+        name: the name to register under.
+        token: one word that marks this run of the program, so that it may replace its own dead connection; drawn
+            anew at each start, kept over reconnections.
+
+    Raises:
+        ValueError: name or token is not one word.
+    """
+
+    def __init__(self, name: str, token: str) -> None:
+        if tokens(f"{name} {token}") != [name, token]:
+            raise ValueError(f"name and token are one word each, not {name!r} and {token!r}")
+        self._hello = encode_line(f"{TextCommand.SETID} {name} {EXTENDED} {token}")
+        self._lines = LineSplitter()
+        self._registered = False
+        self._ended = False
+
+    @property
+    def hello(self) -> bytes:
+        """Registration line, to be sent first."""
+        return self._hello
+
+    def receive_data(self, data: bytes) -> list[ClientSessionEvent]:
+        """Return the events in bytes from the server; none after `ClosedByServer`."""
+        events: list[ClientSessionEvent] = []
+        for line in self._lines.feed(data):
+            if self._ended:
+                break
+            events += [line] if isinstance(line, OverlongLine) else self._handle(tokens(line))
+        return events
+
+    def _handle(self, parts: list[str]) -> list[ClientSessionEvent]:
+        # The server's own lines are recognised whole: a routed line that begins like one always names its parties.
+        match parts:
+            case [TextCommand.PING]:
+                return [SendToServer(_PONG_LINE)]
+            case [TextCommand.ACK] if not self._registered:
+                self._registered = True
+                return [NameRegistered()]
+            case [TextCommand.SHUTDOWN]:
+                self._ended = True
+                return [ClosedByServer(ServerCloseReason.STOPPED if self._registered else ServerCloseReason.REFUSED)]
+            case _:
+                message = parse_tokens(parts)
+                return [message] if isinstance(message, TextMessage) else []

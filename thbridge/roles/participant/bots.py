@@ -1,0 +1,193 @@
+"""Simulated participants, which decide from the view alone, as a person in front of the window does."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from sim.common.noise import NoiseStream
+from thbridge.hunt.events import Condition
+from thbridge.hunt.treasures import TreasureKind
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.view import (
+    AnswerDialogue,
+    Consent,
+    DialogueView,
+    GiveConsent,
+    GiveUp,
+    GiveUpTreasure,
+    IdentifyTreasure,
+    OpenDialogue,
+    ParticipantRequest,
+    RequestSuggestion,
+    RobotView,
+    RoomView,
+    SelectRoom,
+    SendRobot,
+    SenseTreasure,
+    TakePicture,
+    View,
+)
+
+STOP_PROBABILITY = 0.1
+"""Probability that the `random` participant answers Stop."""
+MAX_ATTEMPTS = 3
+"""Times that a robot is sent to a room that it does not reach."""
+
+
+@dataclass(frozen=True, slots=True)
+class TreasureKnowledge:
+    """Knowledge of the participant: which treasures there are and what a picture of each shows.
+
+    Attributes:
+        kinds: of the participant's treasure list.
+        shown_by: name of the treasure that a person sees on a picture, by the picture's file name.
+    """
+
+    kinds: tuple[TreasureKind, ...]
+    shown_by: Mapping[str, str]
+
+
+class Bot:
+    """A simulated participant; a player for TabUI.
+
+    It plays each robot on its own: it looks at what a robot found before that robot goes on, names a treasure that
+    colour and footprint determine, otherwise takes a picture if the energy suffices, and else gives the treasure up.
+    For a robot that somebody else commands it only decides about the treasures found, and waits. A room that a robot
+    did not reach is left for last, whatever the strategy, and after three attempts for good. A lost robot is sent once,
+    because it may localise itself while it drives. When nothing is left to request, the bot ends the game.
+
+    Args:
+        strategy: chooses rooms.
+        knowledge: of treasures.
+        seed: of its random numbers; only `random` draws any.
+    """
+
+    def __init__(self, strategy: BotStrategy, knowledge: TreasureKnowledge, seed: int) -> None:
+        self._strategy = strategy
+        self._knowledge = knowledge
+        self._choices = NoiseStream.named(seed, "participant", "choices")
+        self._doubts = NoiseStream.named(seed, "participant", "doubts")
+        self._stopped: set[int] = set()
+        self._destinations: dict[int, int] = {}
+        self._failed_moves: Counter[tuple[int, int]] = Counter()
+        self._lost: set[int] = set()
+
+    def requests(self, view: View) -> Sequence[ParticipantRequest]:
+        """Return the next requests; see `Player`."""
+        if view.over is not None:
+            return ()
+        if view.consent is not None:
+            return (GiveConsent(),)
+        self._count_failures(view)
+        requests: list[ParticipantRequest] = [self._answer(dialogue) for dialogue in view.dialogues if dialogue.choices]
+        open_matters: Sequence[DialogueView | Consent] = (*view.dialogues, *view.consents)
+        taken = {item.room for item in open_matters if item.matter == "select-room"}
+        for robot in view.robots:
+            for request in self._for_robot(view, robot, taken):
+                requests.append(request)
+                if isinstance(request, SelectRoom):
+                    taken.add(request.room)
+        busy = any(robot.moving_to is not None or robot.other_commander for robot in view.robots)
+        waits = view.dialogues or view.thinking or busy
+        if not requests and view.robots and not waits:
+            return (GiveUp(view.game),)
+        return requests
+
+    def _count_failures(self, view: View) -> None:
+        """Count the moves that failed, by robot and room, and note robots that are still lost after one."""
+        for robot in view.robots:
+            if robot.condition is not Condition.LOST:
+                self._lost.discard(robot.robot)
+            room = self._destinations.pop(robot.robot, robot.moving_to)
+            if room is not None and room != robot.moving_to and view.room(room).state == "unvisited":
+                self._failed_moves[robot.robot, room] += 1
+                if robot.condition is Condition.LOST:
+                    self._lost.add(robot.robot)
+            if robot.moving_to is not None:
+                self._destinations[robot.robot] = robot.moving_to
+
+    def _for_robot(self, view: View, robot: RobotView, taken: set[int]) -> Iterator[ParticipantRequest]:
+        agreed = [consent for consent in view.consents if consent.robot == robot.robot]
+        if robot.blocked or robot.condition is Condition.SILENT:
+            return
+        if robot.robot in view.thinking or any(dialogue.robot == robot.robot for dialogue in view.dialogues):
+            return
+        room = next((room for room in view.rooms if _waits_for(robot, room)), None)
+        if room is not None:
+            yield self._treasure(view, robot, room, {consent.matter for consent in agreed if consent.room == room.room})
+            return
+        if robot.moving_to is not None or robot.other_commander:
+            return
+        for consent in agreed:
+            if consent.matter == "select-room":
+                yield SendRobot(robot.robot, consent.room)
+                return
+        if robot.robot in self._lost:
+            return
+        rooms = self._affordable(view, robot, taken)
+        fresh = [room for room in rooms if not self._failed_moves[robot.robot, room]]
+        open_to_it = fresh or [room for room in rooms if self._failed_moves[robot.robot, room] < MAX_ATTEMPTS]
+        if not open_to_it:
+            return
+        if self._strategy is BotStrategy.SUGGESTION and fresh == rooms:
+            yield RequestSuggestion(robot.robot)
+        else:
+            # The robot would suggest the room that it missed, again and again.
+            yield SelectRoom(robot.robot, self._choice(view, robot, open_to_it))
+
+    def _affordable(self, view: View, robot: RobotView, taken: set[int]) -> list[int]:
+        row = view.costs[robot.place]
+        rooms = [room.room for room in view.rooms if room.state == "unvisited" and room.room not in taken]
+        return [room for room in rooms if (cost := row[room]) is not None and cost <= robot.energy]
+
+    def _choice(self, view: View, robot: RobotView, rooms: Sequence[int]) -> int:
+        if self._strategy is BotStrategy.RANDOM:
+            # The same choice while nothing happened to this robot, another one after each dialogue broken off.
+            turn = (len(self._stopped) * len(view.costs) + robot.place) * len(view.robots) + robot.robot
+            return rooms[int(self._choices.uniforms(turn, 1)[0] * len(rooms))]
+        costs = view.costs[robot.place]
+        return min(rooms, key=lambda room: (costs[room] or 0.0, room))
+
+    def _answer(self, dialogue: DialogueView) -> ParticipantRequest:
+        doubts = self._strategy is BotStrategy.RANDOM and dialogue.matter == "select-room"
+        if doubts and self._doubts.uniforms(dialogue.dialogue, 1)[0] < STOP_PROBABILITY:
+            self._stopped.add(dialogue.dialogue)
+            return AnswerDialogue(dialogue.dialogue, dialogue.turn, len(dialogue.choices) - 1)
+        return AnswerDialogue(dialogue.dialogue, dialogue.turn, 0)
+
+    def _treasure(self, view: View, robot: RobotView, room: RoomView, agreed: set[str]) -> ParticipantRequest:
+        if not room.sensed:
+            return SenseTreasure(room.room)
+        name = self._name(room)
+        if name is not None and robot.energy >= view.identify_cost:
+            return (
+                IdentifyTreasure(room.room, name)
+                if "take-treasure" in agreed
+                else OpenDialogue(robot.robot, "take-treasure", room.room)
+            )
+        beside = robot.place == room.room and robot.moving_to is None
+        can_look = beside and room.picture is None and robot.energy >= view.picture_cost + view.identify_cost
+        if name is None and can_look:
+            return (
+                TakePicture(room.room)
+                if "take-picture" in agreed
+                else OpenDialogue(robot.robot, "take-picture", room.room)
+            )
+        return GiveUpTreasure(room.room)
+
+    def _name(self, room: RoomView) -> str | None:
+        """Return the name of the treasure in a room, or None while several names fit."""
+        if room.picture is not None:
+            return self._knowledge.shown_by.get(room.picture)
+        fitting = {
+            kind.name
+            for kind in self._knowledge.kinds
+            if kind.colour == room.colour and kind.footprint == room.footprint
+        }
+        return fitting.pop() if len(fitting) == 1 else None
+
+
+def _waits_for(robot: RobotView, room: RoomView) -> bool:
+    """Return True when this robot has to sense the treasure in a room, or to name one that it found there earlier."""
+    beside = robot.place == room.room and robot.moving_to is None
+    return room.undecided and room.robot == robot.robot and (room.sensed or beside)

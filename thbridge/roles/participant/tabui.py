@@ -1,0 +1,139 @@
+"""TabUI: the program of a participant, who is a person or simulated."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.hunt.rooms import Room
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.lines import TextMessage
+from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, parse_notice
+from thbridge.roles.notices import (
+    KEEPER,
+    FloorPlan,
+    ParticipantReady,
+    PicturePiece,
+    PlannedPaths,
+    PoseTelemetry,
+    Subscribe,
+)
+from thbridge.roles.view import IdentifyTreasure, ParticipantRequest, SendRobot, SenseTreasure, TakePicture, View
+
+RETRY_PERIOD = 3 * TICKS_PER_SECOND
+"""Ticks after which a request is sent again if the view does not show its effect."""
+
+
+RENEWAL_PERIOD = 3 * TICKS_PER_SECOND
+"""Ticks from one subscription to the next, so that a restarted SimR learns of it."""
+
+ParticipantUpdate = View | FloorPlan | PicturePiece | PoseTelemetry | PlannedPaths
+"""A notice to the participant's program."""
+
+
+class ParticipantObserver(Protocol):
+    """Observer of the notices to a participant, such as a window."""
+
+    def observe(self, level: ParticipantUpdate) -> None:
+        """Take a notice; called in the order of arrival."""
+
+
+class Player(Protocol):
+    """Decision maker for the participant: a window, a bot."""
+
+    def requests(self, view: View) -> Sequence[ParticipantRequest]:
+        """Return the requests for this view; called for every new view, and again after `RETRY_PERIOD`."""
+
+
+class TabUI:
+    """Sends a player's requests, as lines of 2016 where there are such, and repeats them until the view shows them.
+
+    It holds no state of the game: a TabUI that starts in the middle of one goes on with the next view.
+
+    Args:
+        player: decides.
+        observer: takes all notices; without one TabUI does not subscribe to pose telemetry.
+    """
+
+    name = legacy.TABUI
+
+    def __init__(self, player: Player, observer: ParticipantObserver | None = None) -> None:
+        self._player = player
+        self._observer = observer
+        self._view: View | None = None
+        self._introduce = False
+        self._renew_at: int | None = None
+        self._sent: dict[ParticipantRequest, int] = {}
+        self._next_poll = 0
+
+    @property
+    def view(self) -> View | None:
+        """The latest view, None before the first."""
+        return self._view
+
+    def connected(self) -> None:
+        """Request the view from the keeper with the next step; requests sent before may be lost."""
+        self._introduce = True
+        self._renew_at = 0
+        self._sent.clear()
+
+    def poll_player(self) -> None:
+        """Ask the player with the next step, even if the view has not changed: a person has decided."""
+        self._next_poll = 0
+
+    def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
+        """Run one tick; see `Role`."""
+        changed = False
+        for message in messages:
+            update = _decode_update(message)
+            if isinstance(update, View):
+                self._view, changed = update, True
+            if update is not None and self._observer is not None:
+                self._observer.observe(update)
+        outgoing: list[TextMessage] = []
+        if self._introduce:
+            self._introduce = False
+            outgoing.append(encode_notice(self.name, KEEPER, ParticipantReady()))
+        if self._observer is not None and self._renew_at is not None and tick >= self._renew_at:
+            self._renew_at = tick + RENEWAL_PERIOD
+            outgoing.append(encode_notice(self.name, legacy.SIMR, Subscribe()))
+        if self._view is not None and self._view.ready and (changed or tick >= self._next_poll):
+            outgoing += self._due_requests(tick, self._view)
+        return outgoing
+
+    def _due_requests(self, tick: int, view: View) -> list[TextMessage]:
+        requests = dict.fromkeys(self._player.requests(view))
+        self._sent = {request: at for request, at in self._sent.items() if request in requests}
+        due = [request for request in requests if tick - self._sent.get(request, -RETRY_PERIOD) >= RETRY_PERIOD]
+        for request in due:
+            self._sent[request] = tick
+        self._next_poll = tick + RETRY_PERIOD
+        return [encode_request_line(request) for request in due]
+
+
+def _decode_update(message: TextMessage) -> ParticipantUpdate | None:
+    """Return the notice in a message, or None when it holds none for participants or is malformed."""
+    shown = parse_notice(message)
+    if not isinstance(shown, Notice):
+        return None
+    return (
+        View.of_notice(shown)
+        or decode_notice(shown, PoseTelemetry)
+        or decode_notice(shown, PlannedPaths)
+        or decode_notice(shown, FloorPlan)
+        or decode_notice(shown, PicturePiece)
+    )
+
+
+def encode_request_line(request: ParticipantRequest) -> TextMessage:
+    """Return the message for a request: a line of 2016 where there is one, else a notice to the keeper."""
+    match request:
+        case SendRobot(robot, room):
+            return legacy.GotoRoom(robot, Room.of_people(room).wire).message()
+        case SenseTreasure(room):
+            return legacy.AskTreasure(Room.of_people(room).wire).message()
+        case TakePicture(room):
+            return legacy.SnapTreasure(Room.of_people(room).wire).message()
+        case IdentifyTreasure(room, name):
+            return legacy.NameTreasure(Room.of_people(room).wire, name).message()
+        case _:
+            return encode_notice(TabUI.name, KEEPER, request)

@@ -1,0 +1,231 @@
+"""Text server's sockets: carries out the router's decisions over TCP.
+
+Everything runs on the thread of one event loop, the router included. A session that runs programs inside this process
+steps them on the same loop, and wraps the router, so it sees all input.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from asyncio import BufferedProtocol, Transport
+from collections import deque
+from collections.abc import Callable, Iterable, Sequence
+from typing import Protocol
+
+from thbridge.files.errors import reason_of
+from thbridge.protocols.text.router import (
+    ClientJoined,
+    ClientLeft,
+    CloseConnection,
+    ConnectionId,
+    Forwarded,
+    LineSkipped,
+    RouterOutput,
+    SendToClient,
+    TurnedAway,
+)
+from thbridge.sockets.addresses import LOCALHOST, TEXT_SERVER_PORT, ListeningAddress
+from thbridge.sockets.errors import CannotListen
+
+_log = logging.getLogger(__name__)
+
+_SEGMENT = 16 * 1024
+"""Bytes handled at a time, so that a client that floods the server leaves time for the others."""
+
+_LINGER = 1.0
+"""Seconds that a client has to read its last line before the connection is cut off."""
+
+_CHECK_INTERVAL = 1.0
+"""Seconds between two checks for idle clients."""
+
+
+class RouterInterface(Protocol):
+    """Decisions for a server: a `MessageRouter`, which describes the methods, or a wrapper of one."""
+
+    def connect(self, now: float) -> ConnectionId | TurnedAway:
+        """Accept a connection."""
+
+    def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> Sequence[RouterOutput]:
+        """Handle received bytes."""
+
+    def eof(self, connection: ConnectionId) -> Sequence[RouterOutput]:
+        """Remove a connection that has ended."""
+
+    def report_backlog(self, connection: ConnectionId, size: int) -> Sequence[RouterOutput]:
+        """Note the bytes that wait for a connection."""
+
+    def advance(self, now: float) -> Sequence[RouterOutput]:
+        """Ping idle connections."""
+
+    def stop(self) -> Sequence[RouterOutput]:
+        """Close all connections."""
+
+
+def _ignore(forwarded: Forwarded) -> None:
+    """Do nothing."""
+
+
+class TextServer:
+    """TCP server of one router.
+
+    Args:
+        router: makes the decisions; it may have local endpoints without a socket.
+        tap: called with every message passed on, delivered or not, in order. It must not raise.
+        clock: returns seconds; must not run backwards.
+    """
+
+    def __init__(
+        self,
+        router: RouterInterface,
+        tap: Callable[[Forwarded], None] = _ignore,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._router = router
+        self._tap = tap
+        self._clock = clock
+        self._transports: dict[ConnectionId, Transport] = {}
+        self._open: set[Transport] = set()
+        self._all_closed = asyncio.Event()
+        self._server: asyncio.Server | None = None
+        self._watch: asyncio.Task[None] | None = None
+
+    async def start(self, host: str = LOCALHOST, port: int = TEXT_SERVER_PORT) -> ListeningAddress | CannotListen:
+        """Begin to serve; port 0 takes any that is free."""
+        if not 0 <= port <= 65535:
+            return CannotListen(host, port, "a port is a number from 0 to 65535")
+        loop = asyncio.get_running_loop()
+        try:
+            server = await loop.create_server(lambda: _Connection(self), host, port, backlog=300)
+        except OSError as error:
+            return CannotListen(host, port, reason_of(error))
+        except UnicodeError:
+            return CannotListen(host, port, "that is not a host's name")
+        self._server = server
+        self._watch = loop.create_task(self._check_idle())
+        address = server.sockets[0].getsockname()
+        return ListeningAddress(address[0], address[1])
+
+    async def stop(self) -> None:
+        """Send the shutdown line to every client, wait a moment for them to close, and close the port."""
+        if self._server is None or self._watch is None:
+            return
+        self._server.close()
+        self._watch.cancel()
+        self.perform(self._router.stop())
+        while self._open:
+            self._all_closed.clear()
+            await self._all_closed.wait()
+        await self._server.wait_closed()
+        self._server = None
+
+    def perform(self, outputs: Iterable[RouterOutput]) -> None:
+        """Carry out outputs of the router, and those that follow from them."""
+        waiting = deque(outputs)
+        while waiting:
+            output = waiting.popleft()
+            match output:
+                case SendToClient(connection, data):
+                    transport = self._transports.get(connection)
+                    if transport is not None:
+                        transport.write(data)
+                        waiting += self._router.report_backlog(connection, transport.get_write_buffer_size())
+                case CloseConnection(connection, reason):
+                    _log.info("client %d is closed: %s", connection, reason.value)
+                    transport = self._transports.pop(connection, None)
+                    if transport is not None:
+                        _close(transport, reason.flush)
+                case LineSkipped(connection, length):
+                    _log.warning("client %d sent a line of %d bytes, which is too long; skipped", connection, length)
+                case ClientJoined(connection, name):
+                    _log.info("client %d is %s", connection, name)
+                case ClientLeft(connection, name):
+                    _log.info("client %d is %s no more", connection, name)
+                case Forwarded():
+                    self._tap(output)
+
+    def connected(self, transport: Transport) -> ConnectionId | None:
+        """Accept a new connection, or turn it away."""
+        self._open.add(transport)
+        connection = self._router.connect(self._clock())
+        if isinstance(connection, TurnedAway):
+            _log.warning("a client is turned away: the server is full")
+            transport.write(connection.farewell)
+            _close(transport, flush=True)
+            return None
+        self._transports[connection] = transport
+        return connection
+
+    def received(self, connection: ConnectionId, data: bytes) -> None:
+        """Handle received bytes of a connection."""
+        self.perform(self._router.receive_data(connection, data, self._clock()))
+
+    def ended(self, connection: ConnectionId) -> None:
+        """Handle the end of a client's bytes."""
+        self.perform(self._router.eof(connection))
+        self._transports.pop(connection, None)
+
+    def lost(self, transport: Transport) -> None:
+        """Remove a connection that is closed on both sides."""
+        self._open.discard(transport)
+        self._all_closed.set()
+
+    async def _check_idle(self) -> None:
+        while True:
+            await asyncio.sleep(_CHECK_INTERVAL)
+            self.perform(self._router.advance(self._clock()))
+
+
+class _Connection(BufferedProtocol):
+    """One TCP connection. Bytes that come after its end are read and ignored.
+
+    If they were left unread, closing the socket would reset the connection and could destroy the shutdown line on its
+    way.
+
+    asyncio sends each write at once (TCP_NODELAY), which matters: the C++ client of 2016 takes one segment for one
+    line, and would overlook a ``%%goto`` that shares one with an ack.
+    """
+
+    def __init__(self, server: TextServer) -> None:
+        self._server = server
+        self._buffer = bytearray(_SEGMENT)
+        self._id: ConnectionId | None = None
+        self._transport: Transport | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        if isinstance(transport, Transport):
+            self._transport = transport
+            self._id = self._server.connected(transport)
+
+    def get_buffer(self, sizehint: int) -> bytearray:
+        return self._buffer
+
+    def buffer_updated(self, nbytes: int) -> None:
+        if self._id is not None:
+            self._server.received(self._id, bytes(self._buffer[:nbytes]))
+
+    def eof_received(self) -> None:
+        if self._id is not None:
+            self._server.ended(self._id)
+        if self._transport is not None:
+            _close(self._transport, flush=True)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        if self._id is not None:
+            self._server.ended(self._id)
+        if self._transport is not None:
+            self._server.lost(self._transport)
+
+
+def _close(transport: Transport, flush: bool) -> None:
+    """Close a connection: at once, or after the other side has had a moment to read what it was sent."""
+    if flush:
+        try:
+            transport.write_eof()
+        except OSError:  # the other side is gone already, though asyncio has not heard of it yet
+            flush = False
+    if flush:
+        asyncio.get_running_loop().call_later(_LINGER, transport.abort)
+    else:
+        transport.abort()

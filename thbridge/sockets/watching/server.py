@@ -1,0 +1,339 @@
+"""Watch server: sends a session's messages over TCP to researchers' windows, and handles their requests.
+
+Everything runs on the thread of one event loop. No watcher can slow the session down: unread messages wait in a bounded
+queue; beyond the bound they are dropped, and the status has their number.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from asyncio import Protocol as AsyncioProtocol
+from asyncio import Transport
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+from thbridge.files.errors import reason_of
+from thbridge.files.ros.definitions import Definitions
+from thbridge.protocols.backlog import Backlog
+from thbridge.protocols.watching import (
+    STATUS,
+    WatcherAdmitted,
+    WatcherRequest,
+    WatcherSession,
+    WatchRefusal,
+    WatchStatus,
+    refusal,
+)
+from thbridge.recording.bag.stream import BEGINNING, BagStream, ChunkMaker
+from thbridge.ros.messages import types
+from thbridge.ros.topics import RosMessage, Topic
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
+
+MAX_WATCHERS = 8
+"""Most watchers at a time; further ones are turned away."""
+
+MAX_CONNECTIONS = 4 * MAX_WATCHERS
+"""Most connections, with the key or without; further ones are closed without a message."""
+
+_log = logging.getLogger(__name__)
+
+_STATUS = Topic(STATUS, types.STRING, latched=True)
+_KEY_SECONDS = 10.0
+"""Seconds that a connection has to send its key."""
+_LINGER = 1.0
+"""Seconds that a disconnected watcher has to read the reason."""
+_HEARTBEAT = 1.0
+_SEGMENT = 256 * 1024
+"""Bytes written to a socket at a time; bytes in the socket's buffer cannot be dropped any more."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionPace:
+    """Pace of the session; attributes as those of `WatchStatus`."""
+
+    paused: bool
+    rate: float
+    lag: float
+
+
+class WatchedSession(Protocol):
+    """Session behind the server."""
+
+    def ask(self, watcher: str, wish: Mapping[str, object]) -> str | None:
+        """Carry out a watcher's request; return None, or the reason of a refusal, for people."""
+
+    def pace(self) -> SessionPace:
+        """Return the session's pace."""
+
+    def unwatched(self) -> None:
+        """Note that the last watcher has left."""
+
+
+class WatchServer:
+    """Sends a session's messages to all watchers, and passes on their requests.
+
+    Args:
+        session: carries out requests.
+        key: key that watchers must send; None admits every connection.
+        definitions: message definitions; None takes them from an installed ROS, where there is one.
+    """
+
+    def __init__(self, session: WatchedSession, key: str | None = None, definitions: Definitions | None = None) -> None:
+        self._session = session
+        self._key = key
+        self._stream = BagStream(definitions or Definitions())
+        self._levels: dict[Topic, RosMessage] = {}
+        self._latest: Sequence[RosMessage] = ()
+        self._stamp_ns = 0
+        self._watchers: list[_Watcher] = []
+        self._open: set[_Watcher] = set()
+        self._connection_count = 0
+        self._all_closed = asyncio.Event()
+        self._server: asyncio.Server | None = None
+        self._heart: asyncio.Task[None] | None = None
+
+    async def start(self, host: str, port: int) -> ListeningAddress | CannotListen:
+        """Begin to serve; port 0 takes any that is free."""
+        loop = asyncio.get_running_loop()
+        try:
+            server = await loop.create_server(
+                lambda: _Watcher(self, WatcherSession(self._key), ChunkMaker(self._stream)), host, port
+            )
+        except OSError as error:
+            return CannotListen(host, port, reason_of(error))
+        except UnicodeError:
+            return CannotListen(host, port, "that is not a host's name")
+        self._server = server
+        self._heart = loop.create_task(self._beat())
+        address = server.sockets[0].getsockname()
+        return ListeningAddress(address[0], address[1])
+
+    async def stop(self) -> None:
+        """Close the port; watchers have a moment to read the last messages."""
+        if self._server is None or self._heart is None:
+            return
+        self._server.close()
+        self._heart.cancel()
+        for watcher in tuple(self._open):
+            watcher.close()
+        while self._open:
+            self._all_closed.clear()
+            await self._all_closed.wait()
+        await self._server.wait_closed()
+        self._server = None
+
+    def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
+        """Send the messages of a tick; see `thbridge.app.session.broadcast.Listener`."""
+        for message in self._latest:
+            if message.topic.latched:
+                self._levels[message.topic] = message
+        self._latest = tuple(messages)
+        for message in self._latest:
+            self._stamp_ns = message.stamp_ns
+        self._send(self._watchers, self._latest)
+
+    def tell_status(self) -> None:
+        """Send every watcher its status."""
+        for watcher in self._watchers:
+            self._tell_status(watcher)
+
+    # Connections and requests of watchers
+
+    @property
+    def is_crowded(self) -> bool:
+        """True when no further connection is accepted, not even to turn it away."""
+        return len(self._open) >= MAX_CONNECTIONS
+
+    def connection_opened(self, watcher: _Watcher) -> int:
+        """Add a connection and return its number."""
+        self._open.add(watcher)
+        self._connection_count += 1
+        return self._connection_count
+
+    def admit(self, watcher: _Watcher) -> None:
+        """Add a watcher: it gets the latched messages, then all messages of the last tick."""
+        if len(self._watchers) >= MAX_WATCHERS:
+            self.turn_away(watcher, WatchRefusal("", f"{MAX_WATCHERS} others watch already"))
+            return
+        self._watchers.append(watcher)
+        _log.info("watcher %d has come", watcher.number)
+        watcher.write(BEGINNING)
+        repeated = {message.topic for message in self._latest if message.topic.latched}
+        levels = [level for topic, level in self._levels.items() if topic not in repeated]
+        self._send([watcher], [*sorted(levels, key=lambda level: level.stamp_ns), *self._latest])
+        self.tell_status()
+
+    def turn_away(self, watcher: _Watcher, why: WatchRefusal) -> None:
+        """Send a connection that is not admitted the reason, and close it."""
+        watcher.write(BEGINNING)
+        watcher.refuse(why)
+        self._tell_status(watcher)
+        watcher.close()
+
+    def ask(self, watcher: _Watcher, wish: WatcherRequest) -> None:
+        """Handle a watcher's request, and send the status to all."""
+        reason = self._session.ask(f"watcher {watcher.number}", wish.value)
+        if reason is None:
+            watcher.decoder.granted()
+        else:
+            watcher.decoder.refused()
+            watcher.refuse(refusal(wish.line, reason))
+        self.tell_status()
+
+    def lost(self, watcher: _Watcher) -> None:
+        """Remove a connection that is closed on both sides."""
+        self.left(watcher)
+        self._open.discard(watcher)
+        self._all_closed.set()
+
+    def left(self, watcher: _Watcher) -> None:
+        """Remove a watcher; no effect if it was not admitted."""
+        if watcher in self._watchers:
+            self._watchers.remove(watcher)
+            _log.info("watcher %d has gone", watcher.number)
+            if not self._watchers:
+                self._session.unwatched()
+            self.tell_status()
+
+    # Messages to watchers
+
+    def _send(self, watchers: Sequence[_Watcher], messages: Iterable[RosMessage]) -> None:
+        if not watchers:
+            return
+        for message in messages:
+            connection, record = self._stream.record(message)
+            for watcher in watchers:
+                watcher.backlog.put(connection.number, record, message.topic.latched)
+        for watcher in watchers:
+            watcher.flush()
+
+    def _tell_status(self, watcher: _Watcher) -> None:
+        pace = self._session.pace()
+        status = replace(
+            watcher.status,
+            paused=pace.paused,
+            rate=pace.rate,
+            lag=pace.lag,
+            watchers=len(self._watchers),
+            dropped=watcher.backlog.dropped,
+        )
+        self._send([watcher], [RosMessage(_STATUS, self._stamp_ns, status.data())])
+
+    def _watcher(self) -> _Watcher:
+        return _Watcher(self, WatcherSession(self._key), ChunkMaker(self._stream))
+
+    async def _beat(self) -> None:
+        while True:
+            await asyncio.sleep(_HEARTBEAT)
+            self.tell_status()
+
+
+class _Watcher(AsyncioProtocol):
+    """TCP connection of one watcher.
+
+    Attributes:
+        number: number in the order of connections.
+        decoder: decodes its lines.
+        backlog: messages it has not read.
+        status: its status as of the last change.
+    """
+
+    def __init__(self, server: WatchServer, decoder: WatcherSession, chunks: ChunkMaker) -> None:
+        self.number = 0
+        self.decoder = decoder
+        self.backlog = Backlog()
+        self.status = WatchStatus(paused=False, rate=0.0, lag=0.0, watchers=0, dropped=0)
+        self._server = server
+        self._transport: Transport | None = None
+        self._chunks = chunks
+        self._full = False
+        self._closing = False
+        self._input_ended = False
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        if not isinstance(transport, Transport):
+            return
+        if self._server.is_crowded:
+            transport.abort()
+            return
+        self._transport = transport
+        transport.set_write_buffer_limits(_SEGMENT)
+        self.number = self._server.connection_opened(self)
+        if self.decoder.admitted:
+            self._server.admit(self)
+        else:
+            asyncio.get_running_loop().call_later(_KEY_SECONDS, self._key_timed_out)
+
+    def data_received(self, data: bytes) -> None:
+        for event in self.decoder.feed(data):
+            if self._closing:
+                return
+            match event:
+                case WatcherAdmitted():
+                    self._server.admit(self)
+                case WatcherRequest():
+                    self._server.ask(self, event)
+                case WatchRefusal() if self.decoder.admitted:
+                    self.refuse(event)
+                    self._server.tell_status()
+                case WatchRefusal():
+                    self._server.turn_away(self, event)
+        if self.decoder.rejected:
+            self.close()
+
+    def eof_received(self) -> bool:
+        self._input_ended = True
+        # A watcher without requests may end its input and still receive: `nc HOST PORT < /dev/null`.
+        return self.decoder.admitted and not self._closing
+
+    def pause_writing(self) -> None:
+        self._full = True
+
+    def resume_writing(self) -> None:
+        self._full = False
+        self.flush()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._closing = True
+        self._server.lost(self)
+
+    def refuse(self, why: WatchRefusal) -> None:
+        """Record a refusal for the next status."""
+        self.status = replace(self.status, refused=why, refusals=self.status.refusals + 1)
+
+    def flush(self) -> None:
+        """Write queued messages to the socket, as far as it takes them."""
+        while not (self._full or self._closing) and self._transport is not None:
+            taken = self.backlog.take(_SEGMENT)
+            if not taken:
+                return
+            self._transport.write(self._chunks.chunk(taken))
+
+    def write(self, data: bytes) -> None:
+        """Write these bytes to the socket."""
+        if self._transport is not None:
+            self._transport.write(data)
+
+    def close(self) -> None:
+        """Close the connection once the other side has had a moment to read what it was sent."""
+        if self._closing or self._transport is None:
+            return
+        self._closing = True
+        self._server.left(self)
+        transport = self._transport
+        if self._input_ended:
+            transport.close()
+            return
+        try:
+            transport.write_eof()
+        except OSError:  # the other side is gone already, though asyncio has not heard of it yet
+            transport.abort()
+            return
+        asyncio.get_running_loop().call_later(_LINGER, transport.abort)
+
+    def _key_timed_out(self) -> None:
+        if not self.decoder.admitted and not self._closing:
+            self._server.turn_away(self, WatchRefusal("", "a key is wanted"))

@@ -1,0 +1,1 @@
+"""Participants of a session: at a window of their own, at the keyboard in the terminal, or simulated."""

@@ -1,0 +1,130 @@
+"""Games that a participant plays in a window of `thbridge play`."""
+
+import asyncio
+import dataclasses
+import secrets
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.app import play as hunt
+from thbridge.app.compose.setting import StudySetting
+from thbridge.app.listeners import StartupCallbacks
+from thbridge.app.play import HuntOutcome, HuntUnfinished, PlayOptions
+from thbridge.app.session.session import TickRecord
+from thbridge.sockets.addresses import ListeningAddress
+from thbridge.sockets.errors import CannotListen
+from thbridge.study.study_file import Study, with_team_size
+from ui.first_start import announce_compiling
+from ui.model.lobby import Offer
+from ui.outcome import show_outcome, usual_bag
+from ui.outputs import make_ready
+from ui.participants.hosting import GameVisit, PlayGame, host
+from ui.participants.window_process import WINDOW, WindowProcess
+from ui.report import write_report
+from ui.settings import setting_of
+from ui.story import print_story
+from ui.terminal import FAILED, bad_input, fail, note
+
+PRACTICE = Study(map="practice", templates="practice", robots=1)
+"""A hall and two rooms, with treasures that no other set has."""
+
+
+def offer_of(study: Study, given: bool) -> Offer:
+    """Return the numbers of robots that a participant may choose.
+
+    Args:
+        study: gives them, as `participant: robots`.
+        given: True when the admin has given a number, which then is the only one.
+    """
+    if study.participant.robots is None or given:
+        return Offer(study.robots, study.robots, study.robots)
+    least, most = study.participant.robots
+    return Offer(least, most, min(max(study.robots, least), most))
+
+
+@dataclass(frozen=True, slots=True)
+class WindowGames:
+    """Games that a participant can choose in the window.
+
+    Attributes:
+        study: the study to play.
+        file: the study's file, from whose folder paths start.
+        options: options of a game; its bag None for the usual place.
+        report: True when a page is made of each recording.
+        hosts: callbacks that tell how graph, watch and MAVLink have started.
+    """
+
+    study: Study
+    file: Path | None
+    options: PlayOptions
+    report: bool
+    hosts: StartupCallbacks
+
+    def setting(self, robots: int) -> StudySetting:
+        """The study with so many robots; ends the program where that cannot be."""
+        return setting_of(with_team_size(self.study, robots), self.file)
+
+    def game(self, robots: int) -> PlayGame:
+        """A game with so many robots, recorded."""
+        setting = self.setting(robots)
+        bag = self.options.bag or usual_bag(setting)
+
+        async def play(visit: GameVisit) -> None:
+            make_ready(bag)
+            options = dataclasses.replace(self.options, bag=bag, left=visit.has_left)
+            show_outcome(await self._played(setting, options, visit))
+            if self.report:
+                with bad_input():
+                    await asyncio.to_thread(write_report, bag, bag.with_suffix(".html"))
+
+        return play
+
+    def practice(self) -> PlayGame:
+        """A short game to learn how it goes; it is not recorded."""
+        study = dataclasses.replace(PRACTICE, seed=self.study.seed, server=self.study.server)
+        setting = setting_of(study, None)
+
+        async def play(visit: GameVisit) -> None:
+            options = dataclasses.replace(
+                self.options, bag=None, graph=None, watch=None, mavlink=None, left=visit.has_left
+            )
+            await self._played(setting, options, visit)
+
+        return play
+
+    async def _played(self, setting: StudySetting, options: PlayOptions, visit: GameVisit) -> HuntOutcome:
+        def ready(where: ListeningAddress | CannotListen) -> None:
+            if isinstance(where, CannotListen):
+                fail(FAILED, str(where))
+            note(f"Other programs can join at {where.host}:{where.port}.")
+            visit.ready(where)
+
+        def progress(tick: TickRecord) -> None:
+            print_story(tick)
+
+        announce_compiling()
+        try:
+            return await hunt.play(setting, None, options, ready, progress, self.hosts)
+        except HuntUnfinished as early:
+            if early.stopped and visit.ended is None:
+                raise  # Ctrl-C: the program ends.
+            return early.outcome
+
+
+def play_in_window(games: WindowGames, offer: Offer, arguments: tuple[str, ...] = ()) -> None:
+    """Open the window and play until the participant leaves.
+
+    Args:
+        games: the games to choose from.
+        offer: numbers of robots that may be chosen.
+        arguments: of the window's command line.
+    """
+    window = WindowProcess((*WINDOW, *arguments))
+    program = host(window, offer, secrets.token_hex(8), games.game, games.practice)
+    try:
+        with bad_input(FAILED):
+            asyncio.run(program)
+    except HuntUnfinished:
+        fail(FAILED, "stopped; what was recorded up to here is complete")
+    if window.given_up:
+        fail(FAILED, "The window crashes whenever it is opened. Play without it: --headless, or --participant person.")

@@ -1,0 +1,86 @@
+"""Games for a window: the start page, a practice game, and games one after the other until the participant leaves."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+
+from sim.common.kernels import is_compiled
+from thbridge.sockets.addresses import ListeningAddress
+from ui.model.lobby import Back, Begin, Join, Offer, Practise, Preparing, WindowClosed
+from ui.participants.window_process import WindowProcess
+
+WILDCARD_ADDRESSES = {"0.0.0.0": "127.0.0.1", "::": "::1"}
+"""Addresses that a server listens on, and those at which the window finds it."""
+
+
+class GameVisit:
+    """A participant at one game: joins it, and leaves it some time.
+
+    Args:
+        window: the participant's window.
+        token: secret by which the server recognises the window.
+        practice: True for the practice game.
+    """
+
+    def __init__(self, window: WindowProcess, token: str, practice: bool) -> None:
+        self._window = window
+        self._token = token
+        self._practice = practice
+        self._joining: asyncio.Task[None] | None = None
+        self.ended: Back | WindowClosed | None = None
+        """The message with which the participant left; None while they are there."""
+
+    def ready(self, where: ListeningAddress) -> None:
+        """Let the window join the game that waits at this address."""
+        host = WILDCARD_ADDRESSES.get(where.host, where.host)
+        join = Join(host, where.port, self._token, self._practice)
+        self._joining = asyncio.get_running_loop().create_task(self._window.send(join))
+
+    def has_left(self) -> bool:
+        """Return True once the participant has left; called between two ticks."""
+        request = self._window.pending_request()
+        if isinstance(request, Back | WindowClosed):
+            self.ended = request
+        return self.ended is not None
+
+
+PlayGame = Callable[[GameVisit], Awaitable[None]]
+"""Plays a game until the participant has left."""
+
+
+async def host(
+    window: WindowProcess, offer: Offer, token: str, play: Callable[[int], PlayGame], practise: Callable[[], PlayGame]
+) -> None:
+    """Play games until the participant leaves for good.
+
+    Args:
+        window: the participant's window; it is opened here.
+        offer: numbers of robots that may be chosen.
+        token: secret by which the server recognises the window.
+        play: gives a game with so many robots.
+        practise: gives the practice game.
+    """
+    async with window.opened():
+        await window.send(offer)
+        while True:
+            request = await window.next_request()
+            match request:
+                case Begin(robots) if offer.least <= robots <= offer.most:
+                    number = "robot is" if robots == 1 else f"{robots} robots are"
+                    await window.send(Preparing(f"The {number} being made ready.{_compile_notice()}"))
+                    visit, game = GameVisit(window, token, practice=False), play(robots)
+                case Practise():
+                    await window.send(Preparing(f"The practice game is being made ready.{_compile_notice()}"))
+                    visit, game = GameVisit(window, token, practice=True), practise()
+                case WindowClosed():
+                    return
+                case _:
+                    continue
+            await game(visit)
+            if isinstance(visit.ended, WindowClosed):
+                return
+            await window.send(offer)
+
+
+def _compile_notice() -> str:
+    """A sentence to add where the simulator is to be compiled first; else empty."""
+    return "" if is_compiled() else " The first time on this computer takes half a minute."

@@ -1,0 +1,42 @@
+"""Players for TabUI, simulated or at the keyboard."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from thbridge.app.compose.game import build_bot
+from thbridge.files.template_files import TemplateSet
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.tabui import TabUI
+from ui.options import ParticipantKind
+from ui.participants.terminal_player import TerminalPlayer
+from ui.terminal import out
+
+
+@dataclass(frozen=True, slots=True)
+class Seat:
+    """A player and its program.
+
+    Attributes:
+        tabui: the role.
+        typed: takes in a line of the keyboard; None for a simulated participant.
+    """
+
+    tabui: TabUI
+    typed: Callable[[str], None] | None
+
+
+def seat_of_bot(who: ParticipantKind, templates: TemplateSet, seed: int) -> Seat:
+    """Seat a simulated participant, who knows the treasures; its chance is keyed by the seed."""
+    return Seat(TabUI(build_bot(templates, BotStrategy(who), seed)), None)
+
+
+def seat_of_person() -> Seat:
+    """Seat a person, who knows what the game tells."""
+    person = TerminalPlayer(lambda line: out.print(line, highlight=False, markup=False))
+    tabui = TabUI(person)
+
+    def typed(line: str) -> None:
+        person.type(line)
+        tabui.poll_player()
+
+    return Seat(tabui, typed)
