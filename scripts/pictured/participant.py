@@ -19,6 +19,7 @@ from thbridge.roles.participant.tabui import ParticipantUpdate
 from thbridge.roles.robot_requests import StationSend, TakeCommand
 from thbridge.roles.view import View
 from thbridge.study.study_file import ParticipantSection, ShowsSection, Study
+from ui.hosting.games import PRACTICE
 from ui.model.lobby import Offer, Preparing
 from ui.model.participant import Participant
 from ui.model.screen import (
@@ -39,7 +40,6 @@ from ui.model.screen import (
     TakeThePicture,
 )
 from ui.model.theme import LIGHT
-from ui.participants.games import PRACTICE
 from ui.windows.link import ParticipantLink, ReceivedEvent, ServerReached
 from ui.windows.look import Appearance
 from ui.windows.participant import ParticipantWindow

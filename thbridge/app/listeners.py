@@ -9,7 +9,7 @@ from typing import Protocol
 from sim.team import Team
 from thbridge.app.compose.recording import build_team_description, build_writer
 from thbridge.app.compose.setting import StudySetting
-from thbridge.app.rosgraph.live import LiveGraph, on_graph
+from thbridge.app.live_graph.live import LiveGraph, on_graph
 from thbridge.app.session.broadcast import Listener
 from thbridge.app.session.watch_requests import WatchRequestHandler
 from thbridge.protocols.mavlink.frames.frame import Frame

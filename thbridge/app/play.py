@@ -18,7 +18,7 @@ from thbridge.hunt.game import GameState
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.router import MessageRouter
-from thbridge.recording.journals import JournalStore
+from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, tlog_of
 from thbridge.recording.tlog import TlogFile
 from thbridge.roles.participant.tabui import TabUI

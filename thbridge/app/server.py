@@ -7,7 +7,7 @@ from thbridge.app.compose.game import build_keeper
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.session.session import Session
 from thbridge.protocols.text.router import MessageRouter
-from thbridge.recording.journals import JournalStore
+from thbridge.recording.journal_folder import JournalStore
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen

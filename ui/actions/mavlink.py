@@ -15,7 +15,7 @@ from thbridge.app.replay.replay import session_of
 from thbridge.files.signing_key import read_signing_key
 from thbridge.protocols.mavlink import conventions
 from thbridge.protocols.mavlink.frames.signing import SigningKey
-from thbridge.protocols.mavlink.modes import shown_mode_name
+from thbridge.protocols.mavlink.mode_numbers import shown_mode_name
 from thbridge.protocols.mavlink.station.ground_station import KnownRobot
 from thbridge.protocols.mavlink.station.trip import Destination, StationTrip, StationTripStage, TripOutcome
 from thbridge.sockets.addresses import Address

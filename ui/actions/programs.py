@@ -9,8 +9,8 @@ from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.roles.view import View
 from thbridge.sockets.text.client import ConnectionLost
 from thbridge.study.study_file import Study
+from ui.hosting.seats import Seat, seat_of_bot, seat_of_person
 from ui.options import ParticipantKind
-from ui.participants.seats import Seat, seat_of_bot, seat_of_person
 from ui.terminal import bad_input, note
 
 

@@ -97,10 +97,10 @@ def play(
     from thbridge.app.session.session import TickRecord
     from ui.event_loop import run
     from ui.first_start import announce_compiling
+    from ui.hosting.games import WindowGames, offer_of, play_in_window
+    from ui.hosting.seats import seat_of_bot, seat_of_person
     from ui.listening import graph_of, hosts_of, ports_of, watch_of
     from ui.outcome import show_outcome, usual_bag
-    from ui.participants.games import WindowGames, offer_of, play_in_window
-    from ui.participants.seats import seat_of_bot, seat_of_person
     from ui.report import write_report
     from ui.settings import setting_of, study_of, with_mavlink, with_server
     from ui.story import print_story

@@ -45,7 +45,7 @@ def server(
 ) -> None:
     """Run the text server of 2016, and with it the keeper of the game, until stopped."""
     from thbridge.app.server import serve
-    from thbridge.recording.journals import JournalStore
+    from thbridge.recording.journal_folder import JournalStore
     from ui.event_loop import run
     from ui.settings import setting_of, study_of, with_server
 

@@ -24,7 +24,7 @@ def main() -> None:
     else:
         observe_team(folder / "believed")
     from ui import cli  # noqa: PLC0415 - only now: it reads the arguments
-    from ui.participants import games  # noqa: PLC0415
+    from ui.hosting import games  # noqa: PLC0415
 
     games.WINDOW = (sys.executable, "-m", "tests.bench.windows.observed", str(folder), "tabui", "--hosted")
     cli.main()

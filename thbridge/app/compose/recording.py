@@ -8,7 +8,7 @@ from platform import python_version
 from sim.common.robot_numbers import robot_numbers
 from sim.world.sensors import mount_of
 from thbridge.app.compose.setting import StudySetting
-from thbridge.app.rosgraph.live import TeamDescription
+from thbridge.app.live_graph.live import TeamDescription
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.names import CALLER

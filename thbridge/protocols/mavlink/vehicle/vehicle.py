@@ -6,7 +6,7 @@ Source: the MAVLink developer guide, "Microservices".
 from collections.abc import Iterator
 
 from thbridge.protocols.mavlink.dialect import Message, mav
-from thbridge.protocols.mavlink.modes import Mode
+from thbridge.protocols.mavlink.mode_numbers import Mode
 from thbridge.protocols.mavlink.options import AutopilotIdentity, VehicleOptions
 from thbridge.protocols.mavlink.outgoing import LinkId, OutgoingMessage, VehicleStatus
 from thbridge.protocols.mavlink.vehicle.command.deprecated_messages import DeprecatedMessages

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.protocols.mavlink.dialect import mav
 from thbridge.protocols.mavlink.extra_messages import ProtocolVersion
-from thbridge.protocols.mavlink.modes import Mode
+from thbridge.protocols.mavlink.mode_numbers import Mode
 from thbridge.protocols.mavlink.vehicle.boot_time import MICROSECONDS_PER_TICK
 from thbridge.protocols.mavlink.vehicle.command.requests import (
     ACCEPTED,

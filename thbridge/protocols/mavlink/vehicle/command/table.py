@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from sim.common.geometry import Pose2
 from thbridge.protocols.mavlink.coordinates import GLOBAL, LOCAL, theta_of
 from thbridge.protocols.mavlink.dialect import mav
-from thbridge.protocols.mavlink.modes import Mode, mode_from_standard, requested_mode
+from thbridge.protocols.mavlink.mode_numbers import Mode, mode_from_standard, requested_mode
 from thbridge.protocols.mavlink.options import AutopilotIdentity
 from thbridge.protocols.mavlink.vehicle.command.requests import (
     ACCEPTED,

@@ -7,7 +7,7 @@ from typing import TypeAlias
 from sim.common.observations import Twist
 from thbridge.protocols.mavlink.coordinates import GLOBAL, LOCAL, point_in_map, theta_of
 from thbridge.protocols.mavlink.dialect import Message, mav
-from thbridge.protocols.mavlink.modes import Mode
+from thbridge.protocols.mavlink.mode_numbers import Mode
 from thbridge.protocols.mavlink.outgoing import LinkId, OutgoingMessage
 from thbridge.protocols.mavlink.vehicle.geodesy import GeoPoint, MapProjection
 from thbridge.protocols.mavlink.vehicle.mode.manual_control import VelocitySetpoint

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from sim.common.observations import TICKS_PER_SECOND, Twist
 from thbridge.protocols.mavlink.conventions import ARRIVED
-from thbridge.protocols.mavlink.modes import Mode
+from thbridge.protocols.mavlink.mode_numbers import Mode
 from thbridge.protocols.mavlink.options import Failsafe
 from thbridge.protocols.mavlink.vehicle.mode.home import HomePosition
 from thbridge.protocols.mavlink.vehicle.mode.manual_control import ManualControl, VelocitySetpoint

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 
 from thbridge.protocols.mavlink.dialect import Message, mav
 from thbridge.protocols.mavlink.extra_messages import ComponentInformation, ComponentMetadata, ProtocolVersion
-from thbridge.protocols.mavlink.modes import Mode, custom_mode, standard_mode
+from thbridge.protocols.mavlink.mode_numbers import Mode, custom_mode, standard_mode
 from thbridge.protocols.mavlink.options import AutopilotIdentity
 from thbridge.protocols.mavlink.vehicle.boot_time import microseconds, milliseconds
 from thbridge.protocols.mavlink.vehicle.component_files.metadata_files import GENERAL, MetadataFiles, checksum, uri

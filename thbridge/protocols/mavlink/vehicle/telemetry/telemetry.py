@@ -9,7 +9,7 @@ from thbridge.protocols.mavlink.conventions import COMMANDER
 from thbridge.protocols.mavlink.coordinates import compass, north_east, quaternion, yaw_of
 from thbridge.protocols.mavlink.dialect import Message, mav
 from thbridge.protocols.mavlink.extra_messages import ComponentInformation, ComponentMetadata, ProtocolVersion
-from thbridge.protocols.mavlink.modes import Mode, custom_mode, standard_mode
+from thbridge.protocols.mavlink.mode_numbers import Mode, custom_mode, standard_mode
 from thbridge.protocols.mavlink.options import AutopilotIdentity
 from thbridge.protocols.mavlink.vehicle.boot_time import microseconds, milliseconds
 from thbridge.protocols.mavlink.vehicle.geodesy import MapProjection

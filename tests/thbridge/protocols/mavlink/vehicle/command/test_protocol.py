@@ -31,7 +31,7 @@ from tests.thbridge.protocols.mavlink.rig import (
 )
 from thbridge.protocols.mavlink.dialect import mav
 from thbridge.protocols.mavlink.extra_messages import CommandCancel
-from thbridge.protocols.mavlink.modes import Mode
+from thbridge.protocols.mavlink.mode_numbers import Mode
 from thbridge.protocols.mavlink.options import AutopilotIdentity
 from thbridge.protocols.mavlink.vehicle_interface import DenialKind, Denied
 

@@ -12,7 +12,7 @@ from sim.common.observations import Twist
 from tests.thbridge.protocols.mavlink.model_robot import AT_REST, ModelRobot
 from tests.thbridge.protocols.mavlink.rig import OPTIONS, home_of
 from thbridge.protocols.mavlink.dialect import decoded, mav, payload_of
-from thbridge.protocols.mavlink.modes import Mode
+from thbridge.protocols.mavlink.mode_numbers import Mode
 from thbridge.protocols.mavlink.options import AutopilotIdentity
 from thbridge.protocols.mavlink.vehicle.component_files.metadata_files import MetadataFiles
 from thbridge.protocols.mavlink.vehicle.geodesy import GeoPoint, MapProjection

@@ -7,7 +7,7 @@ from thbridge.hunt.events import Condition, ConsentGiven, RobotDeparted, Treasur
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import ReleaseCommand, StationSend, TakeCommand
-from ui.participants.terminal_player import TerminalPlayer
+from ui.hosting.terminal_player import TerminalPlayer
 
 
 class Seat:

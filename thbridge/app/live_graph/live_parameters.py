@@ -11,8 +11,8 @@ from typing import cast
 
 from sim.parameters import RobotParameters, reconfigurable
 from sim.parameters.reconfiguration import ParameterRejection
-from thbridge.app.rosgraph.rate_limiter import RateLimiter
-from thbridge.app.rosgraph.typed_node import TypedNode
+from thbridge.app.live_graph.rate_limiter import RateLimiter
+from thbridge.app.live_graph.typed_node import TypedNode
 from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.protocols.rosgraph.xmlrpc import XmlRpcValue
 from thbridge.roles.robot_requests import ParameterValue as SetValue

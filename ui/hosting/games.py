@@ -15,11 +15,11 @@ from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.study_file import Study, with_team_size
 from ui.first_start import announce_compiling
+from ui.hosting.lobby import GameVisit, PlayGame, host
+from ui.hosting.window_process import WINDOW, WindowProcess
 from ui.model.lobby import Offer
 from ui.outcome import show_outcome, usual_bag
 from ui.outputs import make_ready
-from ui.participants.hosting import GameVisit, PlayGame, host
-from ui.participants.window_process import WINDOW, WindowProcess
 from ui.report import write_report
 from ui.settings import setting_of
 from ui.story import print_story

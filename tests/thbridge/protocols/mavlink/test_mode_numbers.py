@@ -3,7 +3,7 @@
 import pytest
 from pymavlink import mavutil
 
-from thbridge.protocols.mavlink.modes import Mode, custom_mode, mode_from_standard, requested_mode, standard_mode
+from thbridge.protocols.mavlink.mode_numbers import Mode, custom_mode, mode_from_standard, requested_mode, standard_mode
 from thbridge.protocols.mavlink.options import AutopilotIdentity
 
 ROVER = {name: number for number, name in mavutil.mode_mapping_rover.items()}

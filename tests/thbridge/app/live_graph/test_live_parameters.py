@@ -8,9 +8,9 @@ from dataclasses import replace
 import pytest
 
 from sim.parameters import RobotParameters
-from thbridge.app.rosgraph.live_parameters import LiveParameters
-from thbridge.app.rosgraph.rate_limiter import REQUESTS_PER_TICK, RateLimiter
-from thbridge.app.rosgraph.typed_node import TypedNode
+from thbridge.app.live_graph.live_parameters import LiveParameters
+from thbridge.app.live_graph.rate_limiter import REQUESTS_PER_TICK, RateLimiter
+from thbridge.app.live_graph.typed_node import TypedNode
 from thbridge.files.ros.definitions import Definitions
 from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.roles.robot_requests import Request, SetParameters

@@ -5,8 +5,8 @@ from collections.abc import Awaitable, Callable
 
 from sim.common.kernels import is_compiled
 from thbridge.sockets.addresses import ListeningAddress
+from ui.hosting.window_process import WindowProcess
 from ui.model.lobby import Back, Begin, Join, Offer, Practise, Preparing, WindowClosed
-from ui.participants.window_process import WindowProcess
 
 WILDCARD_ADDRESSES = {"0.0.0.0": "127.0.0.1", "::": "::1"}
 """Addresses that a server listens on, and those at which the window finds it."""

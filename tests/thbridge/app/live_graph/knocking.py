@@ -13,9 +13,9 @@ from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_team_description, build_writer
 from thbridge.app.compose.robots import build_simr, build_team, vehicle_factory
 from thbridge.app.compose.setting import StudySetting
+from thbridge.app.live_graph import live
+from thbridge.app.live_graph.live import LiveGraph
 from thbridge.app.play import PLAY, NoLog
-from thbridge.app.rosgraph import live
-from thbridge.app.rosgraph.live import LiveGraph
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.inputs import ClientRequest
 from thbridge.app.session.recording import BagRecorder

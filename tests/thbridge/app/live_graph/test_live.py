@@ -11,10 +11,10 @@ import pytest
 
 from sim.common.observations import Twist
 from sim.team import NomotionUpdate
-from tests.thbridge.app.rosgraph.knocking import Visited, asked, cancel, goal
+from tests.thbridge.app.live_graph.knocking import Visited, asked, cancel, goal
 from tests.thbridge.ros.test_clients import stamped
 from thbridge.app.compose.setting import read_setting
-from thbridge.app.rosgraph.rate_limiter import REQUESTS_PER_TICK
+from thbridge.app.live_graph.rate_limiter import REQUESTS_PER_TICK
 from thbridge.app.session.inputs import FrameReceived
 from thbridge.app.session.mavros import frame_record
 from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of

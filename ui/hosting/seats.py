@@ -7,8 +7,8 @@ from thbridge.app.compose.game import build_bot
 from thbridge.files.template_files import TemplateSet
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
+from ui.hosting.terminal_player import TerminalPlayer
 from ui.options import ParticipantKind
-from ui.participants.terminal_player import TerminalPlayer
 from ui.terminal import out
 
 

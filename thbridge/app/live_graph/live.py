@@ -19,9 +19,9 @@ from sim.common.grid import OccupancyGrid
 from sim.inputs import ClearCostmaps, GlobalLocalization, NomotionUpdate, SetPoseEstimate
 from sim.parameters import RobotParameters
 from sim.robot.global_planning.path import PlanRefusal as NoPlan
-from thbridge.app.rosgraph.live_parameters import LiveParameters, sendable
-from thbridge.app.rosgraph.rate_limiter import RateLimiter
-from thbridge.app.rosgraph.typed_node import TypedNode
+from thbridge.app.live_graph.live_parameters import LiveParameters, sendable
+from thbridge.app.live_graph.rate_limiter import RateLimiter
+from thbridge.app.live_graph.typed_node import TypedNode
 from thbridge.app.session.mavros import frame_in
 from thbridge.files.ros.definitions import Definitions
 from thbridge.protocols.mavlink.frames.frame import Frame

@@ -5,9 +5,9 @@ import sys
 from pathlib import Path
 
 from thbridge.sockets.addresses import ListeningAddress
+from ui.hosting.lobby import GameVisit, host
+from ui.hosting.window_process import WindowProcess
 from ui.model.lobby import Offer
-from ui.participants.hosting import GameVisit, host
-from ui.participants.window_process import WindowProcess
 
 OFFER = Offer(least=1, most=4, usual=2)
 

@@ -1,1 +1,0 @@
-"""Participants of a session: at a window of their own, at the keyboard in the terminal, or simulated."""
