@@ -20,8 +20,9 @@ from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import Request
 from thbridge.roles.role import Role
 from thbridge.roles.view import View
+from thbridge.sockets.reconnecting import ConnectionLost, LossReason
 from thbridge.sockets.rosgraph.joining import GraphAddress
-from thbridge.sockets.text.client import ConnectionLost, LossReason, TextClient
+from thbridge.sockets.text.client import TextClient
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 

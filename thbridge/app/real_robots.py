@@ -18,9 +18,10 @@ from thbridge.recording.real_robots import FleetRecorder
 from thbridge.ros.remote.robot import RemoteRobot
 from thbridge.ros.topics import RosMessage
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.reconnecting import ConnectionLost
 from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
 from thbridge.sockets.rosgraph.joining import GraphAddress
-from thbridge.sockets.text.client import ConnectionLost, TextClient
+from thbridge.sockets.text.client import TextClient
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 

@@ -7,7 +7,7 @@ from thbridge.app import programs
 from thbridge.files.resources import shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.roles.view import View
-from thbridge.sockets.text.client import ConnectionLost
+from thbridge.sockets.reconnecting import ConnectionLost
 from thbridge.study.study_file import Study
 from ui.hosting.seats import Seat, seat_of_bot, seat_of_person
 from ui.options import ParticipantKind

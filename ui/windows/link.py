@@ -18,7 +18,8 @@ from thbridge.protocols.text.lines import TextMessage
 from thbridge.roles.notices import FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.view import ParticipantRequest, View
-from thbridge.sockets.text.client import Backoff, ConnectionLost, LossReason, TextClient
+from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason
+from thbridge.sockets.text.client import TextClient
 
 POLL_PERIOD = 0.005
 """Seconds from one poll of the connection to the next. Robots are drawn later by half of it, and by the jitter that it

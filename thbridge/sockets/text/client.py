@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
-from enum import Enum
-from typing import NoReturn, TypeAlias
+from typing import TypeAlias
 
-from thbridge.files.errors import reason_of
 from thbridge.protocols.text.client import (
     ClientSession,
     ClosedByServer,
     NameRegistered,
     SendToServer,
-    ServerCloseReason,
 )
 from thbridge.protocols.text.lines import OverlongLine, TextMessage, encode_line
+from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason, ReconnectingClient
 
 _log = logging.getLogger(__name__)
 
@@ -34,43 +31,10 @@ _LAST_WORDS = 0.1
 """Seconds for the last messages to be sent."""
 
 
-class LossReason(Enum):
-    """Reason why there is no connection to the server."""
-
-    UNREACHABLE = "the server cannot be reached"
-    BROKEN = "the connection broke"
-    REFUSED = ServerCloseReason.REFUSED.value
-    STOPPED = ServerCloseReason.STOPPED.value
-
-
-@dataclass(frozen=True, slots=True)
-class ConnectionLost:
-    """Loss of the connection; the client keeps trying. One event for each change of the reason."""
-
-    reason: LossReason
-    detail: str = ""
-
-
 TextClientEvent: TypeAlias = NameRegistered | TextMessage | ConnectionLost
 
 
-@dataclass(frozen=True, slots=True)
-class Backoff:
-    """Delays between attempts to connect, and the timeout of a connection, seconds.
-
-    Attributes:
-        initial: delay before the first reconnection; doubles at each further one.
-        maximum: longest delay between two attempts.
-        timeout: time without a byte from the server (which pings idle clients every 15 s) until the connection counts
-            as broken.
-    """
-
-    initial: float = 0.25
-    maximum: float = 5.0
-    timeout: float = 45.0
-
-
-class TextClient:
+class TextClient(ReconnectingClient):
     """Connects the program called `name` to a server, again and again until `run` is cancelled.
 
     `NameRegistered` comes at the first connection and after every loss: the moment to introduce oneself anew.
@@ -85,26 +49,10 @@ class TextClient:
 
     def __init__(self, name: str, token: str, host: str, port: int, backoff: Backoff | None = None) -> None:
         ClientSession(name, token)  # refuses a bad name here, not in the midst of a run
+        super().__init__(host, port, backoff or Backoff(), _SEGMENT)
         self._name = name
         self._token = token
-        self._host = host
-        self._port = port
-        self._backoff = backoff or Backoff()
         self._events: asyncio.Queue[TextClientEvent] = asyncio.Queue(_EVENTS)
-        self._writer: asyncio.StreamWriter | None = None  # while we are registered
-        self._reason: LossReason | None = None
-
-    async def run(self) -> NoReturn:
-        """Keep connected for ever."""
-        delays = self._delays()
-        while True:
-            loss = await self._converse()
-            if self._reason is None:
-                delays = self._delays()
-            if loss.reason is not self._reason:
-                self._reason = loss.reason
-                await self._events.put(loss)
-            await asyncio.sleep(next(delays))
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
@@ -131,27 +79,8 @@ class TextClient:
         """Take the events that have come, oldest first, without waiting."""
         return [self._events.get_nowait() for _ in range(self._events.qsize())]
 
-    def _delays(self) -> Iterator[float]:
-        delay = self._backoff.initial
-        while True:
-            yield delay
-            delay = min(2.0 * delay, self._backoff.maximum)
-
-    async def _converse(self) -> ConnectionLost:
-        """Connect once and exchange messages until the connection ends, for any reason."""
-        try:
-            async with asyncio.timeout(self._backoff.timeout):
-                reader, writer = await asyncio.open_connection(self._host, self._port)
-        except (OSError, UnicodeError, OverflowError) as error:
-            told = reason_of(error) if isinstance(error, OSError) else str(error)
-            return ConnectionLost(LossReason.UNREACHABLE, f"{self._host}:{self._port}: {told}")
-        try:
-            return await self._listen(reader, writer)
-        except OSError as error:
-            return ConnectionLost(LossReason.BROKEN, str(error))
-        finally:
-            self._writer = None
-            writer.close()
+    async def _lost(self, loss: ConnectionLost) -> None:
+        await self._events.put(loss)
 
     async def _listen(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> ConnectionLost:
         session = ClientSession(self._name, self._token)
@@ -169,8 +98,7 @@ class TextClient:
                     case SendToServer(line):
                         self._write(writer, line)
                     case NameRegistered():
-                        self._writer = writer
-                        self._reason = None
+                        self._accepted(writer)
                         await self._events.put(event)
                     case TextMessage():
                         await self._events.put(event)

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NoReturn, TypeAlias
+from typing import TypeAlias
 
-from thbridge.files.errors import reason_of
 from thbridge.protocols.watching import BagStreamReader, BrokenStream, SessionMessage, key_line, parse_status
-from thbridge.sockets.text.client import Backoff, ConnectionLost, LossReason
+from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason, ReconnectingClient
 
 _SEGMENT = 256 * 1024
 _WAITING = 20_000
@@ -28,7 +26,7 @@ class WatchConnected:
 WatchEvent: TypeAlias = WatchConnected | SessionMessage | ConnectionLost
 
 
-class WatchClient:
+class WatchClient(ReconnectingClient):
     """Receives a session's messages, with reconnections until `run` is cancelled.
 
     `run` needs an event loop, for example that of a thread of its own; everything else may be called from any thread.
@@ -41,27 +39,10 @@ class WatchClient:
     """
 
     def __init__(self, host: str, port: int, key: str | None = None, backoff: Backoff | None = None) -> None:
-        self._host = host
-        self._port = port
+        super().__init__(host, port, backoff or Backoff(timeout=_TIMEOUT), _SEGMENT)
         self._key = key
-        self._backoff = backoff or Backoff(timeout=_TIMEOUT)
         self._events: deque[WatchEvent] = deque()
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._writer: asyncio.StreamWriter | None = None  # while the session is heard
-        self._reason: LossReason | None = None
-
-    async def run(self) -> NoReturn:
-        """Keep connected for ever."""
-        self._loop = asyncio.get_running_loop()
-        delays = self._delays()
-        while True:
-            loss = await self._converse()
-            if self._reason is None:
-                delays = self._delays()
-            if loss.reason is not self._reason:
-                self._reason = loss.reason
-                self._events.append(loss)
-            await asyncio.sleep(next(delays))
 
     def take(self) -> list[WatchEvent]:
         """Take the events that have come, oldest first, without waiting."""
@@ -78,31 +59,13 @@ class WatchClient:
         loop.call_soon_threadsafe(writer.write, line)
         return True
 
-    def _delays(self) -> Iterator[float]:
-        delay = self._backoff.initial
-        while True:
-            yield delay
-            delay = min(2.0 * delay, self._backoff.maximum)
-
-    async def _converse(self) -> ConnectionLost:
-        """Connect once and receive until the connection ends, for any reason."""
-        try:
-            async with asyncio.timeout(self._backoff.timeout):
-                reader, writer = await asyncio.open_connection(self._host, self._port, limit=_SEGMENT)
-        except (OSError, UnicodeError, OverflowError) as error:
-            told = reason_of(error) if isinstance(error, OSError) else str(error)
-            return ConnectionLost(LossReason.UNREACHABLE, f"{self._host}:{self._port}: {told}")
-        try:
-            if self._key is not None:
-                writer.write(key_line(self._key))
-            return await self._listen(reader, writer)
-        except OSError as error:
-            return ConnectionLost(LossReason.BROKEN, str(error))
-        finally:
-            self._writer = None
-            writer.close()
+    async def _lost(self, loss: ConnectionLost) -> None:
+        self._events.append(loss)
 
     async def _listen(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> ConnectionLost:
+        self._loop = asyncio.get_running_loop()
+        if self._key is not None:
+            writer.write(key_line(self._key))
         stream = BagStreamReader()
         refused = ""
         while True:
@@ -125,8 +88,7 @@ class WatchClient:
                     refused = status.refused.reason
                 elif self._writer is None:
                     # An admitted watcher first gets a latched message; a rejected one gets only a refusal.
-                    self._writer = writer
-                    self._reason = None
+                    self._accepted(writer)
                     self._events.append(WatchConnected())
                 if self._writer is not None:
                     self._events.append(message)

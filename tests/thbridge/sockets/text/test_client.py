@@ -11,7 +11,8 @@ from thbridge.protocols.text.client import NameRegistered
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.router import MessageRouter
 from thbridge.sockets.addresses import ListeningAddress
-from thbridge.sockets.text.client import Backoff, ConnectionLost, LossReason, TextClient
+from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason
+from thbridge.sockets.text.client import TextClient
 from thbridge.sockets.text.server import TextServer
 
 T = TypeVar("T")

@@ -14,7 +14,7 @@ from thbridge.ros.messages import pack, types
 from thbridge.ros.topics import RosMessage, Topic
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
-from thbridge.sockets.text.client import Backoff, ConnectionLost, LossReason
+from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason
 from thbridge.sockets.watching.client import WatchClient, WatchConnected, WatchEvent
 from thbridge.sockets.watching.server import MAX_CONNECTIONS, MAX_WATCHERS, SessionPace, WatchServer
 

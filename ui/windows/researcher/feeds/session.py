@@ -11,7 +11,7 @@ from thbridge.protocols.watching import SessionMessage, WatchStatus, parse_statu
 from thbridge.roles.robot_requests import Pause, Resume, SetRate, Step
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.names import MAP_FRAME
-from thbridge.sockets.text.client import ConnectionLost, LossReason
+from thbridge.sockets.reconnecting import ConnectionLost, LossReason
 from thbridge.sockets.watching.client import WatchClient, WatchConnected
 from ui.model.watching.frames import Frames
 from ui.model.watching.live import LiveSource
