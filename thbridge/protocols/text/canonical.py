@@ -1,4 +1,4 @@
-"""Canonical content of the routed commands, as HRTeam defined them in 2015.
+"""Canonical content of the commands to SimR and of its answer, as HRTeam defined them in 2015.
 
 Positions are metres in the map frame. Headings are radians here, degrees on the wire (0 is East, anti-clockwise);
 numbers travel with three decimals.
@@ -7,14 +7,13 @@ numbers travel with three decimals.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum, StrEnum
 from typing import TypeAlias
 
 from sim.common.geometry import wrap_angle
 from thbridge.protocols.text import legacy
-from thbridge.protocols.text.lines import TextCommand, TextMessage, UnreadableText, tokens
+from thbridge.protocols.text.lines import TextCommand, TextMessage, UnreadableText
 
 
 class Dialect(StrEnum):
@@ -33,10 +32,6 @@ class MoveDirection(Enum):
     WIDE_ANTICLOCKWISE = "A"
     TURN_CLOCKWISE = "c"
     TURN_ANTICLOCKWISE = "a"
-
-
-Properties: TypeAlias = tuple[tuple[str, str], ...]
-"""Names and values of a treasure's properties, each one token."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,78 +78,14 @@ class MoveByHand:
             raise ValueError(f"the intensity is 1 to 5, not {self.intensity}")
 
 
-@dataclass(frozen=True, slots=True)
-class SnapHere:
-    """Request for a picture from where the robot stands."""
-
-    robot: int
-
-
-@dataclass(frozen=True, slots=True)
-class PictureTaken:
-    """Picture that a robot took, and the pose it took it from; `data` is one token."""
-
-    robot: int
-    x: float
-    y: float
-    heading: float
-    data: str
-
-
-@dataclass(frozen=True, slots=True)
-class HideTreasure:
-    """Order to hide a treasure."""
-
-    x: float
-    y: float
-    properties: Properties
-
-
-@dataclass(frozen=True, slots=True)
-class TreasureFound:
-    """Report that a treasure was found."""
-
-    x: float
-    y: float
-    properties: Properties
-
-
-@dataclass(frozen=True, slots=True)
-class PointsEarned:
-    """Report that points were earned for a treasure."""
-
-    points: int
-    x: float
-    y: float
-    properties: Properties
-
-
-@dataclass(frozen=True, slots=True)
-class ErrorText:
-    """Report that something went wrong."""
-
-    text: str
-
-
-CanonicalValue: TypeAlias = (
-    PoseReport
-    | PoseQuery
-    | GotoPoint
-    | MoveByHand
-    | SnapHere
-    | PictureTaken
-    | HideTreasure
-    | TreasureFound
-    | PointsEarned
-    | ErrorText
-)
+CanonicalValue: TypeAlias = PoseReport | PoseQuery | GotoPoint | MoveByHand
 
 
 def encode(value: CanonicalValue, sender: str, receiver: str) -> TextMessage:
     """Return the message that carries a value.
 
     Raises:
-        ValueError: a number is not finite, or picture data or a property is not one token.
+        ValueError: a number is not finite.
     """
     command, parts = _content(value)
     return TextMessage(command, sender, receiver, tuple(parts))
@@ -202,18 +133,6 @@ def _content(value: CanonicalValue) -> tuple[TextCommand, list[str]]:
             ]
         case MoveByHand(robot, drive, intensity):
             return TextCommand.MOVE, [str(robot), drive.value, str(intensity)]
-        case SnapHere(robot):
-            return TextCommand.SNAP, [str(robot)]
-        case PictureTaken(robot, x, y, heading, data):
-            return TextCommand.IMAGE, [str(robot), _number(x), _number(y), _degrees(heading), data]
-        case HideTreasure(x, y, properties):
-            return TextCommand.HIDE, [_number(x), _number(y), *_flat(properties)]
-        case TreasureFound(x, y, properties):
-            return TextCommand.FOUND, [_number(x), _number(y), *_flat(properties)]
-        case PointsEarned(points, x, y, properties):
-            return TextCommand.SCORE, [str(points), _number(x), _number(y), *_flat(properties)]
-        case ErrorText(text):
-            return TextCommand.ERROR, tokens(text)
 
 
 def _value(message: TextMessage) -> CanonicalValue | None:
@@ -228,18 +147,6 @@ def _value(message: TextMessage) -> CanonicalValue | None:
             return GotoPoint(_robot(robot), _real(x), _real(y), _radians(heading))
         case TextCommand.MOVE, (robot, letter, intensity):
             return MoveByHand(_robot(robot), MoveDirection(letter), _whole(intensity))
-        case TextCommand.SNAP, (robot,):
-            return SnapHere(_robot(robot))
-        case TextCommand.IMAGE, (robot, x, y, heading, data):
-            return PictureTaken(_robot(robot), _real(x), _real(y), _radians(heading), data)
-        case TextCommand.HIDE, (x, y, *properties):
-            return HideTreasure(_real(x), _real(y), _pairs(properties))
-        case TextCommand.FOUND, (x, y, *properties):
-            return TreasureFound(_real(x), _real(y), _pairs(properties))
-        case TextCommand.SCORE, (points, x, y, *properties):
-            return PointsEarned(_whole(points), _real(x), _real(y), _pairs(properties))
-        case TextCommand.ERROR, _:
-            return ErrorText(message.text)
         case _:
             return None
 
@@ -280,15 +187,3 @@ def _real(text: str) -> float:
 
 def _radians(text: str) -> float:
     return wrap_angle(math.radians(_real(text)))
-
-
-def _flat(properties: Properties) -> list[str]:
-    return [token for pair in properties for token in pair]
-
-
-def _pairs(parts: Sequence[str]) -> Properties:
-    """Pair names with values; some programs put brackets around each pair, which mean nothing."""
-    bare = tokens(" ".join(parts).replace("(", " ").replace(")", " "))
-    if len(bare) % 2:
-        raise ValueError(f"the property {bare[-1]!r} has no value")
-    return tuple(zip(bare[::2], bare[1::2], strict=True))

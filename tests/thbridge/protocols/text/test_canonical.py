@@ -9,17 +9,11 @@ from hypothesis import strategies as st
 from thbridge.protocols.text.canonical import (
     CanonicalValue,
     Dialect,
-    ErrorText,
     GotoPoint,
-    HideTreasure,
     MoveByHand,
     MoveDirection,
-    PictureTaken,
-    PointsEarned,
     PoseQuery,
     PoseReport,
-    SnapHere,
-    TreasureFound,
     decode,
     decode_goto,
     encode,
@@ -34,12 +28,6 @@ LINES: list[tuple[CanonicalValue, str]] = [
     (GotoPoint(1, 3.0, 4.0, -math.pi / 4), "%%goto A B 1 3.000 4.000 -45.000 "),
     (MoveByHand(0, MoveDirection.TURN_CLOCKWISE, 5), "%%move A B 0 c 5 "),
     (MoveByHand(0, MoveDirection.WIDE_CLOCKWISE, 1), "%%move A B 0 C 1 "),
-    (SnapHere(1), "%%snap A B 1 "),
-    (PictureTaken(1, 0.0, 0.5, 0.0, "QUJD"), "%%image A B 1 0.000 0.500 0.000 QUJD "),
-    (HideTreasure(1.0, 2.0, (("colour", "red"), ("size", "small"))), "%%hide A B 1.000 2.000 colour red size small "),
-    (TreasureFound(1.0, 2.0, ()), "%%found A B 1.000 2.000 "),
-    (PointsEarned(-20, 1.0, 2.0, (("colour", "red"),)), "%%score A B -20 1.000 2.000 colour red "),
-    (ErrorText("no path"), "%%error A B no path "),
 ]
 
 
@@ -68,12 +56,6 @@ def test_headings_come_back_wrapped() -> None:
     assert pose.heading == pytest.approx(-math.pi / 2)
 
 
-def test_bracketed_properties_are_the_same_properties() -> None:
-    assert decode(TextMessage.of("%%hide", "A", "B", "1 2 (colour red) (size small)")) == HideTreasure(
-        1.0, 2.0, (("colour", "red"), ("size", "small"))
-    )
-
-
 @pytest.mark.parametrize(
     "line",
     [
@@ -87,8 +69,7 @@ def test_bracketed_properties_are_the_same_properties() -> None:
         "%%move A B 0 F 0",
         "%%move A B 0 F 6",
         "%%where A B",
-        "%%hide A B 1 2 colour",
-        "%%score A B ten 1 2",
+        "%%snap A B 1",
     ],
 )
 def test_bad_content_is_unreadable(line: str) -> None:
