@@ -208,8 +208,12 @@ class ParameterSettings(Protocol):
         """Change the one of this name, which exists, and return its new value."""
 
 
-class VehicleInterface(ParameterSettings, Protocol):
+class VehicleInterface(Protocol):
     """Controls of a robot. Each call returns at once; a granted command takes effect in the next tick."""
+
+    @property
+    def parameters(self) -> ParameterSettings:
+        """Parameters of the robot."""
 
     def take(self, station: Station) -> Denied | None:
         """Put this station in command instead of all others. A repeated call has no effect."""

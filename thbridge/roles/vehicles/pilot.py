@@ -5,7 +5,7 @@ one in the room where the robot stands, is a goal of its navigator that the game
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,8 +26,6 @@ from thbridge.protocols.mavlink.vehicle_interface import (
     Denied,
     HelmLeg,
     LegState,
-    ParameterDescription,
-    ParameterSetting,
     ParameterSettings,
     RobotReadings,
     Station,
@@ -82,7 +80,7 @@ class Pilot:
         setup: of the game.
         start: start pose, map frame.
         speeds: its speed limit.
-        settings: its parameters as MAVLink has them.
+        parameters: as MAVLink has them.
         ask: takes requests to robots and game for the next tick; they follow from frames, and so are no inputs.
     """
 
@@ -92,14 +90,14 @@ class Pilot:
         setup: GameSetup,
         start: Pose2,
         speed_limit: SpeedLimit,
-        settings: ParameterSettings,
+        parameters: ParameterSettings,
         ask: Callable[[Request], None],
     ) -> None:
+        self.parameters = parameters
         self._robot = robot
         self._setup = setup
         self._start = start
         self._speed_limit = speed_limit
-        self._settings = settings
         self._ask = ask
         self._legs = 0
         self._trip: VehicleTrip | None = None
@@ -194,24 +192,6 @@ class Pilot:
         if floor.clearance_at(point) <= floor.inscribed:
             return Denied(reasons.failure_sentence(self._robot, "goal_occupied"))
         return None
-
-    # Parameters
-
-    def descriptions(self) -> Sequence[ParameterDescription]:
-        """See `Settings`."""
-        return self._settings.descriptions()
-
-    def settings(self) -> Sequence[ParameterSetting]:
-        """See `Settings`."""
-        return self._settings.settings()
-
-    def setting(self, name: str) -> ParameterSetting | None:
-        """See `Settings`."""
-        return self._settings.setting(name)
-
-    def change(self, name: str, value: float) -> ParameterSetting | Denied:
-        """See `Settings`."""
-        return self._settings.change(name, value)
 
     # Treasures
 

@@ -85,6 +85,10 @@ class ModelRobot:
     def start(self):
         return Pose2(1.0, 2.0, 0.0)
 
+    @property
+    def parameters(self):
+        return self
+
     def descriptions(self):
         return [ParameterDescription(name, "a number", "", "robot", "tests", default=0.0) for name in self.values]
 

@@ -90,6 +90,10 @@ class Sailor:
     def start(self):
         return Pose2(1.0, 2.0, 0.0)
 
+    @property
+    def parameters(self):
+        return self
+
     def descriptions(self):
         return [ParameterDescription(name, "a number", "", "robot", "tests") for name in self._values]
 

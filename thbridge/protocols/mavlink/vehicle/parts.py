@@ -1,8 +1,8 @@
 """Protocols of the parts of a vehicle, through which they know each other."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from enum import IntEnum
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 from thbridge.protocols.mavlink.dialect import Message, mav
 from thbridge.protocols.mavlink.outgoing import LinkId, OutgoingMessage
@@ -16,13 +16,16 @@ class Microservice(Protocol):
     """
 
     def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterable[OutgoingMessage]:
-        """Handle a message and return the answers."""
+        """Handle a message and return the answers; by default none is its own."""
+        return ()
 
     def step(self, tick: int, readings: RobotReadings) -> Iterable[OutgoingMessage]:
-        """Advance by one tick and return the messages that are due."""
+        """Advance by one tick and return the messages that are due; by default none ever is."""
+        return ()
 
     def forget(self, link: LinkId) -> None:
-        """Forget a closed link and its stations."""
+        """Forget a closed link and its stations; by default no state depends on links."""
+        return
 
 
 class MissionControl(Protocol):
@@ -59,11 +62,8 @@ class TextSeverity(IntEnum):
     INFO = mav.MAV_SEVERITY_INFO
 
 
-class Announce(Protocol):
-    """Function by which a part sends a text to people."""
-
-    def __call__(self, severity: TextSeverity, sentence: str) -> None:
-        """Queue a sentence as STATUSTEXT for all links."""
+Announce: TypeAlias = Callable[[TextSeverity, str], None]
+"""Function by which a part sends a sentence to people: it is queued as STATUSTEXT for all links."""
 
 
 def announce_denial(announce: Announce, denied: Denied | None) -> None:

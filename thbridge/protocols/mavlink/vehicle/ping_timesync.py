@@ -1,6 +1,6 @@
 """Small microservices: PING, TIMESYNC, the GPS origin and REQUEST_DATA_STREAM."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from types import MappingProxyType
 
 from sim.common.observations import TICKS_PER_SECOND
@@ -8,6 +8,7 @@ from thbridge.protocols.mavlink.dialect import BROADCAST, Message, mav
 from thbridge.protocols.mavlink.outgoing import LinkId, OutgoingMessage
 from thbridge.protocols.mavlink.vehicle.boot_time import microseconds
 from thbridge.protocols.mavlink.vehicle.geodesy import MapProjection
+from thbridge.protocols.mavlink.vehicle.parts import Microservice
 from thbridge.protocols.mavlink.vehicle.telemetry.streams import OFF, Streams
 from thbridge.protocols.mavlink.vehicle_interface import RobotReadings, Station
 
@@ -37,8 +38,8 @@ _GROUPS: Mapping[int, tuple[int, ...]] = MappingProxyType(
 """Messages of each group of REQUEST_DATA_STREAM, as in ArduPilot."""
 
 
-class PingTimesync:
-    """Small answers of one vehicle; a `Microservice`.
+class PingTimesync(Microservice):
+    """Small answers of one vehicle; `Streams` keeps the rates of links.
 
     Args:
         streams: rates of its messages.
@@ -73,13 +74,10 @@ class PingTimesync:
             case mav.MAVLink_request_data_stream_message():
                 self._set_group(link, message)
 
-    def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
+    def step(self, tick: int, readings: RobotReadings) -> Iterable[OutgoingMessage]:
         """Note the time; no message is due."""
         self._tick = tick
-        return iter(())
-
-    def forget(self, link: LinkId) -> None:
-        """Do nothing: the rates of links are kept by `Streams`."""
+        return ()
 
     def _set_group(self, link: LinkId, message: mav.MAVLink_request_data_stream_message) -> None:
         """Set the rate of a group of messages, or of all of them."""

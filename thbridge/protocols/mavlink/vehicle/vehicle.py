@@ -59,7 +59,7 @@ class Vehicle:
         plan = MissionRun(robot, home, earth, announce, ardupilot)
         self._modes = ModeStateMachine(robot, hand, self._control, plan, home, options.failsafe, announce)
         self._streams = Streams(default_streams(options.position_rate, identity), system)
-        parameters = FailsafeParameters(system, robot, self._control, self._modes)
+        parameters = FailsafeParameters(system, robot.parameters, self._control, self._modes)
         files = MetadataFiles(parameters)
         capabilities = Capabilities(system, identity, earth, files)
         self._telemetry = Telemetry(capabilities, identity, earth, home.position, plan.current)

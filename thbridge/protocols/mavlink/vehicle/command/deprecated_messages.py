@@ -16,8 +16,8 @@ from thbridge.protocols.mavlink.vehicle.geodesy import PER_DEGREE, GeoPoint, Map
 from thbridge.protocols.mavlink.vehicle.mode.home import HomePosition
 from thbridge.protocols.mavlink.vehicle.mode.operator_control import OperatorControl
 from thbridge.protocols.mavlink.vehicle.mode.state_machine import ModeStateMachine
-from thbridge.protocols.mavlink.vehicle.parts import Announce, TextSeverity, announce_denial
-from thbridge.protocols.mavlink.vehicle_interface import Denied, RobotReadings, Station, Target
+from thbridge.protocols.mavlink.vehicle.parts import Announce, Microservice, TextSeverity, announce_denial
+from thbridge.protocols.mavlink.vehicle_interface import Denied, Station, Target
 
 _GUIDED_ITEM = 2
 """`current` of a mission item that is a goal to drive to now, and no item of a mission."""
@@ -28,8 +28,8 @@ _REQUEST_CONTROL = 0
 _Item: TypeAlias = mav.MAVLink_mission_item_int_message | mav.MAVLink_mission_item_message
 
 
-class DeprecatedMessages:
-    """Deprecated messages to one vehicle; a `Microservice`.
+class DeprecatedMessages(Microservice):
+    """Deprecated messages to one vehicle.
 
     Args:
         commands: command table, which knows the numbers of modes.
@@ -68,13 +68,6 @@ class DeprecatedMessages:
                 announce_denial(self._announce, self._set_home(sender, GeoPoint(message.latitude, message.longitude)))
             case mav.MAVLink_change_operator_control_message():
                 yield OutgoingMessage(self._operator_control(sender, message), link)
-
-    def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
-        """Return nothing: no message is due."""
-        return iter(())
-
-    def forget(self, link: LinkId) -> None:
-        """Do nothing: no state depends on links."""
 
     def _set_mode(self, sender: Station, message: mav.MAVLink_set_mode_message) -> Message:
         """Set a mode; the answer is a COMMAND_ACK with the message's id in place of a command, as in ArduPilot."""

@@ -30,7 +30,7 @@ from thbridge.protocols.mavlink.vehicle.command.requests import (
 from thbridge.protocols.mavlink.vehicle.command.table import CommandTable
 from thbridge.protocols.mavlink.vehicle.mode.operator_control import OperatorControl
 from thbridge.protocols.mavlink.vehicle.mode.state_machine import ModeStateMachine
-from thbridge.protocols.mavlink.vehicle.parts import Announce, TextSeverity
+from thbridge.protocols.mavlink.vehicle.parts import Announce, Microservice, TextSeverity
 from thbridge.protocols.mavlink.vehicle_interface import Denied, LegState, RobotReadings, Station
 
 _REMEMBERED = 5 * TICKS_PER_SECOND
@@ -78,8 +78,8 @@ class _Running:
     reported: int
 
 
-class CommandProtocol:
-    """Command protocol of one vehicle; a `Microservice`.
+class CommandProtocol(Microservice):
+    """Command protocol of one vehicle.
 
     Args:
         commands: command table.

@@ -15,7 +15,7 @@ from thbridge.protocols.mavlink.vehicle.mission.downloads import MissionDownload
 from thbridge.protocols.mavlink.vehicle.mission.items import InvalidItem, MissionItem, item_of, unfit
 from thbridge.protocols.mavlink.vehicle.mission.peer import EMPTY_TYPES, MISSION, MissionPeer
 from thbridge.protocols.mavlink.vehicle.mission.run import MissionRun
-from thbridge.protocols.mavlink.vehicle.parts import Announce, TextSeverity
+from thbridge.protocols.mavlink.vehicle.parts import Announce, Microservice, TextSeverity
 from thbridge.protocols.mavlink.vehicle_interface import DenialKind, Denied, RobotReadings, Station
 
 LONGEST = 700
@@ -78,8 +78,8 @@ class _Completed(NamedTuple):
     last: int
 
 
-class MissionProtocol:
-    """Transfer of one robot's plan: one upload at a time, any number of downloads; a `Microservice`.
+class MissionProtocol(Microservice):
+    """Transfer of one robot's plan: one upload at a time, any number of downloads.
 
     Args:
         run: holds the plan and executes it.

@@ -9,15 +9,15 @@ from collections.abc import Iterator
 
 from thbridge.protocols.mavlink.coordinates import quaternion
 from thbridge.protocols.mavlink.dialect import Message, mav
-from thbridge.protocols.mavlink.outgoing import LinkId, OutgoingMessage
+from thbridge.protocols.mavlink.outgoing import OutgoingMessage
 from thbridge.protocols.mavlink.vehicle.boot_time import microseconds
 from thbridge.protocols.mavlink.vehicle.geodesy import GeoPoint, MapProjection
+from thbridge.protocols.mavlink.vehicle.parts import Microservice
 from thbridge.protocols.mavlink.vehicle_interface import (
     NO_READINGS,
     DenialKind,
     Denied,
     RobotReadings,
-    Station,
     Target,
     VehicleInterface,
 )
@@ -25,8 +25,8 @@ from thbridge.protocols.mavlink.vehicle_interface import (
 _NO_HEADING = (math.nan,) * 4
 
 
-class HomePosition:
-    """Home position of one vehicle; a `Microservice`.
+class HomePosition(Microservice):
+    """Home position of one vehicle; other parts handle the messages that set it.
 
     Args:
         robot: interface to the robot.
@@ -73,16 +73,9 @@ class HomePosition:
         approach, now = (0.0, 0.0, 0.0), microseconds(tick)
         return mav.MAVLink_home_position_message(*where, list(heading), *approach, now)
 
-    def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
-        """Return nothing: other parts handle the messages that set it."""
-        return iter(())
-
     def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
         """Return HOME_POSITION for all links after a change."""
         self._readings = readings
         if self._is_news:
             self._is_news = False
             yield OutgoingMessage(self.position(tick))
-
-    def forget(self, link: LinkId) -> None:
-        """Do nothing: no state depends on links."""

@@ -1,7 +1,7 @@
 """Sticks and setpoints, which drive a robot without acknowledgement, many times a second."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable
 from typing import TypeAlias
 
 from sim.common.observations import Twist
@@ -13,7 +13,7 @@ from thbridge.protocols.mavlink.vehicle.geodesy import GeoPoint, MapProjection
 from thbridge.protocols.mavlink.vehicle.mode.manual_control import VelocitySetpoint
 from thbridge.protocols.mavlink.vehicle.mode.operator_control import OperatorControl
 from thbridge.protocols.mavlink.vehicle.mode.state_machine import ModeStateMachine
-from thbridge.protocols.mavlink.vehicle.parts import Announce, announce_denial
+from thbridge.protocols.mavlink.vehicle.parts import Announce, Microservice, announce_denial
 from thbridge.protocols.mavlink.vehicle_interface import (
     NO_READINGS,
     Denied,
@@ -42,8 +42,8 @@ _Setpoint: TypeAlias = mav.MAVLink_set_position_target_local_ned_message | (
 )
 
 
-class ControlInputs:
-    """Sticks and setpoints of one vehicle; a `Microservice`.
+class ControlInputs(Microservice):
+    """Sticks and setpoints of one vehicle.
 
     They come many times a second, have no acknowledgement, and are sent even by stations that do not mean to drive just
     now. So they are ignored without a warning unless the mode is the one for them; then a station that is not in
@@ -75,7 +75,7 @@ class ControlInputs:
         self._announce = announce
         self._readings = NO_READINGS
 
-    def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
+    def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterable[OutgoingMessage]:
         """Handle a stick or a setpoint; there is no answer."""
         match message:
             case mav.MAVLink_manual_control_message():
@@ -88,15 +88,12 @@ class ControlInputs:
                 | mav.MAVLink_set_position_target_global_int_message()
             ):
                 announce_denial(self._announce, self._setpoint(sender, message))
-        return iter(())
+        return ()
 
-    def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
+    def step(self, tick: int, readings: RobotReadings) -> Iterable[OutgoingMessage]:
         """Note the readings; no message is due."""
         self._readings = readings
-        return iter(())
-
-    def forget(self, link: LinkId) -> None:
-        """Do nothing: no state depends on links."""
+        return ()
 
     # -- sticks -------------------------------------------------------------------------------------------------------
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.protocols.mavlink.dialect import Message, mav
 from thbridge.protocols.mavlink.outgoing import LinkId, OutgoingMessage
-from thbridge.protocols.mavlink.vehicle.parts import Announce, TextSeverity
+from thbridge.protocols.mavlink.vehicle.parts import Announce, Microservice, TextSeverity
 from thbridge.protocols.mavlink.vehicle_interface import (
     DenialKind,
     Denied,
@@ -36,8 +36,8 @@ _ERRORS = {
 }
 
 
-class ParameterProtocol:
-    """Parameter protocol of one robot, whose parameters are all 32-bit floats; a `Microservice`.
+class ParameterProtocol(Microservice):
+    """Parameter protocol of one robot, whose parameters are all 32-bit floats.
 
     Args:
         settings: the parameters.
