@@ -37,7 +37,46 @@ class _Phase(Enum):
     OVER = auto()
 
 
-class SubscriberLink:
+class _OutgoingLink:
+    """Connection that this node has opened, up to the agreement of both headers.
+
+    Args:
+        what: the topic or service, global name.
+        asked: our header.
+    """
+
+    def __init__(self, what: str, asked: Mapping[str, str]) -> None:
+        self._what = what
+        self._asked = asked
+        self._buffer = FrameBuffer()
+        self._phase = _Phase.HANDSHAKE
+
+    def opening(self) -> bytes:
+        """Return the header, to be sent once connected."""
+        return encode_header(self._asked)
+
+    def _judge_header(self) -> HeaderFields | LinkRefused | LinkEnded | None:
+        """Return the other side's header if it matches ours, else the end of the link; None while it is incomplete."""
+        fields = take_header(self._buffer)
+        if fields is None:
+            return None
+        if isinstance(fields, MalformedHeader):
+            return self._over(LinkEnded(fields.reason))
+        if "error" in fields:
+            return self._over(LinkRefused(quoted(fields["error"])))
+        against = objection(self._what, self._asked.get("type", "the type"), self._asked["md5sum"], fields)
+        if against:
+            return self._over(LinkRefused(against))
+        self._phase = _Phase.OPEN
+        return fields
+
+    def _over(self, event: LinkRefused | LinkEnded) -> LinkRefused | LinkEnded:
+        self._phase = _Phase.OVER
+        self._buffer = FrameBuffer()
+        return event
+
+
+class SubscriberLink(_OutgoingLink):
     """Connection of a subscriber to one publisher.
 
     Args:
@@ -49,19 +88,14 @@ class SubscriberLink:
     """
 
     def __init__(self, caller: str, topic: str, kind: str, md5: str, tcp_nodelay: bool = True) -> None:
-        self._asked = {
+        asked = {
             "callerid": caller,
             "md5sum": md5,
             "tcp_nodelay": "1" if tcp_nodelay else "0",
             "topic": topic,
             "type": kind,
         }
-        self._buffer = FrameBuffer()
-        self._phase = _Phase.HANDSHAKE
-
-    def opening(self) -> bytes:
-        """Return the header, to be sent once connected."""
-        return encode_header(self._asked)
+        super().__init__(topic, asked)
 
     def receive(self, data: bytes) -> list[SubscriberEvent]:
         """Handle bytes of the publisher."""
@@ -70,14 +104,11 @@ class SubscriberLink:
         self._buffer.feed(data)
         events: list[SubscriberEvent] = []
         if self._phase is _Phase.HANDSHAKE:
-            fields = _judge_header(self._buffer, self._asked["topic"], self._asked)
-            if fields is None:
-                return []
-            if isinstance(fields, LinkRefused | LinkEnded):
-                return [self._over(fields)]
-            self._phase = _Phase.OPEN
+            fields = self._judge_header()
+            if not isinstance(fields, dict):
+                return [] if fields is None else [fields]
             header = TopicHeader(
-                self._asked["topic"],
+                self._what,
                 fields.get("type", self._asked["type"]),
                 fields["md5sum"],
                 fields.get("message_definition", ""),
@@ -90,13 +121,8 @@ class SubscriberLink:
             events.append(MessageReceived(message))
         return events
 
-    def _over(self, event: LinkRefused | LinkEnded) -> LinkRefused | LinkEnded:
-        self._phase = _Phase.OVER
-        self._buffer = FrameBuffer()
-        return event
 
-
-class ServiceClientLink:
+class ServiceClientLink(_OutgoingLink):
     """Connection of a client to a server, for one request.
 
     Args:
@@ -107,15 +133,9 @@ class ServiceClientLink:
     """
 
     def __init__(self, caller: str, service: str, md5: str, request: bytes) -> None:
-        self._asked = {"callerid": caller, "md5sum": md5, "service": service}
+        super().__init__(service, {"callerid": caller, "md5sum": md5, "service": service})
         self._request = request
-        self._buffer = FrameBuffer()
-        self._phase = _Phase.HANDSHAKE
         self._ok: int | None = None
-
-    def opening(self) -> bytes:
-        """Return the header, to be sent once connected."""
-        return encode_header(self._asked)
 
     def receive(self, data: bytes) -> list[ServiceClientEvent]:
         """Handle bytes of the server."""
@@ -124,12 +144,9 @@ class ServiceClientLink:
         self._buffer.feed(data)
         events: list[ServiceClientEvent] = []
         if self._phase is _Phase.HANDSHAKE:
-            fields = _judge_header(self._buffer, self._asked["service"], self._asked)
-            if fields is None:
-                return []
-            if isinstance(fields, LinkRefused | LinkEnded):
-                return [self._over(fields)]
-            self._phase = _Phase.OPEN
+            fields = self._judge_header()
+            if not isinstance(fields, dict):
+                return [] if fields is None else [fields]
             events.append(SendToPeer(frame(self._request)))
         return events + self._take_answer()
 
@@ -145,23 +162,3 @@ class ServiceClientLink:
             return [self._over(LinkEnded(f"it sends {body}"))]
         answer = body if self._ok else ServiceFailed(body.decode(errors="replace"))
         return [ServiceAnswered(answer), self._over(LinkEnded("the request is answered"))]
-
-    def _over(self, event: LinkRefused | LinkEnded) -> LinkRefused | LinkEnded:
-        self._phase = _Phase.OVER
-        self._buffer = FrameBuffer()
-        return event
-
-
-def _judge_header(
-    buffer: FrameBuffer, what: str, asked: Mapping[str, str]
-) -> HeaderFields | LinkRefused | LinkEnded | None:
-    """Return the other side's header if it matches ours; None while it is incomplete."""
-    fields = take_header(buffer)
-    if fields is None:
-        return None
-    if isinstance(fields, MalformedHeader):
-        return LinkEnded(fields.reason)
-    if "error" in fields:
-        return LinkRefused(quoted(fields["error"]))
-    against = objection(what, asked.get("type", "the type"), asked["md5sum"], fields)
-    return LinkRefused(against) if against else fields

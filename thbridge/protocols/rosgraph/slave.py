@@ -137,40 +137,12 @@ def _get_bus_stats(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveRepl
     return _done([sent, received, []], "bus stats")
 
 
-def _get_bus_info(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
-    return _done([_bus_info(each) for each in node.connections], "bus info")
-
-
 def _bus_info(connection: BusConnection) -> XmlRpcValue:
     port, host, other_port, socket = connection.endpoints
     # rosnode reads the ports out of this sentence.
     text = f"{TRANSPORT} connection on port {port} to [{host}:{other_port} on socket {socket}]"
     direction = "o" if connection.outgoing else "i"
     return [connection.id, connection.peer, direction, TRANSPORT, connection.topic, True, text]
-
-
-def _get_master_uri(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
-    return _done(node.master_uri)
-
-
-def _get_name(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
-    return _done(node.name)
-
-
-def _get_uri(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
-    return _done(node.uri)
-
-
-def _get_pid(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
-    return _done(node.pid)
-
-
-def _get_publications(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
-    return _done([[topic, kind] for topic, kind in node.publications.items()], "publications")
-
-
-def _get_subscriptions(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
-    return _done([[topic, kind] for topic, kind in node.subscriptions.items()], "subscriptions")
 
 
 def _shutdown(node: NodeDescription, params: Sequence[XmlRpcValue]) -> SlaveReply:
@@ -211,14 +183,18 @@ def _request_topic(node: NodeDescription, params: Sequence[XmlRpcValue]) -> Slav
 
 
 _METHODS: Mapping[str, Callable[[NodeDescription, Sequence[XmlRpcValue]], SlaveReply]] = {
-    "getBusInfo": _get_bus_info,
+    "getBusInfo": lambda node, _: _done([_bus_info(each) for each in node.connections], "bus info"),
     "getBusStats": _get_bus_stats,
-    "getMasterUri": _get_master_uri,
-    "getName": _get_name,
-    "getPid": _get_pid,
-    "getPublications": _get_publications,
-    "getSubscriptions": _get_subscriptions,
-    "getUri": _get_uri,
+    "getMasterUri": lambda node, _: _done(node.master_uri),
+    "getName": lambda node, _: _done(node.name),
+    "getPid": lambda node, _: _done(node.pid),
+    "getPublications": lambda node, _: _done(
+        [[topic, kind] for topic, kind in node.publications.items()], "publications"
+    ),
+    "getSubscriptions": lambda node, _: _done(
+        [[topic, kind] for topic, kind in node.subscriptions.items()], "subscriptions"
+    ),
+    "getUri": lambda node, _: _done(node.uri),
     "paramUpdate": _param_update,
     "publisherUpdate": _publisher_update,
     "requestTopic": _request_topic,
