@@ -28,20 +28,18 @@ class Hub:
     Args:
         vehicles: vehicles in the team's order.
         timeout: seconds without a frame after which a link counts as inactive: it gets heartbeats and nothing else.
+
+    Attributes:
+        vehicles: as above.
     """
 
     def __init__(self, vehicles: Sequence[Vehicle], timeout: float) -> None:
-        self._vehicles = tuple(vehicles)
+        self.vehicles = tuple(vehicles)
         self._by_system = {vehicle.system: robot for robot, vehicle in enumerate(vehicles)}
         self._timeout = round(timeout * TICKS_PER_SECOND)
         self._links: dict[LinkId, HubLink] = {}
         self._traffic: list[Traffic] = []
         self._tick = 0
-
-    @property
-    def vehicles(self) -> tuple[Vehicle, ...]:
-        """Vehicles in the team's order."""
-        return self._vehicles
 
     def open(self, link: LinkId, name: str, robot: int | None = None) -> None:
         """Open a link; one of the same number is closed before.
@@ -58,7 +56,7 @@ class Hub:
     def close(self, link: LinkId) -> None:
         """Remove a link and all stations on it."""
         if self._links.pop(link, None) is not None:
-            for vehicle in self._vehicles:
+            for vehicle in self.vehicles:
                 vehicle.forget(link)
 
     def report(self, link: LinkId) -> LinkReport | None:
@@ -109,7 +107,7 @@ class Hub:
         addressed = self._addressed(system, component) if robot is None else (robot,)
         for number in filter(there.reaches, addressed):
             self._traffic.append(Traffic(number, True, there.name, frame))
-            sent += self._numbered(number, self._vehicles[number].handle_message(link, sender, message))
+            sent += self._numbered(number, self.vehicles[number].handle_message(link, sender, message))
         is_shared = robot is None and there.robot is None
         if is_shared and (system not in self._by_system or component != COMPONENT):
             for other in self._forwarded_to(link, sender, system, component):
@@ -126,7 +124,7 @@ class Hub:
         """
         self._tick = tick
         sent: list[OutgoingFrame] = []
-        for robot, (vehicle, reading) in enumerate(zip(self._vehicles, readings, strict=True)):
+        for robot, (vehicle, reading) in enumerate(zip(self.vehicles, readings, strict=True)):
             sent += self._numbered(robot, vehicle.step(tick, reading))
         return sent
 
@@ -134,7 +132,7 @@ class Hub:
         """Return heartbeats of all vehicles, for a time without ticks."""
         return [
             frame
-            for robot, vehicle in enumerate(self._vehicles)
+            for robot, vehicle in enumerate(self.vehicles)
             for frame in self._numbered(robot, vehicle.keep_alive())
         ]
 
@@ -148,7 +146,7 @@ class Hub:
         if component not in (BROADCAST, COMPONENT):
             return ()
         if system == BROADCAST:
-            return range(len(self._vehicles))
+            return range(len(self.vehicles))
         robot = self._by_system.get(system)
         return () if robot is None else (robot,)
 
@@ -166,7 +164,7 @@ class Hub:
 
     def _numbered(self, robot: int, messages: Iterable[OutgoingMessage]) -> list[OutgoingFrame]:
         sent: list[OutgoingFrame] = []
-        system = self._vehicles[robot].system
+        system = self.vehicles[robot].system
         for outgoing in messages:
             message_id, payload = outgoing.message.get_msgId(), payload_of(outgoing.message)
             seed = crc_extra(message_id) or 0

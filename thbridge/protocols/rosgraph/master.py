@@ -110,6 +110,9 @@ class Master:
     Args:
         uri: URI of the master, as it reports it.
         pid: process id of the master, as it reports it.
+
+    Attributes:
+        stopped: True when ``shutdown`` was called.
     """
 
     def __init__(self, uri: str, pid: int) -> None:
@@ -119,12 +122,7 @@ class Master:
         self._types: dict[str, str] = {}
         self._parameters = ParameterTree()
         self._notifications: list[Notification] = []
-        self._stopped = False
-
-    @property
-    def stopped(self) -> bool:
-        """True when ``shutdown`` was called."""
-        return self._stopped
+        self.stopped = False
 
     def handle(self, call: MethodCall) -> tuple[ApiReply, list[Notification]]:
         """Carry out a call of the master or the parameter server API.
@@ -196,7 +194,7 @@ class Master:
             case "getPid", []:
                 return ApiReply(SUCCESS, "", self._pid)
             case "shutdown", [_]:
-                self._stopped = True
+                self.stopped = True
                 return ApiReply(SUCCESS, "shutdown", 0)
             case "setParam", [key, value]:
                 return self._set_param(caller, global_key(key, caller), value)

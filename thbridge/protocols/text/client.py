@@ -61,6 +61,9 @@ class ClientSession:
         token: one word that marks this run of the program, so that it may replace its own dead connection; drawn
             anew at each start, kept over reconnections.
 
+    Attributes:
+        hello: registration line, to be sent first.
+
     Raises:
         ValueError: name or token is not one word.
     """
@@ -68,15 +71,10 @@ class ClientSession:
     def __init__(self, name: str, token: str) -> None:
         if tokens(f"{name} {token}") != [name, token]:
             raise ValueError(f"name and token are one word each, not {name!r} and {token!r}")
-        self._hello = encode_line(f"{TextCommand.SETID} {name} {EXTENDED} {token}")
+        self.hello = encode_line(f"{TextCommand.SETID} {name} {EXTENDED} {token}")
         self._lines = LineSplitter()
         self._registered = False
         self._ended = False
-
-    @property
-    def hello(self) -> bytes:
-        """Registration line, to be sent first."""
-        return self._hello
 
     def receive_data(self, data: bytes) -> list[ClientSessionEvent]:
         """Return the events in bytes from the server; none after `ClosedByServer`."""

@@ -50,6 +50,7 @@ class GameDialogues:
     Attributes:
         puppets: the current ones.
         asked_for_advice: puppets that the participant has asked where to go, in the order of asking; no dialogue yet.
+        consents: agreements not yet acted upon, oldest first.
     """
 
     def __init__(self, engine: Engine, puppets: frozenset[int] = frozenset()) -> None:
@@ -57,13 +58,8 @@ class GameDialogues:
         self.asked_for_advice: tuple[int, ...] = ()
         self._engine = engine
         self._dialogues = Dialogues()
-        self._consents: tuple[Consent, ...] = ()
+        self.consents: tuple[Consent, ...] = ()
         self._utterances: list[DialogueUtterance] = []
-
-    @property
-    def consents(self) -> tuple[Consent, ...]:
-        """Agreements not yet acted upon, oldest first."""
-        return self._consents
 
     def take_utterances(self) -> list[DialogueUtterance]:
         """Return the utterances since the last call, in order."""
@@ -141,7 +137,7 @@ class GameDialogues:
 
     def is_agreed(self, robot: int, matter: DialogueMatter, room: Room) -> bool:
         """Return True when the participant may act on this now."""
-        return Consent(robot, matter, room.people) in self._consents
+        return Consent(robot, matter, room.people) in self.consents
 
     def use_consent(self, robot: int, matter: DialogueMatter) -> None:
         """Use up an agreement that was acted upon."""
@@ -153,7 +149,7 @@ class GameDialogues:
         topics = (dialogue.topic for dialogue in self._dialogues.open)
         return (
             *(Discussed(topic.robot, MATTERS[topic.scenario], topic.room.people) for topic in topics),
-            *(Discussed(consent.robot, consent.matter, consent.room) for consent in self._consents),
+            *(Discussed(consent.robot, consent.matter, consent.room) for consent in self.consents),
         )
 
     def drop_stale(self, state: GameState) -> None:
@@ -162,9 +158,9 @@ class GameDialogues:
             topic = dialogue.topic
             if not _still_open(state, topic.robot, MATTERS[topic.scenario], topic.room):
                 self._follow(self._engine.withdraw(self._dialogues, dialogue.number))
-        self._consents = tuple(
+        self.consents = tuple(
             consent
-            for consent in self._consents
+            for consent in self.consents
             if _still_open(state, consent.robot, consent.matter, Room(consent.room))
         )
         self.asked_for_advice = tuple(
@@ -196,7 +192,7 @@ class GameDialogues:
         if step.outcome is DialogueOutcome.CONSENSUS:
             topic = step.dialogue.topic
             consent = Consent(topic.robot, MATTERS[topic.scenario], topic.room.people)
-            self._consents = (*self._consents, consent)
+            self.consents = (*self.consents, consent)
         return None
 
     def _forget(self, robot: int, matter: DialogueMatter) -> None:
@@ -211,8 +207,8 @@ class GameDialogues:
         self.asked_for_advice = tuple(asked for asked in self.asked_for_advice if asked != robot)
 
     def _withdraw_consent(self, robot: int, matter: DialogueMatter) -> None:
-        self._consents = tuple(
-            consent for consent in self._consents if (consent.robot, consent.matter) != (robot, matter)
+        self.consents = tuple(
+            consent for consent in self.consents if (consent.robot, consent.matter) != (robot, matter)
         )
 
 

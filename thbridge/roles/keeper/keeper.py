@@ -93,6 +93,9 @@ class Keeper:
         history: events of the game in progress, oldest first, as the journal has them; empty for none.
         last_game: number of the last game so far; the next one gets the number after it.
         briefing: for participants, beside the state of the game.
+
+    Attributes:
+        decisions: those of the last step; its events belong in the journal before anything else is done.
     """
 
     name = KEEPER
@@ -121,17 +124,12 @@ class Keeper:
         self._has_input = False
         self._requests: list[GameRequest] = []
         self._outgoing: list[TextMessage] = []
-        self._decisions = KeeperDecisions((), (), WizardState())
+        self.decisions = KeeperDecisions((), (), WizardState())
 
     @property
     def state(self) -> GameState | None:
         """The current game, or the last one if it is over; None before the first."""
         return self._game.state
-
-    @property
-    def decisions(self) -> KeeperDecisions:
-        """Events and utterances of the last step; the events belong in the journal before anything else is done."""
-        return self._decisions
 
     def connected(self) -> None:
         """Do nothing: the other programs introduce themselves to the keeper."""
@@ -175,7 +173,7 @@ class Keeper:
             if isinstance(value, Notice):
                 self._has_input = True
                 self._handle_notice(value)
-        wizard = self._decisions.wizard
+        wizard = self.decisions.wizard
         # State changes only by messages and requests; most ticks have none.
         if self._has_input:
             self._has_input = False
@@ -185,7 +183,7 @@ class Keeper:
             self._send_notices()
             wizard = wizard_state(self._game, self.state)
         self._outgoing += self._participants.pieces(tick)
-        self._decisions = KeeperDecisions(
+        self.decisions = KeeperDecisions(
             self._game.take_events(), tuple(self._game.dialogues.take_utterances()), wizard
         )
         outgoing, self._outgoing = self._outgoing, []

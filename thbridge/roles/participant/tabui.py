@@ -52,6 +52,9 @@ class TabUI:
     Args:
         player: decides.
         observer: takes all notices; without one TabUI does not subscribe to pose telemetry.
+
+    Attributes:
+        view: the latest view, None before the first.
     """
 
     name = legacy.TABUI
@@ -59,16 +62,11 @@ class TabUI:
     def __init__(self, player: Player, observer: ParticipantObserver | None = None) -> None:
         self._player = player
         self._observer = observer
-        self._view: View | None = None
+        self.view: View | None = None
         self._introduce = False
         self._renew_at: int | None = None
         self._sent: dict[ParticipantRequest, int] = {}
         self._next_poll = 0
-
-    @property
-    def view(self) -> View | None:
-        """The latest view, None before the first."""
-        return self._view
 
     def connected(self) -> None:
         """Request the view from the keeper with the next step; requests sent before may be lost."""
@@ -86,7 +84,7 @@ class TabUI:
         for message in messages:
             update = _decode_update(message)
             if isinstance(update, View):
-                self._view, changed = update, True
+                self.view, changed = update, True
             if update is not None and self._observer is not None:
                 self._observer.observe(update)
         outgoing: list[TextMessage] = []
@@ -96,8 +94,8 @@ class TabUI:
         if self._observer is not None and self._renew_at is not None and tick >= self._renew_at:
             self._renew_at = tick + RENEWAL_PERIOD
             outgoing.append(encode_notice(self.name, legacy.SIMR, Subscribe()))
-        if self._view is not None and self._view.ready and (changed or tick >= self._next_poll):
-            outgoing += self._due_requests(tick, self._view)
+        if self.view is not None and self.view.ready and (changed or tick >= self._next_poll):
+            outgoing += self._due_requests(tick, self.view)
         return outgoing
 
     def _due_requests(self, tick: int, view: View) -> list[TextMessage]:

@@ -40,6 +40,9 @@ class RobotControls:
 
     Args:
         robots: the team; the caller steps it.
+
+    Attributes:
+        researchers: the researcher who intervenes, by robot: who set its goal, or drives it by hand; None: nobody.
     """
 
     def __init__(self, robots: RobotTeam) -> None:
@@ -50,7 +53,7 @@ class RobotControls:
         self._by_hand: dict[int, _ManualDrive] = {}
         # Researchers, by robot, owner and number of the goal that they have set.
         self._goals: dict[tuple[int, str, int], str] = {}
-        self._researchers: tuple[str | None, ...] = (None,) * robots.size
+        self.researchers: tuple[str | None, ...] = (None,) * robots.size
 
     def ask(self, request: RobotRequest, researcher: str | None = None) -> None:
         """Queue a request for the next tick; a request to a robot that does not exist is dropped.
@@ -100,7 +103,7 @@ class RobotControls:
         self._goals = {key: name for key, name in self._goals.items() if key in current}
         set_by = {robot: name for (robot, *_), name in self._goals.items()}
         driven_by = {robot: hand.researcher for robot, hand in self._by_hand.items()}
-        self._researchers = tuple(driven_by.get(robot, set_by.get(robot)) for robot in range(self._robots.size))
+        self.researchers = tuple(driven_by.get(robot, set_by.get(robot)) for robot in range(self._robots.size))
         for robot, (server, output) in enumerate(zip(self._servers, snapshot.robots, strict=True)):
             navigation = None if robot in snapshot.dead else output.navigation
             server.follow(snapshot.tick, navigation, output.estimate.base_in_map)
@@ -108,11 +111,6 @@ class RobotControls:
     def is_driven(self, robot: int) -> bool:
         """Return True while a robot is driven by hand."""
         return robot in self._by_hand
-
-    @property
-    def researchers(self) -> tuple[str | None, ...]:
-        """The researcher who intervenes, by robot: who set its goal, or drives it by hand; None: nobody."""
-        return self._researchers
 
     def _take(self, item: TeamInput, researcher: str | None = None) -> None:
         match item:

@@ -93,9 +93,14 @@ class SimR(RobotsRole):
         dialect: the reading of `%%goto` that is tried first.
         response_timeout: ticks without observations after which a robot counts as silent and its move has failed.
         telemetry: options of pose telemetry.
+
+    Attributes:
+        snapshot: the team after the last step; None before the first.
+        rejection: the keeper's reason for not taking these robots into its game; None when it takes them.
     """
 
     name = legacy.SIMR
+    snapshot: TeamSnapshot | None = None
 
     def __init__(
         self,
@@ -111,7 +116,6 @@ class SimR(RobotsRole):
         self._dialect = dialect
         self._response_timeout = response_timeout
         self._introduce = False
-        self._snapshot: TeamSnapshot | None = None
         self._inputs: list[TeamInput] = []
         self._moves: dict[int, _Move] = {}
         self._results: list[MoveResult | None] = [None] * robots.size
@@ -122,17 +126,7 @@ class SimR(RobotsRole):
         self._waiting: list[tuple[int, legacy.GotoRoom]] = []
         self._without_keeper = 0
         self._telemetry = TelemetryPublisher(self.name, telemetry or TelemetryOptions())
-        self._rejection: str | None = None
-
-    @property
-    def snapshot(self) -> TeamSnapshot | None:
-        """The team after the last step; None before the first."""
-        return self._snapshot
-
-    @property
-    def rejection(self) -> str | None:
-        """The keeper's reason for not taking these robots into its game; None when it takes them."""
-        return self._rejection
+        self.rejection: str | None = None
 
     def connected(self) -> None:
         """Introduce the robots to the keeper with the next step."""
@@ -158,18 +152,18 @@ class SimR(RobotsRole):
         for message in messages:
             outgoing += self._handle_message(tick, message)
         self._obey_without_keeper(tick)
-        asked = self._controls.take_inputs(1 if self._snapshot is None else self._snapshot.tick + 1)
-        self._snapshot = self._team.step([*resumed, *asked, *self._inputs])
+        asked = self._controls.take_inputs(1 if self.snapshot is None else self.snapshot.tick + 1)
+        self.snapshot = self._team.step([*resumed, *asked, *self._inputs])
         self._inputs.clear()
-        self._controls.follow(self._snapshot)
+        self._controls.follow(self.snapshot)
         before = self._conditions, self._researchers, tuple(self._results)
-        outgoing += self._finish_moves(self._snapshot)
-        self._conditions, self._researchers = self._conditions_in(self._snapshot), self._controls.researchers
+        outgoing += self._finish_moves(self.snapshot)
+        self._conditions, self._researchers = self._conditions_in(self.snapshot), self._controls.researchers
         changed = before != (self._conditions, self._researchers, tuple(self._results))
         if changed or tick % STATUS_PERIOD == 0:
-            outgoing.append(encode_notice(self.name, KEEPER, self._status(self._snapshot)))
+            outgoing.append(encode_notice(self.name, KEEPER, self._status(self.snapshot)))
         progress = {robot: move.share() for robot, move in self._moves.items()}
-        return outgoing + self._telemetry.messages(tick, self._snapshot, self._conditions, progress)
+        return outgoing + self._telemetry.messages(tick, self.snapshot, self._conditions, progress)
 
     # Messages to SimR
 
@@ -187,8 +181,8 @@ class SimR(RobotsRole):
                     self._go_to_point(goto)
             case TextCommand.WHERE:
                 where = canonical.decode(message)
-                if isinstance(where, PoseQuery) and 0 <= where.robot < self._team.size and self._snapshot is not None:
-                    pose = self._snapshot.robots[where.robot].estimate.base_in_map
+                if isinstance(where, PoseQuery) and 0 <= where.robot < self._team.size and self.snapshot is not None:
+                    pose = self.snapshot.robots[where.robot].estimate.base_in_map
                     answer = canonical.PoseReport(where.robot, pose.x, pose.y, pose.theta)
                     return [canonical.encode(answer, self.name, message.sender)]
             case TextCommand.MOVE:
@@ -207,7 +201,7 @@ class SimR(RobotsRole):
         elif decode_notice(notice, Subscribe) is not None:
             self._telemetry.subscribe(notice.sender, tick)
         elif (rejected := decode_notice(notice, TeamRejection)) is not None:
-            self._rejection = rejected.sentence
+            self.rejection = rejected.sentence
 
     def _can_follow(self, orders: Orders) -> bool:
         """Return True for orders that fit this team and map; others come from a faulty sender and are ignored."""
@@ -279,9 +273,9 @@ class SimR(RobotsRole):
         return 0 <= robot < self._team.size and robot not in self._moves and robot not in taken
 
     def _go_to_point(self, goto: GotoPoint) -> None:
-        if self._snapshot is None:
+        if self.snapshot is None:
             return
-        here = self._snapshot.robots[goto.robot].estimate.base_in_map
+        here = self.snapshot.robots[goto.robot].estimate.base_in_map
         heading = math.atan2(goto.y - here.y, goto.x - here.x) if goto.heading is None else goto.heading
         self._inputs.append(SendGoal(goto.robot, Goal(0, Pose2(goto.x, goto.y, heading))))
 

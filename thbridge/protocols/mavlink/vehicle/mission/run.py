@@ -74,6 +74,11 @@ class MissionRun:
         announce: sends texts about the mission to people.
         ardupilot: read plans as ArduPilot does: the first item is home, whatever a station sends for it, headings at
             waypoints are free, and a mission continues by itself, whatever `autocontinue` is.
+
+    Attributes:
+        plan: all items; the first of an ArduPilot plan is a placeholder for home.
+        plan_id: id of the plan.
+        current_item: number of the item that is or will be executed.
     """
 
     def __init__(
@@ -84,9 +89,9 @@ class MissionRun:
         self._home = home
         self._earth = earth
         self._announce = announce
-        self._plan: tuple[MissionItem, ...] = ()
-        self._plan_id = plan_id(())
-        self._at = 0
+        self.plan: tuple[MissionItem, ...] = ()
+        self.plan_id = plan_id(())
+        self.current_item = 0
         self._last: int | None = None
         self._state: int = mav.MISSION_STATE_NOT_STARTED
         self._stage: _Stage | None = None
@@ -96,24 +101,9 @@ class MissionRun:
         self._commander: str | None = None
 
     @property
-    def plan(self) -> tuple[MissionItem, ...]:
-        """All items; the first of an ArduPilot plan is a placeholder for home."""
-        return self._plan
-
-    @property
     def readable(self) -> tuple[MissionItem, ...]:
         """Items for download: those of the plan, with ArduPilot's home even when the plan is empty."""
-        return (self._home_item(), *self._plan[1:]) if self._ardupilot else self._plan
-
-    @property
-    def plan_id(self) -> int:
-        """Id of the plan."""
-        return self._plan_id
-
-    @property
-    def current_item(self) -> int:
-        """Number of the item that is or will be executed."""
-        return self._at
+        return (self._home_item(), *self.plan[1:]) if self._ardupilot else self.plan
 
     @property
     def running(self) -> bool:
@@ -128,7 +118,7 @@ class MissionRun:
         """Return MISSION_CURRENT."""
         state, total = (self._state, self._size) if self._size > 0 else (mav.MISSION_STATE_NO_MISSION, _NO_TOTAL)
         mode = _IN_MISSION_MODE if self.running else _SUSPENDED
-        return MissionCurrent(self._at, total, state, mode, self._plan_id)
+        return MissionCurrent(self.current_item, total, state, mode, self.plan_id)
 
     def objection(self, station: Station) -> Denied | None:
         """Return a denial when the mission runs by the command of another station."""
@@ -143,10 +133,10 @@ class MissionRun:
         """
         if self._ardupilot and plan:
             plan = (_HOME, *plan[1:])
-        done = self._at + 1
+        done = self.current_item + 1
         is_begun = self._state in (mav.MISSION_STATE_ACTIVE, mav.MISSION_STATE_PAUSED)
-        goes_on = is_begun and len(plan) >= done and plan[:done] == self._plan[:done]
-        self._plan, self._plan_id, self._last = plan, plan_id(plan), None
+        goes_on = is_begun and len(plan) >= done and plan[:done] == self.plan[:done]
+        self.plan, self.plan_id, self._last = plan, plan_id(plan), None
         if not goes_on:
             self._go(0)
             self._jumps.clear()
@@ -165,9 +155,9 @@ class MissionRun:
             return Denied("There is no mission.", DenialKind.NOT_NOW)
         if first is None and self._state == mav.MISSION_STATE_COMPLETE:
             first = 0
-        if first is not None and first not in range(len(self._plan)):
+        if first is not None and first not in range(len(self.plan)):
             return Denied(f"The mission has no item {first}.")
-        if last is not None and last not in range(self._at if first is None else first, len(self._plan)):
+        if last is not None and last not in range(self.current_item if first is None else first, len(self.plan)):
             return Denied(f"The mission cannot end with item {last}.")
         if first is not None:
             self._go(first)
@@ -184,7 +174,7 @@ class MissionRun:
 
     def select(self, item: int) -> Denied | None:
         """Continue with this item, now if the mission runs and else when it starts."""
-        if item not in range(len(self._plan)):
+        if item not in range(len(self.plan)):
             return Denied(f"The mission has no item {item}.")
         self._go(item)
         self._jumps.clear()
@@ -197,13 +187,13 @@ class MissionRun:
         self._commander = readings.commander
         if not self.running:
             return
-        item = self._plan[self._at]
+        item = self.plan[self.current_item]
         stage = self._begin(item, tick) if self._stage is None else self._continue(self._stage, item, tick, readings)
         match stage:
             case Denied(sentence):
                 self._stand()
                 self.pause()
-                self._announce(TextSeverity.WARNING, f"Mission halted at item {self._at}. {sentence}")
+                self._announce(TextSeverity.WARNING, f"Mission halted at item {self.current_item}. {sentence}")
                 yield OutgoingMessage(self.current())
             case _Jump(to):
                 self._go(to)
@@ -220,7 +210,7 @@ class MissionRun:
     @property
     def _size(self) -> int:
         """Number of items to execute."""
-        return len(self._plan) - self._ardupilot
+        return len(self.plan) - self._ardupilot
 
     def _home_item(self) -> MissionItem:
         place = self._home.place
@@ -228,11 +218,11 @@ class MissionRun:
 
     def _go(self, item: int) -> None:
         """Make this item the current one, to be begun."""
-        self._at, self._stage = item, None
+        self.current_item, self._stage = item, None
 
     def _begin(self, item: MissionItem, tick: int) -> _Stage | _Jump | Denied | None:
         """Begin an item and return its stage; None when it is done at once."""
-        if self.is_home(self._at):
+        if self.is_home(self.current_item):
             return None
         first, second, _, _ = item.params
         match item.command:
@@ -272,18 +262,18 @@ class MissionRun:
 
     def _done(self, item: MissionItem) -> Iterator[OutgoingMessage]:
         """End the current item."""
-        if not self.is_home(self._at):
-            yield OutgoingMessage(mav.MAVLink_mission_item_reached_message(self._at))
-        if self._at in (self._last, len(self._plan) - 1):
+        if not self.is_home(self.current_item):
+            yield OutgoingMessage(mav.MAVLink_mission_item_reached_message(self.current_item))
+        if self.current_item in (self._last, len(self.plan) - 1):
             self._stand()
             self._state, self._stage = mav.MISSION_STATE_COMPLETE, None
             self._announce(TextSeverity.INFO, "Mission complete.")
         else:
-            self._go(self._at + 1)
+            self._go(self.current_item + 1)
             if not (item.autocontinue or self._ardupilot):
                 self._stand()
                 self.pause()
-                self._announce(TextSeverity.NOTICE, f"Mission waits before item {self._at}, as its plan says.")
+                self._announce(TextSeverity.NOTICE, f"Mission waits before item {self.current_item}, as its plan says.")
         yield OutgoingMessage(self.current())
 
     def _leg_to(self, target: Target) -> _Driving | Denied:
@@ -300,9 +290,9 @@ class MissionRun:
             self._leg = None
 
     def _jump(self, to: int, repeats: int) -> _Jump | None:
-        if repeats != _UNLIMITED and self._jumps[self._at] >= repeats:
+        if repeats != _UNLIMITED and self._jumps[self.current_item] >= repeats:
             return None
-        self._jumps[self._at] += 1
+        self._jumps[self.current_item] += 1
         return _Jump(to)
 
     def _target(self, item: MissionItem) -> Target:

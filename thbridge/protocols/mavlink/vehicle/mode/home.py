@@ -31,6 +31,9 @@ class HomePosition(Microservice):
     Args:
         robot: interface to the robot.
         earth: map projection.
+
+    Attributes:
+        target: home position in the map.
     """
 
     def __init__(self, robot: VehicleInterface, earth: MapProjection) -> None:
@@ -38,18 +41,13 @@ class HomePosition(Microservice):
         self._earth = earth
         self._readings = NO_READINGS
         start = robot.start()
-        self._target = Target(start.x, start.y, start.theta)
+        self.target = Target(start.x, start.y, start.theta)
         self._is_news = False
-
-    @property
-    def target(self) -> Target:
-        """Home position in the map."""
-        return self._target
 
     @property
     def place(self) -> GeoPoint:
         """Home position on earth."""
-        return self._earth.geo_point(self._target.x, self._target.y)
+        return self._earth.geo_point(self.target.x, self.target.y)
 
     def set_here(self) -> Denied | None:
         """Set it to the robot's present pose."""
@@ -62,12 +60,12 @@ class HomePosition(Microservice):
         """Set it to another place. A robot that is returning continues to the earlier home position."""
         denied = self._robot.misplaced(target.x, target.y)
         if denied is None:
-            self._target, self._is_news = target, True
+            self.target, self._is_news = target, True
         return denied
 
     def position(self, tick: int) -> Message:
         """Return HOME_POSITION for a tick."""
-        home, place = self._target, self.place
+        home, place = self.target, self.place
         where = (place.latitude, place.longitude, round(self._earth.altitude * 1000.0), home.y, home.x, 0.0)
         heading = _NO_HEADING if home.heading is None else quaternion(home.heading)
         approach, now = (0.0, 0.0, 0.0), microseconds(tick)

@@ -26,39 +26,35 @@ class OperatorControl:
 
     Attributes:
         lost_after: as above; may be changed.
+        station: the station in command; None when none is. It stays so while a researcher takes over for a time.
     """
 
     def __init__(self, robot: VehicleInterface, lost_after: float) -> None:
         self._robot = robot
         self.lost_after = lost_after
-        self._station: Station | None = None
+        self.station: Station | None = None
         self._last_heartbeat = 0
         self._away = 0
         self._tick = 0
         self._readings = NO_READINGS
 
     @property
-    def station(self) -> Station | None:
-        """The station in command; None when none is. It stays so while a researcher takes over for a time."""
-        return self._station
-
-    @property
     def commander_id(self) -> int:
         """Commander as one number: a station's system id, `BY_PARTICIPANT`, or `BY_OTHERS`."""
-        if self._station is not None and not self.is_overruled:
-            return self._station.system
+        if self.station is not None and not self.is_overruled:
+            return self.station.system
         return BY_PARTICIPANT if self._readings.commanded_by == PARTICIPANT else BY_OTHERS
 
     @property
     def is_lost(self) -> bool:
         """True when heartbeats of the station in command are overdue."""
-        return self._station is not None and self._tick - self._last_heartbeat > self._timeout
+        return self.station is not None and self._tick - self._last_heartbeat > self._timeout
 
     @property
     def is_overruled(self) -> bool:
         """True while a person outside of the game, such as a researcher, drives the robot in place of the station."""
-        ours, readings = str(self._station), self._readings
-        if self._station is None or readings.commander not in (None, ours):
+        ours, readings = str(self.station), self._readings
+        if self.station is None or readings.commander not in (None, ours):
             return False
         return readings.commanded_by not in (PARTICIPANT, ours)
 
@@ -68,7 +64,7 @@ class OperatorControl:
 
     def objection(self, station: Station) -> Denied | None:
         """Return the reason why this station may not move the robot; None when it may."""
-        if self._station is None:
+        if self.station is None:
             return Denied(f"Commanded by {self._readings.commanded_by}: arm the robot to take command.")
         reserved = self.reserved(station)
         if reserved is None and self.is_overruled:
@@ -77,40 +73,40 @@ class OperatorControl:
 
     def reserved(self, station: Station) -> Denied | None:
         """Return a denial when another station is in command, for settings that take effect later; else None."""
-        if self._station in (None, station):
+        if self.station in (None, station):
             return None
-        return Denied(f"Commanded by {self._station}.")
+        return Denied(f"Commanded by {self.station}.")
 
     def take(self, station: Station, by_force: bool = False) -> Denied | None:
         """Put a station in command; in place of another one that is not lost only by force."""
-        if station == self._station:
+        if station == self.station:
             return None
-        if self._station is not None and not by_force and not self.is_lost:
-            return Denied(f"Commanded by {self._station}: arm by force to take it over.")
+        if self.station is not None and not by_force and not self.is_lost:
+            return Denied(f"Commanded by {self.station}: arm by force to take it over.")
         denied = self._robot.take(station)
         if denied is None:
-            self._station, self._last_heartbeat, self._away = station, self._tick, 0
+            self.station, self._last_heartbeat, self._away = station, self._tick, 0
         return denied
 
     def release(self) -> None:
         """Give the command back to the participant if a station has it."""
-        if self._station is not None:
-            self._station = None
+        if self.station is not None:
+            self.station = None
             self._robot.release()
 
     def heartbeat(self, station: Station) -> None:
         """Record a heartbeat, of any component of a station."""
-        if self._station is not None and station.system == self._station.system:
+        if self.station is not None and station.system == self.station.system:
             self._last_heartbeat = self._tick
 
     def follow(self, tick: int, readings: RobotReadings) -> bool:
         """Advance by one tick; return True when the command was taken from the station."""
         self._tick, self._readings = tick, readings
-        if self._station is None or readings.commander == str(self._station) or self.is_overruled:
+        if self.station is None or readings.commander == str(self.station) or self.is_overruled:
             self._away = 0
             return False
         self._away += 1
         if self._away < _AWAY:
             return False
-        self._station = None
+        self.station = None
         return True
