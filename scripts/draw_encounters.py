@@ -16,9 +16,10 @@ import numpy as np
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from sim.common.observations import TICK
+from sim.inputs import KillRobot, SendGoal, TeamInput
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal, GoalReached, NoPath
-from sim.team import KillRobot, SendGoal, Team, TeamInput
+from sim.team import Team
 
 mpl.use("Agg")
 from matplotlib import pyplot as plt

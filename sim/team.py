@@ -49,30 +49,6 @@ from sim.robot.software import Robot, RobotOutput
 from sim.world.physics import Misplaced, World, WorldState, with_charge, with_noise, with_thing, without_thing
 from sim.world.sensors import Sensors, mount_of
 
-__all__ = [
-    "START_COVARIANCE",
-    "ClearCostmaps",
-    "DriveManually",
-    "GlobalLocalization",
-    "KidnapRobot",
-    "KillRobot",
-    "NomotionUpdate",
-    "PlaceRobot",
-    "PutThing",
-    "RemoveThing",
-    "ReviveRobot",
-    "ScheduledInput",
-    "SendGoal",
-    "SetCharge",
-    "SetPoseEstimate",
-    "SetSoftwareParameters",
-    "SetWorldParameters",
-    "Team",
-    "TeamInput",
-    "TeamSnapshot",
-    "WithdrawGoal",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class TeamSnapshot:

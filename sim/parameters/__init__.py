@@ -31,34 +31,3 @@ from sim.parameters.reconfiguration import (
 )
 from sim.parameters.robot import MIN_MAX_PAIRS, RobotParameters
 from sim.parameters.world import LaserParameters, OdometryNoise, WorldParameters
-
-__all__ = [
-    "MIN_MAX_PAIRS",
-    "AmclParameters",
-    "CostmapParameters",
-    "DwaPlannerParameters",
-    "EkfParameters",
-    "FakeLocalizationParameters",
-    "GlobalCostmapParameters",
-    "GlobalPlannerParameters",
-    "InflationParameters",
-    "LaserParameters",
-    "LiveParameter",
-    "LocalCostmapParameters",
-    "MoveBaseParameters",
-    "NavfnParameters",
-    "ObservationSource",
-    "ObstacleParameters",
-    "OdometryNoise",
-    "ParameterRejection",
-    "RecoveryBehavior",
-    "RobotParameters",
-    "RobotsParameters",
-    "StaticParameters",
-    "TrajectoryPlannerParameters",
-    "WorldParameters",
-    "live_parameters",
-    "param",
-    "reconfigurable",
-    "reconfigured",
-]

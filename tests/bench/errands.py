@@ -9,8 +9,9 @@ import numpy as np
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.noise import NoiseStream
 from sim.common.observations import TICKS_PER_SECOND
+from sim.inputs import SendGoal, TeamInput
 from sim.robot.navigator.goals import Goal
-from sim.team import SendGoal, Team, TeamInput, TeamSnapshot
+from sim.team import Team, TeamSnapshot
 
 
 class Errands:

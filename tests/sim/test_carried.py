@@ -6,9 +6,10 @@ from pathlib import Path
 import pytest
 
 from sim.common.geometry import Pose2
+from sim.inputs import KidnapRobot, SendGoal
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal, GoalReached
-from sim.team import KidnapRobot, SendGoal, Team
+from sim.team import Team
 from thbridge.files.map_files import read_map
 
 MAPS = Path(__file__).parents[2] / "maps"

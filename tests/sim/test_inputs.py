@@ -8,11 +8,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICK, Twist
-from sim.parameters import RobotParameters, WorldParameters
-from sim.robot.costmap.costs import LETHAL
-from sim.robot.navigator.goals import Cancelled, Goal, GoalReached
-from sim.team import (
-    START_COVARIANCE,
+from sim.inputs import (
     ClearCostmaps,
     DriveManually,
     GlobalLocalization,
@@ -24,8 +20,11 @@ from sim.team import (
     ReviveRobot,
     SendGoal,
     SetPoseEstimate,
-    Team,
 )
+from sim.parameters import RobotParameters, WorldParameters
+from sim.robot.costmap.costs import LETHAL
+from sim.robot.navigator.goals import Cancelled, Goal, GoalReached
+from sim.team import START_COVARIANCE, Team
 from sim.world.things import Thing
 from thbridge.files.map_files import read_map
 

@@ -3,9 +3,10 @@
 import tracemalloc
 from pathlib import Path
 
+from sim.inputs import SendGoal
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal
-from sim.team import SendGoal, Team
+from sim.team import Team
 from thbridge.files.map_files import read_map
 
 MAPS = Path(__file__).parents[2] / "maps"

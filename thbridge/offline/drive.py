@@ -10,9 +10,10 @@ from scipy.spatial import cKDTree
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OCCUPIED, OccupancyGrid
 from sim.common.observations import TICK
+from sim.inputs import SendGoal
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal, GoalReached, NoPath
-from sim.team import SendGoal, Team
+from sim.team import Team
 from sim.world.physics import Misplaced, World
 
 

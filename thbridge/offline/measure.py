@@ -7,9 +7,10 @@ from statistics import fmean, stdev
 
 from sim.common import noise
 from sim.common.observations import TICK
+from sim.inputs import SendGoal
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal, GoalReached, NoPath
-from sim.team import SendGoal, Team
+from sim.team import Team
 from thbridge.files.map_files import Map
 from thbridge.hunt.rooms import Room
 

@@ -9,9 +9,10 @@ import numpy as np
 from sim.common.geometry import FloatArray
 from sim.common.noise import NoiseStream
 from sim.common.observations import Imu, LaserMount, Odometry, Scan
+from sim.inputs import SendGoal
 from sim.parameters import LaserParameters, OdometryNoise, RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal
-from sim.team import SendGoal, Team
+from sim.team import Team
 from sim.world.sensors import mount_of
 from thbridge.files.map_files import Map
 

@@ -10,9 +10,10 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICK
+from sim.inputs import SendGoal
 from sim.parameters import DwaPlannerParameters, RobotParameters, TrajectoryPlannerParameters, WorldParameters
 from sim.robot.navigator.goals import Goal, GoalReached
-from sim.team import SendGoal, Team
+from sim.team import Team
 from tests.bench.budget import Budgets
 from thbridge.offline.drive import DriveResult, DriveTask, drive
 

@@ -10,11 +10,12 @@ from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
+from sim.inputs import DriveManually, KillRobot, PutThing, SendGoal, SetSoftwareParameters
 from sim.parameters import ParameterRejection, RobotParameters, WorldParameters, reconfigurable, reconfigured
 from sim.robot.costmap.costs import INSCRIBED, LETHAL
 from sim.robot.global_planning.path import PlanRefusal
 from sim.robot.navigator.goals import Goal, GoalReached
-from sim.team import DriveManually, KillRobot, PutThing, SendGoal, SetSoftwareParameters, Team
+from sim.team import Team
 from sim.world.things import Thing
 from thbridge.files.map_files import read_map
 

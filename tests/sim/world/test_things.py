@@ -7,19 +7,10 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICKS_PER_SECOND
+from sim.inputs import KidnapRobot, KillRobot, PlaceRobot, PutThing, RemoveThing, ReviveRobot, ScheduledInput, SendGoal
 from sim.parameters import LaserParameters, OdometryNoise, RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached
-from sim.team import (
-    KidnapRobot,
-    KillRobot,
-    PlaceRobot,
-    PutThing,
-    RemoveThing,
-    ReviveRobot,
-    ScheduledInput,
-    SendGoal,
-    Team,
-)
+from sim.team import Team
 from sim.world.physics import Misplaced, World, WorldState, with_thing, without_thing
 from sim.world.sensors import Sensors
 from sim.world.things import ROBOT_MARGIN, TURN_BACK_TICKS, RobotBodies, Thing, ThingState, step_things

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sim.inputs import SendGoal
 from sim.robot.navigator.goals import Goal, GoalReached
-from sim.team import SendGoal
 from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.setting import read_setting
 from thbridge.study.noise import PRESETS, NoisePreset

@@ -7,8 +7,8 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
+from sim.inputs import KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot, ScheduledInput, SendGoal
 from sim.robot.navigator.goals import Goal, GoalReached
-from sim.team import KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot, ScheduledInput, SendGoal
 from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.setting import read_setting
 from thbridge.files.errors import BadFile

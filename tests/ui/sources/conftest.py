@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from sim.common.geometry import Pose2
-from sim.team import KidnapRobot, KillRobot, PutThing, ReviveRobot
+from sim.inputs import KidnapRobot, KillRobot, PutThing, ReviveRobot
 from thbridge.app.compose.game import build_bot, build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_writer
 from thbridge.app.compose.robots import build_simr

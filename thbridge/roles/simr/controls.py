@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from sim.common.observations import TICKS_PER_SECOND
-from sim.parameters.reconfiguration import ParameterRejection
-from sim.team import (
+from sim.inputs import (
     DriveManually,
     PutThing,
     RemoveThing,
@@ -14,9 +13,10 @@ from sim.team import (
     SetSoftwareParameters,
     SetWorldParameters,
     TeamInput,
-    TeamSnapshot,
     WithdrawGoal,
 )
+from sim.parameters.reconfiguration import ParameterRejection
+from sim.team import TeamSnapshot
 from thbridge.roles.robot_requests import ParameterValue, RobotRequest, SetParameters, Tuning
 from thbridge.roles.simr.team import RobotTeam
 from thbridge.ros.actionlib import ActionRequest, MoveBaseServer

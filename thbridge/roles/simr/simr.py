@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND, Twist
+from sim.inputs import DriveManually, PlaceRobot, SendGoal, SetCharge, TeamInput, WithdrawGoal
 from sim.robot.navigator.goals import Goal, GoalReached, NoPath
 from sim.robot.software import RobotOutput
-from sim.team import DriveManually, PlaceRobot, SendGoal, SetCharge, TeamInput, TeamSnapshot, WithdrawGoal
+from sim.team import TeamSnapshot
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
 from thbridge.protocols.text import canonical, legacy

@@ -10,7 +10,7 @@ import numpy as np
 
 from sim.common.geometry import Pose2
 from sim.common.traversability import inside
-from sim.team import ClearCostmaps, KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot
+from sim.inputs import ClearCostmaps, KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot
 from sim.world.things import Thing
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.roles.robot_requests import Request, WizardAdvice, WizardMode, WizardMove, WizardRequest

@@ -12,6 +12,7 @@ from scipy.stats import spearmanr
 from sim.common.geometry import Pose2, wrap_angle
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, TICK, LaserMount, Neighbour, Scan, Twist
+from sim.inputs import PutThing, RemoveThing, ScheduledInput, SendGoal
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.costs import LETHAL
 from sim.robot.costmap.footprint import outline
@@ -19,7 +20,7 @@ from sim.robot.local_planning.braking import gap, placed
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from sim.robot.navigator.move_base import Navigator
 from sim.robot.navigator.progress import PROGRESS_DISTANCE, PROGRESS_TIMEOUT
-from sim.team import PutThing, RemoveThing, ScheduledInput, SendGoal, Team
+from sim.team import Team
 from sim.world.things import Thing
 from thbridge.files.map_files import read_map
 

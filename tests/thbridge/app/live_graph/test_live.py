@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from sim.common.observations import Twist
-from sim.team import NomotionUpdate
+from sim.inputs import NomotionUpdate
 from tests.thbridge.app.live_graph.knocking import Visited, asked, cancel, goal
 from tests.thbridge.ros.test_clients import stamped
 from thbridge.app.compose.setting import read_setting

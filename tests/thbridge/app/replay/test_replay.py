@@ -9,8 +9,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
-from sim.parameters import WorldParameters
-from sim.team import (
+from sim.inputs import (
     ClearCostmaps,
     DriveManually,
     GlobalLocalization,
@@ -23,6 +22,7 @@ from sim.team import (
     SetPoseEstimate,
     SetWorldParameters,
 )
+from sim.parameters import WorldParameters
 from sim.world.things import Thing
 from thbridge.app.compose.game import build_bot, build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_writer

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
+from sim.inputs import SendGoal
 from sim.robot.navigator.goals import Goal
-from sim.team import SendGoal
 from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.setting import read_setting
 from thbridge.hunt.events import Condition

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sim.inputs import SetSoftwareParameters, SetWorldParameters, TeamInput
 from sim.parameters import ParameterRejection, RobotParameters, WorldParameters
-from sim.team import SetSoftwareParameters, SetWorldParameters, TeamInput
 from thbridge.app.compose.robots import build_simr, build_team
 from thbridge.app.compose.setting import read_setting
 from thbridge.protocols.mavlink.vehicle_interface import Denied, ParameterDescription, ParameterSetting

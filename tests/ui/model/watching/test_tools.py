@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.traversability import inside
-from sim.team import ClearCostmaps, KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot
+from sim.inputs import ClearCostmaps, KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.roles.robot_requests import Request, WizardAdvice, WizardMode, WizardMove, WizardRequest
 from thbridge.ros.messages.records import InitialPose, SimpleGoal
