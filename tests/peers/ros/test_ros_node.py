@@ -317,36 +317,6 @@ print([call().message for _ in range(3)])
             assert "['at once', 'at once', 'at once']" in await ros.says(PYTHON, "-c", persistent)
 
 
-@with_patience
-async def test_we_call_rospys_services():
-    server = """
-import rospy, std_srvs.srv
-rospy.init_node("server")
-def fail(request): raise rospy.ServiceException("no")
-rospy.Service("/no", std_srvs.srv.Trigger, fail)
-rospy.Service("/yes", std_srvs.srv.Trigger, lambda request: (True, "it is done"))
-rospy.spin()
-"""
-    async with graph() as ros:
-        node = RosNode("/us", ros.uri)
-        async with running(node):
-            process = await ros.run(PYTHON, "-c", server)
-            try:
-                await eventually_async(
-                    lambda: _is_bytes(node.call_service("/yes", TRIGGER[1], b"", 5.0)), "the service to answer"
-                )
-                assert await node.call_service("/yes", "*", b"", PATIENCE) == triggered("it is done")
-                failed = await node.call_service("/no", TRIGGER[1], b"", PATIENCE)
-                assert isinstance(failed, ServiceFailed)
-                assert "no" in failed.reason
-                misfit = await node.call_service("/yes", "0" * 32, b"", PATIENCE)
-                assert isinstance(misfit, ServiceFailed)
-                nobody = await node.call_service("/nobody", "*", b"", PATIENCE)
-                assert isinstance(nobody, ServiceFailed)
-            finally:
-                await end(process)
-
-
 async def received(ros: Graph, node: str, topic: str, count: int) -> bool:
     """Whether a C++ node has so many messages of a topic; it answers without ROS's code and message."""
     client = XmlRpcClient()
@@ -363,17 +333,13 @@ async def _is_value(answer: Awaitable[object]) -> bool:
     return not isinstance(await answer, CallFailed)
 
 
-async def _is_bytes(answer: Awaitable[object]) -> bool:
-    return isinstance(await answer, bytes)
-
-
 @with_patience
 async def test_rosparam_and_we_see_the_same_parameters():
     async with graph() as ros:
         node, changes = RosNode("/us", ros.uri), []
         node.subscribe_param("/robot1/amcl", lambda key, value: changes.append((key, value)))
+        node.declare_param("/robot1/amcl", {"odom_alpha1": 0.2})
         async with running(node):
-            assert await node.set_param("/robot1/amcl", {"odom_alpha1": 0.2}) is None
             assert await ros.says("rosparam", "get", "/robot1/amcl/odom_alpha1") == "0.2\n"
             await ros.says("rosparam", "set", "/robot1/amcl/odom_alpha1", "0.3")
             assert await node.get_param("/robot1/amcl") == {"odom_alpha1": 0.3}

@@ -8,7 +8,6 @@ link                 is                                      sends first
 ===================  ======================================  ==========================================
 `InboundLink`        publisher or server, connected to       nothing: the caller's header decides
 `SubscriberLink`     subscriber, connects to a publisher     its header (`opening`)
-`ServiceClientLink`  client, connects to a server            its header (`opening`)
 ===================  ======================================  ==========================================
 """
 
@@ -129,13 +128,6 @@ class MessageReceived:
 
 
 @dataclass(frozen=True, slots=True)
-class ServiceAnswered:
-    """Answer of the service."""
-
-    answer: bytes | ServiceFailed
-
-
-@dataclass(frozen=True, slots=True)
 class LinkRefused:
     """The two headers do not match; to be closed once everything is sent. Worth a warning."""
 
@@ -151,7 +143,6 @@ class LinkEnded:
 
 InboundEvent: TypeAlias = SendToPeer | SubscriberAccepted | ServiceRequested | LinkRefused | LinkEnded
 SubscriberEvent: TypeAlias = PublisherAccepted | MessageReceived | LinkRefused | LinkEnded
-ServiceClientEvent: TypeAlias = SendToPeer | ServiceAnswered | LinkRefused | LinkEnded
 
 
 def take_header(buffer: FrameBuffer) -> HeaderFields | MalformedHeader | None:

@@ -122,7 +122,3 @@ class FrameBuffer:
         body = bytes(memoryview(self._held)[LENGTH_BYTES:end])
         del self._held[:end]
         return body
-
-    def take_byte(self) -> int | None:
-        """Take the next single byte, None when there is none."""
-        return self._held.pop(0) if self._held else None

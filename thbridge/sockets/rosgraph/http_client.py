@@ -76,11 +76,6 @@ class XmlRpcClient:
         self._kept = kept
         self._idle: OrderedDict[tuple[str, int], _Link] = OrderedDict()
 
-    @property
-    def idle_connections(self) -> int:
-        """Number of idle connections at present."""
-        return len(self._idle)
-
     async def call(
         self, uri: str, method: str, *params: XmlRpcValue, timeout: float = 5.0
     ) -> MethodResponse | Fault | CallFailed:

@@ -22,8 +22,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from thbridge.files.errors import reason_of
-from thbridge.protocols.rosgraph.links import ServiceFailed, ServiceHeader, TopicHeader
-from thbridge.protocols.rosgraph.outbound import ServiceClientLink
+from thbridge.protocols.rosgraph.links import ServiceHeader, TopicHeader
 from thbridge.protocols.rosgraph.slave import (
     METHODS,
     Consequence,
@@ -46,7 +45,6 @@ from thbridge.sockets.rosgraph.registrar import (
     RegistrationKind,
 )
 from thbridge.sockets.rosgraph.replies import value_of
-from thbridge.sockets.rosgraph.service_calls import ask
 from thbridge.sockets.rosgraph.subscriptions import (
     MessageCallback,
     PublisherCallback,
@@ -269,32 +267,9 @@ class RosNode:
         self._tcpros.serve(ServiceHeader(service, kind, md5, request_type, response_type), handler)
         self._registrar.add(Registration(RegistrationKind.SERVICE, service), _ignore_value)
 
-    async def call_service(self, service: str, md5: str, request: bytes, timeout: float) -> bytes | ServiceFailed:
-        """Call a service of any node.
-
-        Args:
-            service: global name.
-            md5: the service type's md5 sum, ``*`` for any.
-            request: serialised.
-            timeout: seconds for everything.
-        """
-        uri = await self._ask_master("lookupService", service)
-        match uri:
-            case str():
-                return await ask(uri, ServiceClientLink(self.name, service, md5, request), timeout)
-            case CallFailed():
-                return ServiceFailed(str(uri))
-            case _:
-                return ServiceFailed("the master's answer is not one of ROS")
-
     async def get_param(self, key: str) -> XmlRpcValue | CallFailed:
         """Return the value of a parameter, or of a whole tree of them."""
         return await self._ask_master("getParam", key)
-
-    async def set_param(self, key: str, value: XmlRpcValue) -> CallFailed | None:
-        """Set a parameter, or a whole tree of them. It is lost with the master: see ``on_found``."""
-        result = await self._ask_master("setParam", key, value)
-        return result if isinstance(result, CallFailed) else None
 
     def declare_param(self, key: str, value: XmlRpcValue) -> None:
         """Set a parameter, or a whole tree of them, with this master and every later one.

@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 from sim.parameters import RobotParameters
+from tests.thbridge.sockets.rosgraph.service_client import call_service
 from thbridge.app.live_graph.live_parameters import LiveParameters
 from thbridge.app.live_graph.rate_limiter import REQUESTS_PER_TICK, RateLimiter
 from thbridge.app.live_graph.typed_node import TypedNode
@@ -59,8 +60,8 @@ class Beside:
     def param(self, key: str) -> object:
         return self.master.call("getParam", "/somebody", key).value
 
-    async def set_param(self, key: str, value: object) -> None:
-        assert await self._client.set_param(key, value) is None
+    def set_param(self, key: str, value: object) -> None:
+        self.master.call("setParam", "/somebody", key, value)
 
     async def reconfigure(self, server: str, **doubles: float) -> bytes | ServiceFailed:
         rows = b"".join(
@@ -71,7 +72,7 @@ class Beside:
 
     async def call(self, server: str, request: bytes) -> bytes | ServiceFailed:
         md5 = service_type(types.RECONFIGURE).md5
-        return await self._client.call_service(f"{server}/set_parameters", md5, request, PATIENCE)
+        return await call_service(self.master.uri, f"{server}/set_parameters", md5, request)
 
     async def until(self, true: Callable[[], bool]) -> None:
         while not true():
@@ -128,9 +129,9 @@ def test_what_is_set_on_the_parameter_server_is_told_by_dynamic_reconfigure() ->
     async def test(graph: Beside) -> None:
         layer = "/robot1/move_base/local_costmap/inflation_layer"
         graph.hear("/robot1/amcl", layer)
-        await graph.set_param("/robot1", {"amcl": {"kld_err": 0.3}, "move_base": {}})
+        graph.set_param("/robot1", {"amcl": {"kld_err": 0.3}, "move_base": {}})
         await graph.until(lambda: graph.value("/robot1/amcl", "kld_err") == 0.3)
-        await graph.set_param(f"{layer}/inflation_radius", 1.25)
+        graph.set_param(f"{layer}/inflation_radius", 1.25)
         await graph.until(lambda: graph.value(layer, "inflation_radius") == 1.25)
         assert [ask for _, ask in graph.asks] == [
             SetParameters(0, (("amcl.kld_err", 0.3),)),
@@ -185,7 +186,7 @@ def test_a_request_that_is_none_fails_and_changes_nothing() -> None:
 def test_a_master_that_is_started_again_hears_what_the_parameters_are_now() -> None:
     async def test(graph: Beside) -> None:
         await graph.reconfigure(AMCL, kld_err=0.25)
-        await graph.set_param(f"{AMCL}/laser_z_hit", 0.5)
+        graph.set_param(f"{AMCL}/laser_z_hit", 0.5)
         await graph.until(lambda: len(graph.asks) == 2)
         port = int(graph.master.uri.rstrip("/").rpartition(":")[2])
         await graph.master.stop()
@@ -205,9 +206,9 @@ def test_who_turns_too_often_between_two_ticks_is_not_heard_until_the_next() -> 
         assert len(graph.asks) == REQUESTS_PER_TICK
         name = "/robot1/amcl/kld_err"
         for number, value in enumerate(values):
-            await graph.set_param(name, value)
+            graph.set_param(name, value)
             await graph.until(lambda heard=REQUESTS_PER_TICK + number + 1: len(graph.asks) == heard)
-        await graph.set_param(name, 0.05)
+        graph.set_param(name, 0.05)
         await graph.until(lambda: graph.param(name) == values[-1])  # put back
         assert len(graph.asks) == 2 * REQUESTS_PER_TICK
         graph.door.tick()

@@ -15,14 +15,13 @@ from thbridge.protocols.rosgraph.links import (
     MessageReceived,
     PublisherAccepted,
     SendToPeer,
-    ServiceAnswered,
     ServiceFailed,
     ServiceHeader,
     ServiceRequested,
     SubscriberAccepted,
     TopicHeader,
 )
-from thbridge.protocols.rosgraph.outbound import ServiceClientLink, SubscriberLink
+from thbridge.protocols.rosgraph.outbound import SubscriberLink
 from thbridge.protocols.rosgraph.tcpros import (
     BODY_LIMIT,
     HEADER_LIMIT,
@@ -153,8 +152,8 @@ def test_what_a_subscriber_says_later_is_neither_heard_nor_kept():
 
 
 def test_a_client_gets_the_answer_and_the_connection_ends():
-    server, link = inbound(), ServiceClientLink("/them", TRIGGER.name, SERVICE_MD5, b"do")
-    (answer,) = server.receive(link.opening())
+    server = inbound()
+    (answer,) = server.receive(caller())
     assert header_of(answer) == {
         "callerid": "/us",
         "md5sum": SERVICE_MD5,
@@ -163,21 +162,17 @@ def test_a_client_gets_the_answer_and_the_connection_ends():
         "service": "/trigger",
         "type": "std_srvs/Trigger",
     }
-    (request,) = link.receive(answer.data)
-    assert server.receive(request.data) == [ServiceRequested("/trigger", b"do")]
+    assert server.receive(frame(b"do")) == [ServiceRequested("/trigger", b"do")]
     response, ended = server.respond(b"done")
     assert isinstance(ended, LinkEnded)
-    assert link.receive(response.data)[0] == ServiceAnswered(b"done")
+    assert response == SendToPeer(b"\x01" + frame(b"done"))
 
 
 def test_a_failure_reaches_the_client_as_its_sentence():
-    server, link = inbound(), ServiceClientLink("/them", TRIGGER.name, "*", b"")
-    (answer,) = server.receive(link.opening())
-    (request,) = link.receive(answer.data)
-    server.receive(request.data)
+    server = inbound()
+    server.receive(caller(md5sum="*") + frame(b""))
     response, _ = server.respond(ServiceFailed("the door is shut"))
-    assert response.data[0] == 0
-    assert link.receive(response.data)[0] == ServiceAnswered(ServiceFailed("the door is shut"))
+    assert response == SendToPeer(b"\x00" + frame(b"the door is shut"))
 
 
 def test_a_persistent_client_asks_again_and_again_but_one_thing_at_a_time():
@@ -230,24 +225,11 @@ def test_a_clients_stream_means_the_same_however_it_is_cut(requests, where):
     assert told(inbound(), stream, where) == told(inbound(), stream, [])
 
 
-@given(st.one_of(st.binary(max_size=50), st.builds(ServiceFailed, st.text(max_size=20))), places)
-def test_a_servers_stream_means_the_same_however_it_is_cut(answer, where):
-    server = inbound()
-    (header,) = server.receive(caller())
-    server.receive(frame(b"?"))
-    response, _ = server.respond(answer)
-    events = told(ServiceClientLink("/them", "/trigger", "*", b"?"), header.data + response.data, where)
-    assert [type(event) for event in events] == [SendToPeer, ServiceAnswered, LinkEnded]
-    if isinstance(answer, bytes):
-        assert events[1] == ServiceAnswered(answer)
-
-
-LINKS = [inbound, subscriber, lambda: ServiceClientLink("/them", "/trigger", SERVICE_MD5, b"?")]
+LINKS = [inbound, subscriber]
 STREAMS = [
     subscriber().opening(),
     caller(persistent="1") + frame(b"one") + frame(b"two"),
     encode_header({"callerid": "/us", "md5sum": MD5, "type": CHATTER.type}) + frame(b"one") + frame(b"two"),
-    encode_header({"callerid": "/us", "md5sum": SERVICE_MD5}) + b"\x01" + frame(b"done"),
 ]
 
 
@@ -282,9 +264,7 @@ def test_a_header_that_claims_to_be_huge_ends_the_link_at_once(made, length):
     assert isinstance(ended, LinkEnded)
 
 
-def test_so_does_a_message_a_request_or_an_answer():
+def test_so_does_a_message_or_a_request():
     header = encode_header({"callerid": "/us", "md5sum": MD5, "type": CHATTER.type})
     assert isinstance(subscriber().receive(header + struct.pack("<I", BODY_LIMIT + 1))[-1], LinkRefused)
     assert isinstance(inbound().receive(caller() + struct.pack("<I", REQUEST_LIMIT + 1))[-1], LinkEnded)
-    client = ServiceClientLink("/them", "/trigger", MD5, b"")
-    assert isinstance(client.receive(header + b"\x01" + struct.pack("<I", BODY_LIMIT + 1))[-1], LinkEnded)
