@@ -21,7 +21,6 @@ from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.image_files import read_image
 from thbridge.files.map_times import MAP_TIMES, read_map_times
 from thbridge.files.yaml.load import Loaded, load
-from thbridge.files.yaml.tree import quoted
 from thbridge.hunt.rooms import Room
 
 T = TypeVar("T")
@@ -199,27 +198,6 @@ def write_grid(folder: Path, grid: OccupancyGrid) -> None:
         f"free_thresh: {FREE_THRESH}\n",
         encoding="utf-8",
     )
-
-
-def write_map(folder: Path, drawn: Map) -> None:
-    """Write `map.yaml`, `map.pgm` and `rooms.yaml`; `read_map` makes an equal map of them, with the folder's name.
-
-    Raises:
-        ValueError: as for `write_grid`.
-    """
-    write_grid(folder, drawn.grid)
-    lines = ["rooms:"]
-    for entry in drawn.rooms:
-        corners = ", ".join(f"[{x!r}, {y!r}]" for x, y in entry.region)
-        lines += [
-            f"  - number: {entry.room.people}",
-            f"    name: {quoted(entry.name)}",
-            f"    region: [{corners}]",
-            f"    goal: [{entry.goal.x!r}, {entry.goal.y!r}, {entry.goal.theta!r}]",
-        ]
-    lines += ["starts:", "  poses:"]
-    lines += [f"    - [{start.x!r}, {start.y!r}, {start.theta!r}]" for start in drawn.starts]
-    (folder / "rooms.yaml").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 # The checks -----------------------------------------------------------------------------------------------------------

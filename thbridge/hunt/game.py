@@ -14,7 +14,6 @@ events that programs of 2016 cause without asking the rules:
 - Energy may become negative by such events; the robot is then blocked as at 0.
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import assert_never
 
@@ -192,14 +191,6 @@ def begin(started: GameStarted) -> GameState:
         robots=(RobotState(CORRIDOR, started.energy),) * started.robots,
         rooms=(RoomState(),) * len(started.costs.rooms),
     )
-
-
-def fold(started: GameStarted, events: Iterable[Event]) -> GameState:
-    """Return the state after a game's start and the events that followed. Raises as `apply`."""
-    state = begin(started)
-    for event in events:
-        state = apply(state, event)
-    return state
 
 
 def apply(state: GameState, event: Event) -> GameState:

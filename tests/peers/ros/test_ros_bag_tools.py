@@ -20,6 +20,7 @@ from rosbags.rosbag1 import Reader
 from tests.system.ports import free_port
 from tests.thbridge.recording.bag.inline_queue import InlineQueue
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from tests.thbridge.ros.messages.type_lists import STANDARD_TYPES
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.options import Compression, SplitLimits
@@ -28,7 +29,7 @@ from thbridge.recording.bag.repair import reindex
 from thbridge.recording.bag.writer import WHOLE, BagWriter
 from thbridge.recording.recordings import parts_of
 from thbridge.ros.messages.records import MavlinkFrame, VehicleFrame, VehicleState
-from thbridge.ros.messages.types import MARKER_ARRAY, MAVROS_TYPES, OWN_TYPES, STANDARD_TYPES
+from thbridge.ros.messages.types import MARKER_ARRAY, MAVROS_TYPES, OWN_TYPES
 from thbridge.ros.publisher import RosMessage, TeamPublisher, Topic
 
 PYTHON = "/usr/bin/python3"

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.thbridge.hunt.folding import fold
 from thbridge.files.map_times import read_map_times
 from thbridge.hunt import rules
 from thbridge.hunt.codec import from_json, to_json
@@ -25,7 +26,7 @@ from thbridge.hunt.events import (
     TreasureSensed,
     TreasuresHidden,
 )
-from thbridge.hunt.game import apply, begin, fold
+from thbridge.hunt.game import apply, begin
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room, all_rooms
 from thbridge.hunt.rules import RuleReason

@@ -3,10 +3,10 @@ import os
 
 import pytest
 
+from tests.thbridge.hunt.folding import fold
 from thbridge.files.errors import BadFile
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import EndReason, GameEnded, GameStarted, RobotArrived, RobotDeparted, TreasureIdentified
-from thbridge.hunt.game import fold
 from thbridge.hunt.rooms import Room
 from thbridge.recording.journal import Journal, journal_path, next_game, read_journal
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from tests.thbridge.hunt.folding import fold
 from tests.thbridge.roles import stage
 from thbridge.dialogue.moves import Continue, Speaker
 from thbridge.hunt import rules
@@ -20,7 +21,6 @@ from thbridge.hunt.events import (
     TreasureLeft,
     TreasuresHidden,
 )
-from thbridge.hunt.game import fold
 from thbridge.protocols.text import legacy
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.participant.bot_strategy import BotStrategy

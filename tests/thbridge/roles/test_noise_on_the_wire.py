@@ -7,12 +7,12 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
+from tests.thbridge.hunt.folding import fold
 from tests.thbridge.roles.stage import Stage, templates
 from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
 from thbridge.hunt.events import GameStarted
-from thbridge.hunt.game import fold
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import TextCommand, TextMessage
 from thbridge.protocols.text.notice import encode_notice, kind_of, notice

@@ -49,35 +49,7 @@ SCORE = "thbridge_msgs/Score"
 UTTERANCE = "thbridge_msgs/Utterance"
 INPUT = "thbridge_msgs/Input"
 
-STANDARD_TYPES = (
-    TFMESSAGE,
-    ODOMETRY,
-    PATH,
-    OCCUPANCY_GRID,
-    MAP_META_DATA,
-    LASER_SCAN,
-    BATTERY_STATE,
-    POSE_WITH_COVARIANCE,
-    POSE_ARRAY,
-    POSE_STAMPED,
-    POLYGON_STAMPED,
-    TWIST,
-    STRING,
-    MARKER_ARRAY,
-    MOVE_BASE_GOAL,
-    MOVE_BASE_FEEDBACK,
-    MOVE_BASE_RESULT,
-    GOAL_ID,
-    GOAL_STATUS_ARRAY,
-    LOG,
-    CLOCK,
-    DIAGNOSTIC_ARRAY,
-)
-"""ROS types that sessions publish in bags and on a graph."""
 MAVROS_TYPES = (MAVLINK, MAVROS_STATE)
-FURTHER_TYPES = (CONFIG, CONFIG_DESCRIPTION, *MAVROS_TYPES)
-"""Types of packages that not every installed ROS has."""
-SERVICES = (EMPTY, GET_MAP, SET_MAP, GET_PLAN, RECONFIGURE, SET_POSE)
 OWN_TYPES = (SESSION, GAME_EVENT, SCORE, UTTERANCE, INPUT)
 
 OWN_TEXTS = {

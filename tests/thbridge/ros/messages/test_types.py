@@ -3,17 +3,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.thbridge.ros.messages.type_lists import FURTHER_TYPES, SERVICES, STANDARD_TYPES
 from thbridge.files.ros.definitions import Definitions
-from thbridge.ros.messages.types import (
-    FURTHER_TYPES,
-    OWN_TYPES,
-    SERVICES,
-    STANDARD_TYPES,
-    full_text,
-    md5_of,
-    plain_definition,
-    service_type,
-)
+from thbridge.ros.messages.types import OWN_TYPES, full_text, md5_of, plain_definition, service_type
 
 # The sums that ROS Noetic's own tools print.
 ROS_MD5 = {
