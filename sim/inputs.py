@@ -10,7 +10,7 @@ from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import Twist
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal
-from sim.world.things import Thing
+from sim.world.thing import Thing
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,26 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common.kernels import njit
-
 FloatArray = NDArray[np.float64]
 
 
-@njit(cache=True)
 def wrap_angle(angle: float) -> float:
-    """The same direction in [-pi, pi); an angle that is there already comes back as it is."""
+    """The same direction in [-pi, pi); an angle that is there already comes back as it is. Kernels may call this."""
+    angle = float(angle)  # a plain number, though it was one of an array
     if -math.pi <= angle < math.pi:
         return angle
     wrapped = (angle + math.pi) % (2.0 * math.pi) - math.pi
     # The remainder of a tiny negative number rounds to the modulus itself.
     return wrapped if wrapped < math.pi else -math.pi
-
-
-@njit(cache=True)
-def compose(x: float, y: float, theta: float, dx: float, dy: float, dtheta: float) -> tuple[float, float, float]:
-    """The pose (dx, dy, dtheta), given in the frame (x, y, theta), seen from that frame's parent."""
-    c, s = math.cos(theta), math.sin(theta)
-    return x + c * dx - s * dy, y + s * dx + c * dy, wrap_angle(theta + dtheta)
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +32,10 @@ class Pose2:
 
     def compose(self, other: "Pose2") -> "Pose2":
         """`a_in_b.compose(c_in_a)` is `c_in_b`."""
-        return Pose2(*compose(self.x, self.y, self.theta, other.x, other.y, other.theta))
+        c, s = math.cos(self.theta), math.sin(self.theta)
+        x = self.x + c * other.x - s * other.y
+        y = self.y + s * other.x + c * other.y
+        return Pose2(float(x), float(y), wrap_angle(self.theta + other.theta))
 
     def inverse(self) -> "Pose2":
         """`a_in_b.inverse()` is `b_in_a`."""

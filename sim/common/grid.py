@@ -1,19 +1,16 @@
-"""Occupancy grids: the meaning of a map's cells, their place in the world, their distance from walls.
+"""Occupancy grids: the meaning of a map's cells, and their place in the world.
 
 Grids are (rows, cols) with row 0 and column 0 at the map's origin, as nav_msgs/OccupancyGrid has them.
 """
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 
 from sim.common.geometry import FloatArray, Pose2
-from sim.common.kernels import njit
 
 Cells = NDArray[np.int8]
 """(rows, cols): 0 free, 100 occupied, all else unknown or undecided."""
@@ -24,8 +21,8 @@ FREE = 0
 OCCUPIED = 100
 UNKNOWN = -1
 
-MAX_CLEARANCE = 2.0
-"""Greatest clearance that is told apart, metres: to a robot farther from the walls it makes no difference."""
+NOWHERE = (-1, -1)
+"""Row and column of a point that is not finite: outside every grid."""
 
 
 class GridFrame(NamedTuple):
@@ -44,24 +41,6 @@ class GridFrame(NamedTuple):
     cos: float
     sin: float
     resolution: float
-
-
-@njit(cache=True)
-def cell_of(frame: GridFrame, x: float, y: float) -> tuple[int, int]:
-    """(row, col) of the cell that holds a world point; outside the grid it may be negative or too large."""
-    dx = x - frame.x
-    dy = y - frame.y
-    col = math.floor((frame.cos * dx + frame.sin * dy) / frame.resolution)
-    row = math.floor((frame.cos * dy - frame.sin * dx) / frame.resolution)
-    return int(row), int(col)
-
-
-@njit(cache=True)
-def centre_of(frame: GridFrame, row: int, col: int) -> tuple[float, float]:
-    """World point (x, y), metres, of a cell's centre."""
-    along = (col + 0.5) * frame.resolution
-    across = (row + 0.5) * frame.resolution
-    return frame.x + frame.cos * along - frame.sin * across, frame.y + frame.sin * along + frame.cos * across
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,14 +103,23 @@ class OccupancyGrid:
         return GridFrame(self.origin.x, self.origin.y, math.cos(yaw), math.sin(yaw), self.resolution)
 
     def cell_of(self, x: float, y: float) -> tuple[int, int]:
-        """(row, col) of the cell that holds a world point; not necessarily inside the grid."""
-        row, col = cell_of(self.frame, x, y)
-        return row, col
+        """(row, col) of the cell that holds a world point; outside the grid it may be negative or too large."""
+        frame = self.frame
+        dx, dy = x - frame.x, y - frame.y
+        col = (frame.cos * dx + frame.sin * dy) / frame.resolution
+        row = (frame.cos * dy - frame.sin * dx) / frame.resolution
+        if not (math.isfinite(row) and math.isfinite(col)):
+            return NOWHERE
+        return math.floor(row), math.floor(col)
 
     def centre_of(self, row: int, col: int) -> tuple[float, float]:
         """World point of a cell's centre, metres."""
-        x, y = centre_of(self.frame, row, col)
-        return x, y
+        frame = self.frame
+        along = (col + 0.5) * frame.resolution
+        across = (row + 0.5) * frame.resolution
+        x = frame.x + frame.cos * along - frame.sin * across
+        y = frame.y + frame.sin * along + frame.cos * across
+        return float(x), float(y)
 
     def contains(self, row: int, col: int) -> bool:
         """Return True when the grid has such a cell."""
@@ -195,37 +183,3 @@ def interpret_image(
     cells[occ < free_thresh] = FREE
     cells[occ > occupied_thresh] = OCCUPIED
     return np.ascontiguousarray(cells[::-1])
-
-
-@lru_cache(maxsize=8)
-def distance_field(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float32]:
-    """Metres from each cell's centre to the centre of the nearest occupied cell, capped.
-
-    Exact Euclidean distance, where ROS's likelihood field and inflation propagate it approximately.
-
-    Returns:
-        (rows, cols) float32 in [0, max_distance]; `max_distance` everywhere when no cell is occupied. Read-only: a map
-        never changes, and all robots on it share one field.
-    """
-    open_cells = grid.cells != OCCUPIED
-    field = np.full(grid.cells.shape, max_distance, dtype=np.float32)
-    if not open_cells.all():
-        metres = np.asarray(distance_transform_edt(open_cells)) * grid.resolution
-        field = np.minimum(metres, max_distance).astype(np.float32)
-    field.setflags(write=False)
-    return field
-
-
-@lru_cache(maxsize=8)
-def clearance_field(grid: OccupancyGrid) -> NDArray[np.float32]:
-    """Metres from each cell's centre to the nearest side of an occupied cell, about; at most ROOMY.
-
-    Returns:
-        (rows, cols) float32, half a cell less than `distance_field`, and at least 0. All robots on a map share one, so
-        it must not be written to. Its flag for writing stays set all the same: the kernels that take it also take
-        writable copies, and numba compiles a kernel once for each of the two.
-    """
-    field: NDArray[np.float32] = np.maximum(
-        distance_field(grid, MAX_CLEARANCE) - np.float32(0.5 * grid.resolution), np.float32(0)
-    )
-    return field

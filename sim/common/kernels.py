@@ -5,8 +5,14 @@ import shutil
 from pathlib import Path
 
 from numba import config, njit
+from numba.extending import register_jitable
 
-__all__ = ["is_compiled", "njit"]
+from sim.common.geometry import wrap_angle
+
+__all__ = ["is_compiled", "njit", "register_jitable"]
+
+# Plain code calls it, too, in programs that need no compiler.
+register_jitable(wrap_angle)
 
 
 def _folder_of_compiled_code() -> Path:

@@ -4,17 +4,15 @@ A counter-based generator has no state to share, store or restore: robot 3 canno
 2, and any recorded tick can be a new beginning. Callers name a stream once (`key(seed, "robot1", "laser")`) and draw
 from it by tick.
 
+Functions here are plain, for who draws a number now and then; kernels that draw many of them call the same functions
+(`sim.common.noise_arrays`).
+
 Source: Salmon, Moraes, Dror, Shaw, Parallel random numbers: as easy as 1, 2, 3 (SC 2011), Philox4x32 with 10 rounds.
 """
 
 import hashlib
-import math
-from dataclasses import dataclass
 
 import numpy as np
-
-from sim.common.geometry import FloatArray
-from sim.common.kernels import njit
 
 # The constants of Philox4x32, as 64-bit words: numba's products of unsigned and signed integers are floats.
 _MULTIPLIER_0 = np.uint64(0xD2511F53)
@@ -40,7 +38,6 @@ def key(seed: int, *names: str) -> np.uint64:
     return np.uint64(int.from_bytes(digest.digest(), "little"))
 
 
-@njit(cache=True)
 def philox(
     c0: np.uint64, c1: np.uint64, c2: np.uint64, c3: np.uint64, k0: np.uint64, k1: np.uint64
 ) -> tuple[np.uint64, np.uint64, np.uint64, np.uint64]:
@@ -59,14 +56,12 @@ def philox(
     return c0, c1, c2, c3
 
 
-@njit(cache=True)
-def _fraction(high: np.uint64, low: np.uint64) -> float:
+def fraction(high: np.uint64, low: np.uint64) -> float:
     """Two random words as a number of [0, 1) with 53 random bits."""
     return float((high >> np.uint64(5)) * np.uint64(1 << 26) + (low >> np.uint64(6))) * 2.0**-53
 
 
-@njit(cache=True)
-def _pair(stream: np.uint64, tick: int, block: int) -> tuple[float, float]:
+def uniform_pair(stream: np.uint64, tick: int, block: int) -> tuple[float, float]:
     """Two uniforms of [0, 1): numbers 2 * block and 2 * block + 1 of this stream and tick."""
     when = np.uint64(tick)
     where = np.uint64(block)
@@ -78,62 +73,9 @@ def _pair(stream: np.uint64, tick: int, block: int) -> tuple[float, float]:
         stream & _LOW_WORD,
         stream >> _WORD_BITS,
     )
-    return _fraction(w0, w1), _fraction(w2, w3)
+    return fraction(w0, w1), fraction(w2, w3)
 
 
-@njit(cache=True)
-def uniforms(key: np.uint64, tick: int, out: FloatArray) -> None:
-    """Fill `out`, (n,), with independent uniforms of [0, 1).
-
-    Number i depends on nothing but (key, tick, i), not even on n. Uniforms and normals of one key and tick are made
-    from the same bits: use a stream for one or the other.
-    """
-    for i in range(0, out.size, 2):
-        first, second = _pair(key, tick, i // 2)
-        out[i] = first
-        if i + 1 < out.size:
-            out[i + 1] = second
-
-
-@njit(cache=True)
-def normals(key: np.uint64, tick: int, out: FloatArray) -> None:
-    """Fill `out`, (n,), with independent standard normals; number i depends on nothing but (key, tick, i).
-
-    Source: Box and Muller, A note on the generation of random normal deviates (1958).
-    """
-    for i in range(0, out.size, 2):
-        first, second = _pair(key, tick, i // 2)
-        # 1 - first lies in (0, 1], where the logarithm is finite.
-        radius = math.sqrt(-2.0 * math.log(1.0 - first))
-        angle = 2.0 * math.pi * second
-        out[i] = radius * math.cos(angle)
-        if i + 1 < out.size:
-            out[i + 1] = radius * math.sin(angle)
-
-
-@dataclass(frozen=True, slots=True)
-class NoiseStream:
-    """A named stream of noise, for code that is not compiled.
-
-    Attributes:
-        key: see `key`.
-    """
-
-    key: np.uint64
-
-    @classmethod
-    def named(cls, seed: int, *names: str) -> "NoiseStream":
-        """The stream of a seed and a path of names."""
-        return cls(key(seed, *names))
-
-    def uniforms(self, tick: int, n: int) -> FloatArray:
-        """(n,) uniforms of [0, 1)."""
-        out = np.empty(n)
-        uniforms(self.key, tick, out)
-        return out
-
-    def normals(self, tick: int, n: int) -> FloatArray:
-        """(n,) standard normals."""
-        out = np.empty(n)
-        normals(self.key, tick, out)
-        return out
+def uniform(key: np.uint64, tick: int, index: int) -> float:
+    """Number `index` of [0, 1) of this stream and tick."""
+    return uniform_pair(key, tick, index // 2)[index % 2]

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.grid import GridFrame, OccupancyGrid
 from sim.common.kernels import njit
-from sim.common.noise import key, normals
+from sim.common.noise import key
+from sim.common.noise_arrays import normals
 from sim.common.observations import TICK
 from sim.common.polygons import (
     NO_POLYGONS,
@@ -31,7 +32,8 @@ from sim.common.polygons import (
 from sim.common.robot_numbers import namespace_of, robot_name
 from sim.parameters import WorldParameters
 from sim.world.sensor_noise import SensorNoise, WheelNoise, measured_increment
-from sim.world.things import RobotBodies, Thing, ThingState, polygons_of, step_things
+from sim.world.thing import Thing
+from sim.world.things import RobotBodies, ThingState, polygons_of, step_things
 
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]

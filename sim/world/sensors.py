@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import GridFrame, OccupancyGrid
 from sim.common.kernels import njit
-from sim.common.noise import key, normals, uniforms
+from sim.common.noise import key
+from sim.common.noise_arrays import normals, uniforms
 from sim.common.observations import TICKS_PER_SECOND, Battery, Imu, LaserMount, Observations, Odometry, Scan, Twist
 from sim.common.polygons import Polygons
 from sim.common.raycast import BeamFan, FreeSquares, cast_beams, directions_of, free_squares_of, shorten_fan_by_polygon

@@ -7,14 +7,12 @@ distance that grows with the robot's speed. So every collision is the robot's do
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-
-import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.kernels import njit
 from sim.common.observations import TICK, TICKS_PER_SECOND
 from sim.common.polygons import NO_POLYGONS, Polygons, pack_polygons, placed_at, within_margin
+from sim.world.thing import Thing
 
 ROBOT_MARGIN = 0.3
 """Metres that things leave between themselves and a robot."""
@@ -22,67 +20,6 @@ BRAKING_TIME = 1.0
 """Seconds of a robot's driving that they leave besides, so that it can see and brake."""
 TURN_BACK_TICKS = 5 * TICKS_PER_SECOND
 """Ticks that a walking thing waits for a robot before it turns back."""
-
-
-@dataclass(frozen=True)
-class Thing:
-    """A body, and the path that it walks.
-
-    Attributes:
-        name: its name for people; a world holds one of a name.
-        footprint: corners in its own frame, metres, in turn around it.
-        base_in_map: pose at which it appears.
-        path: points of the map that it walks to from there, one after the other, facing along; empty when it stays.
-        speed: at which it walks, m/s.
-        back_and_forth: True when it turns back at the end of the path, rather than stay there.
-    """
-
-    name: str
-    footprint: tuple[tuple[float, float], ...]
-    base_in_map: Pose2
-    path: tuple[tuple[float, float], ...] = ()
-    speed: float = 0.0
-    back_and_forth: bool = False
-
-    def __post_init__(self) -> None:
-        """Refuse a thing without a body, or one that cannot walk.
-
-        Raises:
-            ValueError: fewer than three corners, or a point of its path twice in a row.
-        """
-        if len(self.footprint) < 3:
-            raise ValueError(f"the footprint of {self.name} needs at least three corners, not {len(self.footprint)}")
-        if (np.diff(self._distances) == 0.0).any():
-            raise ValueError(f"the path of {self.name} has a point twice in a row")
-
-    @cached_property
-    def corners(self) -> FloatArray:
-        """(v, 2) the footprint, for kernels."""
-        return np.array(self.footprint, dtype=np.float64)
-
-    @cached_property
-    def _points(self) -> FloatArray:
-        """(m, 2) of its path, the start first."""
-        return np.array([(self.base_in_map.x, self.base_in_map.y), *self.path])
-
-    @cached_property
-    def _distances(self) -> FloatArray:
-        """(m,) metres from the start to each point."""
-        return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(self._points, axis=0).T))))
-
-    @property
-    def length(self) -> float:
-        """Metres of its path."""
-        return float(self._distances[-1])
-
-    def pose_after(self, walked: float) -> Pose2:
-        """Pose after so many metres of its path."""
-        if self.length == 0.0:
-            return self.base_in_map
-        leg = min(int(np.searchsorted(self._distances, walked, side="right")), len(self._distances) - 1)
-        (x0, y0), (x1, y1) = self._points[leg - 1 : leg + 1].tolist()
-        share = (walked - float(self._distances[leg - 1])) / math.hypot(x1 - x0, y1 - y0)
-        return Pose2(x0 + share * (x1 - x0), y0 + share * (y1 - y0), math.atan2(y1 - y0, x1 - x0))
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2
-from sim.common.noise import NoiseStream
+from sim.common.noise_arrays import NoiseStream
 from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import SendGoal, TeamInput
 from sim.robot.navigator.goals import Goal

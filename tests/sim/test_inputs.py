@@ -25,7 +25,7 @@ from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.costs import LETHAL
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached
 from sim.team import START_COVARIANCE, Team
-from sim.world.things import Thing
+from sim.world.thing import Thing
 from thbridge.files.map_files import read_map
 
 ARENA = read_map(Path(__file__).parents[2] / "maps" / "arena8")

@@ -5,7 +5,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from sim.common.noise import NoiseStream
+from sim.common import noise
 from sim.common.robot_numbers import number_of
 from thbridge.dialogue.moves import Ask, Continue, Dialogue, DialogueTopic, Move, Scenario, Stop
 from thbridge.hunt.costs import energy_text
@@ -117,7 +117,7 @@ class TemplatePhrasing:
         match move:
             case Ask(question):
                 wordings = self.template.of(dialogue.topic.scenario)[question].wordings
-                chance = NoiseStream.named(self.seed, "wording").uniforms(dialogue.number, question + 1)[question]
+                chance = noise.uniform(noise.key(self.seed, "wording"), dialogue.number, question)
                 return fill(wordings[int(chance * len(wordings))], words_of(dialogue.topic))
             case Continue():
                 return "Continue"

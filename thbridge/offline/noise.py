@@ -14,7 +14,8 @@ import numpy as np
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from sim.common.kernels import njit
-from sim.common.noise import NoiseStream, key, normals
+from sim.common.noise import key
+from sim.common.noise_arrays import NoiseStream, normals
 from sim.common.observations import TICK, Scan
 from sim.parameters import AmclParameters, OdometryNoise, WorldParameters
 from sim.robot.localization.motion import Alphas, MotionModel

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sim.common.noise import NoiseStream
+from sim.common import noise
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.hunt.treasures import TreasureKind, hide, same_name
 from thbridge.protocols.text import legacy
@@ -50,7 +50,7 @@ class Hider:
 
     def __init__(self, kinds: Sequence[TreasureKind], seed: int, rooms: int) -> None:
         self._kinds = tuple(kinds)
-        self._chance = NoiseStream.named(seed, "hider")
+        self._chance = noise.key(seed, "hider")
         self._alone = self._draw(1, rooms)
         self._introduce = False
         self._has_keeper = False
@@ -87,7 +87,7 @@ class Hider:
         return []
 
     def _draw(self, game: int, rooms: int) -> tuple[TreasureKind, ...]:
-        return hide(self._kinds, [float(uniform) for uniform in self._chance.uniforms(game, rooms)])
+        return hide(self._kinds, [noise.uniform(self._chance, game, room) for room in range(rooms)])
 
     def _answer_without_keeper(self, tick: int) -> list[TextMessage]:
         if self._has_keeper:

@@ -13,7 +13,7 @@ from sim.common.robot_numbers import index_of
 from sim.common.traversability import Polygon, area, crosses_itself
 from sim.inputs import KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot, ScheduledInput, TeamInput
 from sim.parameters import param
-from sim.world.things import Thing
+from sim.world.thing import Thing
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
 

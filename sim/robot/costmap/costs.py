@@ -1,16 +1,13 @@
-"""The values of a costmap's cells, and how cost falls with the distance from an obstacle.
+"""The values of a costmap's cells.
 
-Source: ros-planning/navigation, costmap_2d/include/costmap_2d/cost_values.h and inflation_layer.h.
+Source: ros-planning/navigation, costmap_2d/include/costmap_2d/cost_values.h.
 """
 
 import functools
-import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-from sim.common.kernels import njit
 
 Costs = NDArray[np.uint8]
 """(rows, cols), row 0 and column 0 at the costmap's origin."""
@@ -102,19 +99,3 @@ class Changes:
         """Return all of them, and forget them."""
         taken, self._windows = tuple(self._windows), []
         return taken
-
-
-@njit(cache=True)
-def cost_at(distance: float, inscribed_radius: float, cost_scaling_factor: float) -> int:
-    """Cost of a cell this far from the nearest obstacle: LETHAL on it, INSCRIBED within that radius, then falling.
-
-    Args:
-        distance: metres, at least 0.
-        inscribed_radius: that of the robot's padded footprint, metres.
-        cost_scaling_factor: rate at which the cost falls, 1/m.
-    """
-    if distance == 0.0:
-        return LETHAL
-    if distance <= inscribed_radius:
-        return INSCRIBED
-    return int((INSCRIBED - 1) * math.exp(-cost_scaling_factor * (distance - inscribed_radius)))

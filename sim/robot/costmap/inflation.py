@@ -4,8 +4,8 @@ The squared distance of a cell to the nearest lethal one separates: the least ov
 that column, plus the squared steps within it to its nearest lethal cell. So columns are swept once up and once down,
 and then each row takes its least over the columns within reach.
 
-Source: ros-planning/navigation, costmap_2d/plugins/inflation_layer.cpp; Felzenszwalb, Huttenlocher, Distance Transforms
-of Sampled Functions (2012), for taking columns first and rows then.
+Source: ros-planning/navigation, costmap_2d/plugins/inflation_layer.cpp and include/costmap_2d/inflation_layer.h;
+Felzenszwalb, Huttenlocher, Distance Transforms of Sampled Functions (2012), for taking columns first and rows then.
 Differs: distances are exact, from cell centre to cell centre, where ROS hands the nearest obstacle from cell to cell
 and now and then misses a nearer one.
 """
@@ -17,10 +17,26 @@ from numpy.typing import NDArray
 
 from sim.common.kernels import njit
 from sim.parameters import InflationParameters
-from sim.robot.costmap.costs import FREE, INSCRIBED, LETHAL, UNKNOWN, Costs, Window, cost_at
+from sim.robot.costmap.costs import FREE, INSCRIBED, LETHAL, UNKNOWN, Costs, Window
 
 FAR = np.float32(1e9)
 """Squared distance, in cells, to an obstacle that is not there."""
+
+
+@njit(cache=True)
+def cost_at(distance: float, inscribed_radius: float, cost_scaling_factor: float) -> int:
+    """Cost of a cell this far from the nearest obstacle: LETHAL on it, INSCRIBED within that radius, then falling.
+
+    Args:
+        distance: metres, at least 0.
+        inscribed_radius: that of the robot's padded footprint, metres.
+        cost_scaling_factor: rate at which the cost falls, 1/m.
+    """
+    if distance == 0.0:
+        return LETHAL
+    if distance <= inscribed_radius:
+        return INSCRIBED
+    return int((INSCRIBED - 1) * math.exp(-cost_scaling_factor * (distance - inscribed_radius)))
 
 
 @njit(cache=True)

@@ -20,13 +20,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common.distance_fields import distance_field
 from sim.common.geometry import FloatArray, Pose2
-from sim.common.grid import OccupancyGrid, distance_field
+from sim.common.grid import OccupancyGrid
 from sim.common.kernels import njit
 from sim.common.observations import Scan
 from sim.parameters import ObservationSource, ObstacleParameters
 from sim.robot.costmap.costs import FREE, LETHAL, UNKNOWN, Changes, CostFrame, Costs, Window
-from sim.robot.costmap.footprint import in_cells
+from sim.robot.costmap.footprint_cost import in_cells
 from sim.robot.costmap.lines import clear_line, fill_convex, include
 
 OVERWRITE = 0

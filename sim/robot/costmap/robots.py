@@ -12,7 +12,7 @@ from sim.common.kernels import njit
 from sim.common.observations import Neighbour
 from sim.parameters import RobotsParameters
 from sim.robot.costmap.costs import LETHAL, UNKNOWN, Changes, CostFrame, Costs, Window
-from sim.robot.costmap.footprint import circumscribed_radius, in_cells
+from sim.robot.costmap.footprint_cost import circumscribed_radius, in_cells
 from sim.robot.costmap.lines import line
 
 MIN_MOTION = 0.05

@@ -12,13 +12,15 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common.distance_fields import clearance_field
 from sim.common.geometry import FloatArray, Pose2
-from sim.common.grid import OccupancyGrid, clearance_field
+from sim.common.grid import OccupancyGrid
 from sim.common.kernels import njit
 from sim.common.observations import Neighbour
 from sim.parameters import InflationParameters
 from sim.robot.costmap.costmap_2d import Costmap2D
-from sim.robot.costmap.costs import LETHAL, CostFrame, Costs, cost_at
+from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
+from sim.robot.costmap.inflation import cost_at
 from sim.robot.global_planning.itinerary import (
     POINT_SPACING,
     Itinerary,
@@ -28,7 +30,7 @@ from sim.robot.global_planning.itinerary import (
     keeps_separation,
     timed_itinerary,
 )
-from sim.robot.global_planning.path import PathPlanner, PlanRefusal, thinned
+from sim.robot.global_planning.path import PathPlanner, PlanRefusal
 from sim.robot.global_planning.safe_interval import BoolArray, Roadmap, make_roadmap, refuge, route
 
 PLANNED_GAP = 0.16
@@ -215,3 +217,18 @@ def _touched(points: FloatArray, marks: Costs, frame: CostFrame, radius: float) 
                 if marks[r, c] == LETHAL and math.hypot(r - row, c - col) * frame.resolution < radius:
                     return True
     return False
+
+
+@njit(cache=True)
+def thinned(points: FloatArray, spacing: float) -> FloatArray:
+    """(k, 2) of (m, 2) points: both ends, and those at least `spacing` metres apart."""
+    kept = np.empty((points.shape[0] + 1, 2))
+    kept[0] = points[0]
+    count = 1
+    for i in range(1, points.shape[0] - 1):
+        dx, dy = points[i, 0] - kept[count - 1, 0], points[i, 1] - kept[count - 1, 1]
+        if dx * dx + dy * dy >= spacing * spacing:
+            kept[count] = points[i]
+            count += 1
+    kept[count] = points[-1]
+    return kept[: count + 1].copy()

@@ -6,7 +6,6 @@ from typing import Literal, Protocol
 import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2
-from sim.common.kernels import njit
 from sim.robot.costmap.costs import CostFrame, Costs
 
 PlanRefusalCode = Literal[
@@ -81,18 +80,3 @@ def headings(points: FloatArray, last: float) -> FloatArray:
     """(m, 3) poses on (m, 2) points: each heads for the next, the last has the heading given."""
     steps = np.diff(points, axis=0)
     return np.column_stack([points, np.append(np.arctan2(steps[:, 1], steps[:, 0]), last)])
-
-
-@njit(cache=True)
-def thinned(points: FloatArray, spacing: float) -> FloatArray:
-    """(k, 2) of (m, 2) points: both ends, and those at least `spacing` metres apart."""
-    kept = np.empty((points.shape[0] + 1, 2))
-    kept[0] = points[0]
-    count = 1
-    for i in range(1, points.shape[0] - 1):
-        dx, dy = points[i, 0] - kept[count - 1, 0], points[i, 1] - kept[count - 1, 1]
-        if dx * dx + dy * dy >= spacing * spacing:
-            kept[count] = points[i]
-            count += 1
-    kept[count] = points[-1]
-    return kept[: count + 1].copy()

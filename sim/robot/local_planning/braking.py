@@ -24,7 +24,7 @@ from sim.common.geometry import FloatArray, Pose2
 from sim.common.kernels import njit
 from sim.common.observations import Neighbour
 from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
-from sim.robot.costmap.footprint import circumscribed_radius
+from sim.robot.costmap.footprint_cost import circumscribed_radius
 
 WALL_MARGIN = 0.08
 """Metres: about the largest error of localisation."""

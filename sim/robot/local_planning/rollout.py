@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray
 from sim.common.kernels import njit
-from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs, cost_at
-from sim.robot.costmap.footprint import footprint_cost
+from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
+from sim.robot.costmap.footprint_cost import footprint_cost
+from sim.robot.costmap.inflation import cost_at
 from sim.robot.local_planning.braking import Surroundings, safe
 
 COMFORT = 0.1

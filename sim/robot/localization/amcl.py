@@ -19,7 +19,7 @@ import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.grid import OccupancyGrid
-from sim.common.noise import NoiseStream
+from sim.common.noise_arrays import NoiseStream
 from sim.common.observations import Imu, LaserMount, Odometry, Scan
 from sim.parameters import AmclParameters, RobotParameters
 from sim.robot.localization.beam import BeamModel

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
-from sim.common.noise import NoiseStream
+from sim.common.noise_arrays import NoiseStream
 
 
 @lru_cache(maxsize=8)

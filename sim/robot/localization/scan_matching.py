@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sim.common.distance_fields import distance_field
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
-from sim.common.grid import FREE, OCCUPIED, GridFrame, OccupancyGrid, distance_field
+from sim.common.grid import FREE, OCCUPIED, GridFrame, OccupancyGrid
 from sim.common.kernels import njit
 
 REACH = 1.0

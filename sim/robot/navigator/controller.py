@@ -7,8 +7,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from sim.common.distance_fields import clearance_field
 from sim.common.geometry import IDENTITY, FloatArray, Pose2
-from sim.common.grid import OccupancyGrid, clearance_field
+from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Scan, Twist
 from sim.parameters import RobotParameters
 from sim.robot.costmap.costmap_2d import CostmapObservation

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from sim.common.geometry import FloatArray
-from sim.common.noise import NoiseStream
+from sim.common.noise_arrays import NoiseStream
 from sim.common.observations import Imu, LaserMount, Odometry, Scan
 from sim.inputs import SendGoal
 from sim.parameters import LaserParameters, OdometryNoise, RobotParameters, WorldParameters

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sim.common.distance_fields import distance_field
 from sim.common.geometry import FloatArray, Pose2
-from sim.common.grid import distance_field
 from sim.common.observations import Twist
 from sim.parameters import (
     DwaPlannerParameters,

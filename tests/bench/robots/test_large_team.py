@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sim.common.distance_fields import distance_field
 from sim.common.geometry import FloatArray, Pose2
-from sim.common.grid import OccupancyGrid, distance_field
+from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICKS_PER_SECOND
 from sim.team import Team
 from tests.bench.budget import Budgets

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.common.geometry import IDENTITY, Pose2, compose, wrap_angle
+from sim.common.geometry import IDENTITY, Pose2, wrap_angle
+from sim.common.kernels import njit
 
 coordinates = st.floats(-100, 100)
 angles = st.floats(-math.pi, math.pi, exclude_max=True)
@@ -77,11 +78,21 @@ def test_distance_ignores_headings() -> None:
     assert Pose2(0, 0, 1).distance(Pose2(3, 4, -1)) == 5.0
 
 
-@given(poses, poses)
+@njit
+def wrapped_in_a_kernel(angle: float) -> float:
+    return wrap_angle(angle)
+
+
+@given(st.floats(-1e6, 1e6))
 @settings(deadline=None)
-def test_kernels_and_poses_compose_alike(a: Pose2, b: Pose2) -> None:
-    composed = a.compose(b)
-    assert compose(a.x, a.y, a.theta, b.x, b.y, b.theta) == (composed.x, composed.y, composed.theta)
+def test_kernels_wrap_angles_to_the_same_bits(angle: float) -> None:
+    assert wrapped_in_a_kernel(angle).hex() == wrap_angle(angle).hex()
+
+
+def test_numbers_of_arrays_become_plain_ones() -> None:
+    x, y, theta = np.array([1.0, 2.0, 3.0])
+    composed = Pose2(x, y, theta).compose(Pose2(x, y, theta))
+    assert {type(value) for value in (composed.x, composed.y, composed.theta, wrap_angle(theta))} == {float}
 
 
 def test_an_array_holds_x_y_theta() -> None:

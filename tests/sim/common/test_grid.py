@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.common.geometry import IDENTITY, Pose2
-from sim.common.grid import FREE, OCCUPIED, UNKNOWN, MapMode, OccupancyGrid, distance_field, interpret_image
+from sim.common.grid import FREE, OCCUPIED, UNKNOWN, MapMode, OccupancyGrid, interpret_image
 
 SHADES = np.arange(256, dtype=np.uint8).reshape(1, 256)
 
@@ -26,6 +26,11 @@ class TestOccupancyGrid:
         grid = grid_of([[0]], origin=IDENTITY)
         assert grid.cell_of(-0.01, -0.01) == (-1, -1)
         assert grid.value_at(-0.01, 0.1) == UNKNOWN
+
+    @pytest.mark.parametrize("x", [math.nan, math.inf, -math.inf, 1e300])
+    def test_no_cell_holds_a_point_that_is_endlessly_far(self, x: float) -> None:
+        assert grid_of([[0]]).value_at(x, 0.1) == UNKNOWN
+        assert grid_of([[0]]).value_at(0.1, x) == UNKNOWN
 
     def test_a_turned_origin_turns_the_grid(self) -> None:
         grid = grid_of([[0, 100]], resolution=1.0, origin=Pose2(3.0, 1.0, math.pi / 2))
@@ -118,20 +123,3 @@ class TestInterpretImage:
     def test_colours_are_averaged(self) -> None:
         yellow = np.array([[[255, 255, 0]]], dtype=np.uint8)
         assert interpret_image(yellow, False, 0.65, 0.4).tolist() == [[0]]
-
-
-class TestDistanceField:
-    def test_exact_distances_capped(self) -> None:
-        cells = np.zeros((5, 9), dtype=np.int8)
-        cells[0, 0] = OCCUPIED
-        field = distance_field(OccupancyGrid(cells, 0.5, IDENTITY), max_distance=2.0)
-        assert field.dtype == np.float32
-        assert field[0, 0] == 0.0
-        assert field[3, 2] == pytest.approx(0.5 * math.hypot(3, 2))
-        assert field[4, 8] == 2.0
-
-    def test_unknown_is_no_wall(self) -> None:
-        assert distance_field(grid_of([[-1, -1, 100]]), 9.0).tolist() == [[1.0, 0.5, 0.0]]
-
-    def test_no_wall_at_all_is_far(self) -> None:
-        assert distance_field(grid_of([[0, -1]]), 2.0).tolist() == [[2.0, 2.0]]

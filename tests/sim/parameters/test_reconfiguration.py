@@ -16,7 +16,7 @@ from sim.robot.costmap.costs import INSCRIBED, LETHAL
 from sim.robot.global_planning.path import PlanRefusal
 from sim.robot.navigator.goals import Goal, GoalReached
 from sim.team import Team
-from sim.world.things import Thing
+from sim.world.thing import Thing
 from thbridge.files.map_files import read_map
 
 ARENA = read_map(Path(__file__).parents[3] / "maps" / "arena8")

@@ -13,7 +13,8 @@ from sim.robot.navigator.goals import Cancelled, Goal, GoalReached
 from sim.team import Team
 from sim.world.physics import Misplaced, World, WorldState, with_thing, without_thing
 from sim.world.sensors import Sensors
-from sim.world.things import ROBOT_MARGIN, TURN_BACK_TICKS, RobotBodies, Thing, ThingState, step_things
+from sim.world.thing import Thing
+from sim.world.things import ROBOT_MARGIN, TURN_BACK_TICKS, RobotBodies, ThingState, step_things
 
 SQUARE = ((0.25, 0.25), (-0.25, 0.25), (-0.25, -0.25), (0.25, -0.25))
 QUIET = WorldParameters(

@@ -11,7 +11,8 @@ from sim.parameters import RobotParameters
 from sim.robot.costmap.view import CostmapView
 from sim.robot.navigator.goals import Cancelled, Goal
 from sim.team import TeamSnapshot
-from sim.world.things import Thing, ThingState, polygons_of
+from sim.world.thing import Thing
+from sim.world.things import ThingState, polygons_of
 from tests.thbridge.ros.drive import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import GoalStatusCode

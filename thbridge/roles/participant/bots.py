@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from sim.common.noise import NoiseStream
+from sim.common import noise
 from thbridge.hunt.events import Condition
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.participant.bot_strategy import BotStrategy
@@ -65,8 +65,8 @@ class Bot:
     def __init__(self, strategy: BotStrategy, knowledge: TreasureKnowledge, seed: int) -> None:
         self._strategy = strategy
         self._knowledge = knowledge
-        self._choices = NoiseStream.named(seed, "participant", "choices")
-        self._doubts = NoiseStream.named(seed, "participant", "doubts")
+        self._choices = noise.key(seed, "participant", "choices")
+        self._doubts = noise.key(seed, "participant", "doubts")
         self._stopped: set[int] = set()
         self._destinations: dict[int, int] = {}
         self._failed_moves: Counter[tuple[int, int]] = Counter()
@@ -144,13 +144,13 @@ class Bot:
         if self._strategy is BotStrategy.RANDOM:
             # The same choice while nothing happened to this robot, another one after each dialogue broken off.
             turn = (len(self._stopped) * len(view.costs) + robot.place) * len(view.robots) + robot.robot
-            return rooms[int(self._choices.uniforms(turn, 1)[0] * len(rooms))]
+            return rooms[int(noise.uniform(self._choices, turn, 0) * len(rooms))]
         costs = view.costs[robot.place]
         return min(rooms, key=lambda room: (costs[room] or 0.0, room))
 
     def _answer(self, dialogue: DialogueView) -> ParticipantRequest:
         doubts = self._strategy is BotStrategy.RANDOM and dialogue.matter == "select-room"
-        if doubts and self._doubts.uniforms(dialogue.dialogue, 1)[0] < STOP_PROBABILITY:
+        if doubts and noise.uniform(self._doubts, dialogue.dialogue, 0) < STOP_PROBABILITY:
             self._stopped.add(dialogue.dialogue)
             return AnswerDialogue(dialogue.dialogue, dialogue.turn, len(dialogue.choices) - 1)
         return AnswerDialogue(dialogue.dialogue, dialogue.turn, 0)

@@ -11,7 +11,7 @@ import numpy as np
 from sim.common.geometry import Pose2
 from sim.common.traversability import inside
 from sim.inputs import ClearCostmaps, KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot
-from sim.world.things import Thing
+from sim.world.thing import Thing
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.roles.robot_requests import Request, WizardAdvice, WizardMode, WizardMove, WizardRequest
 from thbridge.ros.goal_owners import GoalOwner

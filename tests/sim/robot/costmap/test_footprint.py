@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from sim.parameters import WorldParameters
 from sim.robot.costmap.costs import CostFrame
-from sim.robot.costmap.footprint import COLLIDES, footprint_cost, outline, pad, radii
+from sim.robot.costmap.footprint import outline, pad, radii
+from sim.robot.costmap.footprint_cost import COLLIDES, footprint_cost
 
 STUDY = np.array(WorldParameters().footprint)
 FRAME = CostFrame(0.0, 0.0, 0.05)

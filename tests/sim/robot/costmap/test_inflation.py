@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.parameters import InflationParameters
-from sim.robot.costmap.costs import INSCRIBED, LETHAL, UNKNOWN, Window, cost_at
-from sim.robot.costmap.inflation import InflationLayer
+from sim.robot.costmap.costs import INSCRIBED, LETHAL, UNKNOWN, Window
+from sim.robot.costmap.inflation import InflationLayer, cost_at
 
 
 def by_the_rule(costs, parameters, resolution, inscribed):

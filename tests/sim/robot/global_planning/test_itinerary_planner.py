@@ -9,7 +9,7 @@ from sim.common.observations import STANDSTILL, Neighbour
 from sim.parameters import GlobalPlannerParameters, NavfnParameters, RobotParameters, WorldParameters
 from sim.robot.costmap.costmap_2d import Costmap2D
 from sim.robot.global_planning.itinerary import itineraries_of
-from sim.robot.global_planning.itinerary_planner import BlockedByRobots, ItineraryPlanner
+from sim.robot.global_planning.itinerary_planner import BlockedByRobots, ItineraryPlanner, thinned
 from sim.robot.global_planning.planners import global_planner
 from sim.robot.global_planning.potential_planner import PotentialPlanner
 
@@ -58,3 +58,11 @@ def test_the_wanted_path_is_planned_once_as_long_as_start_goal_and_planner_stay(
     itineraries.configure(HUNT.global_costmap.inflation_layer, planner)
     assert barred(itineraries, START, elsewhere).wanted_path[-1].tolist() == [5.0, 0.9]
     assert asked.count(True) == 3
+
+
+def test_thinning_keeps_the_ends():
+    points = np.column_stack([np.linspace(0, 1, 51), np.zeros(51)])
+    kept = thinned(points, 0.099)
+    assert kept[0].tolist() == [0, 0]
+    assert kept[-1].tolist() == [1, 0]
+    assert len(kept) == 11

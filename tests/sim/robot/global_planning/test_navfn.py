@@ -12,7 +12,7 @@ from sim.common.geometry import Pose2
 from sim.parameters import NavfnParameters
 from sim.robot.costmap.costs import CostFrame
 from sim.robot.global_planning.navfn import Navfn, passage_costs
-from sim.robot.global_planning.path import Path, PlanRefusal, thinned
+from sim.robot.global_planning.path import Path, PlanRefusal
 from sim.robot.global_planning.potential_planner import PotentialPlanner
 from sim.robot.global_planning.wave import Workspace, prepare
 
@@ -231,11 +231,3 @@ def test_a_planner_keeps_nothing_from_plan_to_plan():
     planner.plan(open_room(), FRAME, at(10, 10), at(50, 10))
     again = planner.plan(walls, FRAME, at(10, 10), at(50, 10))
     assert np.array_equal(first.poses, again.poses)
-
-
-def test_thinning_keeps_the_ends():
-    points = np.column_stack([np.linspace(0, 1, 51), np.zeros(51)])
-    kept = thinned(points, 0.099)
-    assert kept[0].tolist() == [0, 0]
-    assert kept[-1].tolist() == [1, 0]
-    assert len(kept) == 11

@@ -10,7 +10,7 @@ import pytest
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.noise import NoiseStream
+from sim.common.noise_arrays import NoiseStream
 from sim.common.observations import TICK, Imu, LaserMount, Odometry, Scan, Twist
 from sim.common.raycast import cast_beams, directions_of, free_squares_of, shorten_by_polygon
 from sim.parameters import OdometryNoise

@@ -21,7 +21,7 @@ from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from sim.robot.navigator.move_base import Navigator
 from sim.robot.navigator.progress import PROGRESS_DISTANCE, PROGRESS_TIMEOUT
 from sim.team import Team
-from sim.world.things import Thing
+from sim.world.thing import Thing
 from thbridge.files.map_files import read_map
 
 STUDY = np.array(WorldParameters().footprint)

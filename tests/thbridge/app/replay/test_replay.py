@@ -23,7 +23,7 @@ from sim.inputs import (
     SetWorldParameters,
 )
 from sim.parameters import WorldParameters
-from sim.world.things import Thing
+from sim.world.thing import Thing
 from thbridge.app.compose.game import build_bot, build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_writer
 from thbridge.app.compose.robots import build_simr

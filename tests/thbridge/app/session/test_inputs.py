@@ -12,7 +12,7 @@ from sim.common.geometry import Pose2
 from sim.inputs import SendGoal
 from sim.parameters import RobotParameters
 from sim.robot.navigator.goals import Goal
-from sim.world.things import Thing
+from sim.world.thing import Thing
 from thbridge.app.session.input_records import from_record, to_record
 from thbridge.app.session.inputs import (
     BytesReceived,

@@ -2,7 +2,8 @@ import json
 from dataclasses import replace
 
 from sim.common.geometry import Pose2
-from sim.world.things import Thing, ThingState
+from sim.world.thing import Thing
+from sim.world.things import ThingState
 from tests.thbridge.ros.drive import snapshots
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import TickRecord

@@ -34,7 +34,7 @@ from sim.inputs import (
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal
 from sim.team import Team
-from sim.world.things import Thing
+from sim.world.thing import Thing
 from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.session.input_records import decode_value

@@ -1,0 +1,72 @@
+"""Arrays of keyed noise, drawn by compiled code; a single number is drawn by `sim.common.noise.uniform`."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.common import noise
+from sim.common.geometry import FloatArray
+from sim.common.kernels import njit, register_jitable
+from sim.common.noise import key, uniform_pair
+
+for formula in (noise.philox, noise.fraction, noise.uniform_pair):
+    register_jitable(formula)
+
+
+@njit(cache=True)
+def uniforms(key: np.uint64, tick: int, out: FloatArray) -> None:
+    """Fill `out`, (n,), with independent uniforms of [0, 1).
+
+    Number i depends on nothing but (key, tick, i), not even on n. Uniforms and normals of one key and tick are made
+    from the same bits: use a stream for one or the other.
+    """
+    for i in range(0, out.size, 2):
+        first, second = uniform_pair(key, tick, i // 2)
+        out[i] = first
+        if i + 1 < out.size:
+            out[i + 1] = second
+
+
+@njit(cache=True)
+def normals(key: np.uint64, tick: int, out: FloatArray) -> None:
+    """Fill `out`, (n,), with independent standard normals; number i depends on nothing but (key, tick, i).
+
+    Source: Box and Muller, A note on the generation of random normal deviates (1958).
+    """
+    for i in range(0, out.size, 2):
+        first, second = uniform_pair(key, tick, i // 2)
+        # 1 - first lies in (0, 1], where the logarithm is finite.
+        radius = math.sqrt(-2.0 * math.log(1.0 - first))
+        angle = 2.0 * math.pi * second
+        out[i] = radius * math.cos(angle)
+        if i + 1 < out.size:
+            out[i + 1] = radius * math.sin(angle)
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseStream:
+    """A named stream of noise in arrays, for code that is not compiled.
+
+    Attributes:
+        key: see `key`.
+    """
+
+    key: np.uint64
+
+    @classmethod
+    def named(cls, seed: int, *names: str) -> "NoiseStream":
+        """The stream of a seed and a path of names."""
+        return cls(key(seed, *names))
+
+    def uniforms(self, tick: int, n: int) -> FloatArray:
+        """(n,) uniforms of [0, 1)."""
+        out = np.empty(n)
+        uniforms(self.key, tick, out)
+        return out
+
+    def normals(self, tick: int, n: int) -> FloatArray:
+        """(n,) standard normals."""
+        out = np.empty(n)
+        normals(self.key, tick, out)
+        return out
