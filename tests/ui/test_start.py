@@ -93,6 +93,7 @@ def test_a_text_server_listens_without_robots_vehicles_and_bags(tmp_path: Path) 
     modules = set((tmp_path / "modules").read_text().split())
     assert "thbridge.app.server" in modules
     assert not {name.partition(".")[0] for name in modules} & {
+        "numba",
         "pymavlink",
         "rosbags",
         "matplotlib",
