@@ -100,7 +100,6 @@ class MotionPlayback:
         self._trails: list[Trail] = []
         self._paths: list[PathAhead] = []
         self._faded = 0.0
-        self._newest_at: float | None = None
 
     def receive(self, notice: PoseTelemetry | PlannedPaths, now: float) -> None:
         """Take pose telemetry or planned paths that came at this moment."""
@@ -124,10 +123,6 @@ class MotionPlayback:
         truth, ellipses = self._read_truth(time), self._bracket(time)[1].ellipses
         return tuple(self._moving(robot, pose, truth, ellipses) for robot, pose in enumerate(shown.tolist()))
 
-    def stale_for(self, now: float) -> float:
-        """Seconds since simulated time last went on: it stands still, or no telemetry comes; infinite at first."""
-        return math.inf if self._newest_at is None else max(now - self._newest_at, 0.0)
-
     # Messages ---------------------------------------------------------------------------------------------------------
 
     def _receive_poses(self, notice: PoseTelemetry, now: float) -> None:
@@ -143,7 +138,6 @@ class MotionPlayback:
         before = self._read(time) + self._offsets
         if sample.time > newest.time:
             self._clock.receive(sample.time, now)
-            self._newest_at = now
         carried = self._correct(sample, newest)
         if sample.time == newest.time:
             self._samples.pop()
@@ -160,7 +154,7 @@ class MotionPlayback:
         self._offsets = np.zeros_like(sample.poses)
         self._speeds = self._last_speeds = np.zeros_like(sample.poses)
         self._trails = [Trail() for _ in sample.poses]
-        self._faded = self._newest_at = now
+        self._faded = now
 
     def _correct(self, sample: _Sample, newest: _Sample) -> NDArray[np.bool_]:
         """Move the kept samples into the frame of a new one; return (n,) True for each robot that was carried off.

@@ -41,20 +41,18 @@ class PlaybackClock:
     Each sample says "simulated time s, received at moment a". The lines s + rate (now - a) of the samples that
     travelled fastest tell how far the simulation is now. The lateness of the slowest sample of the last second, and the
     time between samples, tell how far behind the clock must stay so that robots are not extrapolated for long.
+
+    Attributes:
+        rate: simulated seconds a second.
     """
 
     def __init__(self) -> None:
+        self.rate = 1.0
         self._samples: deque[tuple[float, float]] = deque(maxlen=MAX_SAMPLES)
-        self._rate = 1.0
         self._delay = FIRST_DELAY
         self._time: float | None = None
         self._asked = 0.0
         self._stood_until = -math.inf
-
-    @property
-    def rate(self) -> float:
-        """Simulated seconds a second."""
-        return self._rate
 
     def receive(self, time: float, now: float) -> None:
         """Take a sample of this simulated time that came now; each must be later than the one before."""
@@ -67,10 +65,10 @@ class PlaybackClock:
         self._samples.append((time, now))
         first_time, first_now = self._samples[0]
         if now - first_now >= MIN_RATE_WINDOW:
-            self._rate = (time - first_time) / (now - first_now)
+            self.rate = (time - first_time) / (now - first_now)
             spacing = (now - first_now) / (len(self._samples) - 1)
             front = self._front(now)
-            lateness = max(front - heard - self._rate * (now - at) for heard, at in self._samples) / self._rate
+            lateness = max(front - heard - self.rate * (now - at) for heard, at in self._samples) / self.rate
             self._delay = min((1.0 - EXTRAPOLATED_SHARE) * spacing + lateness, MAX_DELAY)
 
     def at(self, now: float) -> float:
@@ -78,19 +76,19 @@ class PlaybackClock:
         if not self._samples:
             return 0.0
         front = self._front(now)
-        target = front - self._rate * self._delay
+        target = front - self.rate * self._delay
         if self._time is None:
             self._time, self._asked = target, now
             return self._time
         passed = max(now - self._asked, 0.0)
         self._asked = max(self._asked, now)
-        expected = self._time + self._rate * passed
+        expected = self._time + self.rate * passed
         caught_up = expected + min(passed / CATCH_UP, 1.0) * (target - expected)
         self._time = max(self._time, min(caught_up, front))
         return self._time
 
     def _front(self, now: float) -> float:
         """Simulated time reached by now, judged by the samples that travelled fastest."""
-        front = max(time + self._rate * (now - at) for time, at in self._samples)
+        front = max(time + self.rate * (now - at) for time, at in self._samples)
         newest = self._samples[-1][0]
-        return min(front, newest + self._rate * HORIZON)
+        return min(front, newest + self.rate * HORIZON)

@@ -426,7 +426,6 @@ class Screen:
         banner: line across the top.
         game: number of the game.
         score: score so far.
-        last_points: points of the last identification, for the animated score; None before the first.
         cards: one per robot.
         tiles: one per room.
         ask_advice: asks the selected robot for advice.
@@ -450,7 +449,6 @@ class Screen:
     banner: Banner | None
     game: int
     score: int
-    last_points: int | None
     cards: tuple[RobotCard, ...]
     tiles: tuple[RoomTile, ...]
     ask_advice: Action

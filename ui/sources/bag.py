@@ -1,7 +1,7 @@
 """A recording as the researcher's window shows it: any moment of it, and the log of all of it."""
 
 from bisect import bisect_right
-from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Generator, Iterator, Sequence
 from pathlib import Path
 
 from thbridge.files.map_files import MapRoom
@@ -66,12 +66,16 @@ class BagSource:
         series: numbers over time, likewise.
         rooms: of its map, where that is known.
         unreadable: sentences on topics that cannot be read.
+        topics: the type of each topic that can be read, by its name.
+        start_ns: stamp of the first message.
+        end_ns: stamp of the last message.
     """
 
     def __init__(self, index: BagIndex) -> None:
         self._index = index
+        self.start_ns, self.end_ns = index.start_ns, index.end_ns
         self._scenes = SceneBuilder()
-        self.unreadable, self._topics = _readable(index)
+        self.unreadable, self.topics = _readable(index)
         self.session = self._session()
         self.rooms: tuple[MapRoom, ...] = ()
         discovery = self._discover()
@@ -83,26 +87,6 @@ class BagSource:
         self._frame_places: dict[tuple[str, int], dict[bytes, list[MessageLocation]]] = {}
         self._messages: dict[tuple[int, int], RawMessage] = {}
 
-    @property
-    def path(self) -> Path:
-        """Path as given to `open_bag`."""
-        return self._index.path
-
-    @property
-    def start_ns(self) -> int:
-        """Stamp of the first message."""
-        return self._index.start_ns
-
-    @property
-    def end_ns(self) -> int:
-        """Stamp of the last message."""
-        return self._index.end_ns
-
-    @property
-    def topics(self) -> Mapping[str, str]:
-        """The type of each topic that can be read, by its name."""
-        return self._topics
-
     def close(self) -> None:
         """Close the files."""
         self._index.close()
@@ -110,36 +94,21 @@ class BagSource:
     def scene(self, at_ns: int, shown: ShownLayers) -> Scene:
         """The scene at a time; before the first message as at the first, after the last as at the last."""
         at_ns = min(max(at_ns, self.start_ns), self.end_ns)
-        watched = SceneInputs(
-            self._robots, self._mapped, self.series, self.log, self.rooms, self.start_ns, self.unreadable
-        )
+        watched = SceneInputs(self._robots, self._mapped, self.series, self.log, self.rooms, self.start_ns)
         return self._scenes.build(_Snapshot(self, at_ns), watched, shown)
 
-    def step(self, at_ns: int, steps: int, topic: str | None = None) -> int:
-        """Return the time so many steps later, or earlier where they are negative; at most the beginning or the end.
-
-        Args:
-            at_ns: time to start from.
-            steps: number of steps.
-            topic: a step is from message to message of this topic; None: from tick to tick, 20 ms.
-        """
-        if topic is None:
-            return min(max(at_ns + steps * TICK_NS, self.start_ns), self.end_ns)
-        for _ in range(abs(steps)):
-            found = self._index.next(topic, at_ns) if steps > 0 else self._index.last(topic, at_ns - 1)
-            if found is None:
-                return self.end_ns if steps > 0 else self.start_ns
-            at_ns = found.stamp_ns
-        return at_ns
+    def step(self, at_ns: int, steps: int) -> int:
+        """Return the time so many ticks later, or earlier where they are negative; at most the beginning or the end."""
+        return min(max(at_ns + steps * TICK_NS, self.start_ns), self.end_ns)
 
     def scan(self) -> Iterator[float]:
         """Read all messages of the log, then those of the series; yields the share that is done.
 
         A piece takes some milliseconds. At the end `log` and `series` are complete.
         """
-        logged = [topic for topic, msgtype in self._topics.items() if is_logged(topic, msgtype)]
+        logged = [topic for topic, msgtype in self.topics.items() if is_logged(topic, msgtype)]
         yield from self._hand_over(logged, self.log.take, 0.0, _LOG_SHARE)
-        moving = [topic for topic, msgtype in self._topics.items() if msgtype in TF_TYPES]
+        moving = [topic for topic, msgtype in self.topics.items() if msgtype in TF_TYPES]
         yield from self._hand_over([*moving, *self.series.topics], self.series.take, _LOG_SHARE, 1.0)
 
     def _hand_over(
@@ -155,7 +124,7 @@ class BagSource:
             yield start + chunk * (done + 1)
 
     def _session(self) -> SessionRecord | None:
-        place = self._index.next(names.SESSION, -1) if names.SESSION in self._topics else None
+        place = self._index.next(names.SESSION, -1) if names.SESSION in self.topics else None
         try:
             return None if place is None else unpack.session(self._index.read(place).data)
         except ValueError:
@@ -163,8 +132,8 @@ class BagSource:
 
     def _discover(self) -> RobotDiscovery:
         """Find all robots of the recording by the first messages of each topic."""
-        discovery = RobotDiscovery(dict(self._topics))
-        for topic, msgtype in self._topics.items():
+        discovery = RobotDiscovery(dict(self.topics))
+        for topic, msgtype in self.topics.items():
             if msgtype in {types.ODOMETRY, types.OCCUPANCY_GRID} or msgtype in TF_TYPES:
                 after_ns = -1
                 for _ in range(_FIRST_FRAMES if msgtype in TF_TYPES else 1):
@@ -176,13 +145,13 @@ class BagSource:
         return discovery
 
     def _static_places(self) -> list[MessageLocation]:
-        statics = [topic for topic, msgtype in self._topics.items() if msgtype in TF_TYPES and is_static(topic)]
+        statics = [topic for topic, msgtype in self.topics.items() if msgtype in TF_TYPES and is_static(topic)]
         chunks = ((topic, chunk) for topic in statics for chunk in self._index.chunks_back(topic, self.end_ns, 0))
         return sorted(place for topic, chunk in chunks for place in self._index.locations(topic, chunk))[:_STATIC_MOST]
 
     def newest(self, topic: str, at_ns: int) -> RawMessage | None:
         """The last message of a topic up to a time."""
-        place = self._index.last(topic, at_ns) if topic in self._topics else None
+        place = self._index.last(topic, at_ns) if topic in self.topics else None
         return None if place is None else self._read(place)
 
     def frames(self, at_ns: int) -> list[WatchedMessage]:
@@ -191,7 +160,7 @@ class BagSource:
         for message in self._statics:
             if message.stamp_ns <= at_ns:
                 held[message.topic, _children(message)] = message
-        for topic, msgtype in self._topics.items():
+        for topic, msgtype in self.topics.items():
             if msgtype in TF_TYPES and not is_static(topic):
                 held.update({(topic, key): message for key, message in self._moving_at(topic, at_ns).items()})
         return sorted(held.values(), key=lambda message: message.stamp_ns)
@@ -201,7 +170,7 @@ class BagSource:
         held: dict[bytes, MessageLocation] = {}
         for chunk in self._index.chunks_back(topic, at_ns, at_ns - HORIZON_NS):
             for key, places in self._frame_places_in(topic, chunk).items():
-                row = bisect_right(places, at_ns, key=_stamp) - 1
+                row = bisect_right(places, at_ns, key=lambda place: place.stamp_ns) - 1
                 if row >= 0 and places[row].stamp_ns >= at_ns - HORIZON_NS:
                     held[key] = max(places[row], held.get(key, places[row]))
         return {key: self._read(place) for key, place in held.items()}
@@ -279,10 +248,6 @@ def _children(message: RawMessage) -> bytes:
         return children_of(message.data)
     except ValueError:
         return b""
-
-
-def _stamp(place: MessageLocation) -> int:
-    return place.stamp_ns
 
 
 def is_static(topic: str) -> bool:

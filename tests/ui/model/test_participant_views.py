@@ -424,11 +424,11 @@ def test_another_game_begins_with_nothing_of_the_last_one(other):
     model = model_of(FOUND)
     model.do(PickName("can"), 0.0)
     model.receive(verdict, 0.5)
-    assert model.screen(0.5).last_points == 5
+    assert model.screen(0.5).popup.points == 5
     model.do(ChooseRoom(2), 0.6)
     model.receive(other, 1.0)
     screen = model.screen(1.0)
-    assert (screen.last_points, screen.popup, screen.waiting, model.requests()) == (None, None, (), ())
+    assert (screen.popup, screen.waiting, model.requests()) == (None, (), ())
     assert len(screen.history) == 1
 
 

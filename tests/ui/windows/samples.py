@@ -165,7 +165,6 @@ def playing(robots: int = 3, rooms: int = 8, considered: int | None = None) -> S
         banner=None,
         game=1,
         score=120,
-        last_points=None,
         cards=cards,
         tiles=tuple(tile(number, rooms, considered=number == considered) for number in range(1, rooms + 1)),
         ask_advice=Action(AskAdvice(), "Don't know", "D", hint="Ask robot 1 where to go."),
@@ -289,9 +288,7 @@ def states() -> Mapping[str, Screen]:
         "treasure": replace(usual, popup=treasure(), waiting=waiting(1)),
         "picture": replace(usual, popup=treasure(picture=True, picked="Pink can")),
         "verdict": replace(
-            usual,
-            popup=treasure(picture=True, verdict="Right, it is Pink can: 30 points won.", points=30),
-            last_points=30,
+            usual, popup=treasure(picture=True, verdict="Right, it is Pink can: 30 points won.", points=30)
         ),
         "wrong": replace(
             usual, popup=treasure(picture=True, verdict="No, it is not Blue bottle: 5 points lost.", points=-5)

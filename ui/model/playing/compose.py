@@ -47,7 +47,6 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         banner=_banner(memory, now),
         game=0 if hunt is None else hunt.view.game,
         score=0 if hunt is None else hunt.view.score,
-        last_points=None if hunt is None else hunt.last_points,
         cards=() if hunt is None else cards(memory, hunt),
         tiles=() if hunt is None else tiles(memory, hunt),
         ask_advice=_not_now(AskAdvice(), "Don't know") if playing is None else dont_know(memory, playing),

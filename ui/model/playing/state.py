@@ -55,7 +55,6 @@ class HuntMemory:
         popups: the pop-up shown, and those that wait.
         picture_times: by room, when the view first showed its picture as taken.
         most_energy: the most energy that any robot had.
-        last_points: points of the last verdict.
         pending_step: the step that waits for confirmation.
     """
 
@@ -70,7 +69,6 @@ class HuntMemory:
     popups: PopupQueue = field(default_factory=PopupQueue)
     picture_times: dict[int, float] = field(default_factory=dict)
     most_energy: float = 0.0
-    last_points: int | None = None
     pending_step: PendingStep | None = None
 
     def __post_init__(self) -> None:

@@ -134,7 +134,6 @@ def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, fo
         if new.picture is not None and old.picture is None:
             hunt.picture_times[new.room] = now
         if new.verdict is not None and old.verdict is None:
-            hunt.last_points = new.verdict.points
             stander = state.standing_in(place)
             worker = former.decider(place) if stander is None else stander
             if worker is not None:

@@ -3,7 +3,7 @@
 import math
 from bisect import bisect_right
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from thbridge.files.map_files import MapRoom
@@ -32,11 +32,7 @@ class _Snapshot:
     at_ns: int = 0
     last: dict[str, WatchedMessage] = field(default_factory=dict)
     recent_frames: dict[tuple[str, bytes], deque[WatchedMessage]] = field(default_factory=dict)
-    types: dict[str, str] = field(default_factory=dict)
-
-    @property
-    def topics(self) -> Mapping[str, str]:
-        return self.types
+    topics: dict[str, str] = field(default_factory=dict)
 
     def newest(self, topic: str) -> WatchedMessage | None:
         return self.last.get(topic)
@@ -54,8 +50,7 @@ class _Snapshot:
     def take(self, message: WatchedMessage) -> None:
         self.at_ns = max(self.at_ns, message.stamp_ns)
         self.last[message.topic] = message
-        if message.topic not in self.types:
-            self.types[message.topic] = message.msgtype
+        self.topics.setdefault(message.topic, message.msgtype)
         if message.msgtype in TF_TYPES:
             frames = self.recent_frames.setdefault((message.topic, children_of(message.data)), deque())
             frames.append(message)
@@ -71,6 +66,8 @@ class LiveSource:
         series: numbers over time.
         rooms: rooms of the map; set from outside (`ui.sources.rooms`) once `session` is known.
         sessions: counts up when another session takes the place of the one before, and all is forgotten.
+        start_ns: ROS time of the first message.
+        messages: number of messages taken.
     """
 
     def __init__(self) -> None:
@@ -87,14 +84,14 @@ class LiveSource:
     def _begin(self) -> None:
         self.log = SessionLog()
         self.series = Series(0)
-        self._start_ns = 0
+        self.start_ns = 0
         self._tf_ns = 0
         self._snapshot = _Snapshot()
         self._discovery = RobotDiscovery()
         self._robots = self._discovery.robots()
         self._new_topics = False
         self._unassigned: list[WatchedMessage] = []
-        self._messages = 0
+        self.messages = 0
 
     @property
     def session(self) -> SessionRecord | None:
@@ -102,19 +99,9 @@ class LiveSource:
         return self._sessions.of(self._snapshot.newest(names.SESSION))
 
     @property
-    def start_ns(self) -> int:
-        """ROS time of the first message."""
-        return self._start_ns
-
-    @property
     def end_ns(self) -> int:
         """ROS time of the latest message."""
         return self._snapshot.at_ns
-
-    @property
-    def messages(self) -> int:
-        """Number of messages taken."""
-        return self._messages
 
     def take(self, messages: Sequence[WatchedMessage], now: float) -> None:
         """Take messages, in their order, at a time (monotonic seconds)."""
@@ -132,7 +119,7 @@ class LiveSource:
 
     def scene(self, shown: ShownLayers) -> Scene:
         """The scene of now."""
-        watched = SceneInputs(self._robots, self._discovery.mapped, self.series, self.log, self.rooms, self._start_ns)
+        watched = SceneInputs(self._robots, self._discovery.mapped, self.series, self.log, self.rooms, self.start_ns)
         return self._scenes.build(self._snapshot, watched, shown)
 
     def _take(self, message: WatchedMessage) -> None:
@@ -151,11 +138,11 @@ class LiveSource:
         self._absorb(message)
 
     def _absorb(self, message: WatchedMessage) -> None:
-        if not self._messages:
-            self._start_ns = message.stamp_ns
+        if not self.messages:
+            self.start_ns = message.stamp_ns
             self.series = Series(message.stamp_ns)
-        self._messages += 1
-        new = message.topic not in self._snapshot.types
+        self.messages += 1
+        new = message.topic not in self._snapshot.topics
         try:
             self._snapshot.take(message)
         except ValueError:

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
 from thbridge.analysis.report.tracks import deviations
 from thbridge.ros.messages import types, unpack
@@ -28,8 +28,10 @@ from ui.model.watching.frames import Frames
 from ui.model.watching.messages import TopicSnapshot, WatchedMessage
 from ui.model.watching.robots import WatchedRobot
 from ui.model.watching.scene import NO_POINTS, NO_POSES, RobotScene, ShownLayers
-from ui.model.watching.series import Series
+from ui.model.watching.series import Series, energy_of
 
+THINNED = 60
+"""Particles shown of a robot that is not selected."""
 STALE_NS = 500_000_000
 """Nanoseconds by which the truth may run ahead of odometry before the robot's software counts as stopped."""
 CHI_SQUARE_95 = 5.991
@@ -101,7 +103,6 @@ class RobotSceneBuilder:
         """The scene of the robot, with its commander in words; empty: the participant."""
         robot, shown, dead = self._robot, self._context.shown, self._dead()
         truth, estimate = self._truth(), self._estimate()
-        both = (truth, estimate) if truth is not None and estimate is not None else None
         belief, odometry = self._belief, None if dead else self._odometry
         admitted = None if belief is None else deviations(0.0, belief.covariance)
         charge = self._context.decoded.batteries.of(self._newest(robot.battery))
@@ -114,29 +115,22 @@ class RobotSceneBuilder:
             name=robot.name,
             truth=truth,
             estimate=estimate,
-            error=None if both is None else both[0].distance(both[1]),
-            heading_error=None if both is None else abs(wrap_angle(both[0].theta - both[1].theta)),
+            error=None if truth is None or estimate is None else truth.distance(estimate),
             ellipse=None if belief is None else ellipse_of(belief.covariance),
-            belief=None if belief is None else self._on_map(belief.frame, belief.pose),
             deviation=None if admitted is None else admitted[1],
-            heading_deviation=None if admitted is None else admitted[2],
             odometry_path=odometry_path,
             truth_path=truth_path,
             estimate_path=estimate_path,
-            cloud=cloud if selected else thinned(cloud, shown.thinned),
-            particles=len(cloud),
+            cloud=cloud if selected else thinned(cloud),
             scan=self._scan() if shown.scans and not dead else NO_POINTS,
             global_costmap=self._costmap(robot.global_costmap) if selected and shown.global_costmap else None,
             local_costmap=self._costmap(robot.local_costmap) if selected and shown.local_costmap else None,
             plan=self._points(self._context.decoded.paths, robot.plan) if shown.plans else NO_POINTS,
             local_plan=self._points(self._context.decoded.paths, robot.local_plan) if shown.plans else NO_POINTS,
-            footprint=self._points(self._context.decoded.footprints, robot.footprint)
-            if shown.footprints
-            else NO_POINTS,
+            footprint=self._points(self._context.decoded.footprints, robot.footprint),
             goal=self._goal(),
             energy=None if charge is None else energy_of(charge),
             speed=None if odometry is None else odometry.twist.linear,
-            turning=None if odometry is None else odometry.twist.angular,
             state=state,
             trouble=trouble,
             dead=dead,
@@ -262,13 +256,7 @@ _PARTS = ("localisation", "navigation")
 """Parts of a robot whose diagnoses make up its state."""
 
 
-def energy_of(charge: BatteryCharge) -> float | None:
-    """Energy left: charge, or percent where the charge is not measured; None where neither is known."""
-    left = charge.charge if math.isfinite(charge.charge) else 100.0 * charge.percentage
-    return left if math.isfinite(left) else None
-
-
-def thinned(cloud: FloatArray, most: int) -> FloatArray:
+def thinned(cloud: FloatArray, most: int = THINNED) -> FloatArray:
     """At most so many rows, evenly chosen: the same ones of the same cloud."""
     return cloud if len(cloud) <= most else cloud[np.linspace(0, len(cloud) - 1, most).astype(np.int64)]
 

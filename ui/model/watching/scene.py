@@ -16,14 +16,6 @@ NO_POINTS: FloatArray = np.empty((0, 2))
 NO_POSES: FloatArray = np.empty((0, 3))
 
 
-def _no_points() -> FloatArray:
-    return NO_POINTS
-
-
-def _no_poses() -> FloatArray:
-    return NO_POSES
-
-
 @dataclass(frozen=True, slots=True)
 class ShownLayers:
     """Layers to be shown on the map; the messages of the others are not decoded, and are missing in the scene.
@@ -36,8 +28,6 @@ class ShownLayers:
         local_costmap: likewise.
         plans: global and local ones.
         paths: paths so far, by truth, estimate and odometry.
-        footprints: estimated places of the robots' bodies.
-        thinned: particles shown of a robot that is not selected.
     """
 
     selected: int | None = 0
@@ -47,8 +37,6 @@ class ShownLayers:
     local_costmap: bool = False
     plans: bool = True
     paths: bool = True
-    footprints: bool = True
-    thinned: int = 60
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,16 +49,12 @@ class RobotScene:
         truth: its true pose; None where it is not published.
         estimate: its estimated pose: odometry under the localiser's last correction.
         error: metres between the two; None where one is missing.
-        heading_error: radians between the two, not negative.
-        ellipse: 95 % of its belief, by the last message of its localiser; about `belief`.
-        belief: the last pose of its localiser.
+        ellipse: 95 % of its belief, by the last message of its localiser.
         deviation: standard deviation of the position, metres.
-        heading_deviation: of the heading, radians.
         odometry_path: (k, 2) its path by wheel odometry so far, placed so that it ends at the estimate.
         truth_path: (k, 2) its true path so far.
         estimate_path: (k, 2) its estimated path so far.
-        cloud: (n, 3) particles, x, y, theta.
-        particles: number of particles; `cloud` may be a selection of them.
+        cloud: (n, 3) particles, x, y, theta; a selection of them where the robot is not selected.
         scan: (m, 2) end points of the beams that met something, as seen from the estimate at that time.
         global_costmap: 0 free, 99 inscribed, 100 lethal, -1 unknown, others between.
         local_costmap: likewise.
@@ -80,7 +64,6 @@ class RobotScene:
         goal: pose of its goal; None at rest.
         energy: energy left, in the game's units, or percent where a bag knows only that.
         speed: by its odometry, m/s.
-        turning: likewise, rad/s.
         state: its activity, in words; empty where it is not published.
         trouble: True when the state is one to worry about.
         dead: True when its software has fallen silent, while its truth is still published.
@@ -92,26 +75,21 @@ class RobotScene:
     truth: Pose2 | None = None
     estimate: Pose2 | None = None
     error: float | None = None
-    heading_error: float | None = None
     ellipse: EllipseMark | None = None
-    belief: Pose2 | None = None
     deviation: float | None = None
-    heading_deviation: float | None = None
-    odometry_path: FloatArray = field(default_factory=_no_points)
-    truth_path: FloatArray = field(default_factory=_no_points)
-    estimate_path: FloatArray = field(default_factory=_no_points)
-    cloud: FloatArray = field(default_factory=_no_poses)
-    particles: int = 0
-    scan: FloatArray = field(default_factory=_no_points)
+    odometry_path: FloatArray = field(default_factory=lambda: NO_POINTS)
+    truth_path: FloatArray = field(default_factory=lambda: NO_POINTS)
+    estimate_path: FloatArray = field(default_factory=lambda: NO_POINTS)
+    cloud: FloatArray = field(default_factory=lambda: NO_POSES)
+    scan: FloatArray = field(default_factory=lambda: NO_POINTS)
     global_costmap: OccupancyGrid | None = None
     local_costmap: OccupancyGrid | None = None
-    plan: FloatArray = field(default_factory=_no_points)
-    local_plan: FloatArray = field(default_factory=_no_points)
-    footprint: FloatArray = field(default_factory=_no_points)
+    plan: FloatArray = field(default_factory=lambda: NO_POINTS)
+    local_plan: FloatArray = field(default_factory=lambda: NO_POINTS)
+    footprint: FloatArray = field(default_factory=lambda: NO_POINTS)
     goal: Pose2 | None = None
     energy: float | None = None
     speed: float | None = None
-    turning: float | None = None
     state: str = ""
     trouble: bool = False
     dead: bool = False
@@ -171,40 +149,25 @@ class Wizard:
     advice: tuple[PendingAdvice, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class GameScene:
-    """The game at one moment: points, rooms visited, number of rooms."""
-
-    score: int
-    visited: int
-    rooms: int
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
     """A session at one moment.
 
     Attributes:
         stamp_ns: the moment, nanoseconds of ROS time.
-        time: seconds since the session's or the recording's beginning.
         grid: the map; None where none is published.
         robots: in the order of their numbers.
         things: obstacles that are not on the map.
         rooms: those of the map where it is known, else none.
-        game: None where there is none.
         wizard: robots that a person speaks for.
-        unreadable: sentences on topics that cannot be read.
     """
 
     stamp_ns: int
-    time: float
     grid: OccupancyGrid | None
     robots: tuple[RobotScene, ...]
     things: tuple[ThingScene, ...]
     rooms: tuple[RoomMark, ...]
-    game: GameScene | None
     wizard: Wizard
-    unreadable: tuple[str, ...]
 
 
 EntryKind = Literal["event", "said", "line", "input", "log"]

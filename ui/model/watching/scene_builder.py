@@ -12,7 +12,6 @@ from thbridge.files.map_files import MapRoom
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.pack import DiagnosticStatus
-from thbridge.ros.messages.session_records import ScoreRecord
 from thbridge.ros.robots import usual_first
 from ui.model.scene import RoomMark
 from ui.model.watching.decode_cache import DecodeCache
@@ -20,7 +19,7 @@ from ui.model.watching.frames import Frames
 from ui.model.watching.messages import TopicSnapshot, WatchedMessage
 from ui.model.watching.robot_scene_builder import DecodedTopics, RobotSceneBuilder, SceneContext
 from ui.model.watching.robots import WatchedRobot
-from ui.model.watching.scene import GameScene, Scene, ShownLayers, ThingScene, Wizard
+from ui.model.watching.scene import Scene, ShownLayers, ThingScene, Wizard
 from ui.model.watching.series import Series
 from ui.model.watching.session_log import RoomStatus, SessionLog
 from ui.model.watching.wizard import wizard
@@ -40,7 +39,6 @@ class SceneInputs:
         log: events, dialogue, lines and inputs.
         rooms: of the map, where it is known.
         start_ns: beginning of time, nanoseconds of ROS time.
-        unreadable: sentences on topics that cannot be read.
     """
 
     robots: tuple[WatchedRobot, ...]
@@ -49,7 +47,6 @@ class SceneInputs:
     log: SessionLog
     rooms: tuple[MapRoom, ...]
     start_ns: int
-    unreadable: tuple[str, ...] = ()
 
 
 class SceneBuilder:
@@ -57,7 +54,6 @@ class SceneBuilder:
 
     def __init__(self) -> None:
         self._decoded = DecodedTopics()
-        self._scores = DecodeCache[ScoreRecord](unpack.score)
         self._things = DecodeCache[list[tuple[str, FloatArray]]](unpack.outlines)
         self._diagnoses = DecodeCache[list[DiagnosticStatus]](unpack.diagnostic_array)
         self._wizards = DecodeCache[Wizard](wizard)
@@ -74,21 +70,17 @@ class SceneBuilder:
         context = SceneContext(
             snapshot, frames_at, frames_at(snapshot.at_ns), diagnoses, watched.series, time, shown, self._decoded
         )
-        score = self._scores.of(snapshot.newest(names.SCORE))
         things = self._things.of(snapshot.newest(names.THINGS)) or ()
         statuses, commanders = watched.log.rooms(snapshot.at_ns), watched.log.commanders(snapshot.at_ns)
         return Scene(
             stamp_ns=snapshot.at_ns,
-            time=time,
             grid=self._map(snapshot),
             robots=tuple(
                 RobotSceneBuilder(robot, context).build(commanders.get(robot.robot, "")) for robot in watched.robots
             ),
             things=tuple(ThingScene(name, outline) for name, outline in things),
             rooms=tuple(_room(room, statuses.get(room.room.people, RoomStatus())) for room in watched.rooms),
-            game=None if score is None else GameScene(score.score, score.visited, score.rooms),
             wizard=self._wizards.of(snapshot.newest(names.WIZARD)) or Wizard(),
-            unreadable=watched.unreadable,
         )
 
     def _frames_of(self, messages: Sequence[WatchedMessage], mapped: bool) -> Frames:

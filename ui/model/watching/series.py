@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from sim.common.geometry import Pose2, wrap_angle
 from thbridge.analysis.report.tracks import deviations
 from thbridge.ros.messages import types, unpack
+from thbridge.ros.messages.unpack import BatteryCharge
 from thbridge.ros.robots import is_map_frame
 from ui.model.watching.curves import Curve
 from ui.model.watching.frames import Frames, children_of, namespace_of_tf
@@ -213,9 +214,8 @@ class _SeriesBuilder:
 
     def energy(self, message: WatchedMessage, time: float) -> None:
         """Take the energy left."""
-        charge = unpack.battery_state(message.data)
-        left = charge.charge if math.isfinite(charge.charge) else 100.0 * charge.percentage
-        if math.isfinite(left):
+        left = energy_of(unpack.battery_state(message.data))
+        if left is not None:
             self.series.energy.append(time, left)
 
     def _believe(self, time: float, pose: Pose2) -> None:
@@ -227,6 +227,12 @@ class _SeriesBuilder:
         self._waiting.append((time, pose))
         if len(self._waiting) > _WAITING:
             self._waiting.pop(0)
+
+
+def energy_of(charge: BatteryCharge) -> float | None:
+    """Energy left: charge, or percent where the charge is not measured; None where neither is known."""
+    left = charge.charge if math.isfinite(charge.charge) else 100.0 * charge.percentage
+    return left if math.isfinite(left) else None
 
 
 def _due(curve: Curve, time: float) -> bool:

@@ -84,10 +84,6 @@ class SessionLog:
         """Number of entries that a list has lost at its beginning."""
         return self._dropped[kind]
 
-    def count(self, kind: EntryKind, until_ns: int) -> int:
-        """Number of entries of a list up to a time."""
-        return bisect_right(self._entries[kind], until_ns, key=lambda entry: entry.stamp_ns)
-
     def marks(self) -> Iterator[Entry]:
         """The events that matter, oldest first."""
         return (entry for entry in self._entries["event"] if entry.important)

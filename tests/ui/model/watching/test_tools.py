@@ -24,7 +24,7 @@ CRATE = ThingScene("obstacle 1", np.array([[0.5, 0.5], [1.0, 0.5], [1.0, 1.0], [
 def scene() -> Scene:
     robots = (RobotScene(0, "robot 1", truth=Pose2(0.0, 0.0, 1.0)), RobotScene(1, "robot 2", dead=True))
     wizard = Wizard((0,), (TURN,), (PendingAdvice(0, ((2, 10.0),), 2),))
-    return Scene(0, 0.0, GRID, robots, (CRATE,), (), None, wizard, ())
+    return Scene(0, GRID, robots, (CRATE,), (), wizard)
 
 
 def reason(outcome: Request | WizardRequest | RequestRefused) -> str:
