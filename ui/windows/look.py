@@ -4,13 +4,15 @@
 widgets that paint themselves. Everything else follows from Qt's own roles, so plain widgets need no styling.
 """
 
-from typing import Literal
+from typing import Literal, TypeVar
 
 from PySide6.QtCore import QObject, Qt, Signal
-from PySide6.QtGui import QColor, QFont, QPalette
-from PySide6.QtWidgets import QApplication, QLabel, QWidget
+from PySide6.QtGui import QColor, QFont, QPaintDevice, QPainter, QPalette
+from PySide6.QtWidgets import QApplication, QLabel, QLayout, QWidget
 
 from ui.model.theme import DARK, LIGHT, Palette, contrast
+
+L = TypeVar("L", bound=QLayout)
 
 Choice = Literal["light", "dark", "system"]
 Size = Literal["small", "body", "title", "hero"]
@@ -133,6 +135,22 @@ def label(text: str = "", size: Size = "body", *, bold: bool = False, muted: boo
     if muted:
         made.setProperty("muted", True)
     return made
+
+
+def spaced(layout: L, spacing: int, *margins: int) -> L:
+    """Set the distances between the parts of a layout, and around them: one, or left, top, right and bottom."""
+    layout.setSpacing(spacing)
+    if margins:
+        left, top, right, bottom = margins if len(margins) == 4 else 4 * margins
+        layout.setContentsMargins(left, top, right, bottom)
+    return layout
+
+
+def smooth_painter(device: QPaintDevice) -> QPainter:
+    """A painter with smooth edges."""
+    painter = QPainter(device)
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    return painter
 
 
 def style_as_panel(widget: QWidget) -> None:

@@ -42,10 +42,11 @@ from ui.model.practice import advice
 from ui.model.screen import Phase
 from ui.windows import look
 from ui.windows.link import ParticipantLink, ServerLost, ServerReached
-from ui.windows.look import GAP
+from ui.windows.look import GAP, spaced
 from ui.windows.participant.pages.pages import ConnectingPage
 from ui.windows.participant.pages.start import StartPage
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
+from ui.windows.participant.widgets.panels import set_text
 from ui.windows.participant.window import ParticipantWindow
 
 FRAME = 15
@@ -78,9 +79,7 @@ class GamePage(QWidget):
         self._model = Participant()
         self.window_of_game = ParticipantWindow(self._model, clock, appearance.palette)
         appearance.changed.connect(self.window_of_game.set_palette)
-        rows = QVBoxLayout(self)
-        rows.setContentsMargins(0, 0, 0, 0)
-        rows.setSpacing(0)
+        rows = spaced(QVBoxLayout(self), 0, 0)
         self._strip, self._advice = QWidget(), look.label()
         self._build_strip(back)
         rows.addWidget(self._strip)
@@ -126,10 +125,8 @@ class GamePage(QWidget):
         self._link.request(self._model.requests())
         screen = self._model.screen(now)
         if self._practice:
-            text = advice(screen)
-            if text != self._advice.text():
-                self._advice.setText(text)
-        elif self._strip.isVisible() is not (screen.phase is Phase.OVER):
+            set_text(self._advice, advice(screen))
+        else:
             self._strip.setVisible(screen.phase is Phase.OVER)
 
     def leave(self) -> None:
@@ -186,7 +183,7 @@ class ParticipantMainWindow(QMainWindow):
 
     def join(self, link: ParticipantLink, practice: bool = False) -> None:
         """Show a game."""
-        back = None if self._send_to_host is None else self._go_back
+        back = None if self._send_to_host is None else lambda: self._send(Back())
         game = GamePage(link, self._appearance, practice, back, self._clock)
         self._show(game)
         self.game = game
@@ -206,8 +203,7 @@ class ParticipantMainWindow(QMainWindow):
         if self.game is not None:
             self.game.leave()
             self.game = None
-        if self._send_to_host is not None:
-            self._send_to_host(WindowClosed())
+        self._send(WindowClosed())
         event.accept()
         QApplication.quit()
 
@@ -235,9 +231,6 @@ class ParticipantMainWindow(QMainWindow):
         page.start.connect(lambda robots: self._send(Begin(robots)))
         page.tutorial.connect(lambda: self._send(Practise()))
         self._show(page)
-
-    def _go_back(self) -> None:
-        self._send(Back())
 
     def _send(self, message: FromWindow) -> None:
         if self._send_to_host is not None:

@@ -6,8 +6,8 @@ from PySide6.QtWidgets import QSizePolicy, QVBoxLayout, QWidget
 
 from thbridge.hunt.costs import energy_text
 from ui.model.screen import Action, RobotCard
-from ui.windows.look import GAP, RADIUS, colours, font
-from ui.windows.participant.widgets.buttons import ActionButton, ParticipantButton
+from ui.windows.look import GAP, RADIUS, colours, font, smooth_painter, spaced
+from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ParticipantButton
 from ui.windows.participant.widgets.painting import (
     Sign,
     box,
@@ -19,6 +19,7 @@ from ui.windows.participant.widgets.painting import (
     key_size,
     ring,
     sign,
+    write,
 )
 
 PAD = 1.25 * GAP
@@ -68,8 +69,7 @@ class CardFace(ParticipantButton):
         if card is None:
             return
         palette = colours()
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter = smooth_painter(self)
         rect = QRectF(self.rect())
         edge = palette.accent if card.selected else palette.line
         ground = palette.track if self.pointed_at() and not card.selected else palette.panel
@@ -125,14 +125,12 @@ class CardFace(ParticipantButton):
         words = energy_words(card)
         wide = metrics.horizontalAdvance(words)
         row = QRectF(at, middle - size, right - at, 2.0 * size)
-        painter.setFont(bold)
-        painter.setPen(QColor(palette.text if card.affordable else palette.bad))
-        painter.drawText(row, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, words)
+        right_end = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+        write(painter, row, words, bold, palette.text if card.affordable else palette.bad, right_end)
         if not card.affordable:
             side = metrics.height() * 0.85
             sign(painter, QRectF(right - wide - side - 4, middle - side / 2, side, side), "trouble", palette.bad)
-        painter.setPen(QColor(palette.text))
-        painter.drawText(row, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, card.name)
+        write(painter, row, card.name, bold, palette.text)
         at += metrics.horizontalAdvance(card.name) + GAP
         key_wide, key_high = key_size(card.select.key)
         if key_wide:
@@ -153,9 +151,7 @@ class CardFace(ParticipantButton):
         painter.drawRoundedRect(pill, pill.height() / 2, pill.height() / 2)
         icon = QRectF(pill.left() + 5, pill.top() + 1, side, side).adjusted(2, 2, -2, -2)
         sign(painter, icon, "talk", palette.on_accent)
-        painter.setFont(face)
-        painter.setPen(QColor(palette.on_accent))
-        painter.drawText(pill.adjusted(side + 4, 0, 0, 0), Qt.AlignmentFlag.AlignVCenter, text)
+        write(painter, pill.adjusted(side + 4, 0, 0, 0), text, face, palette.on_accent)
 
     @staticmethod
     def _progress(painter: QPainter, rect: QRectF, share: float, colour: str) -> None:
@@ -171,14 +167,8 @@ class CardFace(ParticipantButton):
         painter.drawLine(QPointF(rect.left() + PAD, y), QPointF(reach, y))
 
 
-class Card(QWidget):
-    """A robot: its face, and a button that stops it while it drives, or asks another commander to give it back.
-
-    Attributes:
-        asked: carries the `Act` of the pressed button.
-    """
-
-    asked = Signal(object)
+class Card(ActionWidget):
+    """A robot: its face, and a button that stops it while it drives, or asks another commander to give it back."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -186,7 +176,7 @@ class Card(QWidget):
         self.stop = ActionButton("small", parent=self)
         self.ask_back = ActionButton("small", parent=self)
         for part in (self.face, self.stop, self.ask_back):
-            part.asked.connect(self.asked)
+            part.requested.connect(self.requested)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
         self._card: RobotCard | None = None
 
@@ -230,22 +220,18 @@ class Card(QWidget):
             button.setGeometry(self.face.button_place(button.sizeHint()))
 
 
-class Cards(QWidget):
+class Cards(ActionWidget):
     """The cards of all robots, in the order of the team.
 
     Attributes:
-        asked: carries the `Act` of the pressed button.
         reveal: the card that should be seen.
     """
 
-    asked = Signal(object)
     reveal = Signal(object)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._rows = QVBoxLayout(self)
-        self._rows.setContentsMargins(0, 0, 0, 0)
-        self._rows.setSpacing(GAP - 2)
+        self._rows = spaced(QVBoxLayout(self), GAP - 2, 0)
         self._shown: tuple[RobotCard, ...] = ()
         self._others_command = False
         self.cards: list[Card] = []
@@ -280,7 +266,7 @@ class Cards(QWidget):
 
     def _made(self) -> Card:
         card = Card(self)
-        card.asked.connect(self.asked)
+        card.requested.connect(self.requested)
         card.face.focused.connect(lambda _face: self.reveal.emit(card))
         self._rows.addWidget(card)
         return card
@@ -289,22 +275,18 @@ class Cards(QWidget):
 def _draw_line(painter: QPainter, line: QRectF, marked: Sign | None, ink: str, words: str, beside: str = "") -> None:
     """Draw a line of a card: a sign and bold words, or plain words without a sign; and the words beside them."""
     small = QFontMetricsF(font("small"))
-    left, middle = line.left(), Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+    left = line.left()
     if marked is not None:
         side = small.height() * 0.9
         sign(painter, QRectF(left, line.center().y() - side / 2, side, side), marked, ink)
         left += side + GAP / 2.0
     face = font("small", bold=marked is not None)
     shown = elided(words, line.right() - left, QFontMetricsF(face))
-    painter.setFont(face)
-    painter.setPen(QColor(ink))
-    painter.drawText(QRectF(left, line.top(), line.right() - left, line.height()), middle, shown)
+    write(painter, QRectF(left, line.top(), line.right() - left, line.height()), shown, face, ink)
     left += QFontMetricsF(face).horizontalAdvance(shown)
     if shown == words and beside:
         space = QRectF(left, line.top(), line.right() - left, line.height())
-        painter.setFont(font("small"))
-        painter.setPen(QColor(colours().muted))
-        painter.drawText(space, middle, elided(f" · {beside}", space.width(), small))
+        write(painter, space, elided(f" · {beside}", space.width(), small), font("small"), colours().muted)
 
 
 def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:

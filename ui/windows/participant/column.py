@@ -1,6 +1,6 @@
 """The column beside the map: robots above, rooms below them."""
 
-from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, QSize, Qt
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
 
@@ -8,21 +8,15 @@ from ui.windows import look
 from ui.windows.look import GAP
 from ui.windows.participant.cards import Cards
 from ui.windows.participant.tiles import Tiles
-from ui.windows.participant.widgets.buttons import ActionButton
+from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget
 from ui.windows.participant.widgets.focus import make_region
 
 _SECTION = int(1.5 * GAP)
 """Distance between robots and rooms, logical pixels."""
 
 
-class SideColumn(QWidget):
-    """Robots above rooms: rooms get the height they need, robots come closer together, and only then something scrolls.
-
-    Attributes:
-        asked: carries the `Act` of the pressed button or of the room looked at.
-    """
-
-    asked = Signal(object)
+class SideColumn(ActionWidget):
+    """Robots above rooms: rooms get the height they need, robots come closer, and only then something scrolls."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -36,7 +30,7 @@ class SideColumn(QWidget):
         make_region(self.cards, "Robots")
         make_region(self.rooms, "Rooms")
         for part in (self.cards, self.tiles, self.dont_know):
-            part.asked.connect(self.asked)
+            part.requested.connect(self.requested)
         self.cards.reveal.connect(lambda card: self.card_area.ensureWidgetVisible(card, 0, GAP))
         self.tiles.reveal.connect(lambda tile: self.tile_area.ensureWidgetVisible(tile, 0, GAP))
 

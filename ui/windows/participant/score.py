@@ -1,10 +1,11 @@
 """The score, which counts up to a new one."""
 
-from PySide6.QtCore import QEasingCurve, QRectF, QSize, Qt, QVariantAnimation
-from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent
+from PySide6.QtCore import QEasingCurve, QRectF, QSize, QVariantAnimation
+from PySide6.QtGui import QColor, QFontMetricsF, QPaintEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from ui.windows.look import GAP, colours, font
+from ui.windows.look import GAP, colours, font, smooth_painter
+from ui.windows.participant.widgets.painting import write
 
 COUNT_DURATION = 900
 """Milliseconds in which a score counts up and the gain floats away."""
@@ -17,10 +18,7 @@ class ScoreLabel(QWidget):
         super().__init__(parent)
         self._score: int | None = None
         self._from = 0
-        self._counting = QVariantAnimation(self)
-        self._counting.setStartValue(0.0)
-        self._counting.setEndValue(1.0)
-        self._counting.setDuration(COUNT_DURATION)
+        self._counting = QVariantAnimation(self, startValue=0.0, endValue=1.0, duration=COUNT_DURATION)
         self._counting.setEasingCurve(QEasingCurve.Type.OutCubic)
         self._counting.valueChanged.connect(lambda _value: self.update())
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
@@ -48,31 +46,22 @@ class ScoreLabel(QWidget):
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the word, the score and the gain."""
         palette = colours()
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter = smooth_painter(self)
         rect = QRectF(self.rect())
-        middle = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
-        painter.setFont(font("small"))
-        painter.setPen(QColor(palette.muted))
-        painter.drawText(rect, middle, "Score")
+        write(painter, rect, "Score", font("small"), palette.muted)
         left = rect.left() + QFontMetricsF(font("small")).horizontalAdvance("Score") + GAP
         share = self._share()
         now, target = round(self._from + share * ((self._score or 0) - self._from)), self._score or 0
         hero = font("hero", bold=True)
-        painter.setFont(hero)
-        painter.setPen(QColor(palette.text))
         words = _signed(now)
-        painter.drawText(rect.adjusted(left, 0, 0, 0), middle, words)
+        write(painter, rect.adjusted(left, 0, 0, 0), words, hero, palette.text)
         gain = target - self._from
         if share < 1.0 and gain:
             left += QFontMetricsF(hero).horizontalAdvance(words) + GAP
             ink = QColor(palette.good if gain > 0 else palette.bad)
             ink.setAlphaF(min(1.0, 2.0 * (1.0 - share)))
-            painter.setPen(ink)
-            painter.setFont(font("title", bold=True))
-            painter.drawText(
-                rect.adjusted(left, -6.0 * share, 0, -6.0 * share), middle, f"{'+' if gain > 0 else ''}{_signed(gain)}"
-            )
+            above = rect.adjusted(left, -6.0 * share, 0, -6.0 * share)
+            write(painter, above, f"{'+' if gain > 0 else ''}{_signed(gain)}", font("title", bold=True), ink)
 
     @property
     def is_counting(self) -> bool:

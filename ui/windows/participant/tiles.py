@@ -1,15 +1,15 @@
 """The rooms' buttons."""
 
-from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QEnterEvent, QFocusEvent, QFontMetricsF, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Signal
+from PySide6.QtGui import QEnterEvent, QFocusEvent, QFontMetricsF, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from ui.model.screen import ConsiderRoom, RoomTile
-from ui.windows.look import GAP, RADIUS, colours, font
-from ui.windows.participant.widgets.buttons import ParticipantButton
-from ui.windows.participant.widgets.painting import Sign, box, chip, chip_size, elided, ring, sign
+from ui.windows.look import GAP, RADIUS, colours, font, smooth_painter
+from ui.windows.participant.widgets.buttons import ActionWidget, ParticipantButton
+from ui.windows.participant.widgets.painting import Sign, box, chip, chip_size, elided, ring, sign, write
 
 SIGNS: dict[str, Sign] = {"unvisited": "open", "reserved": "arrow", "visited": "tick"}
 STATES: dict[str, str] = {"unvisited": "not visited yet", "reserved": "a robot is under way", "visited": "visited"}
@@ -54,7 +54,7 @@ class Tile(ParticipantButton):
     def leaveEvent(self, event: QEvent) -> None:
         """Stop considering the room when the pointer has left it."""
         super().leaveEvent(event)
-        self.asked.emit(ConsiderRoom(None))
+        self.requested.emit(ConsiderRoom(None))
 
     def focusInEvent(self, event: QFocusEvent) -> None:
         """Consider the room while it has the focus."""
@@ -64,11 +64,11 @@ class Tile(ParticipantButton):
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """Stop considering the room when it has lost the focus."""
         super().focusOutEvent(event)
-        self.asked.emit(ConsiderRoom(None))
+        self.requested.emit(ConsiderRoom(None))
 
     def _consider(self) -> None:
         if self._tile is not None:
-            self.asked.emit(ConsiderRoom(self._tile.room))
+            self.requested.emit(ConsiderRoom(self._tile.room))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the background of the state, the number, the sign, and the line below."""
@@ -76,8 +76,7 @@ class Tile(ParticipantButton):
         if tile is None:
             return
         palette = colours()
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter = smooth_painter(self)
         rect = QRectF(self.rect())
         can = tile.choose.enabled
         ground = {"unvisited": palette.unvisited, "reserved": palette.reserved, "visited": palette.visited}[tile.state]
@@ -103,9 +102,7 @@ class Tile(ParticipantButton):
         face = font("title", bold=True)
         metrics = QFontMetricsF(face)
         number = tile.choose.key or str(tile.room)  # the key is the number, with a zero before it among ten or more
-        painter.setFont(face)
-        painter.setPen(QColor(palette.text if tile.choose.enabled else palette.muted))
-        painter.drawText(line, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, number)
+        write(painter, line, number, face, palette.text if tile.choose.enabled else palette.muted)
         side = metrics.height() * 0.7
         mark = QRectF(line.right() - side, line.center().y() - side / 2, side, side)
         kind: Sign = "busy" if tile.choose.pending else SIGNS[tile.state]
@@ -114,22 +111,14 @@ class Tile(ParticipantButton):
             chip(painter, QPointF(mark.left() - chip_size() / 2 - 3, line.center().y()), tile.robot)
         if self.width() >= _WIDE:
             at = line.left() + metrics.horizontalAdvance(number) + GAP
-            painter.setFont(font("small"))
-            painter.setPen(QColor(palette.muted))
             room = mark.left() - at - (chip_size() + GAP if tile.robot is not None else GAP / 2)
             name = elided(tile.name, room, QFontMetricsF(font("small")))
-            painter.drawText(
-                QRectF(at, line.top(), room, line.height()),
-                Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter,
-                name,
-            )
+            write(painter, QRectF(at, line.top(), room, line.height()), name, font("small"), palette.muted)
 
     @staticmethod
     def _below(painter: QPainter, tile: RoomTile, line: QRectF) -> None:
         palette = colours()
         small = font("small")
-        painter.setFont(small)
-        painter.setPen(QColor(palette.text if tile.choose.enabled or tile.found else palette.muted))
         if tile.warning:
             side = QFontMetricsF(small).height() * 0.8
             sign(painter, QRectF(line.left(), line.center().y() - side / 2, side, side), "trouble", palette.text)
@@ -138,18 +127,17 @@ class Tile(ParticipantButton):
         words = below(tile)
         fitting = next((text for text in words if metrics.horizontalAdvance(text) <= line.width()), words[0])
         text = elided(fitting, line.width(), metrics)
-        painter.drawText(line, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, text)
+        strong = tile.choose.enabled or tile.found or tile.warning
+        write(painter, line, text, small, palette.text if strong else palette.muted)
 
 
-class Tiles(QWidget):
+class Tiles(ActionWidget):
     """All rooms in a grid: with few columns, and so room for names, where the height allows it.
 
     Attributes:
-        asked: carries the `Act` of the pressed button or of the room looked at.
         reveal: the tile that should be seen.
     """
 
-    asked = Signal(object)
     reveal = Signal(QWidget)
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -197,7 +185,7 @@ class Tiles(QWidget):
     def _match(self, number: int) -> None:
         while len(self.tiles) < number:
             tile = Tile(self)
-            tile.asked.connect(self.asked)
+            tile.requested.connect(self.requested)
             tile.focused.connect(self.reveal)
             tile.show()
             self.tiles.append(tile)

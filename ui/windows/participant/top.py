@@ -1,32 +1,24 @@
 """Strip along the top with score and tools, and the banner across the map."""
 
-from PySide6.QtCore import QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QFontMetricsF, QPaintEvent
 from PySide6.QtWidgets import QHBoxLayout, QWidget
 
 from ui.model.screen import Action, Banner
 from ui.windows import look
-from ui.windows.look import GAP, RADIUS, colours, font
+from ui.windows.look import GAP, RADIUS, colours, font, smooth_painter, spaced
 from ui.windows.participant.score import ScoreLabel
-from ui.windows.participant.widgets.buttons import ActionButton, ActionRow
-from ui.windows.participant.widgets.painting import box, sign
+from ui.windows.participant.widgets.buttons import ActionRow, ActionWidget
+from ui.windows.participant.widgets.painting import WRAPPED, box, sign, write
 from ui.windows.participant.widgets.panels import set_text
 
 
-class TopStrip(QWidget):
-    """Score at the left, tools at the right.
-
-    Attributes:
-        asked: carries the `Act` of the pressed button.
-    """
-
-    asked = Signal(object)
+class TopStrip(ActionWidget):
+    """Score at the left, tools at the right."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(2 * GAP, GAP, 2 * GAP, GAP)
-        row.setSpacing(GAP)
+        row = spaced(QHBoxLayout(self), GAP, 2 * GAP, GAP, 2 * GAP, GAP)
         self._game = look.label(size="small", muted=True)
         self._game.setWordWrap(False)
         self.score = ScoreLabel()
@@ -34,21 +26,15 @@ class TopStrip(QWidget):
         row.addSpacing(GAP)
         row.addWidget(self.score)
         row.addStretch(1)
-        tools = QHBoxLayout()
-        tools.setSpacing(GAP // 2)
+        tools = spaced(QHBoxLayout(), GAP // 2)
         row.addLayout(tools)
-        self.tools = ActionRow(tools.addWidget, self._made)
+        self.tools = ActionRow(tools, self.requested, "quiet")
 
     def show_strip(self, game: int, score: int, *, moving: bool, tools: tuple[Action, ...]) -> None:
         """Show this."""
         set_text(self._game, f"Game {game}" if game else "")
         self.score.show_score(score, moving=moving)
         self.tools.show_actions(tools)
-
-    def _made(self) -> ActionButton:
-        button = ActionButton("quiet")
-        button.asked.connect(self.asked)
-        return button
 
 
 class BannerLine(QWidget):
@@ -83,8 +69,7 @@ class BannerLine(QWidget):
         if self._banner is None:
             return
         palette = colours()
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter = smooth_painter(self)
         rect = QRectF(self.rect())
         bad = self._banner.kind == "bad"
         ink = palette.panel if bad else palette.text
@@ -92,7 +77,5 @@ class BannerLine(QWidget):
         side = QFontMetricsF(font()).height()
         mark = QRectF(rect.left() + 1.5 * GAP, rect.center().y() - side / 2, side, side)
         sign(painter, mark, "trouble" if bad else "talk", ink)
-        painter.setFont(font(bold=bad))
-        painter.setPen(QColor(ink))
         area = rect.adjusted(2.5 * GAP + side, 0, -GAP, 0)
-        painter.drawText(area, Qt.AlignmentFlag.AlignVCenter | Qt.TextFlag.TextWordWrap, self._banner.text)
+        write(painter, area, self._banner.text, font(bold=bad), ink, WRAPPED)

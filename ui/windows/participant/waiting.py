@@ -1,14 +1,14 @@
 """Strip along the bottom with all that waits for the participant."""
 
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QWheelEvent
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt
+from PySide6.QtGui import QFontMetricsF, QPaintEvent, QWheelEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QSizePolicy, QWidget
 
 from ui.model.screen import WaitingItem
 from ui.windows import look
-from ui.windows.look import GAP, RADIUS, colours, font
-from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace, ParticipantButton
-from ui.windows.participant.widgets.painting import box, chip, chip_size, key_cap, key_size, ring
+from ui.windows.look import GAP, RADIUS, colours, font, smooth_painter, spaced
+from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ButtonFace, ParticipantButton
+from ui.windows.participant.widgets.painting import WRAPPED, box, chip, chip_size, key_cap, key_size, ring, write
 from ui.windows.participant.widgets.panels import set_text
 
 
@@ -42,17 +42,14 @@ class WaitingChip(ParticipantButton):
         if self._waiting is None:
             return
         palette = colours()
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter = smooth_painter(self)
         rect = QRectF(self.rect())
         box(painter, rect, palette.track if self.pointed_at() else palette.panel, palette.accent, radius=RADIUS)
         if self.hasFocus():
             ring(painter, rect, palette.text)
         chip(painter, QPointF(rect.left() + GAP + chip_size() / 2, rect.center().y()), self._waiting.robot)
-        painter.setFont(font("small"))
-        painter.setPen(QColor(palette.text))
         area = rect.adjusted(1.75 * GAP + chip_size(), 2, -GAP - self._key_room(), -2)
-        painter.drawText(area, Qt.AlignmentFlag.AlignVCenter | Qt.TextFlag.TextWordWrap, self._waiting.text)
+        write(painter, area, self._waiting.text, font("small"), palette.text, WRAPPED)
         key = self._waiting.show.key
         if key:
             wide, high = key_size(key)
@@ -83,29 +80,22 @@ class HorizontalScrollArea(QScrollArea):
         bar.setValue(bar.value() - (turned.x() or turned.y()))
 
 
-class WaitingStrip(QWidget):
+class WaitingStrip(ActionWidget):
     """All that waits for the participant, oldest first; its height never changes, so that nothing jumps.
 
     Attributes:
-        asked: carries the `Act` of the pressed button.
         history: the button that opens the history.
     """
 
-    asked = Signal(object)
-
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(0, 0, 0, 0)
-        row.setSpacing(GAP)
+        row = spaced(QHBoxLayout(self), GAP, 0)
         self._count = look.label(size="small", muted=True)
         self._count.setWordWrap(False)
         row.addWidget(self._count)
         area = HorizontalScrollArea()
         inside = QWidget()
-        self._chips = QHBoxLayout(inside)
-        self._chips.setContentsMargins(0, 0, 0, 0)
-        self._chips.setSpacing(GAP)
+        self._chips = spaced(QHBoxLayout(inside), GAP, 0)
         self._chips.addStretch(1)
         area.setWidget(inside)
         self._area = area
@@ -128,7 +118,7 @@ class WaitingStrip(QWidget):
         set_text(self._count, f"Waiting for\nyou: {len(waiting)}" if waiting else "Nothing waits for you")
         while len(self.chips) < len(waiting):
             made = WaitingChip()
-            made.asked.connect(self.asked)
+            made.requested.connect(self.requested)
             made.focused.connect(self._area.ensureWidgetVisible)
             self._chips.insertWidget(len(self.chips), made)
             self.chips.append(made)

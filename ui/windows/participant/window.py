@@ -37,7 +37,7 @@ from ui.model.screen import (
     TreasurePopup,
 )
 from ui.model.theme import Palette
-from ui.windows.look import GAP
+from ui.windows.look import GAP, spaced
 from ui.windows.map import MapView
 from ui.windows.participant.column import SideColumn
 from ui.windows.participant.history import HistoryView
@@ -131,19 +131,14 @@ class ParticipantWindow(QWidget):
         focus.make_region(self.waiting, "What waits for you")
         self.history.hide()
         self.waiting.history.toggled.connect(self.history.setVisible)
-        left = QVBoxLayout()
-        left.setSpacing(GAP)
+        left = spaced(QVBoxLayout(), GAP)
         left.addWidget(self.map_area, 1)
         left.addWidget(self.history)
         left.addWidget(self.waiting)
         playing = QWidget()
-        rows = QVBoxLayout(playing)
-        rows.setContentsMargins(0, 0, 0, 0)
-        rows.setSpacing(0)
+        rows = spaced(QVBoxLayout(playing), 0, 0)
         rows.addWidget(self.top)
-        middle = QHBoxLayout()
-        middle.setContentsMargins(2 * GAP, 0, 2 * GAP, 2 * GAP)
-        middle.setSpacing(2 * GAP)
+        middle = spaced(QHBoxLayout(), 2 * GAP, 2 * GAP, 0, 2 * GAP, 2 * GAP)
         middle.addLayout(left, 1)
         middle.addWidget(self.column)
         rows.addLayout(middle, 1)
@@ -161,9 +156,9 @@ class ParticipantWindow(QWidget):
 
     def _connect(self) -> None:
         for part in (self.consent, self.top, self.column, self.waiting):
-            part.asked.connect(self.do)
+            part.requested.connect(self.do)
         for panel in (self.dialogue, self.treasure, self.ending, self.question, self.help):
-            panel.asked.connect(self.do)
+            panel.requested.connect(self.do)
         self.map.room_clicked.connect(lambda room: self.do(ChooseRoom(room)))
         self.map.robot_clicked.connect(lambda robot: self.do(ChooseRobot(robot)))
         self.map.room_hovered.connect(lambda room: self.do(ConsiderRoom(room)))

@@ -2,7 +2,7 @@
 
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
-from ui.windows.look import font
+from ui.windows.look import font, spaced
 from ui.windows.researcher.docks.displays import SWITCHES
 from ui.windows.researcher.map.tools import TOOLS
 
@@ -56,11 +56,9 @@ class KeySheet(QDialog):
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.setWindowTitle("Keys")
-        columns = QHBoxLayout()
-        columns.setSpacing(40)
+        columns = spaced(QHBoxLayout(), 40)
         for groups in (GROUPS[::2], GROUPS[1::2]):
-            column = QVBoxLayout()
-            column.setSpacing(20)
+            column = spaced(QVBoxLayout(), 20)
             for title, keys in groups:
                 column.addLayout(_group(title, keys))
             column.addStretch(1)

@@ -6,7 +6,7 @@ from PySide6.QtCore import Signal, Slot
 from PySide6.QtWidgets import QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
 from ui.model.study_form.draft import StudyDraft
-from ui.windows.look import GAP, label
+from ui.windows.look import GAP, label, spaced
 
 _TALLEST = 104
 
@@ -28,9 +28,7 @@ class FaultList(QWidget):
         self.list.itemActivated.connect(self._choose)
         self._verdict = label("", "small")
         self._count = 0
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(GAP // 2)
+        column = spaced(QVBoxLayout(self), GAP // 2, 0)
         column.addWidget(self._verdict)
         column.addWidget(self.list)
 

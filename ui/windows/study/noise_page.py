@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QGridLayout, QScrollArea, QVBoxLayout, QWidget
 from thbridge.study.study_file import Study
 from ui.model.study_form.draft import StudyDraft
 from ui.model.study_form.noise import NoisePreview, extent_of, noise_from_form, preview_of
-from ui.windows.look import GAP, colours, label, style_as_panel
+from ui.windows.look import GAP, colours, label, spaced, style_as_panel
 from ui.windows.study import pictures
 from ui.windows.study.background import BackgroundWorker
 from ui.windows.study.pictures import Canvas, NoisePicture, PaintFunction
@@ -42,9 +42,7 @@ class NoiseView(QScrollArea):
             "scan": self._picture(pictures.room, "A laser sweep in a room", 230),
         }
         inside = QWidget()
-        column = QVBoxLayout(inside)
-        column.setContentsMargins(GAP, 0, GAP, GAP)
-        column.setSpacing(2 * GAP)
+        column = spaced(QVBoxLayout(inside), 2 * GAP, GAP, 0, GAP, GAP)
         column.addWidget(self._drives())
         column.addWidget(self._sweep())
         column.addStretch(1)
@@ -104,9 +102,7 @@ class NoiseView(QScrollArea):
     def _drives(self) -> QWidget:
         card = QWidget()
         style_as_panel(card)
-        column = QVBoxLayout(card)
-        column.setContentsMargins(2 * GAP, 2 * GAP, 2 * GAP, 2 * GAP)
-        column.setSpacing(GAP)
+        column = spaced(QVBoxLayout(card), GAP, 2 * GAP)
         column.addWidget(label("200 drives of ten metres", bold=True))
         column.addWidget(
             label("Thick: the drive. Thin: 200 times what comes of it. Ellipse: 95 % of the ends.", "small", muted=True)
@@ -116,8 +112,7 @@ class NoiseView(QScrollArea):
         column.addWidget(label("What the particle filter believes (dashed)", "small", bold=True))
         column.addWidget(self._pictures["straight believed"])
         column.addWidget(self._straight)
-        grid = QGridLayout()
-        grid.setSpacing(GAP)
+        grid = spaced(QGridLayout(), GAP)
         grid.addWidget(label("Around a square: wheels", "small", bold=True), 0, 0)
         grid.addWidget(label("Around a square: belief", "small", bold=True), 0, 1)
         grid.addWidget(self._pictures["square"], 1, 0)
@@ -130,9 +125,7 @@ class NoiseView(QScrollArea):
     def _sweep(self) -> QWidget:
         card = QWidget()
         style_as_panel(card)
-        column = QVBoxLayout(card)
-        column.setContentsMargins(2 * GAP, 2 * GAP, 2 * GAP, 2 * GAP)
-        column.setSpacing(GAP)
+        column = spaced(QVBoxLayout(card), GAP, 2 * GAP)
         column.addWidget(label("A laser sweep in a room", bold=True))
         column.addWidget(label("Dots: where beams truly end. Crosses: what the laser says.", "small", muted=True))
         column.addWidget(self._pictures["scan"])

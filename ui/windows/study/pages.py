@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
 
 from ui.model.study_form.draft import StudyDraft, search_fields
 from ui.model.study_form.form import FormField, FormGroup, RepeatKind
-from ui.windows.look import GAP, colours, font, label, style_as_panel
+from ui.windows.look import GAP, colours, font, label, spaced, style_as_panel
 from ui.windows.study.row import FieldRow
 
 _FOUND = "found"
@@ -119,9 +119,7 @@ class FieldsPage(QScrollArea):
     def _build(self, groups: tuple[FormGroup, ...], *, narrow: bool) -> Iterator[None]:
         """Make the page anew, row by row."""
         inside = QWidget()
-        column = QVBoxLayout(inside)
-        column.setContentsMargins(2 * GAP, GAP, 2 * GAP, 2 * GAP)
-        column.setSpacing(2 * GAP)
+        column = spaced(QVBoxLayout(inside), 2 * GAP, 2 * GAP, GAP, 2 * GAP, 2 * GAP)
         column.addStretch(1)
         self.setWidget(inside)
         self._clearing = {}
@@ -140,8 +138,7 @@ class FieldsPage(QScrollArea):
 
     def _head(self, group: FormGroup, *, first: bool, whole: FormGroup) -> QVBoxLayout:
         """Return a section's name and meaning, and its buttons."""
-        head = QVBoxLayout()
-        head.setSpacing(GAP // 2)
+        head = spaced(QVBoxLayout(), GAP // 2)
         row = QHBoxLayout()
         row.addWidget(label(group.label, "title" if first else "body", bold=True), 1)
         if not first and whole.repeats is RepeatKind.ITEMS:
@@ -164,9 +161,7 @@ class FieldsPage(QScrollArea):
 
     def _fill_card(self, card: QWidget, fields: tuple[FormField, ...], *, narrow: bool) -> Iterator[None]:
         style_as_panel(card)
-        column = QVBoxLayout(card)
-        column.setContentsMargins(2 * GAP, GAP, 2 * GAP, GAP)
-        column.setSpacing(0)
+        column = spaced(QVBoxLayout(card), 0, 2 * GAP, GAP, 2 * GAP, GAP)
         for index, field in enumerate(fields):
             if index:
                 column.addWidget(_rule())
@@ -239,9 +234,7 @@ class TextPage(QWidget):
         self.editor.setTabChangesFocus(True)
         self._fault = label("", "small")
         self._fault.setProperty("bad", True)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(2 * GAP, GAP, 2 * GAP, 2 * GAP)
-        column.setSpacing(GAP)
+        column = spaced(QVBoxLayout(self), GAP, 2 * GAP, GAP, 2 * GAP, 2 * GAP)
         column.addWidget(label("The file as text", "title", bold=True))
         column.addWidget(self._fault)
         column.addWidget(self.editor, 1)
@@ -302,9 +295,7 @@ class ChangesPage(QWidget):
         self.view.setAccessibleName("What will be written")
         self.view.setFont(_fixed())
         self._words = label("", muted=True)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(2 * GAP, GAP, 2 * GAP, 2 * GAP)
-        column.setSpacing(GAP)
+        column = spaced(QVBoxLayout(self), GAP, 2 * GAP, GAP, 2 * GAP, 2 * GAP)
         column.addWidget(label("What will be written", "title", bold=True))
         column.addWidget(self._words)
         column.addWidget(self.view, 1)

@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QLineEdit, QPushButton, Q
 from thbridge.files.errors import BadFile
 from ui.model.study_form.form import FieldKind, FormField, editable_text, hint_of
 from ui.windows.controls import ChoiceBox
-from ui.windows.look import GAP, font, label
+from ui.windows.look import GAP, font, label, spaced
 
 _EDITOR_WIDTH = 240
 _WIDE = 340
@@ -85,15 +85,13 @@ class FieldRow(QWidget):
         policy = self._reset.sizePolicy()
         policy.setRetainSizeWhenHidden(True)
         self._reset.setSizePolicy(policy)
-        words = QVBoxLayout()
-        words.setSpacing(GAP // 4)
+        words = spaced(QVBoxLayout(), GAP // 4)
         for part in (self._name, self._help, self._origin, self._fault):
             words.addWidget(part)
         whole = QBoxLayout(QBoxLayout.Direction.TopToBottom if narrow else QBoxLayout.Direction.LeftToRight, self)
         whole.setContentsMargins(0, GAP, 0, GAP)
         whole.setSpacing(GAP // 2 if narrow else 2 * GAP)
-        values = QHBoxLayout()
-        values.setSpacing(GAP)
+        values = spaced(QHBoxLayout(), GAP)
         whole.addLayout(words, 1)
         whole.addLayout(values)  # before it gets a stretch; see `pages._row`
         values.addWidget(editor)

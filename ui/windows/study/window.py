@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from ui.model.study_form.form import FieldKind, RepeatKind
-from ui.windows.look import GAP, label, style_as_panel
+from ui.windows.look import GAP, label, spaced, style_as_panel
 from ui.windows.study.editor import StudyEditor
 from ui.windows.study.faults import FaultList
 from ui.windows.study.noise_page import NoiseView
@@ -310,10 +310,8 @@ class StudyWindow(QMainWindow):
     # Layout -----------------------------------------------------------------------------------------------------------
 
     def _lay_out(self) -> None:
-        head = QHBoxLayout()
-        head.setSpacing(GAP)
-        names = QVBoxLayout()
-        names.setSpacing(0)
+        head = spaced(QHBoxLayout(), GAP)
+        names = spaced(QVBoxLayout(), 0)
         names.addWidget(self._title)
         names.addWidget(self._state)
         head.addLayout(names, 1)
@@ -343,9 +341,7 @@ class StudyWindow(QMainWindow):
         body.setStretchFactor(1, 1)
         body.setSizes([230, 1010])
         inside = QWidget()
-        column = QVBoxLayout(inside)
-        column.setContentsMargins(2 * GAP, 2 * GAP, 2 * GAP, GAP)
-        column.setSpacing(GAP)
+        column = spaced(QVBoxLayout(inside), GAP, 2 * GAP, 2 * GAP, 2 * GAP, GAP)
         column.addLayout(head)
         column.addWidget(self._banner)
         column.addWidget(body, 1)

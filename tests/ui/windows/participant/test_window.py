@@ -534,7 +534,7 @@ def test_nobody_looks_while_it_is_hidden(qtbot: QtBot, opened: Open) -> None:
     shown.model.screen = lambda now: looks.append(now) or screen(now)
     shown.window.hide()
     looks.clear()
-    with qtbot.assertNotEmitted(shown.window.top.asked, wait=100):
+    with qtbot.assertNotEmitted(shown.window.top.requested, wait=100):
         pass
     assert looks == []
     shown.window.show()

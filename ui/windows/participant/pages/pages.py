@@ -1,16 +1,16 @@
 """Pages that fill the window or lie above it: connecting, consent, a question, help, the end of the game."""
 
-from PySide6.QtCore import QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QPainter, QPaintEvent
+from PySide6.QtCore import QRectF, QSize, Qt
+from PySide6.QtGui import QPaintEvent
 from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QPlainTextEdit, QScrollArea, QVBoxLayout, QWidget
 
 from ui.model.screen import Action, Confirmation, GameOverPage, ShowHelp
 from ui.windows import look
-from ui.windows.look import GAP, colours
-from ui.windows.participant.widgets.buttons import ActionButton
+from ui.windows.look import GAP, colours, smooth_painter, spaced
+from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget
 from ui.windows.participant.widgets.focus import make_region
 from ui.windows.participant.widgets.painting import key_cap, key_size
-from ui.windows.participant.widgets.panels import TitledPanel, set_text
+from ui.windows.participant.widgets.panels import TitledPanel, page_column, set_text
 
 WINDOW_KEYS = (
     ("F6 or Ctrl+Tab", "Go to the next part of the window"),
@@ -26,9 +26,7 @@ class ConnectingPage(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         make_region(self, "Connecting")
-        rows = QVBoxLayout(self)
-        rows.setContentsMargins(4 * GAP, 4 * GAP, 4 * GAP, 4 * GAP)
-        rows.setSpacing(GAP)
+        rows = spaced(QVBoxLayout(self), GAP, 4 * GAP)
         self._title, self._what = look.label("One moment", "hero", bold=True), look.label(size="title", muted=True)
         rows.addStretch(2)
         for line in (self._title, self._what):
@@ -41,44 +39,26 @@ class ConnectingPage(QWidget):
         set_text(self._what, text)
 
 
-class ConsentPage(QWidget):
-    """The text to agree to, and the button for it.
-
-    Attributes:
-        asked: carries the `Act` of the pressed button.
-    """
-
-    asked = Signal(object)
+class ConsentPage(ActionWidget):
+    """The text to agree to, and the button for it."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         make_region(self, "Consent")
-        outer = QHBoxLayout(self)
-        outer.setContentsMargins(4 * GAP, 4 * GAP, 4 * GAP, 4 * GAP)
-        column = QWidget()
-        column.setMaximumWidth(760)
-        outer.addStretch(1)
-        outer.addWidget(column, 20)
-        outer.addStretch(1)
-        rows = QVBoxLayout(column)
-        rows.setContentsMargins(0, 0, 0, 0)
-        rows.setSpacing(2 * GAP)
+        rows = spaced(page_column(self, 760), 2 * GAP, 0)
         rows.addWidget(look.label("Before you take part", "hero", bold=True))
-        self._text = QPlainTextEdit()
-        self._text.setReadOnly(True)
+        self._text = QPlainTextEdit(readOnly=True, tabChangesFocus=True)
         self._text.setTextInteractionFlags(
             Qt.TextInteractionFlag.TextSelectableByKeyboard | Qt.TextInteractionFlag.TextSelectableByMouse
         )
-        self._text.setTabChangesFocus(True)
         self._text.setAccessibleName("What you agree to")
         self._text.setFrameShape(QFrame.Shape.NoFrame)
         self._text.document().setDocumentMargin(2 * GAP)
         look.style_as_panel(self._text)
         rows.addWidget(self._text, 1)
         self.agree = ActionButton("main")
-        self.agree.asked.connect(self.asked)
-        foot = _foot(rows)
-        foot.addWidget(self.agree)
+        self.agree.requested.connect(self.requested)
+        _foot(rows).addWidget(self.agree)
 
     def show_consent(self, text: str, agree: Action) -> None:
         """Show this."""
@@ -88,13 +68,7 @@ class ConsentPage(QWidget):
 
 
 class QuestionPanel(TitledPanel):
-    """The question whether an act is really meant.
-
-    Attributes:
-        asked: carries the `Act` of the pressed button.
-    """
-
-    asked = Signal(object)
+    """The question whether an act is really meant."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__("Question", parent)
@@ -103,7 +77,7 @@ class QuestionPanel(TitledPanel):
         foot = _foot(self.rows)
         self.no, self.yes = ActionButton(), ActionButton("main")
         for button in (self.no, self.yes):
-            button.asked.connect(self.asked)
+            button.requested.connect(self.requested)
             foot.addWidget(button)
 
     def show_question(self, question: Confirmation) -> None:
@@ -115,19 +89,13 @@ class QuestionPanel(TitledPanel):
 
 
 class EndingPanel(TitledPanel):
-    """The panel at the end of the game.
-
-    Attributes:
-        asked: carries the `Act` of the pressed button.
-    """
-
-    asked = Signal(object)
+    """The panel at the end of the game."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__("The game is over", parent)
         self._lines = look.label(size="title")
         self.again = ActionButton("main")
-        self.again.asked.connect(self.asked)
+        self.again.requested.connect(self.requested)
         self.rows.addWidget(self._lines, 1)
         self.rows.addWidget(self.again)
 
@@ -150,28 +118,20 @@ class KeyCap(QWidget):
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the keys."""
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter = smooth_painter(self)
         key_cap(painter, QRectF(self.rect()).adjusted(1, 1, -1, -1), self._keys, colours().text)
 
 
 class HelpSheet(TitledPanel):
-    """Sheet of all keys and their meanings.
-
-    Attributes:
-        asked: carries the `Act` of the pressed button.
-    """
-
-    asked = Signal(object)
+    """Sheet of all keys and their meanings."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__("Keys", parent)
         self.entitle("Keys")
         self.close_button = ActionButton()
-        self.close_button.asked.connect(self.asked)
+        self.close_button.requested.connect(self.requested)
         self.top.addWidget(self.close_button)
-        self._area = QScrollArea()
-        self._area.setWidgetResizable(True)
+        self._area = QScrollArea(widgetResizable=True)
         self._area.setFrameShape(QFrame.Shape.NoFrame)
         self._area.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._area.setAccessibleName("Keys and what they do")

@@ -2,12 +2,13 @@
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QKeySequence, QShortcut
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QWidget
 
 from ui.windows import look
-from ui.windows.look import GAP
+from ui.windows.look import GAP, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
 from ui.windows.participant.widgets.focus import make_region
+from ui.windows.participant.widgets.panels import page_column
 
 INTRODUCTION = (
     "Treasures are hidden in the rooms of this house. Your robots find them, and you decide together where each robot "
@@ -34,15 +35,7 @@ class StartPage(QWidget):
         super().__init__(parent)
         make_region(self, "Start")
         self._number = usual
-        outer = QHBoxLayout(self)
-        outer.setContentsMargins(4 * GAP, 4 * GAP, 4 * GAP, 4 * GAP)
-        column = QWidget()
-        column.setMaximumWidth(680)
-        outer.addStretch(1)
-        outer.addWidget(column, 20)
-        outer.addStretch(1)
-        rows = QVBoxLayout(column)
-        rows.setSpacing(2 * GAP)
+        rows = spaced(page_column(self, 680), 2 * GAP)
         rows.addStretch(2)
         rows.addWidget(look.label("Treasure hunt", "hero", bold=True))
         rows.addWidget(look.label(INTRODUCTION))
@@ -51,8 +44,7 @@ class StartPage(QWidget):
         heading = "How many robots?" if asks else f"You will command {_robots(usual)}."
         rows.addWidget(look.label(heading, "title", bold=asks))
         self.choices = {number: self._choice(number) for number in range(least, most + 1)}
-        grid = QGridLayout()
-        grid.setSpacing(GAP)
+        grid = spaced(QGridLayout(), GAP)
         lines = -(-len(self.choices) // _IN_A_ROW)
         in_a_line = -(-len(self.choices) // lines)
         for at, button in enumerate(self.choices.values()):
@@ -65,8 +57,7 @@ class StartPage(QWidget):
         self.practise.show_face(ButtonFace("Try it out first", "T"), "Try it out first: a short practice game")
         self.practise.clicked.connect(self.tutorial)
         self.begin.clicked.connect(lambda: self.start.emit(self._number))
-        foot = QHBoxLayout()
-        foot.setSpacing(GAP)
+        foot = spaced(QHBoxLayout(), GAP)
         foot.addWidget(self.practise, 1)
         foot.addWidget(self.begin, 1)
         rows.addLayout(foot)

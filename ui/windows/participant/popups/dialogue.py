@@ -1,30 +1,23 @@
 """The pop-up in which a robot talks with the participant."""
 
-from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from sim.common.robot_numbers import robot_name
 from ui.model.screen import DialoguePopup
 from ui.windows import look
-from ui.windows.look import GAP
+from ui.windows.look import GAP, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ActionRow
 from ui.windows.participant.widgets.panels import TitledPanel, Transcript
 
 
 class DialoguePanel(TitledPanel):
-    """A dialogue with a robot: sentences as bubbles, answers as buttons.
-
-    Attributes:
-        asked: carries the `Act` of the pressed button.
-    """
-
-    asked = Signal(object)
+    """A dialogue with a robot: sentences as bubbles, answers as buttons."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__("Dialogue", parent)
         self._pop: DialoguePopup | None = None
         self.aside = ActionButton("quiet")
-        self.aside.asked.connect(self.asked)
+        self.aside.requested.connect(self.requested)
         self.top.addWidget(self.aside)
         self.transcript = Transcript()
         self.rows.addWidget(self.transcript, 1)
@@ -32,10 +25,10 @@ class DialoguePanel(TitledPanel):
         self.rows.addWidget(self._thinking)
         self._warning = look.label()
         self.rows.addWidget(self._warning)
-        answers = QVBoxLayout()
-        answers.setSpacing(GAP)
+        answers = spaced(QVBoxLayout(), GAP)
         self.rows.addLayout(answers)
-        self.choices = ActionRow(answers.addWidget, self._made)
+        # All alike: the window must not make one answer look better than another.
+        self.choices = ActionRow(answers, self.requested, hints=True)
 
     def show_pop(self, pop: DialoguePopup) -> None:
         """Show this; does nothing when it is shown already."""
@@ -50,9 +43,3 @@ class DialoguePanel(TitledPanel):
         self._warning.setText(f"⚠ {pop.warning}")
         self._warning.setVisible(bool(pop.warning))
         self.choices.show_actions(pop.choices)
-
-    def _made(self) -> ActionButton:
-        # All alike: the window must not make one answer look better than another.
-        button = ActionButton(hints=True)
-        button.asked.connect(self.asked)
-        return button

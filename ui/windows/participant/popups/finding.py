@@ -7,8 +7,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from ui.windows.look import GAP, RADIUS, colours, font
-from ui.windows.participant.widgets.painting import sign
+from ui.windows.look import GAP, RADIUS, colours, font, smooth_painter
+from ui.windows.participant.widgets.painting import sign, write
 
 _PICTURE = QSize(224, 168)
 """Usual size of a picture, logical pixels."""
@@ -46,18 +46,15 @@ class TreasurePicture(QWidget):
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the picture as large as fits."""
         palette = colours()
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter = smooth_painter(self)
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
         rect = QRectF(self.rect()).adjusted(0.5, 0.5, -0.5, -0.5)
         painter.setPen(QColor(palette.line))
         painter.setBrush(QColor(palette.track))
         painter.drawRoundedRect(rect, RADIUS - 2, RADIUS - 2)
         if self._pixmap.isNull():
-            painter.setFont(font("small"))
-            painter.setPen(QColor(palette.muted))
             wrap = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
-            painter.drawText(rect.adjusted(GAP, GAP, -GAP, -GAP), wrap, self._note)
+            write(painter, rect.adjusted(GAP, GAP, -GAP, -GAP), self._note, font("small"), palette.muted, wrap)
             return
         size = (
             self._pixmap.size().toSizeF().scaled(rect.adjusted(2, 2, -2, -2).size(), Qt.AspectRatioMode.KeepAspectRatio)
@@ -95,12 +92,9 @@ class SensedFacts(QWidget):
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the two lines."""
         palette = colours()
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setFont(font())
+        painter = smooth_painter(self)
         if not self._colour:
-            painter.setPen(QColor(palette.muted))
-            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, "Looking at it …")
+            write(painter, QRectF(self.rect()), "Looking at it …", font(), palette.muted)
             return
         for row, words in enumerate((self._colour, self._footprint)):
             line = QRectF(0.0, row * (self._line() + GAP / 2), self.width(), self._line())
@@ -113,9 +107,7 @@ class SensedFacts(QWidget):
                 painter.drawRoundedRect(patch, 4, 4)
             else:
                 self._shape(painter, patch, words.casefold())
-            painter.setPen(QColor(palette.text))
-            area = line.adjusted(side + 1.5 * GAP, 0, 0, 0)
-            painter.drawText(area, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, words)
+            write(painter, line.adjusted(side + 1.5 * GAP, 0, 0, 0), words, font(), palette.text)
 
     @staticmethod
     def _shape(painter: QPainter, patch: QRectF, words: str) -> None:
@@ -152,8 +144,7 @@ class NamingResult(QWidget):
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw a tick and the points won, or a warning sign and the points lost."""
         palette = colours()
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter = smooth_painter(self)
         rect = QRectF(self.rect())
         won = (self._points or 0) > 0
         ink = palette.good if won else palette.bad if (self._points or 0) < 0 else palette.text
@@ -164,12 +155,6 @@ class NamingResult(QWidget):
         top = rect.top() + max(0.0, (rect.height() - high - 60) / 2)
         left = rect.center().x() - (wide + high) / 2
         sign(painter, QRectF(left, top, high * 0.8, high), "tick" if won else "trouble", ink)
-        painter.setFont(hero)
-        painter.setPen(QColor(ink))
-        painter.drawText(QRectF(left + high, top, wide + 4, high), Qt.AlignmentFlag.AlignVCenter, words)
-        painter.setFont(font())
-        painter.setPen(QColor(palette.text))
+        write(painter, QRectF(left + high, top, wide + 4, high), words, hero, ink)
         wrap = Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignTop | Qt.TextFlag.TextWordWrap
-        painter.drawText(
-            QRectF(rect.left(), top + high + GAP, rect.width(), rect.bottom() - top - high - GAP), wrap, self._text
-        )
+        write(painter, rect.adjusted(0, top - rect.top() + high + GAP, 0, 0), self._text, font(), palette.text, wrap)

@@ -1,6 +1,5 @@
 """The pop-up about a treasure that a robot found."""
 
-from PySide6.QtCore import Signal
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QVBoxLayout,
@@ -9,7 +8,7 @@ from PySide6.QtWidgets import (
 
 from ui.model.screen import PickName, TreasurePopup
 from ui.windows import look
-from ui.windows.look import GAP
+from ui.windows.look import GAP, spaced
 from ui.windows.participant.popups.finding import NamingResult, SensedFacts, TreasurePicture
 from ui.windows.participant.popups.names import NameList
 from ui.windows.participant.widgets.buttons import ActionButton
@@ -17,25 +16,16 @@ from ui.windows.participant.widgets.panels import TitledPanel
 
 
 class TreasurePanel(TitledPanel):
-    """Sensor readings and picture at the left, the list of possible names at the right.
-
-    Attributes:
-        asked: carries the `Act` of the pressed button or of the picked name.
-    """
-
-    asked = Signal(object)
+    """Sensor readings and picture at the left, the list of possible names at the right."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__("Treasure", parent)
         self._pop: TreasurePopup | None = None
         self.aside = ActionButton("quiet")
         self.top.addWidget(self.aside)
-        columns = QHBoxLayout()
-        columns.setSpacing(2 * GAP)
+        columns = spaced(QHBoxLayout(), 2 * GAP)
         self.rows.addLayout(columns, 1)
-        left, right = QVBoxLayout(), QVBoxLayout()
-        left.setSpacing(int(1.5 * GAP))
-        right.setSpacing(GAP)
+        left, right = spaced(QVBoxLayout(), int(1.5 * GAP)), spaced(QVBoxLayout(), GAP)
         columns.addLayout(left, 2)
         columns.addLayout(right, 3)
         self.facts, self.picture, self.names, self.verdict = (
@@ -64,8 +54,8 @@ class TreasurePanel(TitledPanel):
         ):
             right.addWidget(widget, stretch)
         for button in (self.aside, self.take_picture, self.name_it, self.leave):
-            button.asked.connect(self.asked)
-        self.names.picked.connect(lambda name: self.asked.emit(PickName(name)))
+            button.requested.connect(self.requested)
+        self.names.picked.connect(lambda name: self.requested.emit(PickName(name)))
 
     def show_pop(self, pop: TreasurePopup) -> None:
         """Show this; does nothing when it is shown already."""

@@ -1,17 +1,16 @@
 """Buttons that show an `Action`: its label, its key, its cost or why it cannot be pressed."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from PySide6.QtCore import QEvent, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QFocusEvent, QFont, QFontMetricsF, QKeyEvent, QPainter, QPaintEvent
-from PySide6.QtWidgets import QPushButton, QSizePolicy, QToolTip, QWidget
+from PySide6.QtCore import QEvent, QRectF, QSize, Qt, Signal, SignalInstance
+from PySide6.QtGui import QFocusEvent, QFont, QFontMetricsF, QKeyEvent, QPainter, QPaintEvent
+from PySide6.QtWidgets import QBoxLayout, QPushButton, QSizePolicy, QToolTip, QWidget
 
 from ui.model.screen import Act, Action
-from ui.windows.look import GAP, Size, colours, font
+from ui.windows.look import GAP, Size, colours, font, smooth_painter
 from ui.windows.participant.widgets import focus
-from ui.windows.participant.widgets.painting import box, key_cap, key_size, ring, sign
+from ui.windows.participant.widgets.painting import WRAPPED, box, key_cap, key_size, ring, sign, write
 
 Weight = Literal["main", "large", "plain", "small", "quiet"]
 """Prominence of a button: the most likely action; one of several, with much, usual and little space; a side matter,
@@ -39,11 +38,11 @@ class ParticipantButton(QPushButton):
     takes the focus from the keyboard only: after a click, Space and Enter must not press it again.
 
     Attributes:
-        asked: the `Act` of the action shown.
+        requested: the `Act` of the action shown.
         focused: the button itself, once it has the focus.
     """
 
-    asked = Signal(object)
+    requested = Signal(object)
     focused = Signal(QWidget)
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -103,7 +102,7 @@ class ParticipantButton(QPushButton):
         if not face.enabled:
             QToolTip.showText(self.mapToGlobal(self.rect().bottomLeft()), face.hint, self)
         elif self.act is not None:
-            self.asked.emit(self.act)
+            self.requested.emit(self.act)
 
 
 class ActionButton(ParticipantButton):
@@ -166,8 +165,7 @@ class ActionButton(ParticipantButton):
         face, palette = self.face, colours()
         if face is None:
             return
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter = smooth_painter(self)
         rect = QRectF(self.rect())
         ready = face.enabled and not face.busy
         filled = (self._weight == "main" or self.isChecked()) and ready
@@ -188,29 +186,20 @@ class ActionButton(ParticipantButton):
             text.setRight(cap.left() - GAP)
         if face.busy:
             side = key_size("X")[1]
-            sign(
-                painter,
-                QRectF(text.left(), rect.center().y() - side / 2.0, side, side).adjusted(2, 2, -2, -2),
-                "busy",
-                ink,
-            )
+            busy = QRectF(text.left(), rect.center().y() - side / 2.0, side, side)
+            sign(painter, busy.adjusted(2, 2, -2, -2), "busy", ink)
             text.setLeft(text.left() + side + GAP / 2.0)
         self._words(painter, text, face, ink, palette.on_accent if filled else palette.muted)
 
     def _words(self, painter: QPainter, area: QRectF, face: ButtonFace, ink: str, faint: str) -> None:
-        wrap = Qt.TextFlag.TextWordWrap
-        hint = face.hint if self._hints else ""
-        painter.setFont(self._font())
-        painter.setPen(QColor(ink))
-        centred = Qt.AlignmentFlag.AlignHCenter if not (face.key or hint) else Qt.AlignmentFlag.AlignLeft
-        if not hint:
-            painter.drawText(area, centred | Qt.AlignmentFlag.AlignVCenter | wrap, face.label)
+        if not (self._hints and face.hint):
+            centred = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+            write(painter, area, face.label, self._font(), ink, WRAPPED if face.key else centred)
             return
         high = self._height(face.label, self._font(), area.width())
-        painter.drawText(area, Qt.AlignmentFlag.AlignLeft | wrap, face.label)
-        painter.setFont(font("small"))
-        painter.setPen(QColor(faint))
-        painter.drawText(area.adjusted(0, high + 2.0, 0, 4.0), Qt.AlignmentFlag.AlignLeft | wrap, hint)
+        above = Qt.AlignmentFlag.AlignTop | Qt.TextFlag.TextWordWrap
+        write(painter, area, face.label, self._font(), ink, above)
+        write(painter, area.adjusted(0, high + 2.0, 0, 4.0), face.hint, font("small"), faint, above)
 
     def _font(self) -> QFont:
         sizes: dict[Weight, Size] = {"large": "title", "small": "small"}
@@ -238,20 +227,42 @@ def _presses(event: QKeyEvent) -> bool:
     )
 
 
-class ActionRow:
-    """A row of buttons, one for each action; buttons are reused when the actions change."""
+class ActionWidget(QWidget):
+    """A part of the window with buttons in it.
 
-    def __init__(self, add: Callable[[QWidget], None], make: Callable[[], ActionButton]) -> None:
-        self._add = add
-        self._make = make
+    Attributes:
+        requested: carries the `Act` of the pressed button, or of the room looked at.
+    """
+
+    requested = Signal(object)
+
+
+class ActionRow:
+    """Buttons in a layout, one for each action, and all alike; they are reused when the actions change.
+
+    Args:
+        layout: gets the buttons.
+        requested: passes on their acts.
+        weight: of each button.
+        hints: show the actions' hints.
+    """
+
+    def __init__(
+        self, layout: QBoxLayout, requested: SignalInstance, weight: Weight = "plain", *, hints: bool = False
+    ) -> None:
+        self._layout = layout
+        self._requested = requested
+        self._weight: Weight = weight
+        self._hints = hints
         self.buttons: list[ActionButton] = []
 
     def show_actions(self, actions: tuple[Action, ...]) -> None:
         """Show these, in order."""
         while len(self.buttons) < len(actions):
-            made = self._make()
+            made = ActionButton(self._weight, hints=self._hints)
+            made.requested.connect(self._requested)
             self.buttons.append(made)
-            self._add(made)
+            self._layout.addWidget(made)
         for button, action in zip(self.buttons, actions, strict=False):
             button.show_action(action)
             button.show()

@@ -3,14 +3,28 @@
 from typing import Literal
 
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QBrush, QColor, QFontMetricsF, QPainter, QPainterPath, QPen, QPixmap
+from PySide6.QtGui import QBrush, QColor, QFont, QFontMetricsF, QPainter, QPainterPath, QPen, QPixmap
 
 from sim.common.robot_numbers import number_of
-from ui.windows.look import GAP, RADIUS, RING, colours, font, text_colour_on
+from ui.windows.look import GAP, RADIUS, RING, colours, font, smooth_painter, text_colour_on
 
 Sign = Literal["open", "arrow", "tick", "trouble", "busy", "talk", "mast"]
 """Not visited yet, a robot is on its way, visited; something is wrong; asked for and not done yet; somebody speaks;
 somebody else commands."""
+
+
+LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+WRAPPED = LEFT | Qt.TextFlag.TextWordWrap
+"""Places of words in an area: at the left, half way down; on one line, or on as many as they need."""
+
+
+def write(
+    painter: QPainter, area: QRectF, words: str, type_: QFont, ink: str | QColor, place: Qt.AlignmentFlag | int = LEFT
+) -> None:
+    """Write words into an area."""
+    painter.setFont(type_)
+    painter.setPen(QColor(ink))
+    painter.drawText(area, place, words)
 
 
 def box(
@@ -54,9 +68,8 @@ def chip(painter: QPainter, centre: QPointF, robot: int) -> None:
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(QColor(colour))
     painter.drawEllipse(around)
-    painter.setFont(font("small", bold=True))
-    painter.setPen(QColor(text_colour_on(colour)))
-    painter.drawText(around, Qt.AlignmentFlag.AlignCenter, str(number_of(robot)))
+    place = Qt.AlignmentFlag.AlignCenter
+    write(painter, around, str(number_of(robot)), font("small", bold=True), text_colour_on(colour), place)
 
 
 def key_size(key: str) -> tuple[float, float]:
@@ -126,8 +139,7 @@ def hatch(ink: str, ground: str) -> QBrush:
     if key not in _HATCHES:
         tile = QPixmap(6, 6)
         tile.fill(QColor(ground))
-        painter = QPainter(tile)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter = smooth_painter(tile)
         painter.setPen(QPen(QColor(ink), 1.6))
         for shift in (-6, 0, 6):
             painter.drawLine(shift, 6, shift + 6, 0)

@@ -8,9 +8,9 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QSizePol
 
 from sim.common.robot_numbers import robot_name
 from ui.windows import look
-from ui.windows.look import GAP, colours, font
+from ui.windows.look import GAP, colours, font, smooth_painter, spaced
 from ui.windows.participant.widgets.focus import make_region
-from ui.windows.participant.widgets.painting import chip, chip_size
+from ui.windows.participant.widgets.painting import WRAPPED, chip, chip_size, write
 
 OVERLAY_COLOUR = "#0b0f14"
 """Colour of the overlay that dims the window, in light and dark."""
@@ -38,8 +38,7 @@ class RobotChip(QWidget):
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the chip."""
         if self._robot is not None:
-            painter = QPainter(self)
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            painter = smooth_painter(self)
             chip(painter, QPointF(self.width() / 2.0, self.height() / 2.0), self._robot)
 
 
@@ -47,9 +46,12 @@ class TitledPanel(QFrame):
     """A panel above everything else, with a title.
 
     Attributes:
+        requested: carries the `Act` of the pressed button, or of the picked name.
         top: the row of the title; what is added goes to its right.
         rows: what is below it.
     """
+
+    requested = Signal(object)
 
     def __init__(self, name: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -59,13 +61,10 @@ class TitledPanel(QFrame):
         self._around = QVBoxLayout(self)
         self._around.setContentsMargins(GAP, GAP, GAP, GAP)
         self._around.addWidget(inside)
-        self.rows = QVBoxLayout(inside)
-        self.rows.setContentsMargins(GAP, GAP, GAP, GAP)
-        self.rows.setSpacing(int(1.5 * GAP))
+        self.rows = spaced(QVBoxLayout(inside), int(1.5 * GAP), GAP)
         self._chip = RobotChip()
         self._title = look.label(size="title", bold=True)
-        self.top = QHBoxLayout()
-        self.top.setSpacing(GAP)
+        self.top = spaced(QHBoxLayout(), GAP)
         self.top.addWidget(self._chip, 0, Qt.AlignmentFlag.AlignVCenter)
         self.top.addWidget(self._title, 1)
         self.rows.addLayout(self.top)
@@ -124,8 +123,7 @@ class SpeechBubble(QWidget):
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the bubble, its edge and the words."""
         palette = colours()
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter = smooth_painter(self)
         words = self._words(self.width())
         robot = self._speaker == "robot"
         wide = words.width() + 3.0 * GAP + 1.0
@@ -136,12 +134,8 @@ class SpeechBubble(QWidget):
         painter.setBrush(QColor(palette.robot(self._robot) if robot else palette.accent))
         at = bubble.left() if robot else bubble.right() - 4.0
         painter.drawRoundedRect(QRectF(at, 7.0, 4.0, bubble.height() - 14.0), 2, 2)
-        painter.setPen(QColor(palette.text))
-        painter.setFont(font())
         area = bubble.adjusted(1.5 * GAP, GAP, -1.5 * GAP, -GAP)
-        painter.drawText(
-            area, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter | Qt.TextFlag.TextWordWrap, self._text
-        )
+        write(painter, area, self._text, font(), palette.text, WRAPPED)
 
     def _words(self, width: int) -> QRectF:
         """Return the space of the words; bubbles leave a share of the width free, so that the sides differ."""
@@ -162,9 +156,7 @@ class Transcript(QScrollArea):
         policy.setHeightForWidth(True)
         self.setSizePolicy(policy)
         inside = OpaqueBackground()
-        self._lines = QVBoxLayout(inside)
-        self._lines.setContentsMargins(0, 0, 0, 0)
-        self._lines.setSpacing(GAP)
+        self._lines = spaced(QVBoxLayout(inside), GAP, 0)
         self._lines.addStretch(1)
         self.setWidget(inside)
         self.setAccessibleName("What was said")
@@ -213,13 +205,7 @@ class Transcript(QScrollArea):
 
 
 class ModalOverlay(QWidget):
-    """A modal overlay: dims the window, which cannot be used meanwhile, and shows one panel in the middle.
-
-    Attributes:
-        missed: a press beside the panel.
-    """
-
-    missed = Signal()
+    """A modal overlay: dims the window, which cannot be used meanwhile, and shows one panel in the middle."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -247,7 +233,6 @@ class ModalOverlay(QWidget):
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Keep the press from what lies behind."""
         event.accept()
-        self.missed.emit()
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
         """Keep the panel in the middle."""
@@ -265,6 +250,18 @@ class ModalOverlay(QWidget):
             size = self._panel.wanted(min(self._widest, self.width() - 4 * GAP), self.height() - 4 * GAP)
             corner = QPoint((self.width() - size.width()) // 2, (self.height() - size.height()) // 2)
             self._panel.setGeometry(QRect(corner, size))
+
+
+def page_column(page: QWidget, width: int) -> QVBoxLayout:
+    """Return a column in the middle of a page, at most so wide, logical pixels."""
+    outer = QHBoxLayout(page)
+    outer.setContentsMargins(4 * GAP, 4 * GAP, 4 * GAP, 4 * GAP)
+    column = QWidget()
+    column.setMaximumWidth(width)
+    outer.addStretch(1)
+    outer.addWidget(column, 20)
+    outer.addStretch(1)
+    return QVBoxLayout(column)
 
 
 def set_text(shown: QLabel, text: str) -> None:

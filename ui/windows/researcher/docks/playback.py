@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from PySide6.QtCore import QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QFontDatabase, QMouseEvent, QPainter, QPaintEvent, QPen
+from PySide6.QtGui import QColor, QFontDatabase, QMouseEvent, QPaintEvent, QPen
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSlider, QStyle, QStyleOptionSlider, QToolButton, QWidget
 
 from ui.model.theme import Palette
 from ui.windows.controls import ChoiceBox
+from ui.windows.look import smooth_painter, spaced
 
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 """Simulated seconds per second."""
@@ -63,8 +64,7 @@ class Timeline(QSlider):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the line, its past part, the marks and the handle."""
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter = smooth_painter(self)
         middle = self.height() / 2.0
         left, right, here = self._x(self.minimum()), self._x(self.maximum()), self._x(self.value())
         painter.setPen(Qt.PenStyle.NoPen)
@@ -169,9 +169,7 @@ class PlaybackBar(QWidget):
         self.time.setFont(QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont))
         self.state = QLabel()
         self.state.setAccessibleDescription("What is shown, and how it is")
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(12, 6, 12, 6)
-        layout.setSpacing(8)
+        layout = spaced(QHBoxLayout(self), 8, 12, 6, 12, 6)
         for widget in (self.play, self.back, self.forward, self.speed):
             layout.addWidget(widget)
         layout.addWidget(self.timeline, 1)
