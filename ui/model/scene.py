@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from sim.common.geometry import FloatArray, Pose2
+from thbridge.roles.notices import Ellipse
 
 RoomState = Literal["unvisited", "reserved", "visited"]
 
@@ -33,15 +34,6 @@ class RoomMark:
     robot: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class EllipseMark:
-    """Ellipse of an uncertainty: half axes in metres; `angle` of the longer one in radians from the map's x axis."""
-
-    major: float
-    minor: float
-    angle: float
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotMark:
     """Robot as it is drawn in one frame. All in the map frame, metres and radians.
@@ -68,6 +60,6 @@ class RobotMark:
     trouble: bool
     trail: FloatArray
     path: FloatArray
-    ellipse: EllipseMark | None = None
+    ellipse: Ellipse | None = None
     truth: Pose2 | None = None
     commander: str = ""

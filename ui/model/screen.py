@@ -24,100 +24,105 @@ class Phase(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class AgreeToTakePart:
+class Act:
+    """Something that the participant can do."""
+
+
+@dataclass(frozen=True, slots=True)
+class AgreeToTakePart(Act):
     """Take part in the study."""
 
 
 @dataclass(frozen=True, slots=True)
-class ChooseRobot:
+class ChooseRobot(Act):
     """Command this robot from now on."""
 
     robot: int
 
 
 @dataclass(frozen=True, slots=True)
-class NextRobot:
+class NextRobot(Act):
     """Command the next robot (`step` 1) or the one before (-1)."""
 
     step: int
 
 
 @dataclass(frozen=True, slots=True)
-class ConsiderRoom:
+class ConsiderRoom(Act):
     """Look at a room without choosing it; None looks away."""
 
     room: int | None
 
 
 @dataclass(frozen=True, slots=True)
-class ChooseRoom:
+class ChooseRoom(Act):
     """Ask the selected robot to go to a room; a robot that is driving is called back first."""
 
     room: int
 
 
 @dataclass(frozen=True, slots=True)
-class TypeDigit:
+class TypeDigit(Act):
     """Type a digit of a room number; with ten rooms or more it is complete after two digits, or by `FinishNumber`."""
 
     digit: int
 
 
 @dataclass(frozen=True, slots=True)
-class FinishNumber:
+class FinishNumber(Act):
     """Take the number typed so far as complete (Enter)."""
 
 
 @dataclass(frozen=True, slots=True)
-class AskAdvice:
+class AskAdvice(Act):
     """Ask the selected robot for its advice."""
 
 
 @dataclass(frozen=True, slots=True)
-class StopRobot:
+class StopRobot(Act):
     """Call back a robot that is driving; None: the selected one."""
 
     robot: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class AskForRobot:
+class AskForRobot(Act):
     """Ask for a robot that somebody else commands to be given back; None: the selected one."""
 
     robot: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class GiveAnswer:
+class GiveAnswer(Act):
     """Make a choice in the dialogue shown."""
 
     choice: int
 
 
 @dataclass(frozen=True, slots=True)
-class TakeThePicture:
+class TakeThePicture(Act):
     """Take a picture of the treasure shown."""
 
 
 @dataclass(frozen=True, slots=True)
-class PickName:
+class PickName(Act):
     """Pick a name for the treasure shown, without committing to it; None clears the choice."""
 
     name: str | None
 
 
 @dataclass(frozen=True, slots=True)
-class SubmitName:
+class SubmitName(Act):
     """Name the treasure shown as picked; this counts for the score."""
 
 
 @dataclass(frozen=True, slots=True)
-class LeaveTreasure:
+class LeaveTreasure(Act):
     """Leave the treasure shown where it is, for good."""
 
 
 @dataclass(frozen=True, slots=True)
-class ShowNext:
+class ShowNext(Act):
     """Put the pop-up aside and show the next one that waits; the one put aside goes on waiting.
 
     Without a pop-up, show the one that has waited longest.
@@ -125,7 +130,7 @@ class ShowNext:
 
 
 @dataclass(frozen=True, slots=True)
-class ShowWaiting:
+class ShowWaiting(Act):
     """Show a pop-up that waits for this robot: its find in this room, or else the one waiting longest."""
 
     robot: int
@@ -133,66 +138,38 @@ class ShowWaiting:
 
 
 @dataclass(frozen=True, slots=True)
-class EndGame:
+class EndGame(Act):
     """End this game although robots could still do something; asks for confirmation first."""
 
 
 @dataclass(frozen=True, slots=True)
-class Confirm:
+class Confirm(Act):
     """Answer yes to a `Confirmation`; an act of its own, so that a double click never says yes unread."""
 
 
 @dataclass(frozen=True, slots=True)
-class Cancel:
+class Cancel(Act):
     """Answer no to a `Confirmation`; without one, clear the digits typed so far."""
 
 
 @dataclass(frozen=True, slots=True)
-class AnotherGame:
+class AnotherGame(Act):
     """Play again once the game is over."""
 
 
 @dataclass(frozen=True, slots=True)
-class ShowHelp:
+class ShowHelp(Act):
     """Open or close the sheet of keys."""
 
 
 @dataclass(frozen=True, slots=True)
-class FollowRobot:
+class FollowRobot(Act):
     """Keep the selected robot in the middle of the map, or stop doing so."""
 
 
 @dataclass(frozen=True, slots=True)
-class FitMap:
+class FitMap(Act):
     """Show the whole map."""
-
-
-Act = (
-    AgreeToTakePart
-    | ChooseRobot
-    | NextRobot
-    | ConsiderRoom
-    | ChooseRoom
-    | TypeDigit
-    | FinishNumber
-    | AskAdvice
-    | StopRobot
-    | AskForRobot
-    | GiveAnswer
-    | TakeThePicture
-    | PickName
-    | SubmitName
-    | LeaveTreasure
-    | ShowNext
-    | ShowWaiting
-    | EndGame
-    | Confirm
-    | Cancel
-    | AnotherGame
-    | ShowHelp
-    | FollowRobot
-    | FitMap
-)
 
 
 @dataclass(frozen=True, slots=True)

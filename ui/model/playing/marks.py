@@ -8,7 +8,7 @@ from thbridge.roles.notices import FloorPlan
 from thbridge.roles.view import View
 from ui.model.motion import DisplayedRobot
 from ui.model.playing.cards import is_in_trouble
-from ui.model.scene import EllipseMark, RobotMark, RoomMark
+from ui.model.scene import RobotMark, RoomMark
 from ui.model.screen import RoomTile
 
 
@@ -52,9 +52,7 @@ class MapMarks:
                 trouble=is_in_trouble(robot),
                 trail=motion.trail,
                 path=motion.path,
-                ellipse=None
-                if motion.ellipse is None
-                else EllipseMark(motion.ellipse.major, motion.ellipse.minor, motion.ellipse.angle),
+                ellipse=motion.ellipse,
                 truth=motion.truth,
                 commander=robot.other_commander,
             )

@@ -10,6 +10,7 @@ import numpy as np
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
 from thbridge.analysis.report.tracks import deviations
+from thbridge.roles.notices import Ellipse
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import ENDED, GoalStatus
 from thbridge.ros.messages.pack import DiagnosticLevel, DiagnosticStatus
@@ -22,7 +23,6 @@ from thbridge.ros.messages.unpack import (
     PoseInFrame,
 )
 from thbridge.ros.robots import is_map_frame
-from ui.model.scene import EllipseMark
 from ui.model.watching.decode_cache import DecodeCache
 from ui.model.watching.frames import Frames
 from ui.model.watching.messages import TopicSnapshot, WatchedMessage
@@ -261,7 +261,7 @@ def thinned(cloud: FloatArray, most: int = THINNED) -> FloatArray:
     return cloud if len(cloud) <= most else cloud[np.linspace(0, len(cloud) - 1, most).astype(np.int64)]
 
 
-def ellipse_of(covariance: FloatArray) -> EllipseMark | None:
+def ellipse_of(covariance: FloatArray) -> Ellipse | None:
     """Ellipse around 95 of 100 places, of a (3, 3) covariance of x, y, theta; None where the covariance is none."""
     planar = covariance[:2, :2]
     if not np.isfinite(planar).all():
@@ -272,7 +272,7 @@ def ellipse_of(covariance: FloatArray) -> EllipseMark | None:
     if middle - reach < -1e-9:
         return None
     major, minor = (math.sqrt(CHI_SQUARE_95 * max(variance, 0.0)) for variance in (middle + reach, middle - reach))
-    return EllipseMark(major, minor, 0.5 * math.atan2(mixed, half))
+    return Ellipse(major, minor, 0.5 * math.atan2(mixed, half))
 
 
 def end_points(scan: LaserScan, laser_in_map: FloatArray) -> FloatArray:

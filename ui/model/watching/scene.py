@@ -10,7 +10,8 @@ import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
-from ui.model.scene import EllipseMark, RoomMark
+from thbridge.roles.notices import Ellipse
+from ui.model.scene import RoomMark
 
 NO_POINTS: FloatArray = np.empty((0, 2))
 NO_POSES: FloatArray = np.empty((0, 3))
@@ -75,7 +76,7 @@ class RobotScene:
     truth: Pose2 | None = None
     estimate: Pose2 | None = None
     error: float | None = None
-    ellipse: EllipseMark | None = None
+    ellipse: Ellipse | None = None
     deviation: float | None = None
     odometry_path: FloatArray = field(default_factory=lambda: NO_POINTS)
     truth_path: FloatArray = field(default_factory=lambda: NO_POINTS)

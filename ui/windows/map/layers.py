@@ -16,44 +16,36 @@ from sim.common.geometry import FloatArray, Pose2
 from ui.windows.map.points import lines, polygon
 from ui.windows.map.view import MapView
 
-UNDER, OVER = -1, 1
-"""Order of painting: below the robots, and above them."""
+ARROW = 0.5
+"""Length of an arrow, metres."""
 
 
-class _ColouredLayer:
-    """A layer of one colour.
+class _RobotLayer:
+    """A layer in the colour of a robot.
 
     Args:
-        robot: drawn in this robot's colour; None in the accent.
-        z: below the robots when negative.
+        robot: index of the robot.
+        z: order of painting: below the robots when negative.
+        width: of dots and lines, pixels.
         opacity: 0 to 1.
     """
 
-    def __init__(self, robot: int | None = None, z: int = UNDER, opacity: float = 1.0) -> None:
+    def __init__(self, robot: int, z: int, width: float, opacity: float = 1.0) -> None:
         self.z = z
         self._robot = robot
+        self._width = width
         self._opacity = opacity
 
-    def _ink(self, view: MapView) -> QColor:
-        colour = QColor(view.colours.accent if self._robot is None else view.colours.robot(self._robot))
+    def _pen(self, view: MapView) -> QPen:
+        colour = QColor(view.colours.robot(self._robot))
         colour.setAlphaF(self._opacity)
-        return colour
+        return QPen(colour, self._width)
 
 
-class PointLayer(_ColouredLayer):
-    """A layer of thousands of dots: particles, or the ends of a scan's beams.
+class PointLayer(_RobotLayer):
+    """A layer of thousands of dots: particles, or the ends of a scan's beams."""
 
-    Args:
-        robot: drawn in this robot's colour; None in the accent.
-        z: below the robots when negative.
-        opacity: 0 to 1.
-        size: of a dot, pixels.
-    """
-
-    def __init__(self, robot: int | None = None, z: int = UNDER, opacity: float = 1.0, size: float = 2.0) -> None:
-        super().__init__(robot, z, opacity)
-        self._size = size
-        self._points: FloatArray = np.empty((0, 2))
+    _points: FloatArray = np.empty((0, 2))
 
     def show(self, points: FloatArray) -> None:
         """Show (n, 2) points."""
@@ -62,64 +54,35 @@ class PointLayer(_ColouredLayer):
     def paint(self, painter: QPainter, view: MapView) -> None:
         """Draw the dots as squares without smooth edges, which are painted several times faster than discs."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
-        pen = QPen(self._ink(view), self._size)
+        pen = self._pen(view)
         pen.setCapStyle(Qt.PenCapStyle.SquareCap)
         painter.setPen(pen)
         painter.drawPoints(polygon(view.camera.to_screen(self._points)))
 
 
-class LineLayer(_ColouredLayer):
-    """A layer of lines through points, for example plans.
+class LineLayer(_RobotLayer):
+    """A layer of lines through points, for example plans."""
 
-    Args:
-        robot: drawn in this robot's colour; None in the accent.
-        z: below the robots when negative.
-        opacity: 0 to 1.
-        width: pixels.
-    """
-
-    def __init__(self, robot: int | None = None, z: int = UNDER, opacity: float = 1.0, width: float = 2.0) -> None:
-        super().__init__(robot, z, opacity)
-        self._width = width
-        self._lines: tuple[FloatArray, ...] = ()
+    _lines: Sequence[FloatArray] = ()
 
     def show(self, through: Sequence[FloatArray]) -> None:
         """Show lines, each through (n, 2) points of its own."""
-        self._lines = tuple(through)
+        self._lines = through
 
     def paint(self, painter: QPainter, view: MapView) -> None:
         """Draw the lines."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(QPen(self._ink(view), self._width))
+        painter.setPen(self._pen(view))
         for points in self._lines:
             if len(points) > 1:
                 pixels = view.camera.to_screen(points)
                 painter.drawLines(lines(pixels[:-1], pixels[1:]))
 
 
-class PoseLayer(_ColouredLayer):
-    """A layer of poses, drawn as arrows that start there.
+class PoseLayer(_RobotLayer):
+    """A layer of poses, drawn as arrows that start there."""
 
-    Args:
-        robot: drawn in this robot's colour; None in the accent.
-        z: below the robots when negative.
-        opacity: 0 to 1.
-        length: metres.
-        width: pixels.
-    """
-
-    def __init__(
-        self,
-        robot: int | None = None,
-        z: int = UNDER,
-        opacity: float = 1.0,
-        length: float = 0.3,
-        width: float = 1.5,
-    ) -> None:
-        super().__init__(robot, z, opacity)
-        self._length = length
-        self._width = width
-        self._poses: FloatArray = np.empty((0, 3))
+    _poses: FloatArray = np.empty((0, 3))
 
     def show(self, poses: FloatArray) -> None:
         """Show (n, 3) poses: x, y, theta."""
@@ -128,13 +91,13 @@ class PoseLayer(_ColouredLayer):
     def paint(self, painter: QPainter, view: MapView) -> None:
         """Draw the arrows."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(QPen(self._ink(view), self._width))
+        painter.setPen(self._pen(view))
         tails, theta = self._poses[:, :2], self._poses[:, 2]
-        heads = tails + self._length * np.stack((np.cos(theta), np.sin(theta)), axis=1)
+        heads = tails + ARROW * np.stack((np.cos(theta), np.sin(theta)), axis=1)
         strokes = [(tails, heads)]
         for side in (math.radians(150.0), -math.radians(150.0)):
             barb = np.stack((np.cos(theta + side), np.sin(theta + side)), axis=1)
-            strokes.append((heads, heads + 0.35 * self._length * barb))
+            strokes.append((heads, heads + 0.35 * ARROW * barb))
         for one, other in strokes:
             painter.drawLines(lines(view.camera.to_screen(one), view.camera.to_screen(other)))
 
@@ -167,7 +130,7 @@ class CostmapImageLayer:
         z: below the robots when negative.
     """
 
-    def __init__(self, z: int = UNDER) -> None:
+    def __init__(self, z: int) -> None:
         self.z = z
         self._image = QImage()
         self._origin = Pose2(0.0, 0.0, 0.0)

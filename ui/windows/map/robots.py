@@ -9,7 +9,8 @@ from PySide6.QtCore import QLineF, QPointF, Qt
 from PySide6.QtGui import QColor, QFont, QPainter, QPen, QPolygonF, QTransform
 
 from sim.common.geometry import FloatArray, Pose2
-from ui.model.scene import EllipseMark, RobotMark
+from thbridge.roles.notices import Ellipse
+from ui.model.scene import RobotMark
 from ui.model.theme import Palette
 from ui.windows.map.badges import Anchor, Badges, BadgeText, place_labels
 from ui.windows.map.camera import Camera
@@ -176,7 +177,7 @@ class RobotPainter:
         if mark.truth is not None:
             self._paint_truth(painter, camera, mark, mark.truth)
 
-    def _paint_ellipse(self, painter: QPainter, camera: Camera, mark: RobotMark, ellipse: EllipseMark) -> None:
+    def _paint_ellipse(self, painter: QPainter, camera: Camera, mark: RobotMark, ellipse: Ellipse) -> None:
         c, s = camera.scale * math.cos(ellipse.angle), camera.scale * math.sin(ellipse.angle)
         centre = camera.pixel(mark.pose.x, mark.pose.y)
         transform = QTransform(c * ellipse.major, -s * ellipse.major, -s * ellipse.minor, -c * ellipse.minor, *centre)

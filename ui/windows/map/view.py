@@ -12,7 +12,6 @@ from PySide6.QtGui import (
     QPainter,
     QPaintEvent,
     QResizeEvent,
-    QTransform,
     QWheelEvent,
 )
 from PySide6.QtWidgets import QSizePolicy, QWidget
@@ -61,11 +60,16 @@ class MapLayer(Protocol):
         """Order of painting: below the robots when negative, above them otherwise; the larger the later."""
 
     def paint(self, painter: QPainter, view: "MapView") -> None:
-        """Draw in logical pixels, see `view.camera` and `view.transform`. The painter is restored afterwards."""
+        """Draw in logical pixels, see `view.camera`. The painter is restored afterwards."""
 
 
 class MapView(QWidget):
     """A map that can be zoomed and dragged, and can follow a robot; it reports clicks and hovering by signals.
+
+    Attributes:
+        camera: the current view, in logical pixels of this widget.
+        colours: the palette it is drawn in.
+        followed: index of the robot that is kept in the middle, or None.
 
     Signals:
         room_clicked: number of the room, counted from 1.
@@ -83,16 +87,16 @@ class MapView(QWidget):
 
     def __init__(self, palette: Palette, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._palette = palette
+        self.colours = palette
         self._background = MapBackground(palette)
         self._robot_painter = RobotPainter(palette)
         self._geometry: MapGeometry | None = None
         self._rooms: tuple[RoomMark, ...] = ()
         self._robots: tuple[RobotMark, ...] = ()
         self._layers: list[MapLayer] = []
-        self._camera = Camera(0.0, 0.0, 50.0, 1.0, 1.0)
+        self.camera = Camera(0.0, 0.0, 50.0, 1.0, 1.0)
         self._fitted = True
-        self._followed: int | None = None
+        self.followed: int | None = None
         self._tool: Qt.CursorShape | None = None
         self._hovered: int | None = None
         self._pressed: QPointF | None = None
@@ -123,17 +127,17 @@ class MapView(QWidget):
 
     def show_robots(self, robots: Sequence[RobotMark]) -> None:
         """Show the robots as they are in this frame; nothing is painted when nobody would see a difference."""
-        before = self._camera
-        if not same_robots(self._robots, robots, self._camera.scale):
+        before = self.camera
+        if not same_robots(self._robots, robots, self.camera.scale):
             self._robots = tuple(robots)
             self.update()
         self._follow()
-        if self._layers or self._camera != before:
+        if self._layers or self.camera != before:
             self.update()
 
     def set_palette(self, palette: Palette) -> None:
         """Use other colours."""
-        self._palette = palette
+        self.colours = palette
         self._background.set_palette(palette)
         self._robot_painter.set_palette(palette)
         self.update()
@@ -144,52 +148,25 @@ class MapView(QWidget):
         self._layers.sort(key=lambda one: one.z)
         self.update()
 
-    def remove_layer(self, layer: MapLayer) -> None:
-        """Stop drawing this layer."""
-        self._layers = [one for one in self._layers if one is not layer]
-        self.update()
-
     # Camera -----------------------------------------------------------------------------------------------------------
-
-    @property
-    def camera(self) -> Camera:
-        """The current view, in logical pixels of this widget."""
-        return self._camera
-
-    @property
-    def colours(self) -> Palette:
-        """The palette it is drawn in."""
-        return self._palette
-
-    @property
-    def transform(self) -> QTransform:
-        """Transform from map metres to logical pixels of this widget."""
-        camera = self._camera
-        px, py = camera.pixel(0.0, 0.0)
-        return QTransform(camera.scale, 0.0, 0.0, -camera.scale, px, py)
 
     def fit(self) -> None:
         """Show the whole floor plan, also after changes of size; no robot is followed any more."""
-        self._followed, self._fitted = None, True
+        self.followed, self._fitted = None, True
         self._refit()
         self.update()
 
     def follow(self, robot: int | None) -> None:
         """Keep this robot in the middle; None: stop following."""
         if robot is None:
-            self._followed = None
+            self.followed = None
             return
-        self._followed, self._fitted = robot, False
-        if self._camera.scale < FOLLOW_SCALE:
-            middle = self._camera.width / 2.0, self._camera.height / 2.0
-            self._camera = self._camera.zoomed(FOLLOW_SCALE / self._camera.scale, *middle)
+        self.followed, self._fitted = robot, False
+        if self.camera.scale < FOLLOW_SCALE:
+            middle = self.camera.width / 2.0, self.camera.height / 2.0
+            self.camera = self.camera.zoomed(FOLLOW_SCALE / self.camera.scale, *middle)
         self._follow()
         self.update()
-
-    @property
-    def followed(self) -> int | None:
-        """Index of the robot that is kept in the middle, or None."""
-        return self._followed
 
     def set_tool(self, cursor: Qt.CursorShape | None) -> None:
         """Give the left button to a tool, which receives `point_pressed` and its like; None takes it back.
@@ -201,13 +178,13 @@ class MapView(QWidget):
 
     def room_at(self, position: QPointF) -> int | None:
         """Return the room under a pixel of this widget."""
-        here = np.array([self._camera.point(position.x(), position.y())])
+        here = np.array([self.camera.point(position.x(), position.y())])
         return next((mark.room for mark in self._rooms if contains(mark.region, here)[0]), None)
 
     def robot_at(self, position: QPointF) -> int | None:
         """Return the robot nearest to a pixel of this widget, if one is near."""
         reached = [
-            (QPointF(*self._camera.pixel(mark.pose.x, mark.pose.y)) - position, mark.robot) for mark in self._robots
+            (QPointF(*self.camera.pixel(mark.pose.x, mark.pose.y)) - position, mark.robot) for mark in self._robots
         ]
         near = [(gap.x() ** 2 + gap.y() ** 2, robot) for gap, robot in reached]
         distance, robot = min(near, default=(HIT_RADIUS**2 + 1.0, -1))
@@ -222,10 +199,10 @@ class MapView(QWidget):
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw a frame."""
         ratio = self.devicePixelRatioF()
-        camera = self._camera = self._camera.snapped(ratio)
+        camera = self.camera = self.camera.snapped(ratio)
         painter = QPainter(self)
         painter.setFont(self.font())
-        moving = self._followed is not None or self._dragging
+        moving = self.followed is not None or self._dragging
         self._background.paint(painter, camera, ratio, self.font(), moving)
         for layer in self._layers:
             if layer.z < 0:
@@ -235,7 +212,7 @@ class MapView(QWidget):
         for layer in self._layers:
             if layer.z >= 0:
                 self._paint_layer(painter, layer)
-        paint_scale_bar(painter, camera, self._palette, self.font())
+        paint_scale_bar(painter, camera, self.colours, self.font())
         painter.end()
 
     def _paint_layer(self, painter: QPainter, layer: MapLayer) -> None:
@@ -247,7 +224,7 @@ class MapView(QWidget):
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Keep the middle, or the whole floor plan."""
-        self._camera = self._camera.resized(float(max(self.width(), 1)), float(max(self.height(), 1)))
+        self.camera = self.camera.resized(float(max(self.width(), 1)), float(max(self.height(), 1)))
         if self._fitted:
             self._refit()
 
@@ -272,21 +249,21 @@ class MapView(QWidget):
 
     def _zoom(self, factor: float, about: QPointF) -> None:
         self._fitted = False
-        self._camera = self._camera.zoomed(factor, about.x(), about.y())
+        self.camera = self.camera.zoomed(factor, about.x(), about.y())
         self.update()
 
     def _refit(self) -> None:
         if self._geometry is not None:
             width, height = float(max(self.width(), 1)), float(max(self.height(), 1))
-            self._camera = Camera.fitted(self._geometry.bounds, width, height, FIT_MARGIN)
+            self.camera = Camera.fitted(self._geometry.bounds, width, height, FIT_MARGIN)
 
     def _follow(self) -> None:
-        target = next((mark.pose for mark in self._robots if mark.robot == self._followed), None)
+        target = next((mark.pose for mark in self._robots if mark.robot == self.followed), None)
         if target is not None:
-            camera = self._camera
+            camera = self.camera
             x, y = target.x - camera.x, target.y - camera.y
             if math.hypot(x, y) * camera.scale > FOLLOW_TOLERANCE:
-                self._camera = camera.centred(camera.x + FOLLOW_SHARE * x, camera.y + FOLLOW_SHARE * y)
+                self.camera = camera.centred(camera.x + FOLLOW_SHARE * x, camera.y + FOLLOW_SHARE * y)
 
     # Pointing ---------------------------------------------------------------------------------------------------------
 
@@ -295,7 +272,7 @@ class MapView(QWidget):
         self._last = event.position()
         self._pressed, self._dragging = event.position(), event.button() == Qt.MouseButton.MiddleButton
         if self._tools(event):
-            self.point_pressed.emit(*self._camera.point(event.position().x(), event.position().y()))
+            self.point_pressed.emit(*self.camera.point(event.position().x(), event.position().y()))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Drag the map, go on with the tool's stroke, or update what is hovered."""
@@ -303,7 +280,7 @@ class MapView(QWidget):
         if self._pressed is None:
             self._point_at(position)
         elif self._tool is not None and not self._dragging:
-            self.point_dragged.emit(*self._camera.point(position.x(), position.y()))
+            self.point_dragged.emit(*self.camera.point(position.x(), position.y()))
         else:
             moved = position - self._pressed
             if self._dragging or moved.manhattanLength() > DRAG_THRESHOLD:
@@ -317,7 +294,7 @@ class MapView(QWidget):
         pressed, self._pressed = self._pressed, None
         dragged, self._dragging = self._dragging, False
         if self._tools(event):
-            self.point_released.emit(*self._camera.point(event.position().x(), event.position().y()))
+            self.point_released.emit(*self.camera.point(event.position().x(), event.position().y()))
         elif pressed is not None and not dragged and event.button() == Qt.MouseButton.LeftButton:
             self._click(event.position())
         self._point_at(event.position())
@@ -337,8 +314,8 @@ class MapView(QWidget):
         return self._tool is not None and event.button() == Qt.MouseButton.LeftButton
 
     def _drag(self, moved: QPointF) -> None:
-        self._dragging, self._fitted, self._followed = True, False, None
-        self._camera = self._camera.dragged(moved.x(), moved.y())
+        self._dragging, self._fitted, self.followed = True, False, None
+        self.camera = self.camera.dragged(moved.x(), moved.y())
         self.setCursor(Qt.CursorShape.ClosedHandCursor)
         self.update()
 

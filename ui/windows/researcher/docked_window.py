@@ -75,15 +75,15 @@ class DockedWindow(QMainWindow):
         self.setDockNestingEnabled(True)
         self.resize(1480, 940)
         self.canvas = canvas
-        self.playback = PlaybackBar(palette, live)
+        self.playback = PlaybackBar(live)
         self.displays = DisplaysPanel()
-        self.team = TeamView(palette)
+        self.team = TeamView()
         self.plots = Plots(palette, live)
-        self.lines = LogView("Lines of the protocol", ("Topic", "Line"), palette)
-        self.dialogue = LogView("Dialogue", ("Who", "About", "Sentence"), palette)
-        self.events = LogView("Events", ("Who", "What", "Room", "Details"), palette)
-        self.inputs = LogView("Inputs", ("From", "Kind", "What"), palette)
-        self.ros_log = LogView("Log of ROS nodes", ("Node", "Level", "Text"), palette)
+        self.lines = LogView("Lines of the protocol", ("Topic", "Line"))
+        self.dialogue = LogView("Dialogue", ("Who", "About", "Sentence"))
+        self.events = LogView("Events", ("Who", "What", "Room", "Details"))
+        self.inputs = LogView("Inputs", ("From", "Kind", "What"))
+        self.ros_log = LogView("Log of ROS nodes", ("Node", "Level", "Text"))
         self.wizard = WizardDock()
         self.logs = (self.lines, self.dialogue, self.events, self.inputs, self.ros_log)
         self.tool = MapTool.LOOK
@@ -140,11 +140,6 @@ class DockedWindow(QMainWindow):
         self._shape.setEnabled(False)
         self._shape.setToolTip(reason)
         self.wizard.refuse(reason)
-
-    def set_palette(self, palette: Palette) -> None:
-        """Use other colours."""
-        for part in (self.playback, self.team, self.plots, *self.logs):
-            part.set_palette(palette)
 
     # Layout
 

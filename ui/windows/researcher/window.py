@@ -240,9 +240,9 @@ class ResearcherWindow(DockedWindow):
     # Colours and closing
 
     def set_palette(self, palette: Palette) -> None:
-        """Use other colours."""
-        super().set_palette(palette)
+        """Use other colours for the map and the plots; all else follows from the application's palette."""
         self._map.set_palette(palette)
+        self.plots.set_palette(palette)
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Close the feed."""

@@ -11,8 +11,8 @@ from sim.common.grid import FREE, OCCUPIED
 from sim.parameters import WorldParameters
 from thbridge.files.map_files import Map, read_map
 from thbridge.files.resources import shipped
-from thbridge.roles.notices import FloorPlan, RoomOutline
-from ui.model.scene import EllipseMark, RobotMark, RoomMark
+from thbridge.roles.notices import Ellipse, FloorPlan, RoomOutline
+from ui.model.scene import RobotMark, RoomMark
 
 FOOTPRINT = np.array(WorldParameters().footprint)
 
@@ -66,7 +66,7 @@ def busy_robots(shown: Map, count: int) -> list[RobotMark]:
                 trouble=number == 2,
                 trail=here - share[::-1] * [5.0, 0.3] + np.hstack((0.0 * bend, 0.3 * bend)),
                 path=here + share * ([[goal.x, goal.y]] - here) + np.hstack((0.2 * bend, 0.0 * bend)),
-                ellipse=EllipseMark(0.5, 0.3, 0.5),
+                ellipse=Ellipse(0.5, 0.3, 0.5),
             )
         )
     return robots

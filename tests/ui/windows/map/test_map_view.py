@@ -282,14 +282,10 @@ def test_layers_are_painted_below_and_above_robots(view: MapView) -> None:
     assert view.grab().toImage().pixelColor(x, y) != QColor("#ff0000")
     view.add_layer(above)
     assert view.grab().toImage().pixelColor(x, y) == QColor("#00ff00")
-    view.remove_layer(above)
-    view.remove_layer(below)
-    view.show_robots([])
-    assert view.grab().toImage().pixelColor(x, y) == QColor(LIGHT.floor)
 
 
 def test_points_lines_and_arrows_lie_where_they_belong(view: MapView) -> None:
-    points, lines, arrows = PointLayer(size=4.0), LineLayer(width=4.0), PoseLayer(width=4.0)
+    points, lines, arrows = PointLayer(2, -1, 4.0), LineLayer(2, -1, 4.0), PoseLayer(2, -1, 4.0)
     points.show(np.array([[0.0, 0.0]]))
     lines.show([np.array([[-0.4, 0.5], [0.4, 0.5]])])
     arrows.show(np.array([[0.0, 1.0, 0.0]]))
@@ -298,13 +294,13 @@ def test_points_lines_and_arrows_lie_where_they_belong(view: MapView) -> None:
     image = view.grab().toImage()
     for x, y in ((0.0, 0.0), (0.0, 0.5), (0.15, 1.0)):
         px, py = view.camera.pixel(x, y)
-        assert image.pixelColor(round(px), round(py)) == QColor(LIGHT.accent), (x, y)
+        assert image.pixelColor(round(px), round(py)) == QColor(LIGHT.robot(2)), (x, y)
 
 
 def test_costs_lie_the_right_way_up(view: MapView, arena: Map) -> None:
     costs = np.zeros((20, 20), dtype=np.int8)
     costs[0:5, :] = 100
-    layer = CostmapImageLayer()
+    layer = CostmapImageLayer(-1)
     layer.show(costs, arena.starts[0], 0.05)
     view.add_layer(layer)
     image = view.grab().toImage()

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QApplication, QDialog, QDockWidget, QWidget
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.researcher.hunts import record
+from tests.ui.windows.researcher.plotted import place_of
 from tests.ui.windows.walking import against_the_eye, nameless, stops
 from ui.model.theme import DARK, LIGHT
 from ui.windows.researcher.docks.displays import SWITCHES, MapDisplay
@@ -59,7 +60,7 @@ def test_lists_robots_and_plots_are_filled(window: ResearcherWindow, qtbot: QtBo
     assert window.team.model.rowCount() == 3
     assert min(log.model.size for log in (window.lines, window.dialogue, window.events, window.inputs)) > 0
     qtbot.waitUntil(lambda: all(window.plots.points(panel.name, robot) > 2 for panel in PANELS for robot in range(3)))
-    assert window.playback.span == pytest.approx(15.0, abs=1.0)
+    assert window.playback.timeline.maximum() == pytest.approx(15_000, abs=1000)
 
 
 def test_seeking_moves_the_robots_and_the_time(window: ResearcherWindow) -> None:
@@ -213,9 +214,7 @@ def test_a_bag_that_is_none_is_told_in_the_window(tmp_path: Path, qtbot: QtBot) 
 
 
 def test_a_click_on_a_plot_goes_there(window: ResearcherWindow) -> None:
-    place = window.plots.position_of(6.0)
-    QTest.mouseClick(
-        window.plots.canvas.viewport(), Qt.MouseButton.LeftButton, pos=QPoint(round(place.x()), round(place.y()) - 5)
-    )
+    place = place_of(window.plots, 6.0) - QPoint(0, 5)
+    QTest.mouseClick(window.plots.canvas.viewport(), Qt.MouseButton.LeftButton, pos=place)
     window.refresh()
     assert window.playback.timeline.value() == pytest.approx(6000.0, abs=400.0)

@@ -4,20 +4,18 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, Qt, Signal
+from PySide6.QtCore import QModelIndex, Qt, Signal
 from PySide6.QtGui import QColor, QGuiApplication, QKeySequence, QShortcut
-from PySide6.QtWidgets import QHBoxLayout, QHeaderView, QLabel, QLineEdit, QTableView, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QTableView, QVBoxLayout, QWidget
 
-from ui.model.theme import Palette
 from ui.windows.controls import CheckBox
+from ui.windows.look import colours
+from ui.windows.researcher.docks.table import NO_PARENT, RIGHT, ModelIndex, TableModel, row_table
 
 MAX_ROWS = 20_000
 """Most rows that are kept; the oldest go first."""
 DROPPED_AT_ONCE = MAX_ROWS // 10
 """Rows that go at once, so that a full list does not drop one with each that comes."""
-
-ModelIndex = QModelIndex | QPersistentModelIndex
-NO_PARENT = QModelIndex()
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,24 +33,23 @@ class LogRow:
     robot: int | None = None
 
 
-class LogModel(QAbstractTableModel):
+class LogModel(TableModel):
     """Rows in the order of time, only those that match the filter.
 
     Rows after the time shown are dimmed: a recording knows its future.
 
     Args:
         columns: titles after that of the time.
-        palette: the colours.
     """
 
-    def __init__(self, columns: Sequence[str], palette: Palette, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self._titles = ("Time", *columns)
-        self._palette = palette
+    _shown: list[LogRow]
+
+    def __init__(self, columns: Sequence[str], parent: QWidget | None = None) -> None:
+        super().__init__(("Time", *columns), (), parent)
         self._rows: list[LogRow] = []
         self._texts: list[str] = []
         self._words: tuple[str, ...] = ()
-        self._shown: list[LogRow] = []
+        self._shown = []
         self._now = float("inf")
         self._past = 0
 
@@ -89,7 +86,7 @@ class LogModel(QAbstractTableModel):
         if fit:
             self.beginInsertRows(NO_PARENT, len(self._shown), len(self._shown) + len(fit) - 1)
             self._shown += fit
-            self._past = bisect_right(self._shown, self._now, key=_time)
+            self._past = bisect_right(self._shown, self._now, key=lambda row: row.time)
             self.endInsertRows()
 
     def clear(self) -> None:
@@ -106,42 +103,20 @@ class LogModel(QAbstractTableModel):
     def show_time(self, now: float) -> None:
         """Dim the rows after this time."""
         self._now = now
-        past = bisect_right(self._shown, now, key=_time)
+        past = bisect_right(self._shown, now, key=lambda row: row.time)
         if past != self._past:
             low, high = sorted((past, self._past))
             self._past = past
-            self.dataChanged.emit(self.index(low, 0), self.index(high - 1, len(self._titles) - 1))
-
-    def set_palette(self, palette: Palette) -> None:
-        """Use other colours."""
-        self._palette = palette
-        if self._shown:
-            self.dataChanged.emit(self.index(0, 0), self.index(len(self._shown) - 1, len(self._titles) - 1))
+            self._changed(low, high - 1)
 
     def _choose(self) -> None:
         self.beginResetModel()
         self._shown = [row for row, text in zip(self._rows, self._texts, strict=True) if self._fits(text)]
-        self._past = bisect_right(self._shown, self._now, key=_time)
+        self._past = bisect_right(self._shown, self._now, key=lambda row: row.time)
         self.endResetModel()
 
     def _fits(self, text: str) -> bool:
         return all(word in text for word in self._words)
-
-    # QAbstractTableModel
-
-    def rowCount(self, parent: ModelIndex = NO_PARENT) -> int:
-        """Return the number of rows shown."""
-        return 0 if parent.isValid() else len(self._shown)
-
-    def columnCount(self, parent: ModelIndex = NO_PARENT) -> int:
-        """Return the number of columns, with that of the time."""
-        return 0 if parent.isValid() else len(self._titles)
-
-    def headerData(self, section: int, orientation: Qt.Orientation, role: int = 0) -> object:
-        """Return the title of a column."""
-        if role == Qt.ItemDataRole.DisplayRole and orientation == Qt.Orientation.Horizontal:
-            return self._titles[section]
-        return None
 
     def data(self, index: ModelIndex, role: int = 0) -> object:
         """Return a cell's text, its colour, or its tool tip."""
@@ -149,12 +124,12 @@ class LogModel(QAbstractTableModel):
         if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.ToolTipRole):
             return f"{row.time:.2f}" if index.column() == 0 else row.cells[index.column() - 1]
         if role == Qt.ItemDataRole.TextAlignmentRole and index.column() == 0:
-            return int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+            return RIGHT
         if role == Qt.ItemDataRole.ForegroundRole:
             if index.row() >= self._past or index.column() == 0:
-                return QColor(self._palette.muted)
+                return QColor(colours().muted)
             if row.robot is not None and index.column() == 1:
-                return QColor(self._palette.robot(row.robot))
+                return QColor(colours().robot(row.robot))
         return None
 
 
@@ -164,7 +139,6 @@ class LogView(QWidget):
     Args:
         name: of the list, for people.
         columns: titles after that of the time.
-        palette: the colours.
 
     Signals:
         chosen: a person wants to see the time of a row, seconds since the beginning.
@@ -172,9 +146,9 @@ class LogView(QWidget):
 
     chosen = Signal(float)
 
-    def __init__(self, name: str, columns: Sequence[str], palette: Palette) -> None:
+    def __init__(self, name: str, columns: Sequence[str]) -> None:
         super().__init__()
-        self.model = LogModel(columns, palette, self)
+        self.model = LogModel(columns, self)
         self._scrolls = False
         self._filter = QLineEdit(placeholderText="Filter: words that a row must have", clearButtonEnabled=True)
         self._filter.setAccessibleName(f"Filter of {name}")
@@ -184,23 +158,11 @@ class LogView(QWidget):
         self._follows.setChecked(True)
         self._follows.toggled.connect(self._keep_up)
         self._count = QLabel()
-        self.table = QTableView()
-        self.table.setAccessibleName(name)
-        self.table.setModel(self.model)
-        self.table.setSelectionBehavior(QTableView.SelectionBehavior.SelectRows)
-        self.table.setSelectionMode(QTableView.SelectionMode.ExtendedSelection)
-        self.table.setShowGrid(False)
-        self.table.setWordWrap(False)
-        self.table.setTabKeyNavigation(False)
-        self.table.verticalHeader().hide()
-        self.table.verticalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
-        self.table.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 8)
-        header = self.table.horizontalHeader()
-        header.setStretchLastSection(True)
-        header.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
-        widths = (9, *(12 for _ in columns))
-        for column, width in enumerate(widths):
-            self.table.setColumnWidth(column, self.fontMetrics().averageCharWidth() * width)
+        extended = QTableView.SelectionMode.ExtendedSelection
+        self.table = row_table(name, self.model, extended, self.fontMetrics().height() + 8)
+        self.table.horizontalHeader().setStretchLastSection(True)
+        for column in range(1 + len(columns)):
+            self.table.setColumnWidth(column, self.fontMetrics().averageCharWidth() * (12 if column else 9))
         self.table.activated.connect(self._activated)
         self.table.verticalScrollBar().valueChanged.connect(self._scrolled)
         copy = QShortcut(QKeySequence(QKeySequence.StandardKey.Copy), self.table)
@@ -234,10 +196,6 @@ class LogView(QWidget):
         self.model.show_time(now)
         if self.model.last_past != before:
             self._keep_up()
-
-    def set_palette(self, palette: Palette) -> None:
-        """Use other colours."""
-        self.model.set_palette(palette)
 
     def focus_filter(self) -> None:
         """Give the filter the focus."""
@@ -276,7 +234,3 @@ class LogView(QWidget):
 
     def _activated(self, index: QModelIndex) -> None:
         self.chosen.emit(self.model.row(index.row()).time)
-
-
-def _time(row: LogRow) -> float:
-    return row.time

@@ -1,15 +1,14 @@
 """The bar under the map: play, pause, step, speed and time."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from PySide6.QtCore import QRectF, QSize, Qt, Signal
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFontDatabase, QMouseEvent, QPaintEvent, QPen
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSlider, QStyle, QStyleOptionSlider, QToolButton, QWidget
 
-from ui.model.theme import Palette
 from ui.windows.controls import ChoiceBox
-from ui.windows.look import smooth_painter, spaced
+from ui.windows.look import colours, smooth_painter, spaced
 
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 """Simulated seconds per second."""
@@ -38,9 +37,8 @@ class Timeline(QSlider):
     """A slider over the time of a recording, with marks of events above the line and of utterances below it. Its values
     are milliseconds."""
 
-    def __init__(self, palette: Palette) -> None:
+    def __init__(self) -> None:
         super().__init__(Qt.Orientation.Horizontal)
-        self._palette = palette
         self._marks: Sequence[TimelineMark] = ()
         self.setAccessibleName("Time")
         self.setSingleStep(1000)
@@ -53,36 +51,29 @@ class Timeline(QSlider):
         self._marks = marks
         self.update()
 
-    def set_palette(self, palette: Palette) -> None:
-        """Use other colours."""
-        self._palette = palette
-        self.update()
-
     def sizeHint(self) -> QSize:
         """Return a size with space for marks on both sides."""
         return QSize(200, 32)
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the line, its past part, the marks and the handle."""
-        painter = smooth_painter(self)
+        painter, palette = smooth_painter(self), colours()
         middle = self.height() / 2.0
         left, right, here = self._x(self.minimum()), self._x(self.maximum()), self._x(self.value())
         painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(QColor(self._palette.line))
+        painter.setBrush(QColor(palette.line))
         painter.drawRoundedRect(QRectF(left, middle - 1.5, right - left, 3.0), 1.5, 1.5)
-        painter.setBrush(QColor(self._palette.accent))
+        painter.setBrush(QColor(palette.accent))
         painter.drawRoundedRect(QRectF(left, middle - 1.5, here - left, 3.0), 1.5, 1.5)
         width, start = (right - left) / max(1, self.maximum() - self.minimum()), self.minimum()
         for mark in self._marks:
             x = left + (mark.time * 1000.0 - start) * width
-            colour = self._palette.muted if mark.robot is None else self._palette.robot(mark.robot)
+            colour = palette.muted if mark.robot is None else palette.robot(mark.robot)
             painter.setPen(QPen(QColor(colour), 1.5))
             y, arm = (middle + 7.0, UTTERANCE_ARM) if mark.is_utterance else (middle - 8.0, EVENT_ARM)
-            painter.drawLine(
-                QRectF(x, y - arm, 0.0, 2.0 * arm).topLeft(), QRectF(x, y - arm, 0.0, 2.0 * arm).bottomLeft()
-            )
-        painter.setBrush(QColor(self._palette.panel))
-        painter.setPen(QPen(QColor(self._palette.accent), 3.0 if self.hasFocus() else 2.0))
+            painter.drawLine(QPointF(x, y - arm), QPointF(x, y - arm + 2.0 * arm))
+        painter.setBrush(QColor(palette.panel))
+        painter.setPen(QPen(QColor(palette.accent), 3.0 if self.hasFocus() else 2.0))
         painter.drawEllipse(QRectF(here - 6.5, middle - 6.5, 13.0, 13.0))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
@@ -121,7 +112,6 @@ class PlaybackBar(QWidget):
     """Play, pause, step, speed, time.
 
     Args:
-        palette: the colours.
         live: a running session, in which time cannot go back.
 
     Signals:
@@ -136,33 +126,22 @@ class PlaybackBar(QWidget):
     speed_chosen = Signal(float)
     seek = Signal(float)
 
-    def __init__(self, palette: Palette, live: bool) -> None:
+    def __init__(self, live: bool) -> None:
         super().__init__()
         self._live = live
         self._playing = False
         self._shows = False
-        self.play = QToolButton()
-        self.play.setText("▶  Play")
+        self.play = _button("▶  Play", "", "Play or pause (Space)", self.play_toggled.emit)
         self.play.setMinimumWidth(self.fontMetrics().averageCharWidth() * 14)
-        self.play.setToolTip("Play or pause (Space)")
-        self.play.clicked.connect(self.play_toggled)
-        self.back = QToolButton()
-        self.back.setText("◀|")
-        self.back.setAccessibleName("One step back")
-        self.back.setToolTip("One step back (,)")
-        self.back.clicked.connect(lambda: self.stepped.emit(-1))
-        self.forward = QToolButton()
-        self.forward.setText("|▶")
-        self.forward.setAccessibleName("One step forward")
-        self.forward.setToolTip("One step forward (.)")
-        self.forward.clicked.connect(lambda: self.stepped.emit(1))
+        self.back = _button("◀|", "One step back", "One step back (,)", lambda: self.stepped.emit(-1))
+        self.forward = _button("|▶", "One step forward", "One step forward (.)", lambda: self.stepped.emit(1))
         self.speed = ChoiceBox()
         self.speed.setAccessibleName("Speed, simulated seconds per second")
         for speed in SPEEDS:
             self.speed.addItem(f"{speed:g} x", speed)
         self.speed.setCurrentIndex(SPEEDS.index(1.0))
         self.speed.activated.connect(lambda number: self.speed_chosen.emit(SPEEDS[number]))
-        self.timeline = Timeline(palette)
+        self.timeline = Timeline()
         self.timeline.valueChanged.connect(self._moved)
         self.time = QLabel("0:00.00")
         self.time.setAccessibleDescription("Time shown")
@@ -186,11 +165,6 @@ class PlaybackBar(QWidget):
         self.timeline.setRange(0, round(seconds * 1000.0))
         self._shows = False
         self.timeline.set_marks(marks)
-
-    @property
-    def span(self) -> float:
-        """Length in seconds, to the millisecond."""
-        return self.timeline.maximum() / 1000.0
 
     def show_time(self, now: float) -> None:
         """Show the time, seconds since the beginning."""
@@ -216,13 +190,18 @@ class PlaybackBar(QWidget):
         """Show in words the source and its state."""
         self.state.setText(text)
 
-    def set_palette(self, palette: Palette) -> None:
-        """Use other colours."""
-        self.timeline.set_palette(palette)
-
     def _moved(self, value: int) -> None:
         if not self._shows:
             self.seek.emit(value / 1000.0)
+
+
+def _button(text: str, name: str, hint: str, do: Callable[[], None]) -> QToolButton:
+    button = QToolButton()
+    button.setText(text)
+    button.setAccessibleName(name)
+    button.setToolTip(hint)
+    button.clicked.connect(lambda _: do())
+    return button
 
 
 def clock(seconds: float) -> str:

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import QPointF, Qt, Signal
+from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
@@ -183,11 +183,6 @@ class Plots(QWidget):
         curve = self._curves.get((panel, robot))
         times = None if curve is None else curve.getOriginalDataset()[0]
         return 0 if times is None else len(times)
-
-    def position_of(self, time: float) -> QPointF:
-        """Return the position of a time in this widget, on the first plot."""
-        box = self._plots[PANELS[0].name].getViewBox()
-        return QPointF(self.canvas.mapFromScene(box.mapViewToScene(QPointF(time, 0.0))))
 
     def _curve(self, panel: str, robot: int) -> pg.PlotDataItem:
         curve = self._curves.get((panel, robot))

@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from PySide6.QtCore import QAbstractTableModel, QModelIndex, Qt, Signal
+from PySide6.QtCore import QModelIndex, Qt, Signal
 from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap
 from PySide6.QtWidgets import QHeaderView, QTableView, QVBoxLayout, QWidget
 
-from ui.model.theme import Palette
-from ui.windows.researcher.docks.log import NO_PARENT, ModelIndex
+from ui.windows.look import colours
+from ui.windows.researcher.docks.table import RIGHT, ModelIndex, TableModel, row_table
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,61 +44,35 @@ HINTS = (
 )
 
 
-class TeamModel(QAbstractTableModel):
+class TeamModel(TableModel):
     """The rows; their number changes seldom, their values many times a second."""
 
-    def __init__(self, palette: Palette, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self._palette = palette
-        self._rows: tuple[RobotRow, ...] = ()
+    _shown: tuple[RobotRow, ...] = ()
 
     def show_rows(self, rows: Sequence[RobotRow]) -> None:
         """Show these rows, robot 1 first."""
         rows = tuple(rows)
-        if len(rows) != len(self._rows):
+        if len(rows) != len(self._shown):
             self.beginResetModel()
-            self._rows = rows
+            self._shown = rows
             self.endResetModel()
             return
-        before, self._rows = self._rows, rows
+        before, self._shown = self._shown, rows
         for number, (was, now) in enumerate(zip(before, rows, strict=True)):
             if was != now:
-                self.dataChanged.emit(self.index(number, 0), self.index(number, len(TITLES) - 1))
-
-    def set_palette(self, palette: Palette) -> None:
-        """Use other colours."""
-        self._palette = palette
-        if self._rows:
-            self.dataChanged.emit(self.index(0, 0), self.index(len(self._rows) - 1, len(TITLES) - 1))
-
-    def rowCount(self, parent: ModelIndex = NO_PARENT) -> int:
-        """Return the number of robots."""
-        return 0 if parent.isValid() else len(self._rows)
-
-    def columnCount(self, parent: ModelIndex = NO_PARENT) -> int:
-        """Return the number of columns."""
-        return 0 if parent.isValid() else len(TITLES)
-
-    def headerData(self, section: int, orientation: Qt.Orientation, role: int = 0) -> object:
-        """Return the title of a column, or its tool tip."""
-        if orientation == Qt.Orientation.Horizontal:
-            if role == Qt.ItemDataRole.DisplayRole:
-                return TITLES[section]
-            if role == Qt.ItemDataRole.ToolTipRole:
-                return HINTS[section]
-        return None
+                self._changed(number, number)
 
     def data(self, index: ModelIndex, role: int = 0) -> object:
         """Return a cell's text, icon, colour or tool tip."""
-        row = self._rows[index.row()]
+        row = self._shown[index.row()]
         if role == Qt.ItemDataRole.DisplayRole:
             return _cell(row, index.column())
         if role == Qt.ItemDataRole.DecorationRole and index.column() == 0:
             return self._chip(index.row())
         if role == Qt.ItemDataRole.ForegroundRole and index.column() == 0 and row.trouble:
-            return QColor(self._palette.bad)
+            return QColor(colours().bad)
         if role == Qt.ItemDataRole.TextAlignmentRole and index.column() >= 1:
-            return int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+            return RIGHT
         if role == Qt.ItemDataRole.ToolTipRole and index.column() == 0:
             return row.state
         return None
@@ -106,9 +80,9 @@ class TeamModel(QAbstractTableModel):
     def _chip(self, robot: int) -> QIcon:
         """Return an icon in its colour, the same in a selected row; an edge keeps icon and selection apart."""
         chip = QPixmap(18, 18)
-        chip.fill(QColor(self._palette.panel))
+        chip.fill(QColor(colours().panel))
         painter = QPainter(chip)
-        painter.fillRect(chip.rect().adjusted(2, 2, -2, -2), QColor(self._palette.robot(robot)))
+        painter.fillRect(chip.rect().adjusted(2, 2, -2, -2), QColor(colours().robot(robot)))
         painter.end()
         icon = QIcon(chip)
         icon.addPixmap(chip, QIcon.Mode.Selected)
@@ -118,32 +92,20 @@ class TeamModel(QAbstractTableModel):
 class TeamView(QWidget):
     """The list of robots; a click or the arrow keys select one.
 
-    Args:
-        palette: the colours.
-
     Signals:
         selected: the row of the robot.
     """
 
     selected = Signal(int)
 
-    def __init__(self, palette: Palette) -> None:
+    def __init__(self) -> None:
         super().__init__()
-        self.model = TeamModel(palette, self)
-        self.table = QTableView()
-        self.table.setAccessibleName("Robots")
-        self.table.setModel(self.model)
-        self.table.setSelectionBehavior(QTableView.SelectionBehavior.SelectRows)
-        self.table.setSelectionMode(QTableView.SelectionMode.SingleSelection)
-        self.table.setShowGrid(False)
-        self.table.setWordWrap(False)
-        self.table.setTabKeyNavigation(False)
-        self.table.verticalHeader().hide()
-        self.table.verticalHeader().setDefaultSectionSize(2 * self.fontMetrics().height() + 12)
+        self.model = TeamModel(TITLES, HINTS, self)
+        single = QTableView.SelectionMode.SingleSelection
+        self.table = row_table("Robots", self.model, single, 2 * self.fontMetrics().height() + 12)
         self.table.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         header = self.table.horizontalHeader()
         header.setMinimumSectionSize(20)
-        header.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
         width = self.fontMetrics().averageCharWidth()
         for column, characters in ((1, 8), (2, 6), (3, 7), (4, 5)):
             self.table.setColumnWidth(column, width * characters)
@@ -158,10 +120,6 @@ class TeamView(QWidget):
         self.model.show_rows(rows)
         if 0 <= selected < len(rows) and self.table.currentIndex().row() != selected:
             self.table.selectRow(selected)
-
-    def set_palette(self, palette: Palette) -> None:
-        """Use other colours."""
-        self.model.set_palette(palette)
 
     def _chosen(self, now: QModelIndex) -> None:
         if now.isValid():

@@ -91,13 +91,13 @@ class _RobotLayers:
     """The layers of one robot."""
 
     def __init__(self, robot: int, view: MapView) -> None:
-        self.cloud = PointLayer(robot, Z_FLOOR, 0.7)
-        self.scan = PointLayer(robot, Z_FLAT, 1.0, 3.0)
-        self.plan = LineLayer(robot, Z_FLAT, 1.0, 3.0)
+        self.cloud = PointLayer(robot, Z_FLOOR, 2.0, 0.7)
+        self.scan = PointLayer(robot, Z_FLAT, 3.0)
+        self.plan = LineLayer(robot, Z_FLAT, 3.0)
         self.true_path = PathLayer(robot, Qt.PenStyle.DotLine)
         self.odometry = PathLayer(robot, Qt.PenStyle.DashDotLine)
-        self.goal = PoseLayer(robot, Z_ABOVE, 1.0, 0.5, 3.0)
-        self.footprint = LineLayer(robot, Z_ABOVE, 1.0, 1.5)
+        self.goal = PoseLayer(robot, Z_ABOVE, 3.0)
+        self.footprint = LineLayer(robot, Z_ABOVE, 1.5)
         for layer in (self.cloud, self.scan, self.plan, self.true_path, self.odometry, self.goal, self.footprint):
             view.add_layer(layer)
 

@@ -4,10 +4,11 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QGuiApplication
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QLineEdit
+from PySide6.QtWidgets import QApplication, QLineEdit
 from pytestqt.qtbot import QtBot
 
 from ui.model.theme import DARK, LIGHT
+from ui.windows.look import apply_palette
 from ui.windows.researcher.docks.log import MAX_ROWS, LogModel, LogRow, LogView
 
 
@@ -17,7 +18,7 @@ def rows(first: int, count: int) -> list[LogRow]:
 
 @pytest.fixture
 def log(qtbot: QtBot) -> LogView:
-    made = LogView("Dialogue", ("Who", "What"), LIGHT)
+    made = LogView("Dialogue", ("Who", "What"))
     qtbot.addWidget(made)
     made.resize(500, 300)
     made.show()
@@ -53,15 +54,16 @@ def test_all_words_of_the_filter_are_wanted_in_any_order_and_case(log: LogView) 
     assert log.model.rowCount() == 5
 
 
-def test_what_is_still_to_come_is_dimmed(qtbot: QtBot) -> None:
-    model = LogModel(("Who", "What"), LIGHT)
+def test_what_is_still_to_come_is_dimmed(qapp: QApplication) -> None:
+    model = LogModel(("Who", "What"))
     model.extend(rows(0, 10))
     model.show_time(4.5)
     colours = [model.index(n, 2).data(Qt.ItemDataRole.ForegroundRole) for n in range(10)]
     assert colours[:5] == [None] * 5
     assert all(colour.name() == LIGHT.muted for colour in colours[5:])
-    model.set_palette(DARK)
+    apply_palette(qapp, DARK)
     assert model.index(9, 2).data(Qt.ItemDataRole.ForegroundRole).name() == DARK.muted
+    apply_palette(qapp, LIGHT)
 
 
 def test_it_keeps_to_the_time_until_somebody_scrolls_up_and_again_when_they_come_back(

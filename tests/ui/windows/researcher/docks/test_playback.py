@@ -5,13 +5,12 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from pytestqt.qtbot import QtBot
 
-from ui.model.theme import LIGHT
 from ui.windows.researcher.docks.playback import SPEEDS, PlaybackBar, TimelineMark, clock
 
 
 @pytest.fixture
 def bar(qtbot: QtBot) -> PlaybackBar:
-    made = PlaybackBar(LIGHT, live=False)
+    made = PlaybackBar(live=False)
     qtbot.addWidget(made)
     made.resize(900, 50)
     made.show()
@@ -65,7 +64,7 @@ def test_the_mark_under_the_pointer_is_told(bar: PlaybackBar) -> None:
 
 
 def test_a_session_has_no_way_back(qtbot: QtBot) -> None:
-    live = PlaybackBar(LIGHT, live=True)
+    live = PlaybackBar(live=True)
     qtbot.addWidget(live)
     live.show()
     assert not live.back.isVisible()

@@ -8,6 +8,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from pytestqt.qtbot import QtBot
 
+from tests.ui.windows.researcher.plotted import place_of
 from ui.model.theme import DARK, LIGHT
 from ui.windows.researcher.docks.plots import MOST_POINTS, PANELS, Plots, RobotCurves, thinned
 
@@ -30,11 +31,9 @@ def test_every_panel_has_a_curve_of_every_robot(plots: Plots) -> None:
 
 
 def test_a_click_asks_for_its_moment(plots: Plots, qtbot: QtBot) -> None:
-    place = plots.position_of(40.0)
+    place = place_of(plots, 40.0)
     with qtbot.waitSignal(plots.seek) as asked:
-        QTest.mouseClick(
-            plots.canvas.viewport(), Qt.MouseButton.LeftButton, pos=QPoint(round(place.x()), round(place.y()) - 20)
-        )
+        QTest.mouseClick(plots.canvas.viewport(), Qt.MouseButton.LeftButton, pos=place - QPoint(0, 20))
     assert asked.args[0] == pytest.approx(40.0, abs=1.0)
 
 
