@@ -26,8 +26,6 @@ from thbridge.app.compose.game import build_bot, build_hider, build_keeper
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.session.session import Session
-from thbridge.hunt.events import Event
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.study.study_file import Study
@@ -110,13 +108,6 @@ class GoalTimer:
             self.open = max(self.open, tick - self._since[robot])
 
 
-class NullStore:
-    """A log store that keeps nothing, since no hunt is resumed."""
-
-    def append(self, events: Sequence[Event]) -> None:
-        """Drop the events."""
-
-
 def play(hunt: Hunt) -> Outcome:
     """Play one hunt to its end."""
     began = time.process_time()
@@ -124,10 +115,8 @@ def play(hunt: Hunt) -> Outcome:
     simr = build_simr(setting)
     person = TabUI(build_bot(setting.templates, BotStrategy.RANDOM, hunt.seed))
     session = Session(
-        MessageRouter(),
         build_keeper(setting),
         [simr, build_hider(setting.templates, setting.study.seed), person],
-        NullStore(),
     )
     watch = GoalTimer(hunt.robots)
     while session.tick < MAX_SECONDS * TICKS_PER_SECOND and not (session.game is not None and session.game.ended):

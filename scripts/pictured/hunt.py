@@ -10,9 +10,7 @@ from sim.common.observations import TICK
 from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
-from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
 from thbridge.roles.robot_requests import Request
 from thbridge.roles.view import ParticipantRequest, View
@@ -46,10 +44,8 @@ class PicturedHunt:
         setting = read_setting(study, Path())
         self._tabui = TabUI(self, self)
         self._session = Session(
-            MessageRouter(),
             build_keeper(setting),
             [build_simr(setting), build_hider(setting.templates, setting.study.seed)],
-            NoLog(),
             participant=self._tabui,
         )
         self.model.connected(self.now)

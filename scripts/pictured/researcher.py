@@ -14,12 +14,11 @@ from thbridge.app.compose.game import build_bot, build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_writer
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
-from thbridge.app.play import PLAY, NoLog
+from thbridge.app.play import PLAY
 from thbridge.app.session.broadcast import Broadcast, Listener
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
 from thbridge.protocols.text import legacy
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.protocols.watching import STATUS, SessionMessage, WatchStatus
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import Request, WizardAdvice, WizardMode
@@ -56,7 +55,7 @@ def play(listeners: Sequence[Listener], ticks: int, requests: Mapping[int, Reque
     record = build_record(setting, PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
     recorder = BagRecorder(Broadcast(build_publisher(setting), record, setting.map.grid, listeners))
     roles = [build_simr(setting), build_hider(setting.templates, setting.study.seed)]
-    hunt = Session(MessageRouter(), build_keeper(setting), roles, NoLog(), [recorder], participant)
+    hunt = Session(build_keeper(setting), roles, [recorder], participant)
     for tick in range(ticks):
         if tick in requests:
             hunt.ask("watch", requests[tick])

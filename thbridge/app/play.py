@@ -14,10 +14,8 @@ from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress,
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder, TlogRecorder
 from thbridge.app.session.session import EventLog, Session, TickRecord, TickRecorder
-from thbridge.hunt.game import GameState
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.text import legacy
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, tlog_of
 from thbridge.recording.tlog import TlogFile
@@ -158,7 +156,7 @@ async def play(
         links = await _links(options.mavlink, opened, callbacks)
         if options.rate > 0.0:
             rehearse(setting)
-        log: EventLog = NoLog()
+        log: EventLog | None = None
         if options.bag is not None:
             log = opened.enter_context(closing(JournalStore(journal_of(options.bag))))
         has_vehicles = setting.study.mavlink.on
@@ -170,9 +168,7 @@ async def play(
             recorders.append(BagRecorder(Broadcast(publisher, record, setting.map.grid, audience)))
         if options.bag is not None and has_vehicles and setting.study.mavlink.tlog:
             recorders.append(TlogRecorder(opened.enter_context(TlogFile(tlog_of(options.bag)))))
-        session = Session(
-            MessageRouter(), build_keeper(setting), roles, log, recorders, inside, vehicle_factory(setting, simr)
-        )
+        session = Session(build_keeper(setting), roles, recorders, inside, vehicle_factory(setting, simr), log)
         server = TextServer(session, session.note_forwarded)
         session.perform = server.perform
         if has_vehicles and options.graph is not None:
@@ -218,13 +214,6 @@ async def _links(
     return links, names
 
 
-class NoLog:
-    """The event log of a session that is not recorded."""
-
-    def append(self, events: Sequence[object]) -> None:
-        """Drop the events."""
-
-
 class EndCondition:
     """Condition for the end of a session.
 
@@ -263,7 +252,7 @@ def _outcome(
         seed=setting.study.seed,
         score=0 if game is None else game.score,
         over=None if game is None or game.ended is None else game.ended.reason.value,
-        rooms_visited=_visited(game),
+        rooms_visited=0 if game is None else sum(room.visited for room in game.rooms),
         identified=0 if game is None else sum(room.points is not None for room in game.rooms),
         energy=() if game is None else tuple(robot.energy for robot in game.robots),
         sim_seconds=round(ticks * TICK, 2),
@@ -271,7 +260,3 @@ def _outcome(
         collisions=0 if snapshot is None else int(snapshot.truth.collisions.sum()),
         bag=bag,
     )
-
-
-def _visited(game: GameState | None) -> int:
-    return 0 if game is None else sum(room.visited for room in game.rooms)

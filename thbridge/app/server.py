@@ -6,9 +6,7 @@ from collections.abc import Callable
 from thbridge.app.compose.game import build_keeper
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.session.session import Session
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.journal_folder import JournalStore
-from thbridge.roles.keeper.keeper import Keeper
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.text.server import TextServer
@@ -42,9 +40,8 @@ async def serve(
             if unfinished.torn:
                 _log.warning("its last event was half written and is lost")
         last_game = journals.last_game if unfinished is None else journals.last_game - 1
-        keeper: Keeper = build_keeper(setting, () if unfinished is None else unfinished.history, last_game)
-        router = MessageRouter()
-        session = Session(router, keeper, [], journals)
+        keeper = build_keeper(setting, () if unfinished is None else unfinished.history, last_game)
+        session = Session(keeper, [], log=journals)
         server = TextServer(session, session.note_forwarded)
         session.perform = server.perform
         listening = await server.start(setting.study.server.host, setting.study.server.port)

@@ -8,9 +8,7 @@ from sim.common.observations import TICK, TICKS_PER_SECOND
 from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
-from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.roles.notices import FloorPlan
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
 from thbridge.roles.view import ParticipantRequest, View
@@ -47,10 +45,8 @@ def shoot(robots: int, seconds: float, place: str = "warehouse12") -> Film:
     setting = read_setting(study, Path())
     seat = _Seat()
     session = Session(
-        MessageRouter(),
         build_keeper(setting),
         [build_simr(setting), build_hider(setting.templates, setting.study.seed)],
-        NoLog(),
         [],
         seat.tabui,
     )

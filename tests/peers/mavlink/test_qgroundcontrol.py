@@ -18,14 +18,12 @@ from tests.peers.mavlink.qgroundcontrol import COMPONENT, SYSTEM, Learned, QGrou
 from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.robots import build_simr, vehicle_factory
 from thbridge.app.compose.setting import read_setting
-from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
 from thbridge.protocols.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.mavlink.traffic import OutgoingFrame
 from thbridge.protocols.mavlink.vehicle.component_files.metadata_files import checksum
 from thbridge.protocols.mavlink.vehicle.vehicle import AutopilotIdentity
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.study.study_file import Study
 
 ROBOT = 1
@@ -47,10 +45,8 @@ def sitting(identity: AutopilotIdentity) -> Session:
     simr = build_simr(setting)
     vehicles = vehicle_factory(setting, simr)
     session = Session(
-        MessageRouter(),
         build_keeper(setting),
         [simr, build_hider(setting.templates, setting.study.seed)],
-        NoLog(),
         vehicles=vehicles,
     )
     for _ in range(2 * TICKS_PER_SECOND):

@@ -19,7 +19,6 @@ from thbridge.hunt.treasures import TreasureKind
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, parse_notice
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.disclosure import plain_costs
 from thbridge.roles.keeper.keeper import GameRules, Keeper
@@ -139,7 +138,6 @@ class Stage:
             self.templates = replace(self.templates, kinds=tuple(kinds))
         self.log = Log()
         self.log.append(history)
-        self.router = MessageRouter()
         self.briefing = briefing or Briefing(names=tuple(sorted(kind.name for kind in self.templates.kinds)))
         last_game = 1 if history else 0
         self.keeper = Keeper(rules, lambda game: engine(self.templates, seed), history, last_game, self.briefing)
@@ -148,7 +146,7 @@ class Stage:
         roles: list[Role] = [self.puppets, self.tabui]
         if hider:
             roles.append(build_hider(self.templates, seed))
-        self.session = Session(self.router, self.keeper, roles, self.log)
+        self.session = Session(self.keeper, roles, log=self.log)
         self.tick_records: list[TickRecord] = []
 
     def run(self, ticks: int) -> None:

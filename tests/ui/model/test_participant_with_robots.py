@@ -8,9 +8,7 @@ import pytest
 from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
-from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.view import View
 from thbridge.study.study_file import Study
@@ -44,7 +42,7 @@ class Table:
         self.model, self.now = Participant(), 0.0
         self.tabui = TabUI(self, self)
         roles = [build_simr(setting), build_hider(setting.templates, setting.study.seed)]
-        self.session = Session(MessageRouter(), build_keeper(setting), roles, NoLog(), [], self.tabui)
+        self.session = Session(build_keeper(setting), roles, [], self.tabui)
         self.model.connected(0.0)
 
     def observe(self, level) -> None:

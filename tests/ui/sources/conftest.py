@@ -10,12 +10,11 @@ from thbridge.app.compose.game import build_bot, build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_writer
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import read_setting
-from thbridge.app.play import PLAY, NoLog
+from thbridge.app.play import PLAY
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
 from thbridge.protocols.text import legacy
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.bag.options import Compression
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import Request
@@ -41,7 +40,7 @@ def record(bag: Path, study: Study, ticks: int, done: Mapping[int, Request] = DO
     with build_writer(setting, bag) as writer:
         recorder = BagRecorder(Broadcast(build_publisher(setting), session_record, setting.map.grid, [writer]))
         roles = [build_simr(setting), build_hider(setting.templates, setting.study.seed)]
-        session = Session(MessageRouter(), build_keeper(setting), roles, NoLog(), [recorder], participant)
+        session = Session(build_keeper(setting), roles, [recorder], participant)
         for tick in range(ticks):
             if tick in done:
                 session.ask("watch", done[tick])

@@ -17,7 +17,7 @@ from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_writer
 from thbridge.app.compose.robots import build_simr, vehicle_factory
 from thbridge.app.compose.setting import StudySetting
-from thbridge.app.play import PLAY, NoLog
+from thbridge.app.play import PLAY
 from thbridge.app.session.broadcast import Broadcast, Listener
 from thbridge.app.session.mavros import frame_in
 from thbridge.app.session.recording import BagRecorder
@@ -26,7 +26,6 @@ from thbridge.files.errors import BadFile
 from thbridge.hunt.codec import kind_of
 from thbridge.hunt.events import RobotArrived
 from thbridge.protocols.mavlink.outgoing import LinkId
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.bag import reader as bag_reader
 from thbridge.recording.bag.reader import BagInfo
 from thbridge.ros import names
@@ -188,9 +187,7 @@ async def replay_frames(
         record = build_record(setting, PLAY, [simr.name, hider.name], "")
         recorder = BagRecorder(Broadcast(build_publisher(setting), record, setting.map.grid, listening))
         vehicles = vehicle_factory(setting, simr)
-        session = Session(
-            MessageRouter(), build_keeper(setting), [simr, hider], NoLog(), [recorder, hunt], None, vehicles
-        )
+        session = Session(build_keeper(setting), [simr, hider], [recorder, hunt], None, vehicles)
 
         def tick() -> bool:
             frames.give(session, setting.study.robots)

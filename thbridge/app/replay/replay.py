@@ -9,16 +9,16 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from itertools import groupby, zip_longest
 from pathlib import Path
-from typing import Protocol
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
 from thbridge.app.compose.game import build_bot, build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_writer
 from thbridge.app.compose.robots import build_simr, vehicle_factory
 from thbridge.app.compose.setting import StudySetting
-from thbridge.app.play import PLAY, NoLog
+from thbridge.app.play import PLAY
 from thbridge.app.programs import SIMR
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.input_records import from_record
@@ -44,7 +44,6 @@ from thbridge.app.session.simr_session import SimrSession
 from thbridge.files.errors import BadFile
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.bag import reader as bag_reader
 from thbridge.recording.bag.reader import RawMessage
 from thbridge.roles.participant.bot_strategy import BotStrategy
@@ -173,20 +172,6 @@ def _input(path: Path, message: RawMessage) -> Input:
         raise BadFile(path, None, names.INPUTS, str(error), "replay it with the release that recorded it") from None
 
 
-class ReplayedSession(Protocol):
-    """A session that is replayed."""
-
-    @property
-    def tick(self) -> int:
-        """The number of the next tick."""
-
-    def take(self, item: Input) -> None:
-        """Pass an input on by the method that took it when it was recorded."""
-
-    def step(self) -> None:
-        """Run one tick."""
-
-
 async def replay(
     path: Path, setting: StudySetting, options: ReplayOptions, progress: Callable[[TickRecord], None]
 ) -> Replayed:
@@ -207,7 +192,7 @@ async def replay(
     with ExitStack() as opened:
         kept = [] if options.to is None else [opened.enter_context(build_writer(setting, options.to))]
         broadcast = Broadcast(build_publisher(setting), fresh, setting.map.grid, [buffer, *kept])
-        session = _replayed_session(
+        session, give = _replayed_session(
             setting, record, options.participant, [BagRecorder(broadcast), _ProgressReporter(progress, options.start)]
         )
         comparison = Comparison()
@@ -222,7 +207,7 @@ async def replay(
                 return False
             if was.number > 0:  # The opening, of tick 0, comes before all steps.
                 for item in was.inputs:
-                    session.take(item)
+                    give(item)
                 session.step()
             comparison.compare(was.messages, buffer.drain())
             over = comparison.difference is not None and not options.to_the_end
@@ -240,11 +225,12 @@ async def replay(
 
 def _replayed_session(
     setting: StudySetting, record: SessionRecord, participant: BotStrategy | None, recorders: Sequence[TickRecorder]
-) -> ReplayedSession:
-    """Return the roles of the recorded session; messages of its participant are inputs."""
+) -> tuple[Session | SimrSession, Callable[[Input], None]]:
+    """Return the recorded session anew, and what takes its inputs; messages of its participant are among these."""
     simr = build_simr(setting)
     if record.program == SIMR:
-        return _ReplayedSimr(SimrSession(simr, recorders))
+        alone = SimrSession(simr, recorders)
+        return alone, partial(_give_to_simr, alone)
     roles: list[Role] = [simr]
     if legacy.HIDER in record.roles:
         roles.append(build_hider(setting.templates, setting.study.seed))
@@ -252,11 +238,8 @@ def _replayed_session(
     player: Role | None = recorded_participant
     if participant is not None:
         player = TabUI(build_bot(setting.templates, participant, setting.study.seed))
-    vehicles = vehicle_factory(setting, simr)
-    return _ReplayedPlay(
-        Session(MessageRouter(), build_keeper(setting), roles, NoLog(), recorders, player, vehicles),
-        recorded_participant,
-    )
+    session = Session(build_keeper(setting), roles, recorders, player, vehicle_factory(setting, simr))
+    return session, partial(_give, session, recorded_participant)
 
 
 class _RecordedParticipant:
@@ -280,68 +263,42 @@ class _RecordedParticipant:
         return lines
 
 
-class _ReplayedPlay:
-    """A session of `thbridge play`."""
-
-    def __init__(self, session: Session, recorded_participant: _RecordedParticipant | None) -> None:
-        self._session = session
-        self._recorded_participant = recorded_participant
-
-    @property
-    def tick(self) -> int:
-        return self._session.tick
-
-    def take(self, item: Input) -> None:
-        session = self._session
-        match item:
-            case ConnectionOpened(_, now):
-                session.connect(now)
-            case BytesReceived(connection, _, data, now):
-                session.perform(session.receive_data(connection, data, now))
-            case ConnectionClosed(connection):
-                session.perform(session.eof(connection))
-            case ConnectionBacklogged(connection, _, size):
-                session.perform(session.report_backlog(connection, size))
-            case ClockAdvanced(now):
-                session.perform(session.advance(now))
-            case ParticipantSent(message) if self._recorded_participant is not None:
-                self._recorded_participant.prompt(message)
-            case ClientRequest(sender, request):
-                session.ask(sender, request)
-            case LinkOpened(_, name, robot) if session.has_vehicles:
-                session.open_link(name, robot)
-            case LinkClosed(link):
-                session.close_link(link)
-            case FrameReceived(link, _, frame, robot):
-                session.transmit(session.receive_frame(link, frame, robot).replies)
-            case HeartbeatsSent():
-                session.keep_alive()
-
-    def step(self) -> None:
-        self._session.step()
+def _give(session: Session, participant: _RecordedParticipant | None, item: Input) -> None:
+    """Give an input to a session of `thbridge play`, by the method that took it when it was recorded."""
+    match item:
+        case ConnectionOpened(_, now):
+            session.connect(now)
+        case BytesReceived(connection, _, data, now):
+            session.perform(session.receive_data(connection, data, now))
+        case ConnectionClosed(connection):
+            session.perform(session.eof(connection))
+        case ConnectionBacklogged(connection, _, size):
+            session.perform(session.report_backlog(connection, size))
+        case ClockAdvanced(now):
+            session.perform(session.advance(now))
+        case ParticipantSent(message) if participant is not None:
+            participant.prompt(message)
+        case ClientRequest(sender, request):
+            session.ask(sender, request)
+        case LinkOpened(_, name, robot) if session.has_vehicles:
+            session.open_link(name, robot)
+        case LinkClosed(link):
+            session.close_link(link)
+        case FrameReceived(link, _, frame, robot):
+            session.transmit(session.receive_frame(link, frame, robot).replies)
+        case HeartbeatsSent():
+            session.keep_alive()
 
 
-class _ReplayedSimr:
-    """A session of `thbridge simr`."""
-
-    def __init__(self, session: SimrSession) -> None:
-        self._session = session
-
-    @property
-    def tick(self) -> int:
-        return self._session.tick
-
-    def take(self, item: Input) -> None:
-        match item:
-            case NameAccepted():
-                self._session.connected()
-            case MessageForwarded(message):
-                self._session.receive(message)
-            case ClientRequest(sender, request):
-                self._session.ask(sender, request)
-
-    def step(self) -> None:
-        self._session.step()
+def _give_to_simr(session: SimrSession, item: Input) -> None:
+    """Give an input to a session of `thbridge simr`."""
+    match item:
+        case NameAccepted():
+            session.connected()
+        case MessageForwarded(message):
+            session.receive(message)
+        case ClientRequest(sender, request):
+            session.ask(sender, request)
 
 
 class _ProgressReporter:

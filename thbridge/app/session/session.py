@@ -89,14 +89,13 @@ class Session:
     """Runs the roles of one process in step: messages sent in one tick arrive in the next.
 
     Args:
-        router: connects the roles, and programs of other processes; from now on only this session uses it.
         keeper: of the game.
         roles: the other roles of this process.
-        log: of the game's events.
         recorders: take every tick.
         participant: the participant's role in this process, if any; its messages are inputs.
         vehicles: makes the robots MAVLink vehicles, given a sink of their requests to robots and game; these requests
             follow from frames, and so are no inputs. None: the robots are no vehicles.
+        log: of the game's events; None: they are not logged.
 
     Attributes:
         tick: the number of the next tick.
@@ -105,23 +104,22 @@ class Session:
         transmit: sends frames on their links; it may not know all of them. A server of links replaces it.
 
     Raises:
-        ValueError: two roles have the same name, or one is held already.
+        ValueError: two roles have the same name.
     """
 
     def __init__(
         self,
-        router: MessageRouter,
         keeper: Keeper,
         roles: Sequence[Role],
-        log: EventLog,
         recorders: Sequence[TickRecorder] = (),
         participant: Role | None = None,
         vehicles: "Callable[[RequestSink], Vehicles] | None" = None,
+        log: EventLog | None = None,
     ) -> None:
         self.tick = 0
         self.perform: Callable[[Sequence[RouterOutput]], None] = self._note_all_forwarded
         self.transmit: Callable[[Sequence[OutgoingFrame]], None] = _drop_frames
-        self._router = router
+        self._router = MessageRouter()
         self._keeper = keeper
         self._roles = tuple(roles)
         self._log = log
@@ -132,7 +130,7 @@ class Session:
         self._forwarded: list[Forwarded] = []
         self._vehicles = None if vehicles is None else vehicles(self._pass_on)
         for role in (keeper, *self._roles, *(() if participant is None else (participant,))):
-            taken = router.attach(role.name)
+            taken = self._router.attach(role.name)
             if taken is not None:
                 raise ValueError(f"two programs are called {taken.name}")
             role.connected()
@@ -224,14 +222,14 @@ class Session:
 
     def close_link(self, link: LinkId) -> None:
         """Close a link, unless it is closed already."""
-        name = None if self._vehicles is None else self._vehicles.name_of(link)
+        name = None if self._vehicles is None else self._vehicles.hub.name_of(link)
         if self._vehicles is not None and name is not None:
-            self._vehicles.close(link)
+            self._vehicles.hub.close(link)
             self._inputs.append(LinkClosed(link, name))
 
     def report(self, link: LinkId) -> LinkReport | None:
         """Return the report of a link; None: there is no such link."""
-        return None if self._vehicles is None else self._vehicles.report(link)
+        return None if self._vehicles is None else self._vehicles.hub.report(link)
 
     def receive_frame(self, link: LinkId, frame: Frame, robot: int | None = None) -> FrameOutcome:
         """Take a frame that came in.
@@ -247,10 +245,10 @@ class Session:
         Returns:
             Why it was dropped, or the frames sent in reply, for `transmit`.
         """
-        name = None if self._vehicles is None else self._vehicles.name_of(link)
+        name = None if self._vehicles is None else self._vehicles.hub.name_of(link)
         if self._vehicles is None or name is None:
             return FrameOutcome()
-        outcome = self._vehicles.receive(link, frame, robot)
+        outcome = self._vehicles.hub.receive(link, frame, robot)
         # A dropped frame has no effect, and may hold a secret: it is not recorded.
         if outcome.dropped is None:
             self._inputs.append(FrameReceived(link, name, frame, robot))
@@ -260,7 +258,7 @@ class Session:
         """Send heartbeats in real time while the session is paused or slow."""
         if self._vehicles is not None:
             self._inputs.append(HeartbeatsSent())
-            self.transmit(self._vehicles.keep_alive())
+            self.transmit(self._vehicles.hub.keep_alive())
 
     # The tick
 
@@ -278,7 +276,8 @@ class Session:
         # The journal has the keeper's events before any message that follows from them is sent: a crash loses none.
         self._step_role(self._keeper)
         decisions = self._keeper.decisions
-        self._log.append(decisions.events)
+        if self._log is not None:
+            self._log.append(decisions.events)
         for role in self._roles:
             self._step_role(role)
         if self._participant is not None:
@@ -294,7 +293,7 @@ class Session:
             decisions.utterances,
             decisions.wizard,
             self._keeper.state,
-            () if self._vehicles is None else self._vehicles.take_traffic(),
+            () if self._vehicles is None else self._vehicles.hub.take_traffic(),
             () if self._vehicles is None else self._vehicles.statuses,
         )
         for recorder in self._recorders:

@@ -88,10 +88,11 @@ class Hub:
         Args:
             link: link it came from; an unknown one is ignored.
             frame: verified frame without its signature.
-            robot: the only vehicle that is to receive it; None: the vehicles it is addressed to.
+            robot: the only vehicle that is to receive it; None: the vehicles it is addressed to. A frame for a vehicle
+                that does not exist has no effect.
         """
         there = self._links.get(link)
-        if there is None:
+        if there is None or not (robot is None or 0 <= robot < len(self.vehicles)):
             return FrameOutcome()
         dropped, message = self._reason_to_drop(there, frame), None
         if dropped is None:

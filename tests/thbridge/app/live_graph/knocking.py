@@ -15,7 +15,7 @@ from thbridge.app.compose.robots import build_simr, build_team, vehicle_factory
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.live_graph import live
 from thbridge.app.live_graph.live import LiveGraph
-from thbridge.app.play import PLAY, NoLog
+from thbridge.app.play import PLAY
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.inputs import ClientRequest
 from thbridge.app.session.recording import BagRecorder
@@ -25,7 +25,6 @@ from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.protocols.rosgraph.xmlrpc import XmlRpcValue
 from thbridge.protocols.text import legacy
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.roles.robot_requests import Request
 from thbridge.ros.names import GRAPH_LINK
 from thbridge.sockets.rosgraph.joining import GraphAddress
@@ -87,7 +86,7 @@ class Visited:
         record = build_record(setting, PLAY, [legacy.SIMR, legacy.HIDER], "")
         recorder = BagRecorder(Broadcast(publisher, record, setting.map.grid, [graph, self.writer]))
         roles, vehicles = [simr, build_hider(setting.templates, setting.study.seed)], vehicle_factory(setting, simr)
-        self._session = Session(MessageRouter(), build_keeper(setting), roles, NoLog(), [recorder], vehicles=vehicles)
+        self._session = Session(build_keeper(setting), roles, [recorder], vehicles=vehicles)
         self._link = self._session.open_link(GRAPH_LINK) if setting.study.mavlink.on else LinkId(0)
 
     def ask(self, sender: str, request: Request) -> None:

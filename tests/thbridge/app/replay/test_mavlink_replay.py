@@ -16,7 +16,7 @@ from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_writer
 from thbridge.app.compose.robots import build_simr, vehicle_factory
 from thbridge.app.compose.setting import read_setting
-from thbridge.app.play import PLAY, NoLog
+from thbridge.app.play import PLAY
 from thbridge.app.replay.mavlink_replay import FramesOptions, FramesReplayed, has_session, replay_frames
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder
@@ -27,7 +27,6 @@ from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.mavlink.frames.framer import FrameParser
 from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.protocols.text import legacy
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.bag.reader import messages
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
@@ -94,9 +93,7 @@ def record(
         opening = build_record(setting, PLAY, roles_within, "" if window is None else "person")
         recorder = BagRecorder(Broadcast(build_publisher(setting), opening, setting.map.grid, [writer]))
         roles = [simr, build_hider(setting.templates, setting.study.seed)]
-        session = Session(
-            MessageRouter(), build_keeper(setting), roles, NoLog(), [recorder], window, vehicle_factory(setting, simr)
-        )
+        session = Session(build_keeper(setting), roles, [recorder], window, vehicle_factory(setting, simr))
         for tick in range(ticks):
             doing(tick, session)
             session.step()

@@ -29,7 +29,7 @@ from thbridge.app.compose.recording import build_publisher, build_record, build_
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
-from thbridge.app.play import PLAY, HuntUnfinished, NoLog, PlayOptions, play
+from thbridge.app.play import PLAY, HuntUnfinished, PlayOptions, play
 from thbridge.app.programs import SIMR
 from thbridge.app.replay.replay import Replayed, ReplayOptions, replay, session_of, ticks_of
 from thbridge.app.session.broadcast import Broadcast
@@ -53,7 +53,7 @@ from thbridge.protocols.text import legacy
 from thbridge.protocols.text.client import NameRegistered
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.notice import encode_notice
-from thbridge.protocols.text.router import ConnectionId, Forwarded, MessageRouter, RouterOutput, SendToClient
+from thbridge.protocols.text.router import ConnectionId, Forwarded, RouterOutput, SendToClient
 from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reader import messages
 from thbridge.recording.bag.repair import reindex
@@ -148,7 +148,7 @@ def act(bag: Path, study: Study, ticks: int, doing: Callable[[int, Session], Non
     session_record = build_record(setting, PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
     with build_writer(setting, bag) as writer:
         recorder = BagRecorder(Broadcast(build_publisher(setting), session_record, setting.map.grid, [writer]))
-        session = Session(MessageRouter(), build_keeper(setting), roles, NoLog(), [recorder], bot_of(setting))
+        session = Session(build_keeper(setting), roles, [recorder], bot_of(setting))
         for tick in range(ticks):
             doing(tick, session)
             session.step()

@@ -13,11 +13,9 @@ from tests.thbridge.app.replay.test_replay import equal
 from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.robots import build_simr, build_team, vehicle_factory
 from thbridge.app.compose.setting import read_setting
-from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
 from thbridge.protocols.mavlink.dialect import Message, decoded, mav
 from thbridge.protocols.mavlink.traffic import OutgoingFrame
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.bag.reader import messages
 from thbridge.roles.robot_requests import SetParameters
 from thbridge.roles.vehicles.parameters import PARAMETERS
@@ -38,7 +36,7 @@ class Played:
         self.team = build_team(setting)
         simr = build_simr(setting, self.team)
         roles, vehicles = [simr, build_hider(setting.templates, setting.study.seed)], vehicle_factory(setting, simr)
-        self.session = Session(MessageRouter(), build_keeper(setting), roles, NoLog(), vehicles=vehicles)
+        self.session = Session(build_keeper(setting), roles, vehicles=vehicles)
         self._said: list[tuple[int, Message | None]] = []
         self.session.transmit = self._take
         self.station = Station(self.session)

@@ -13,12 +13,10 @@ from tests.thbridge.protocols.mavlink.hostile import Foe
 from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.robots import build_simr, vehicle_factory
 from thbridge.app.compose.setting import read_setting
-from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
 from thbridge.protocols.mavlink.dialect import mav
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.mavlink.frames.framer import FrameParser
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.roles.vehicles.parameters import VehicleParameters
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
@@ -33,10 +31,8 @@ def stormed(seed, ticks, bytes_a_tick):
     setting = read_setting(study, Path())
     simr = build_simr(setting)
     session = Session(
-        MessageRouter(),
         build_keeper(setting),
         [simr, build_hider(setting.templates, setting.study.seed)],
-        NoLog(),
         vehicles=vehicle_factory(setting, simr),
     )
     chance = random.Random(seed)

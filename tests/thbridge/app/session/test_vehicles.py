@@ -15,7 +15,7 @@ from thbridge.app.compose.game import build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record
 from thbridge.app.compose.robots import build_simr, vehicle_factory
 from thbridge.app.compose.setting import read_setting
-from thbridge.app.play import PLAY, NoLog
+from thbridge.app.play import PLAY
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.input_records import from_record, to_record
 from thbridge.app.session.inputs import FrameReceived, HeartbeatsSent, LinkClosed, LinkOpened
@@ -25,7 +25,6 @@ from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.mavlink.outgoing import VehicleStatus
 from thbridge.protocols.mavlink.traffic import OutgoingFrame
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.recording.tlog import TlogFile
 from thbridge.roles.keeper.wizard import WizardState
 from thbridge.ros.messages import unpack
@@ -43,7 +42,7 @@ FRAME = Frame(255, 190, 7, HEARTBEAT.id, payload_of(HEARTBEAT), crc_extra(HEARTB
 def session() -> Session:
     setting = read_setting(WITH_VEHICLES, Path())
     simr = build_simr(setting)
-    return Session(MessageRouter(), build_keeper(setting), [simr], NoLog(), vehicles=vehicle_factory(setting, simr))
+    return Session(build_keeper(setting), [simr], vehicles=vehicle_factory(setting, simr))
 
 
 def steps(session: Session, ticks: int) -> list[TickRecord]:
@@ -184,9 +183,7 @@ def test_a_telemetry_log_has_all_traffic_with_the_stamps_of_the_bag(tmp_path: Pa
     log = tmp_path / "hunt.tlog"
     with TlogFile(log) as file:
         recorders = [TlogRecorder(file)]
-        session = Session(
-            MessageRouter(), build_keeper(setting), [simr], NoLog(), recorders, vehicles=vehicle_factory(setting, simr)
-        )
+        session = Session(build_keeper(setting), [simr], recorders, vehicles=vehicle_factory(setting, simr))
         session.step()
         session.receive_frame(session.open_link("a"), FRAME)
         tick_record = session.step()
@@ -198,7 +195,7 @@ def test_a_telemetry_log_has_all_traffic_with_the_stamps_of_the_bag(tmp_path: Pa
 def test_where_robots_are_no_vehicles_there_is_no_link():
     setting = read_setting(Study(), Path())
     simr = build_simr(setting)
-    session = Session(MessageRouter(), build_keeper(setting), [simr], NoLog(), vehicles=vehicle_factory(setting, simr))
+    session = Session(build_keeper(setting), [simr], vehicles=vehicle_factory(setting, simr))
     with pytest.raises(ValueError, match="no vehicles"):
         session.open_link("a")
 

@@ -35,7 +35,6 @@ from thbridge.hunt.game import GameState, apply, begin
 from thbridge.hunt.rooms import Room
 from thbridge.protocols.mavlink.vehicle_interface import DenialKind, Denied, LegState, RobotReadings, Station, Target
 from thbridge.protocols.mavlink.vehicle_interface import ParameterSetting as Parameter
-from thbridge.protocols.text.router import MessageRouter
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import GameRequest, Request, SetParameters
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
@@ -96,10 +95,9 @@ class Flight:
         self.keeper = build_keeper(made)
         self.tabui = participant or TabUI(self.player)
         self.session = Session(
-            MessageRouter(),
             self.keeper,
             [self.simr, build_hider(made.templates, made.study.seed), self.tabui],
-            self.log,
+            log=self.log,
         )
         self.asked: list[Request] = []
         setup = build_game_setup(made)
