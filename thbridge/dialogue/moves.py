@@ -50,8 +50,6 @@ class DialogueOutcome(StrEnum):
     """Agreed: the topic's proposal may be carried out."""
     NO_CONSENSUS = "no-consensus"
     """Not agreed: the proposal is dropped."""
-    WITHDRAWN = "withdrawn"
-    """Closed from outside, because its topic is no longer to be decided."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,27 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from thbridge.dialogue.moves import Dialogue, Move, Speaker
-
-
-@dataclass(frozen=True, slots=True)
-class StrategyInput:
-    """Input of a strategy: the public record. Beliefs beyond that are the strategy's own.
-
-    Attributes:
-        side: the choosing side.
-        dialogue: topic and moves so far.
-    """
-
-    side: Speaker
-    dialogue: Dialogue
+from thbridge.dialogue.moves import Dialogue, Move
 
 
 class Strategy(Protocol):
-    """Chooses one side's moves. Must be a function of its arguments and of its constructor's."""
+    """Chooses the robot's moves. Must be a function of its arguments and of its constructor's."""
 
-    def choose(self, view: StrategyInput, legal: Sequence[Move]) -> Move:
-        """Return one of the legal moves, of which there is at least one."""
+    def choose(self, dialogue: Dialogue, legal: Sequence[Move]) -> Move:
+        """Return one of the legal moves, of which there is at least one, by a dialogue's topic and moves so far."""
         ...
 
 
@@ -32,6 +19,6 @@ class Strategy(Protocol):
 class TemplateStrategy:
     """The robot of 2016: it follows its script, which leaves it one move at a time."""
 
-    def choose(self, view: StrategyInput, legal: Sequence[Move]) -> Move:
+    def choose(self, dialogue: Dialogue, legal: Sequence[Move]) -> Move:
         """Return the first legal move: the next question."""
         return legal[0]

@@ -248,21 +248,3 @@ class TeamRejection(NoticeValue, frozen=True, tag="Unfit"):
     """Keeper to SimR: these robots do not fit the game in progress; SimR ends."""
 
     sentence: str
-
-
-StateNotice = (
-    RobotsReady
-    | Orders
-    | TeamStatus
-    | HiderReady
-    | HideRequest
-    | HideTreasures
-    | LegacyReply
-    | ParticipantReady
-    | Subscribe
-    | PoseTelemetry
-    | PlannedPaths
-    | FloorPlan
-    | PicturePiece
-    | TeamRejection
-)

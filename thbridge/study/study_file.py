@@ -1,6 +1,6 @@
 """The study file: all settings in one YAML file, every key of which may be left out.
 
-The sections are frozen dataclasses. `knob` gives each field its default, meaning, unit and bounds, and the reader, its
+The sections are frozen dataclasses. `param` gives each field its default, meaning, unit and bounds, and the reader, its
 error messages and the commented file that `thbridge study init` writes all come from there.
 """
 

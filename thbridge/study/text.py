@@ -31,28 +31,28 @@ def commented_study() -> str:
 
 def _lines(section: "DataclassInstance", key: str, commented: bool) -> Iterator[str]:
     hints = cast(Mapping[str, object], get_type_hints(type(section)))
-    for knob_field in dataclasses.fields(section):
-        place = f"{key}.{knob_field.name}" if key else knob_field.name
+    for field in dataclasses.fields(section):
+        place = f"{key}.{field.name}" if key else field.name
         if place in SHOWN_ELSEWHERE:
             continue
-        value = cast(object, getattr(section, knob_field.name))
-        if knob_field.name == sections_named_in(type(section)):
+        value = cast(object, getattr(section, field.name))
+        if field.name == sections_named_in(type(section)):
             named = cast(tuple["DataclassInstance", ...], value)
-            lines = list(_named_sections(knob_field.name, named))
+            lines = list(_named_sections(field.name, named))
         elif isinstance(value, Mapping):
-            like = cast("DataclassInstance", getattr(section, cast(str, knob_field.metadata["like"])))
-            lines = list(_entries(knob_field.name, cast(Mapping[int, "DataclassInstance"], value), like))
+            like = cast("DataclassInstance", getattr(section, cast(str, field.metadata["like"])))
+            lines = list(_entries(field.name, cast(Mapping[int, "DataclassInstance"], value), like))
         elif dataclasses.is_dataclass(value) and not isinstance(value, type):
             inner = _lines(value, place, commented)
-            lines = [f"{knob_field.name}:", *(f"  {line}" if line else "" for line in inner)]
+            lines = [f"{field.name}:", *(f"  {line}" if line else "" for line in inner)]
         elif value and isinstance(value, tuple) and dataclasses.is_dataclass(value[0]):
-            lines = [f"{knob_field.name}:", *(f"  - {as_yaml(item)}" for item in value)]
+            lines = [f"{field.name}:", *(f"  - {as_yaml(item)}" for item in value)]
         else:
-            lines = [f"{knob_field.name}: {as_yaml(value)}"]
+            lines = [f"{field.name}: {as_yaml(value)}"]
         if commented:
-            words = allowed(hints[knob_field.name], knob_field.metadata)
-            comment = f"# {knob_field.metadata['help']}" + (f" [{words}]" if words else "")
-            comments = [comment, *_keys_of_items(hints[knob_field.name])]
+            words = allowed(hints[field.name], field.metadata)
+            comment = f"# {field.metadata['help']}" + (f" [{words}]" if words else "")
+            comments = [comment, *_keys_of_items(hints[field.name])]
             # Uncommented, these numbers would override any preset chosen later.
             lines = [
                 *comments,
@@ -77,23 +77,23 @@ def _named_sections(name: str, sections: tuple["DataclassInstance", ...]) -> Ite
     yield f"{name}: {quoted(' '.join(names))}"
     for own_name, section in zip(names, sections, strict=True):
         yield f"{own_name}:"
-        for knob_field in dataclasses.fields(section):
-            if knob_field.name != "name":
-                yield f"  {knob_field.name}: {as_yaml(cast(object, getattr(section, knob_field.name)))}"
+        for field in dataclasses.fields(section):
+            if field.name != "name":
+                yield f"  {field.name}: {as_yaml(cast(object, getattr(section, field.name)))}"
 
 
 def _differences(section: "DataclassInstance", like: "DataclassInstance") -> Iterator[str]:
-    for knob_field in dataclasses.fields(section):
-        value, other = (cast(object, getattr(each, knob_field.name)) for each in (section, like))
+    for field in dataclasses.fields(section):
+        value, other = (cast(object, getattr(each, field.name)) for each in (section, like))
         if value == other:
             continue
-        if knob_field.name == sections_named_in(type(section)):
-            yield from _named_sections(knob_field.name, cast(tuple["DataclassInstance", ...], value))
+        if field.name == sections_named_in(type(section)):
+            yield from _named_sections(field.name, cast(tuple["DataclassInstance", ...], value))
         elif dataclasses.is_dataclass(value) and not isinstance(value, type):
-            yield f"{knob_field.name}:"
+            yield f"{field.name}:"
             yield from (f"  {line}" for line in _differences(value, cast("DataclassInstance", other)))
         else:
-            yield f"{knob_field.name}: {as_yaml(value)}"
+            yield f"{field.name}: {as_yaml(value)}"
 
 
 def _keys_of_items(hint: object) -> Iterator[str]:
@@ -102,9 +102,9 @@ def _keys_of_items(hint: object) -> Iterator[str]:
     if not (isinstance(item, type) and dataclasses.is_dataclass(item)):
         return
     hints = cast(Mapping[str, object], get_type_hints(item))
-    for knob_field in dataclasses.fields(item):
-        words = allowed(hints[knob_field.name], knob_field.metadata)
-        yield f"#   {knob_field.name}: {knob_field.metadata['help']}" + (f" [{words}]" if words else "")
+    for field in dataclasses.fields(item):
+        words = allowed(hints[field.name], field.metadata)
+        yield f"#   {field.name}: {field.metadata['help']}" + (f" [{words}]" if words else "")
 
 
 SHOWN_ELSEWHERE = {"world.odometry", *TARGET_PATHS.values()}
@@ -122,10 +122,8 @@ def as_yaml(value: object) -> str:
     if isinstance(value, tuple):
         return f"[{', '.join(as_yaml(item) for item in value)}]"
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        told = {
-            knob_field.name: cast(object, getattr(value, knob_field.name)) for knob_field in dataclasses.fields(value)
-        }
-        standard = {knob_field.name: cast(object, knob_field.default) for knob_field in dataclasses.fields(value)}
+        told = {field.name: cast(object, getattr(value, field.name)) for field in dataclasses.fields(value)}
+        standard = {field.name: cast(object, field.default) for field in dataclasses.fields(value)}
         keys = (f"{name}: {as_yaml(entry)}" for name, entry in told.items() if entry != standard[name])
         return f"{{{', '.join(keys)}}}"
     text = str(value)

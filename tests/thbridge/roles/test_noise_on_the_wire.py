@@ -32,7 +32,11 @@ json = st.recursive(
     max_leaves=12,
 )
 KINDS = [
-    *map(kind_of, notices.StateNotice.__args__),
+    *(
+        kind_of(each)
+        for each in vars(notices).values()
+        if isinstance(each, type) and issubclass(each, notices.NoticeValue) and each is not notices.NoticeValue
+    ),
     *map(kind_of, view.ParticipantRequest.__args__),
     "View",
     "undelivered",

@@ -6,10 +6,15 @@ from hypothesis import given, reject
 from hypothesis import strategies as st
 
 from thbridge.protocols.text.notice import decode_notice, encode_notice, kind_of, parse_notice
-from thbridge.roles.notices import StateNotice
+from thbridge.roles import notices
 from thbridge.roles.view import ParticipantRequest, View
 
-VALUES = (*get_args(StateNotice), View, *get_args(ParticipantRequest))
+STATES = [
+    each
+    for each in vars(notices).values()
+    if isinstance(each, type) and issubclass(each, notices.NoticeValue) and each is not notices.NoticeValue
+]
+VALUES = (*STATES, View, *get_args(ParticipantRequest))
 ON_THE_WIRE = """
     RobotsReady Orders Status HiderReady HidePlease HideTreasures Reply ParticipantReady Subscribe Whereabouts Ways
     House Picture Unfit

@@ -10,15 +10,14 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import count
-from typing import Protocol
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
 from sim.inputs import ClearCostmaps, GlobalLocalization, NomotionUpdate, SetPoseEstimate
-from sim.parameters import RobotParameters
 from sim.robot.global_planning.path import PlanRefusal as NoPlan
+from sim.team import Team
 from thbridge.app.live_graph.live_parameters import LiveParameters, sendable
 from thbridge.app.live_graph.rate_limiter import RateLimiter
 from thbridge.app.live_graph.typed_node import TypedNode
@@ -44,17 +43,6 @@ from thbridge.sockets.warn_once import WarnOnce
 _log = logging.getLogger(__name__)
 
 NO_POSES: FloatArray = np.empty((0, 3))
-
-
-class SimulatedTeam(Protocol):
-    """A simulated team, as the graph uses it; see `sim.team.Team`."""
-
-    @property
-    def parameters(self) -> tuple[RobotParameters, ...]:
-        """Current parameters of each robot's software."""
-
-    def make_plan(self, robot: int, start: Pose2 | None, goal: Pose2, tolerance: float) -> FloatArray | NoPlan:
-        """Return the plan for a query; it does not change the simulation."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,7 +75,7 @@ class LiveGraph:
         self,
         graph: GraphAddress,
         description: TeamDescription,
-        team: SimulatedTeam,
+        team: Team,
         ask: Callable[[str, Request], None],
         receive_frame: Callable[[int, Frame], None] | None = None,
     ) -> None:

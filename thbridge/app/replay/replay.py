@@ -20,24 +20,9 @@ from thbridge.app.compose.robots import build_simr, vehicle_factory
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.play import PLAY
 from thbridge.app.programs import SIMR
+from thbridge.app.session import inputs
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.input_records import from_record
-from thbridge.app.session.inputs import (
-    BytesReceived,
-    ClientRequest,
-    ClockAdvanced,
-    ConnectionBacklogged,
-    ConnectionClosed,
-    ConnectionOpened,
-    FrameReceived,
-    HeartbeatsSent,
-    Input,
-    LinkClosed,
-    LinkOpened,
-    MessageForwarded,
-    NameAccepted,
-    ParticipantSent,
-)
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session, TickRecord, TickRecorder
 from thbridge.app.session.simr_session import SimrSession
@@ -128,7 +113,7 @@ class RecordedTick:
     """One tick of a recording: its inputs and all its messages."""
 
     number: int
-    inputs: tuple[Input, ...]
+    inputs: tuple[inputs.Input, ...]
     messages: tuple[RawMessage, ...]
 
 
@@ -161,11 +146,11 @@ def ticks_of(path: Path) -> Iterator[RecordedTick]:
     """Yield a recording tick by tick. Raises BadFile."""
     for stamp_ns, messages in groupby(bag_reader.messages(path), key=lambda message: message.stamp_ns):
         recorded = tuple(message for message in messages if message.topic != names.SESSION)
-        inputs = tuple(_input(path, message) for message in recorded if message.topic == names.INPUTS)
-        yield RecordedTick((stamp_ns - START_NS) // TICK_NS, inputs, recorded)
+        given = tuple(_input(path, message) for message in recorded if message.topic == names.INPUTS)
+        yield RecordedTick((stamp_ns - START_NS) // TICK_NS, given, recorded)
 
 
-def _input(path: Path, message: RawMessage) -> Input:
+def _input(path: Path, message: RawMessage) -> inputs.Input:
     try:
         return from_record(unpack.outside_input(message.data))
     except ValueError as error:
@@ -225,7 +210,7 @@ async def replay(
 
 def _replayed_session(
     setting: StudySetting, record: SessionRecord, participant: BotStrategy | None, recorders: Sequence[TickRecorder]
-) -> tuple[Session | SimrSession, Callable[[Input], None]]:
+) -> tuple[Session | SimrSession, Callable[[inputs.Input], None]]:
     """Return the recorded session anew, and what takes its inputs; messages of its participant are among these."""
     simr = build_simr(setting)
     if record.program == SIMR:
@@ -263,41 +248,41 @@ class _RecordedParticipant:
         return lines
 
 
-def _give(session: Session, participant: _RecordedParticipant | None, item: Input) -> None:
+def _give(session: Session, participant: _RecordedParticipant | None, item: inputs.Input) -> None:
     """Give an input to a session of `thbridge play`, by the method that took it when it was recorded."""
     match item:
-        case ConnectionOpened(_, now):
+        case inputs.ConnectionOpened(_, now):
             session.connect(now)
-        case BytesReceived(connection, _, data, now):
+        case inputs.BytesReceived(connection, _, data, now):
             session.perform(session.receive_data(connection, data, now))
-        case ConnectionClosed(connection):
+        case inputs.ConnectionClosed(connection):
             session.perform(session.eof(connection))
-        case ConnectionBacklogged(connection, _, size):
+        case inputs.ConnectionBacklogged(connection, _, size):
             session.perform(session.report_backlog(connection, size))
-        case ClockAdvanced(now):
+        case inputs.ClockAdvanced(now):
             session.perform(session.advance(now))
-        case ParticipantSent(message) if participant is not None:
+        case inputs.ParticipantSent(message) if participant is not None:
             participant.prompt(message)
-        case ClientRequest(sender, request):
+        case inputs.ClientRequest(sender, request):
             session.ask(sender, request)
-        case LinkOpened(_, name, robot) if session.has_vehicles:
+        case inputs.LinkOpened(_, name, robot) if session.has_vehicles:
             session.open_link(name, robot)
-        case LinkClosed(link):
+        case inputs.LinkClosed(link):
             session.close_link(link)
-        case FrameReceived(link, _, frame, robot):
+        case inputs.FrameReceived(link, _, frame, robot):
             session.transmit(session.receive_frame(link, frame, robot).replies)
-        case HeartbeatsSent():
+        case inputs.HeartbeatsSent():
             session.keep_alive()
 
 
-def _give_to_simr(session: SimrSession, item: Input) -> None:
+def _give_to_simr(session: SimrSession, item: inputs.Input) -> None:
     """Give an input to a session of `thbridge simr`."""
     match item:
-        case NameAccepted():
+        case inputs.NameAccepted():
             session.connected()
-        case MessageForwarded(message):
+        case inputs.MessageForwarded(message):
             session.receive(message)
-        case ClientRequest(sender, request):
+        case inputs.ClientRequest(sender, request):
             session.ask(sender, request)
 
 

@@ -8,22 +8,7 @@ import msgspec
 import numpy as np
 
 from sim.inputs import SendGoal
-from thbridge.app.session.inputs import (
-    BytesReceived,
-    ClientRequest,
-    ClockAdvanced,
-    ConnectionBacklogged,
-    ConnectionClosed,
-    ConnectionOpened,
-    FrameReceived,
-    HeartbeatsSent,
-    Input,
-    LinkClosed,
-    LinkOpened,
-    MessageForwarded,
-    NameAccepted,
-    ParticipantSent,
-)
+from thbridge.app.session import inputs
 from thbridge.protocols.mavlink.dialect import name_of
 from thbridge.roles.robot_requests import PACE_REQUESTS, REQUESTS, PaceRequest, Request
 from thbridge.ros.goal_owners import GoalOwner, owned_number, recorded_number
@@ -31,36 +16,36 @@ from thbridge.ros.messages.records import GoalRequest, SimpleGoal
 from thbridge.ros.messages.session_records import InputRecord
 
 T = TypeVar("T")
-_CLASSES: dict[str, type[Input]] = {
-    "opened": ConnectionOpened,
-    "received": BytesReceived,
-    "closed": ConnectionClosed,
-    "backlogged": ConnectionBacklogged,
-    "advanced": ClockAdvanced,
-    "said": ParticipantSent,
-    "registered": NameAccepted,
-    "heard": MessageForwarded,
-    "asked": ClientRequest,
-    "linkopened": LinkOpened,
-    "linkclosed": LinkClosed,
-    "framed": FrameReceived,
-    "keptalive": HeartbeatsSent,
+_CLASSES: dict[str, type[inputs.Input]] = {
+    "opened": inputs.ConnectionOpened,
+    "received": inputs.BytesReceived,
+    "closed": inputs.ConnectionClosed,
+    "backlogged": inputs.ConnectionBacklogged,
+    "advanced": inputs.ClockAdvanced,
+    "said": inputs.ParticipantSent,
+    "registered": inputs.NameAccepted,
+    "heard": inputs.MessageForwarded,
+    "asked": inputs.ClientRequest,
+    "linkopened": inputs.LinkOpened,
+    "linkclosed": inputs.LinkClosed,
+    "framed": inputs.FrameReceived,
+    "keptalive": inputs.HeartbeatsSent,
 }
 """Classes of inputs by their kinds in recordings."""
 _KINDS = {input_class: kind for kind, input_class in _CLASSES.items()}
 _REQUEST_NAMES = {request_class: name for name, request_class in {**REQUESTS, **PACE_REQUESTS}.items()}
 
 
-def to_record(item: Input) -> InputRecord:
+def to_record(item: inputs.Input) -> InputRecord:
     """Return the record of an input, which holds all of it."""
     kind = _KINDS[type(item)]
-    if isinstance(item, ClientRequest):
+    if isinstance(item, inputs.ClientRequest):
         line = _readable(f"{_REQUEST_NAMES[type(item.request)]} {_json(item.request)}")
         return InputRecord(kind, item.sender, line, encode_request(item.sender, item.request))
     return InputRecord(kind, *_for_people(item), _json(item))
 
 
-def from_record(record: InputRecord) -> Input:
+def from_record(record: InputRecord) -> inputs.Input:
     """Return the input of a record.
 
     Raises:
@@ -70,7 +55,7 @@ def from_record(record: InputRecord) -> Input:
     if input_class is None:
         raise ValueError(f"no input is of the kind {record.kind!r}")
     value: object = json.loads(record.json)
-    return decode_request(value) if input_class is ClientRequest else decode_value(value, input_class)
+    return decode_request(value) if input_class is inputs.ClientRequest else decode_value(value, input_class)
 
 
 def encode_request(sender: str, request: Request | PaceRequest) -> str:
@@ -79,7 +64,7 @@ def encode_request(sender: str, request: Request | PaceRequest) -> str:
     return f'{{"sender":{json.dumps(sender)},"request":{json.dumps(name)},"fields":{_json(request)}}}'
 
 
-def decode_request(value: object) -> ClientRequest:
+def decode_request(value: object) -> inputs.ClientRequest:
     """Return the request in its JSON.
 
     Raises:
@@ -87,36 +72,36 @@ def decode_request(value: object) -> ClientRequest:
     """
     match value:
         case {"sender": str(sender), "request": str(name), "fields": fields} if name in REQUESTS:
-            return ClientRequest(sender, _with_owner(decode_value(fields, REQUESTS[name])))
+            return inputs.ClientRequest(sender, _with_owner(decode_value(fields, REQUESTS[name])))
     raise ValueError("nobody can be asked for that")
 
 
-def _for_people(item: Input) -> tuple[str, str]:
+def _for_people(item: inputs.Input) -> tuple[str, str]:
     """Return the sender of an input, and a description for people."""
     match item:
-        case ConnectionOpened(connection):
+        case inputs.ConnectionOpened(connection):
             return f"connection {connection}", "a connection is opened"
-        case BytesReceived(_, sender, data):
+        case inputs.BytesReceived(_, sender, data):
             return _readable(sender), data.decode(errors="replace").rstrip("\r\n")
-        case ConnectionClosed(_, sender):
+        case inputs.ConnectionClosed(_, sender):
             return _readable(sender), "the connection has ended"
-        case ConnectionBacklogged(_, sender, size):
+        case inputs.ConnectionBacklogged(_, sender, size):
             return _readable(sender), f"the connection is given up: {size} bytes wait for it"
-        case ClockAdvanced():
+        case inputs.ClockAdvanced():
             return "", "somebody has been silent for long"
-        case ParticipantSent(message) | MessageForwarded(message):
+        case inputs.ParticipantSent(message) | inputs.MessageForwarded(message):
             return _readable(message.sender), _readable(message.line())
-        case NameAccepted():
+        case inputs.NameAccepted():
             return "", "the server has accepted the name"
-        case ClientRequest(sender):
+        case inputs.ClientRequest(sender):
             return _readable(sender), ""
-        case LinkOpened(_, name):
+        case inputs.LinkOpened(_, name):
             return _readable(name), "a link is opened"
-        case LinkClosed(_, sender):
+        case inputs.LinkClosed(_, sender):
             return _readable(sender), "the link has ended"
-        case HeartbeatsSent():
+        case inputs.HeartbeatsSent():
             return "", "robots say that they are there"
-        case FrameReceived(_, sender, frame):
+        case inputs.FrameReceived(_, sender, frame):
             return _readable(sender), f"{name_of(frame.message_id)} of {frame.system}/{frame.component}"
 
 

@@ -8,20 +8,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from thbridge.app.session.inputs import (
-    BytesReceived,
-    ClientRequest,
-    ClockAdvanced,
-    ConnectionBacklogged,
-    ConnectionClosed,
-    ConnectionOpened,
-    FrameReceived,
-    HeartbeatsSent,
-    Input,
-    LinkClosed,
-    LinkOpened,
-    ParticipantSent,
-)
+from thbridge.app.session import inputs
+from thbridge.app.session.inputs import Input
 from thbridge.dialogue.moves import DialogueUtterance
 from thbridge.hunt.events import Event
 from thbridge.hunt.game import GameState
@@ -158,13 +146,13 @@ class Session:
             ValueError: the robots are another program's.
         """
         self._pass_on(request, sender)
-        self._inputs.append(ClientRequest(sender, request))
+        self._inputs.append(inputs.ClientRequest(sender, request))
 
     def connect(self, now: float) -> ConnectionId | TurnedAway:
         """See the router, for this and the next ones; only calls with an effect are recorded as inputs."""
         connection = self._router.connect(now)
         if not isinstance(connection, TurnedAway):
-            self._inputs.append(ConnectionOpened(connection, now))
+            self._inputs.append(inputs.ConnectionOpened(connection, now))
         return connection
 
     def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[RouterOutput]:
@@ -174,7 +162,7 @@ class Session:
             sender = self._router.display_name(connection)
             if sender is None:
                 break
-            self._inputs.append(BytesReceived(connection, sender, line, now))
+            self._inputs.append(inputs.BytesReceived(connection, sender, line, now))
             outputs += self._router.receive_data(connection, line, now)
         return outputs
 
@@ -182,7 +170,7 @@ class Session:
         """Note the end of a connection."""
         sender = self._router.display_name(connection)
         if sender is not None:
-            self._inputs.append(ConnectionClosed(connection, sender))
+            self._inputs.append(inputs.ConnectionClosed(connection, sender))
         return self._router.eof(connection)
 
     def report_backlog(self, connection: ConnectionId, size: int) -> list[RouterOutput]:
@@ -190,14 +178,14 @@ class Session:
         sender = self._router.display_name(connection)
         outputs = self._router.report_backlog(connection, size)
         if sender is not None and outputs:
-            self._inputs.append(ConnectionBacklogged(connection, sender, size))
+            self._inputs.append(inputs.ConnectionBacklogged(connection, sender, size))
         return outputs
 
     def advance(self, now: float) -> list[RouterOutput]:
         """Advance the router's clock."""
         outputs = self._router.advance(now)
         if outputs:
-            self._inputs.append(ClockAdvanced(now))
+            self._inputs.append(inputs.ClockAdvanced(now))
         return outputs
 
     def stop(self) -> list[RouterOutput]:
@@ -217,7 +205,7 @@ class Session:
         if self._vehicles is None:
             raise ValueError("the robots are no vehicles")
         link = self._vehicles.open(name, robot)
-        self._inputs.append(LinkOpened(link, name, robot))
+        self._inputs.append(inputs.LinkOpened(link, name, robot))
         return link
 
     def close_link(self, link: LinkId) -> None:
@@ -225,7 +213,7 @@ class Session:
         name = None if self._vehicles is None else self._vehicles.hub.name_of(link)
         if self._vehicles is not None and name is not None:
             self._vehicles.hub.close(link)
-            self._inputs.append(LinkClosed(link, name))
+            self._inputs.append(inputs.LinkClosed(link, name))
 
     def report(self, link: LinkId) -> LinkReport | None:
         """Return the report of a link; None: there is no such link."""
@@ -251,13 +239,13 @@ class Session:
         outcome = self._vehicles.hub.receive(link, frame, robot)
         # A dropped frame has no effect, and may hold a secret: it is not recorded.
         if outcome.dropped is None:
-            self._inputs.append(FrameReceived(link, name, frame, robot))
+            self._inputs.append(inputs.FrameReceived(link, name, frame, robot))
         return outcome
 
     def keep_alive(self) -> None:
         """Send heartbeats in real time while the session is paused or slow."""
         if self._vehicles is not None:
-            self._inputs.append(HeartbeatsSent())
+            self._inputs.append(inputs.HeartbeatsSent())
             self.transmit(self._vehicles.hub.keep_alive())
 
     # The tick
@@ -269,7 +257,7 @@ class Session:
             Exception: of the log or a recorder that cannot write; the session must end then.
         """
         # Inputs from here on, such as the backlog of a reader of what is sent now, are the next tick's.
-        inputs, self._inputs = self._inputs, []
+        given, self._inputs = self._inputs, []
         self.perform(self._router.exchange())
         forwarded, self._forwarded = tuple(self._forwarded), []
         self._keeper.tap(forwarded)
@@ -281,12 +269,12 @@ class Session:
         for role in self._roles:
             self._step_role(role)
         if self._participant is not None:
-            inputs += [ParticipantSent(message) for message in self._step_role(self._participant)]
+            given += [inputs.ParticipantSent(message) for message in self._step_role(self._participant)]
         snapshot = None if self._robots is None else self._robots.snapshot
         sent = [] if self._vehicles is None or snapshot is None else self._vehicles.step(snapshot, self._keeper.state)
         record = TickRecord(
             self.tick,
-            tuple(inputs),
+            tuple(given),
             snapshot,
             forwarded,
             decisions.events,

@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 
-from thbridge.dialogue.engine import Dialogues, DialogueStep, Engine
-from thbridge.dialogue.moves import DialogueOutcome, DialogueTopic, DialogueUtterance, Scenario, Speaker
+from thbridge.dialogue.engine import DialogueStep, Engine
+from thbridge.dialogue.moves import Dialogue, DialogueOutcome, DialogueTopic, DialogueUtterance, Scenario, Speaker
 from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
-from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.roles.participant_rules import Discussed
 from thbridge.roles.view import Consent, DialogueMatter, DialogueView
@@ -41,7 +40,7 @@ class HeldTurn:
 
 
 class GameDialogues:
-    """The open dialogues of one game and the consents they led to.
+    """The open dialogues of one game, at most one per robot, and the consents they led to.
 
     Args:
         engine: runs the dialogues.
@@ -57,7 +56,9 @@ class GameDialogues:
         self.puppets = puppets
         self.asked_for_advice: tuple[int, ...] = ()
         self._engine = engine
-        self._dialogues = Dialogues()
+        # By robot, in the order of opening.
+        self._open: dict[int, Dialogue] = {}
+        self._opened = 0
         self.consents: tuple[Consent, ...] = ()
         self._utterances: list[DialogueUtterance] = []
 
@@ -66,34 +67,32 @@ class GameDialogues:
         said, self._utterances = self._utterances, []
         return said
 
-    def open(self, state: GameState, scenario: Scenario, robot: int, room: Room) -> RequestRefused | None:
+    def open(self, state: GameState, scenario: Scenario, robot: int, room: Room) -> None:
         """Open a dialogue; an earlier one with this robot is withdrawn, and an agreement on the same matter too."""
         self._forget(robot, MATTERS[scenario])
         topic = _topic(state, scenario, robot, room)
-        return self._follow(self._engine.open(self._dialogues, topic, held=robot in self.puppets))
+        self._opened += 1
+        self._follow(self._engine.open(self._opened, topic, held=robot in self.puppets))
 
     def await_advice(self, robot: int) -> None:
         """Note that the participant asked a puppet where to go; earlier dialogue and agreement are withdrawn.
 
         Programs repeat the request until they see an answer: a suggestion that was made, and not answered yet, stands.
         """
-        given = self._dialogues.of_robot(robot)
+        given = self._open.get(robot)
         is_answered = given is not None and any(turn.speaker is Speaker.PERSON for turn in given.turns)
         stands = given is not None and given.topic.scenario is Scenario.DONT_KNOW and not is_answered
         if not stands and robot not in self.asked_for_advice:
             self._forget(robot, "select-room")
             self.asked_for_advice += (robot,)
 
-    def answer(self, number: int, turn: int, choice: int) -> RequestRefused | None:
+    def answer(self, number: int, turn: int, choice: int) -> None:
         """Make the participant's choice; one for an earlier turn changes nothing."""
-        dialogue = self._dialogues.numbered(number)
-        if dialogue is None or len(dialogue.turns) != turn:
-            return None
-        choices = self._engine.choices(dialogue)
-        if not 0 <= choice < len(choices):
-            return None
-        held = dialogue.topic.robot in self.puppets
-        return self._follow(self._engine.move(self._dialogues, number, choices[choice].move, held=held))
+        dialogue = self._at_turn(number, turn)
+        choices = () if dialogue is None else self._engine.choices(dialogue)
+        if dialogue is not None and 0 <= choice < len(choices):
+            held = dialogue.topic.robot in self.puppets
+            self._follow(self._engine.move(dialogue, choices[choice].move, held=held))
 
     # In a robot's place
 
@@ -105,18 +104,16 @@ class GameDialogues:
         """Let the robot speak for itself again, at once if it is its turn; a waiting request for advice is dropped."""
         self.puppets -= {robot}
         self._forget_advice(robot)
-        dialogue = self._dialogues.of_robot(robot)
+        dialogue = self._open.get(robot)
         if dialogue is not None:
-            self._follow(self._engine.release(self._dialogues, dialogue.number))
+            self._follow(self._engine.release(dialogue))
 
     def speak_for(self, number: int, turn: int, move: int, text: str) -> None:
         """Make a puppet's move; one for an earlier turn changes nothing."""
-        dialogue = self._dialogues.numbered(number)
-        if dialogue is None or len(dialogue.turns) != turn:
-            return
-        choices = self._engine.choices(dialogue, Speaker.ROBOT)
-        if 0 <= move < len(choices):
-            self._follow(self._engine.speak(self._dialogues, number, choices[move].move, text))
+        dialogue = self._at_turn(number, turn)
+        choices = () if dialogue is None else self._engine.choices(dialogue, Speaker.ROBOT)
+        if dialogue is not None and 0 <= move < len(choices):
+            self._follow(self._engine.speak(dialogue, choices[move].move, text))
 
     def held_turns(self) -> tuple[HeldTurn, ...]:
         """Return the turns of puppets that wait for a person."""
@@ -129,7 +126,7 @@ class GameDialogues:
                 room=dialogue.topic.room.people,
                 sentences=tuple(choice.text for choice in choices),
             )
-            for dialogue in self._dialogues.open
+            for dialogue in self._open.values()
             if (choices := self._engine.choices(dialogue, Speaker.ROBOT))
         )
 
@@ -139,14 +136,16 @@ class GameDialogues:
         """Return True when the participant may act on this now."""
         return Consent(robot, matter, room.people) in self.consents
 
-    def use_consent(self, robot: int, matter: DialogueMatter) -> None:
-        """Use up an agreement that was acted upon."""
-        self._withdraw_consent(robot, matter)
+    def withdraw_consent(self, robot: int, matter: DialogueMatter) -> None:
+        """Withdraw an agreement, because it was acted upon or the matter is open again."""
+        self.consents = tuple(
+            consent for consent in self.consents if (consent.robot, consent.matter) != (robot, matter)
+        )
 
     @property
     def discussed(self) -> tuple[Discussed, ...]:
         """Matters of open dialogues, then those of agreements not yet acted upon."""
-        topics = (dialogue.topic for dialogue in self._dialogues.open)
+        topics = (dialogue.topic for dialogue in self._open.values())
         return (
             *(Discussed(topic.robot, MATTERS[topic.scenario], topic.room.people) for topic in topics),
             *(Discussed(consent.robot, consent.matter, consent.room) for consent in self.consents),
@@ -154,10 +153,11 @@ class GameDialogues:
 
     def drop_stale(self, state: GameState) -> None:
         """Withdraw dialogues without purpose: the robot left, the room is taken, or the treasure is decided."""
-        for dialogue in self._dialogues.open:
-            topic = dialogue.topic
-            if not _still_open(state, topic.robot, MATTERS[topic.scenario], topic.room):
-                self._follow(self._engine.withdraw(self._dialogues, dialogue.number))
+        self._open = {
+            robot: dialogue
+            for robot, dialogue in self._open.items()
+            if _still_open(state, robot, MATTERS[dialogue.topic.scenario], dialogue.topic.room)
+        }
         self.consents = tuple(
             consent
             for consent in self.consents
@@ -181,35 +181,32 @@ class GameDialogues:
                 said=tuple(utterance.text for utterance in self._engine.utterances(dialogue)),
                 choices=tuple(choice.text for choice in self._engine.choices(dialogue)),
             )
-            for dialogue in self._dialogues.open
+            for dialogue in self._open.values()
         )
 
-    def _follow(self, step: DialogueStep | RequestRefused) -> RequestRefused | None:
-        if isinstance(step, RequestRefused):
-            return step
-        self._dialogues = step.dialogues
+    def _at_turn(self, number: int, turn: int) -> Dialogue | None:
+        """Return the open dialogue of this number if it is at this turn."""
+        dialogue = next((dialogue for dialogue in self._open.values() if dialogue.number == number), None)
+        return dialogue if dialogue is not None and len(dialogue.turns) == turn else None
+
+    def _follow(self, step: DialogueStep) -> None:
+        topic = step.dialogue.topic
         self._utterances += step.utterances
+        if step.outcome is None:
+            self._open[topic.robot] = step.dialogue
+        else:
+            self._open.pop(topic.robot, None)
         if step.outcome is DialogueOutcome.CONSENSUS:
-            topic = step.dialogue.topic
-            consent = Consent(topic.robot, MATTERS[topic.scenario], topic.room.people)
-            self.consents = (*self.consents, consent)
-        return None
+            self.consents += (Consent(topic.robot, MATTERS[topic.scenario], topic.room.people),)
 
     def _forget(self, robot: int, matter: DialogueMatter) -> None:
         """Withdraw a robot's dialogue, its request for advice, and its agreement on this matter."""
-        self._withdraw_consent(robot, matter)
+        self.withdraw_consent(robot, matter)
         self._forget_advice(robot)
-        former = self._dialogues.of_robot(robot)
-        if former is not None:
-            self._follow(self._engine.withdraw(self._dialogues, former.number))
+        self._open.pop(robot, None)
 
     def _forget_advice(self, robot: int) -> None:
         self.asked_for_advice = tuple(asked for asked in self.asked_for_advice if asked != robot)
-
-    def _withdraw_consent(self, robot: int, matter: DialogueMatter) -> None:
-        self.consents = tuple(
-            consent for consent in self.consents if (consent.robot, consent.matter) != (robot, matter)
-        )
 
 
 def _topic(state: GameState, scenario: Scenario, robot: int, room: Room) -> DialogueTopic:

@@ -20,7 +20,15 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rules import MOST_ROBOTS
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, is_notice, kind_of, parse_notice
+from thbridge.protocols.text.notice import (
+    Notice,
+    NoticeValue,
+    decode_notice,
+    encode_notice,
+    is_notice,
+    kind_of,
+    parse_notice,
+)
 from thbridge.protocols.text.router import Forwarded
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.disclosure import view_of
@@ -44,7 +52,6 @@ from thbridge.roles.notices import (
     Orders,
     ParticipantReady,
     RobotsReady,
-    StateNotice,
     TeamRejection,
     TeamStatus,
 )
@@ -157,7 +164,7 @@ class Keeper:
 
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
         """Run one tick; see `Role`."""
-        if self._game.handback_requests.advance(tick):
+        if self._game.advance(tick):
             self._has_input = True
         requests, self._requests = self._requests, []
         for request in requests:
@@ -309,7 +316,7 @@ class Keeper:
 
     # Notices of the keeper
 
-    def _send(self, receiver: str, value: StateNotice) -> None:
+    def _send(self, receiver: str, value: NoticeValue) -> None:
         self._outgoing.append(encode_notice(self.name, receiver, value))
 
     def _send_notices(self) -> None:
@@ -326,7 +333,7 @@ class Keeper:
                 refusal,
                 self._briefing,
                 robots_ready=self._team is not None,
-                asked_back=self._game.handback_requests.recent,
+                asked_back=self._game.asked_back,
             )
         )
 

@@ -89,7 +89,7 @@ class LegacyLines:
                 KeeperReason.NO_CONSENSUS, f"You have not agreed with {name} that it goes to {room}."
             )
         if self._game.apply_ruling(kind_of(SendRobot), ruling):
-            self._game.dialogues.use_consent(robot, "select-room")
+            self._game.dialogues.withdraw_consent(robot, "select-room")
 
     def _arrived(self, state: GameState, robot: int, room: Room) -> None:
         here = state.robots[robot] if state.has_robot(robot) else None
@@ -141,7 +141,7 @@ class LegacyLines:
             return ruling
         if not self._game.dialogues.is_agreed(robot, matter, room):
             return RequestRefused(KeeperReason.NO_CONSENSUS, f"You have not agreed on that with {robot_name(robot)}.")
-        self._game.dialogues.use_consent(robot, matter)
+        self._game.dialogues.withdraw_consent(robot, matter)
         return ruling
 
     def _apply_reported(self, state: GameState, rule: Callable[[], rules.Ruling]) -> None:

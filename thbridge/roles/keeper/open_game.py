@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 
+from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.engine import Engine
 from thbridge.hunt import game, rules
 from thbridge.hunt.events import (
@@ -17,9 +18,11 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.roles.failure_reasons import CALLED_BACK
 from thbridge.roles.keeper.dialogues import GameDialogues
-from thbridge.roles.keeper.handback_requests import HandbackRequests
 from thbridge.roles.notices import MoveOrder
 from thbridge.roles.view import RefusalView
+
+_ASK_AGAIN = 10 * TICKS_PER_SECOND
+"""Ticks after which the participant may ask for the same robot again."""
 
 
 class OpenGame:
@@ -35,7 +38,9 @@ class OpenGame:
         self.last_game = last_game
         self.state: GameState | None = None
         self.dialogues = GameDialogues(engine(last_game))
-        self.handback_requests = HandbackRequests()
+        # By robot, the tick of the participant's request to get it back.
+        self._asked_back: dict[int, int] = {}
+        self._tick = 0
         self.refusal: RefusalView | None = None
         self._refusals = 0
         # The number of each robot's latest move in this game; then those of them that are ordered to SimR.
@@ -44,6 +49,18 @@ class OpenGame:
         self._departures = 0
         self._recalled: set[int] = set()
         self._events: list[Event] = []
+
+    @property
+    def asked_back(self) -> frozenset[int]:
+        """Robots that the participant asked for in the last ten seconds, and cannot ask for again."""
+        return frozenset(self._asked_back)
+
+    def advance(self, tick: int) -> bool:
+        """Set the current tick; return True when a robot may be asked for again."""
+        self._tick = tick
+        before = len(self._asked_back)
+        self._asked_back = {robot: asked for robot, asked in self._asked_back.items() if tick - asked < _ASK_AGAIN}
+        return len(self._asked_back) < before
 
     def restore(self, history: Iterable[Event]) -> None:
         """Restore the state from the events of an unfinished game; they are not recorded again."""
@@ -112,7 +129,7 @@ class OpenGame:
             self.state = game.begin(event)
             self.last_game = event.game
             self.dialogues = GameDialogues(self._engine(event.game), self.dialogues.puppets)
-            self.handback_requests.clear()
+            self._asked_back.clear()
             self.refusal = None
             self._moves, self._ordered = [0] * event.robots, [0] * event.robots
             self._departures = 0
@@ -123,8 +140,8 @@ class OpenGame:
             self._departures += 1
             self._moves[event.robot] = self._departures
         if isinstance(event, HandbackRequested):
-            self.handback_requests.add(event.robot)
+            self._asked_back[event.robot] = self._tick
         if isinstance(event, CommanderChanged):
-            self.handback_requests.forget(event.robot)
+            self._asked_back.pop(event.robot, None)
         if isinstance(event, RobotArrived | MoveFailed):
             self._recalled.discard(event.robot)

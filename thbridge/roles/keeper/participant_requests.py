@@ -41,7 +41,7 @@ def handle_participant_request(game: OpenGame, state: GameState, notice: Notice,
             game.apply_ruling(notice.kind, judge(now, request))
         case GiveUp() as request if request.game == state.started.game:
             game.apply_ruling(notice.kind, judge(now, request))
-        case RequestHandback() as request if request.robot not in game.handback_requests.recent:
+        case RequestHandback() as request if request.robot not in game.asked_back:
             game.apply_ruling(notice.kind, judge(now, request))
         case CallBack() as request:
             if game.apply_ruling(notice.kind, judge(now, request)):
@@ -55,9 +55,7 @@ def handle_participant_request(game: OpenGame, state: GameState, notice: Notice,
             scenario = Scenario.TAKE_PICTURE if request.matter == "take-picture" else Scenario.TAKE_TREASURE
             _open(game, state, judge(now, request), scenario, request.robot, place(request.room))
         case AnswerDialogue() as request:
-            refused = game.dialogues.answer(request.dialogue, request.turn, request.choice)
-            if refused is not None:
-                game.refuse(notice.kind, refused)
+            game.dialogues.answer(request.dialogue, request.turn, request.choice)
 
 
 def suggest_or_await(game: OpenGame, state: GameState, number: int) -> None:
@@ -85,9 +83,10 @@ def suggested_room(game: OpenGame, state: GameState, number: int) -> Room | Requ
 
 def _open(game: OpenGame, state: GameState, ruling: rules.Ruling, scenario: Scenario, robot: int, room: Room) -> None:
     """Open a dialogue about something that the rules allow, or keep the refusal."""
-    refused = ruling if isinstance(ruling, RequestRefused) else game.dialogues.open(state, scenario, robot, room)
-    if refused is not None:
-        game.refuse(MATTERS[scenario], refused)
+    if isinstance(ruling, RequestRefused):
+        game.refuse(MATTERS[scenario], ruling)
+    else:
+        game.dialogues.open(state, scenario, robot, room)
 
 
 def _decode_request(notice: Notice) -> ParticipantRequest | None:

@@ -16,8 +16,8 @@ from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
 from thbridge.hunt.events import Condition
 from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.notice import encode_notice
-from thbridge.roles.notices import Activity, Ellipse, PlannedPaths, PoseTelemetry, RobotMotion, StateNotice
+from thbridge.protocols.text.notice import NoticeValue, encode_notice
+from thbridge.roles.notices import Activity, Ellipse, PlannedPaths, PoseTelemetry, RobotMotion
 from thbridge.roles.simr.polyline import needed_points
 
 POSE_PERIOD = TICKS_PER_SECOND // 25
@@ -105,7 +105,7 @@ class TelemetryPublisher:
             self._newcomers.clear()
         return messages
 
-    def _addressed(self, value: StateNotice, names: Mapping[str, object]) -> list[TextMessage]:
+    def _addressed(self, value: NoticeValue, names: Mapping[str, object]) -> list[TextMessage]:
         return [encode_notice(self._sender, name, value) for name in names]
 
     def _paths_ahead(self, snapshot: TeamSnapshot, conditions: Sequence[Condition]) -> tuple[Line, ...]:

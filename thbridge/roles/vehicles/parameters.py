@@ -56,32 +56,32 @@ class VehicleParameter:
 
     def description(self, default: ParameterValue) -> ParameterDescription:
         """Return its description for ground stations; `default` is its value at the start of the session."""
-        knob = self.declaration
-        path = knob.path if knob.path.startswith(WORLD_PREFIX) else f"robot.{knob.path}"
-        may_be_none = NoneType in knob.types
+        parameter = self.declaration
+        path = parameter.path if parameter.path.startswith(WORLD_PREFIX) else f"robot.{parameter.path}"
+        may_be_none = NoneType in parameter.types
         return ParameterDescription(
             self.name,
-            knob.help,
+            parameter.help,
             f"{path} of the study{'; 0: null' if may_be_none else ''}",
             path.partition(".")[0],
             GROUPS[group_of(self.name)],
-            knob.unit,
+            parameter.unit,
             self.to_number(default),
-            knob.minimum,
-            knob.maximum,
-            float not in knob.types,
-            ("off", "on") if bool in knob.types else knob.choices,
+            parameter.minimum,
+            parameter.maximum,
+            float not in parameter.types,
+            ("off", "on") if bool in parameter.types else parameter.choices,
         )
 
 
-def _is_numeric(knob: LiveParameter) -> bool:
-    return bool({bool, int, float} & {*knob.types}) or bool(knob.choices)
+def _is_numeric(parameter: LiveParameter) -> bool:
+    return bool({bool, int, float} & {*parameter.types}) or bool(parameter.choices)
 
 
 PARAMETERS = tuple(
-    VehicleParameter(name_of(knob.path), knob)
-    for knob in (*live_parameters(), *live_parameters(WorldParameters, WORLD_PREFIX[:-1]))
-    if _is_numeric(knob)
+    VehicleParameter(name_of(parameter.path), parameter)
+    for parameter in (*live_parameters(), *live_parameters(WorldParameters, WORLD_PREFIX[:-1]))
+    if _is_numeric(parameter)
 )
 """All of them, in the order of sending: those of the software, then the noise of true sensors."""
 
