@@ -1,7 +1,6 @@
 """Hider: the treasures' program of 2016. It draws the treasure of each room and answers questions about it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from sim.common import noise
 from sim.common.observations import TICKS_PER_SECOND
@@ -26,11 +25,7 @@ KEEPER_TIMEOUT = TICKS_PER_SECOND
 MOST_ROOMS = 1000
 """More than any map has; a number beyond it is a mistake."""
 
-
-@dataclass(frozen=True, slots=True)
-class _Question:
-    asked: int
-    value: AskTreasure | SnapTreasure | NameTreasure
+_Question = AskTreasure | SnapTreasure | NameTreasure
 
 
 class Hider:
@@ -54,7 +49,8 @@ class Hider:
         self._alone = self._draw(1, rooms)
         self._introduce = False
         self._has_keeper = False
-        self._questions: list[_Question] = []
+        # Questions of 2016 that wait for a keeper, each after its tick.
+        self._questions: list[tuple[int, _Question]] = []
 
     def connected(self) -> None:
         """Introduce Hider to the keeper with the next step."""
@@ -73,8 +69,8 @@ class Hider:
                     outgoing += self._handle_notice(notice)
             else:
                 value = legacy.decode(message)
-                if isinstance(value, AskTreasure | SnapTreasure | NameTreasure):
-                    self._questions.append(_Question(tick, value))
+                if isinstance(value, _Question):
+                    self._questions.append((tick, value))
         return outgoing + self._answer_without_keeper(tick)
 
     def _handle_notice(self, notice: Notice) -> list[TextMessage]:
@@ -93,11 +89,11 @@ class Hider:
         if self._has_keeper:
             self._questions.clear()
         outgoing = []
-        while self._questions and tick - self._questions[0].asked >= KEEPER_TIMEOUT:
-            outgoing += self._answer(self._questions.pop(0).value)
+        while self._questions and tick - self._questions[0][0] >= KEEPER_TIMEOUT:
+            outgoing += self._answer(self._questions.pop(0)[1])
         return outgoing
 
-    def _answer(self, question: AskTreasure | SnapTreasure | NameTreasure) -> list[TextMessage]:
+    def _answer(self, question: _Question) -> list[TextMessage]:
         if question.room >= len(self._alone):
             return []
         treasure = self._alone[question.room]

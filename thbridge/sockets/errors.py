@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from thbridge.files.errors import reason_of
+
 
 @dataclass(frozen=True, slots=True)
 class CannotListen:
@@ -10,6 +12,11 @@ class CannotListen:
     host: str
     port: int
     reason: str
+
+    @classmethod
+    def because(cls, error: OSError | UnicodeError, host: str, port: int) -> "CannotListen":
+        """Return the failure that this error of a socket means."""
+        return cls(host, port, reason_of(error) if isinstance(error, OSError) else "that is not a host's name")
 
     def __str__(self) -> str:
         return (

@@ -147,6 +147,7 @@ class Stage:
         if hider:
             roles.append(build_hider(self.templates, seed))
         self.session = Session(self.keeper, roles, log=self.log)
+        self.router = self.session._router
         self.tick_records: list[TickRecord] = []
 
     def run(self, ticks: int) -> None:

@@ -7,7 +7,6 @@ import socket
 from asyncio import Protocol, Transport
 from collections.abc import Sequence
 
-from thbridge.files.errors import reason_of
 from thbridge.protocols.mavlink.frames.channel import Channel
 from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.sockets.addresses import Address
@@ -82,10 +81,8 @@ async def tcp_port(links: MavlinkLinks, address: Address) -> TcpPort | CannotLis
         found = await asyncio.get_running_loop().getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
         family, _, _, _, where = found[0]
         own = socket.create_server((where[0], where[1]), family=family, backlog=CONNECTIONS)
-    except OSError as error:
-        return CannotListen(address.host, address.port, reason_of(error))
-    except UnicodeError:
-        return CannotListen(address.host, address.port, "that is not a host's name")
+    except (OSError, UnicodeError) as error:
+        return CannotListen.because(error, address.host, address.port)
     return TcpPort(links, own)
 
 

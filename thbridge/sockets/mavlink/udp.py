@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import NamedTuple, cast
 
 from sim.common.robot_numbers import index_of
-from thbridge.files.errors import reason_of
 from thbridge.protocols.mavlink.frames.channel import Channel
 from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.sockets.addresses import Address, UdpTarget
@@ -214,10 +213,8 @@ async def _bound(given: Address, own_for: Callable[[SocketAddress, int], SocketA
         except OSError:
             own.close()
             raise
-    except OSError as error:
-        return CannotListen(given.host, given.port, reason_of(error))
-    except UnicodeError:
-        return CannotListen(given.host, given.port, "that is not a host's name")
+    except (OSError, UnicodeError) as error:
+        return CannotListen.because(error, given.host, given.port)
     return _Bound(own, there)
 
 

@@ -14,7 +14,6 @@ from typing import TypeAlias
 
 import h11
 
-from thbridge.files.errors import reason_of
 from thbridge.protocols.rosgraph.xmlrpc import (
     MAX_BYTES,
     Fault,
@@ -93,10 +92,8 @@ class XmlRpcServer:
             return CannotListen(host, port, "a port is a number from 0 to 65535")
         try:
             self._server = await asyncio.start_server(self._connected, host, port, backlog=300)
-        except OSError as error:
-            return CannotListen(host, port, reason_of(error))
-        except UnicodeError:
-            return CannotListen(host, port, "that is not a host's name")
+        except (OSError, UnicodeError) as error:
+            return CannotListen.because(error, host, port)
         address = self._server.sockets[0].getsockname()
         return ListeningAddress(address[0], address[1])
 

@@ -12,7 +12,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from thbridge.files.errors import reason_of
 from thbridge.protocols.rosgraph.inbound import InboundLink
 from thbridge.protocols.rosgraph.links import (
     InboundEvent,
@@ -80,10 +79,8 @@ class TcprosServer:
         """Begin to listen, on a port that is free."""
         try:
             self._server = await asyncio.get_running_loop().create_server(lambda: _Inbound(self), host, 0, backlog=300)
-        except OSError as error:
-            return CannotListen(host, 0, reason_of(error))
-        except UnicodeError:
-            return CannotListen(host, 0, "that is not a host's name")
+        except (OSError, UnicodeError) as error:
+            return CannotListen.because(error, host, 0)
         address = self._server.sockets[0].getsockname()
         return ListeningAddress(address[0], address[1])
 

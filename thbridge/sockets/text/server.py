@@ -14,7 +14,6 @@ from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from typing import Protocol
 
-from thbridge.files.errors import reason_of
 from thbridge.protocols.text.router import (
     ClientJoined,
     ClientLeft,
@@ -98,10 +97,8 @@ class TextServer:
         loop = asyncio.get_running_loop()
         try:
             server = await loop.create_server(lambda: _Connection(self), host, port, backlog=300)
-        except OSError as error:
-            return CannotListen(host, port, reason_of(error))
-        except UnicodeError:
-            return CannotListen(host, port, "that is not a host's name")
+        except (OSError, UnicodeError) as error:
+            return CannotListen.because(error, host, port)
         self._server = server
         self._watch = loop.create_task(self._check_idle())
         address = server.sockets[0].getsockname()

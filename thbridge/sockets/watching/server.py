@@ -14,7 +14,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-from thbridge.files.errors import reason_of
 from thbridge.files.ros.definitions import Definitions
 from thbridge.protocols.backlog import Backlog
 from thbridge.protocols.watching import (
@@ -99,13 +98,9 @@ class WatchServer:
         """Begin to serve; port 0 takes any that is free."""
         loop = asyncio.get_running_loop()
         try:
-            server = await loop.create_server(
-                lambda: _Watcher(self, WatcherSession(self._key), ChunkMaker(self._stream)), host, port
-            )
-        except OSError as error:
-            return CannotListen(host, port, reason_of(error))
-        except UnicodeError:
-            return CannotListen(host, port, "that is not a host's name")
+            server = await loop.create_server(self._watcher, host, port)
+        except (OSError, UnicodeError) as error:
+            return CannotListen.because(error, host, port)
         self._server = server
         self._heart = loop.create_task(self._beat())
         address = server.sockets[0].getsockname()
