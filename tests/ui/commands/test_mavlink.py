@@ -60,8 +60,8 @@ class Fleet:
         self._hub.open(link, name, robot)
         return link
 
-    def report(self, link):
-        return self._hub.report(link)
+    def link(self, link):
+        return self._hub.link(link)
 
     def close_link(self, link: LinkId) -> None:
         self._hub.close(link)

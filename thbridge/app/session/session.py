@@ -14,7 +14,7 @@ from thbridge.dialogue.moves import DialogueUtterance
 from thbridge.hunt.events import Event
 from thbridge.hunt.game import GameState
 from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.links import LinkReport
+from thbridge.protocols.mavlink.links import HubLink
 from thbridge.protocols.mavlink.outgoing import LinkId, VehicleStatus
 from thbridge.protocols.mavlink.traffic import FrameOutcome, OutgoingFrame, Traffic
 from thbridge.protocols.text.lines import TextMessage
@@ -210,14 +210,14 @@ class Session:
 
     def close_link(self, link: LinkId) -> None:
         """Close a link, unless it is closed already."""
-        name = None if self._vehicles is None else self._vehicles.hub.name_of(link)
-        if self._vehicles is not None and name is not None:
+        there = self.link(link)
+        if self._vehicles is not None and there is not None:
             self._vehicles.hub.close(link)
-            self._inputs.append(inputs.LinkClosed(link, name))
+            self._inputs.append(inputs.LinkClosed(link, there.name))
 
-    def report(self, link: LinkId) -> LinkReport | None:
-        """Return the report of a link; None: there is no such link."""
-        return None if self._vehicles is None else self._vehicles.hub.report(link)
+    def link(self, link: LinkId) -> HubLink | None:
+        """Return the state of an open link; None: there is no such link."""
+        return None if self._vehicles is None else self._vehicles.hub.link(link)
 
     def receive_frame(self, link: LinkId, frame: Frame, robot: int | None = None) -> FrameOutcome:
         """Take a frame that came in.
@@ -233,13 +233,13 @@ class Session:
         Returns:
             Why it was dropped, or the frames sent in reply, for `transmit`.
         """
-        name = None if self._vehicles is None else self._vehicles.hub.name_of(link)
-        if self._vehicles is None or name is None:
+        there = self.link(link)
+        if self._vehicles is None or there is None:
             return FrameOutcome()
         outcome = self._vehicles.hub.receive(link, frame, robot)
         # A dropped frame has no effect, and may hold a secret: it is not recorded.
         if outcome.dropped is None:
-            self._inputs.append(inputs.FrameReceived(link, name, frame, robot))
+            self._inputs.append(inputs.FrameReceived(link, there.name, frame, robot))
         return outcome
 
     def keep_alive(self) -> None:

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.protocols.mavlink.dialect import BROADCAST, SECRETS, crc_extra, decoded, mav, payload_of, target_of
 from thbridge.protocols.mavlink.frames.frame import Frame
-from thbridge.protocols.mavlink.links import DropReason, HubLink, LinkReport
+from thbridge.protocols.mavlink.links import DropReason, HubLink
 from thbridge.protocols.mavlink.outgoing import LinkId, OutgoingMessage
 from thbridge.protocols.mavlink.traffic import FrameOutcome, OutgoingFrame, Traffic
 from thbridge.protocols.mavlink.vehicle.vehicle import Vehicle
@@ -59,15 +59,9 @@ class Hub:
             for vehicle in self.vehicles:
                 vehicle.forget(link)
 
-    def report(self, link: LinkId) -> LinkReport | None:
-        """Return the report of a link; None when there is none of this number."""
-        there = self._links.get(link)
-        return None if there is None else there.report(self._tick)
-
-    def name_of(self, link: LinkId) -> str | None:
-        """Return the name of a link; None: it is not open."""
-        there = self._links.get(link)
-        return None if there is None else there.name
+    def link(self, link: LinkId) -> HubLink | None:
+        """Return the state of an open link; None when there is none of this number."""
+        return self._links.get(link)
 
     def _reason_to_drop(self, link: HubLink, frame: Frame) -> DropReason | None:
         if frame.system in self._by_system and frame.component == COMPONENT:

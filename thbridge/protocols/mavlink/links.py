@@ -1,7 +1,6 @@
 """State of each link: the senders heard there and when, frames lost and frames dropped."""
 
 from collections import Counter
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -22,32 +21,6 @@ class DropReason(StrEnum):
     UNKNOWN = "the dialect does not know its message"
 
 
-@dataclass(frozen=True, slots=True)
-class LinkReport:
-    """Report on a link.
-
-    Attributes:
-        name: name of the link.
-        stations: stations heard lately, in the order in which they first came.
-        received: number of frames received and accepted.
-        lost: number of frames lost, by the gaps in their senders' sequence numbers.
-        dropped: number of frames dropped, by reason.
-        sent: number of frames sent.
-    """
-
-    name: str
-    stations: tuple[Station, ...]
-    received: int
-    lost: int
-    dropped: Mapping[DropReason, int]
-    sent: int
-
-    def __str__(self) -> str:
-        counts = f"{self.received} frames came in, {self.lost} were lost on the way, {self.sent} went out"
-        dropped = "".join(f"; {count} went nowhere: {why}" for why, count in self.dropped.items())
-        return f"{self.name}: {counts}{dropped}"
-
-
 @dataclass(slots=True)
 class _LastFrame:
     """Tick and sequence number of a sender's last frame."""
@@ -64,20 +37,27 @@ class HubLink:
         name: name for people.
         timeout: ticks for which a sender counts as present after a frame.
         robot: the only vehicle on the link, from 0; None: all are.
-        sent: number of frames sent.
+        received: number of frames received and accepted.
+        lost: number of frames lost, by the gaps in their senders' sequence numbers.
         dropped: number of frames dropped, by reason.
+        sent: number of frames sent.
     """
 
     name: str
     timeout: int
     robot: int | None = None
-    sent: int = 0
+    received: int = 0
+    lost: int = 0
     dropped: Counter[DropReason] = field(default_factory=Counter)
-    _received: int = 0
-    _lost: int = 0
+    sent: int = 0
     _tick: int | None = None
     _stations: dict[Station, _LastFrame] = field(default_factory=dict)
     _counts: dict[int, int] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        counts = f"{self.received} frames came in, {self.lost} were lost on the way, {self.sent} went out"
+        dropped = "".join(f"; {count} went nowhere: {why}" for why, count in self.dropped.items())
+        return f"{self.name}: {counts}{dropped}"
 
     def reaches(self, robot: int) -> bool:
         """Return True when this vehicle is on the link."""
@@ -100,10 +80,10 @@ class HubLink:
                 del self._stations[min(self._stations, key=lambda other: self._stations[other].tick)]
             self._stations[station] = _LastFrame(tick, sequence)
         else:
-            self._lost += missing_between(heard.sequence, sequence)
+            self.lost += missing_between(heard.sequence, sequence)
             heard.tick, heard.sequence = tick, sequence
         self._tick = tick
-        self._received += 1
+        self.received += 1
 
     def is_active(self, tick: int) -> bool:
         """Return True when a frame came within the timeout."""
@@ -127,8 +107,3 @@ class HubLink:
         self._counts[system] = (number + 1) % 256
         self.sent += 1
         return number
-
-    def report(self, tick: int) -> LinkReport:
-        """Return the link's report."""
-        stations = tuple(station for station in self._stations if self.heard_recently(station, tick))
-        return LinkReport(self.name, stations, self._received, self._lost, dict(self.dropped), self.sent)

@@ -14,7 +14,7 @@ from typing import Protocol
 from thbridge.protocols.mavlink.frames.channel import Channel
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.mavlink.frames.signing import SignatureTimestamps, Signing, SigningKey
-from thbridge.protocols.mavlink.links import LinkReport
+from thbridge.protocols.mavlink.links import HubLink
 from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.protocols.mavlink.traffic import FrameOutcome, OutgoingFrame
 from thbridge.sockets.warn_once import WarnOnce
@@ -40,8 +40,8 @@ class MavlinkSession(Protocol):
     def close_link(self, link: LinkId) -> None:
         """Close a link."""
 
-    def report(self, link: LinkId) -> LinkReport | None:
-        """Return the report of a link; None when there is no such link."""
+    def link(self, link: LinkId) -> HubLink | None:
+        """Return the state of an open link; None when there is no such link."""
 
     def receive_frame(self, link: LinkId, frame: Frame) -> FrameOutcome:
         """Handle a received frame: it is dropped, or answered."""
@@ -121,7 +121,7 @@ class MavlinkLinks:
     def close(self, link: LinkId) -> None:
         """Close a link; no effect on a closed one."""
         if self._links.pop(link, None) is not None and self._exchange is not None:
-            _log.info("MAVLink: %s", self._exchange.report(link))
+            _log.info("MAVLink: %s", self._exchange.link(link))
             self._exchange.close_link(link)
 
     def frames_in(self, name: str, channel: Channel, data: bytes) -> list[Frame]:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.mavlink.frames.framer import FrameParser
-from thbridge.protocols.mavlink.links import DropReason, LinkReport
+from thbridge.protocols.mavlink.links import DropReason, HubLink
 from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.protocols.mavlink.traffic import FrameOutcome, OutgoingFrame
 from thbridge.sockets.addresses import Address, UdpTarget, parse_target
@@ -54,7 +54,7 @@ class Exchange:
     def close_link(self, link: LinkId) -> None:
         self.gone.append(self.names.pop(link))
 
-    def report(self, link: LinkId) -> LinkReport | None:
+    def link(self, link: LinkId) -> HubLink | None:
         return None
 
     def receive_frame(self, link: LinkId, frame: Frame) -> FrameOutcome:

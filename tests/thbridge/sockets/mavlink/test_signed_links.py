@@ -9,7 +9,7 @@ from thbridge.protocols.mavlink.dialect import payload_of
 from thbridge.protocols.mavlink.frames.channel import Channel
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.mavlink.frames.signing import EPOCH, SignatureFault, SigningKey
-from thbridge.protocols.mavlink.links import LinkReport
+from thbridge.protocols.mavlink.links import HubLink
 from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.protocols.mavlink.traffic import FrameOutcome, OutgoingFrame
 from thbridge.sockets.mavlink.links import MavlinkLinks
@@ -34,7 +34,7 @@ class Exchange:
     def close_link(self, link: LinkId) -> None:
         """As sessions do."""
 
-    def report(self, link: LinkId) -> LinkReport | None:
+    def link(self, link: LinkId) -> HubLink | None:
         return None
 
     def receive_frame(self, link: LinkId, frame: Frame) -> FrameOutcome:
