@@ -6,7 +6,7 @@ from pathlib import Path
 
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.tree import Node, Scalar, Section, at_line, parse, read_text
-from thbridge.study.study_file import Study, read_study_tree
+from thbridge.study.study_file import Study, load_study_tree
 from thbridge.study.text import resolved
 
 CHANGE_SOURCE = Path("--with")
@@ -44,7 +44,7 @@ def _merged(study: Study, path: Path, tree: Node) -> Study:
     base = parse(path, resolved(study))
     if _at(tree, "noise", "preset") is not None:
         base = _without(base, "noise")
-    return read_study_tree(path, _over(base, tree))
+    return load_study_tree(path, _over(base, tree)).value
 
 
 def _tree(change: StudyChange) -> Node:

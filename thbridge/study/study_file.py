@@ -202,17 +202,12 @@ def load_study(path: Path) -> Loaded[Study]:
     Raises:
         BadFile: it cannot be read; as BadFiles, every fault of it at once.
     """
-    return _load(path, read_text(path))
+    return load_study_tree(path, parse(path, read_text(path)))
 
 
 def read_study_text(path: Path, text: str) -> Study:
     """Read a study from a text, such as that in a bag; faults name `path` as the file. See `load_study`."""
-    return _load(path, text).value
-
-
-def read_study_tree(path: Path, tree: Node) -> Study:
-    """Read a study from a parsed text, without notices; see `load_study`."""
-    return load_study_tree(path, tree).value
+    return load_study_tree(path, parse(path, text)).value
 
 
 def study_before(path: Path, tree: Node) -> StudyFile:
@@ -222,10 +217,6 @@ def study_before(path: Path, tree: Node) -> StudyFile:
         BadFile: one of those files cannot be read.
     """
     return StudyFile.of(_start(path, tree).value)
-
-
-def _load(path: Path, text: str) -> Loaded[Study]:
-    return load_study_tree(path, parse(path, text))
 
 
 def load_study_tree(path: Path, tree: Node) -> Loaded[Study]:

@@ -201,9 +201,6 @@ class ParameterSettings(Protocol):
     def settings(self) -> Sequence[ParameterSetting]:
         """Return all of them, always in the same order, with current or pending values."""
 
-    def setting(self, name: str) -> ParameterSetting | None:
-        """Return the one of this name; None when there is none."""
-
     def change(self, name: str, value: float) -> ParameterSetting | Denied:
         """Change the one of this name, which exists, and return its new value."""
 

@@ -66,12 +66,7 @@ def suggest_or_await(game: OpenGame, state: GameState, number: int) -> None:
     elif number in game.dialogues.puppets:
         game.dialogues.await_advice(number)
     else:
-        open_suggestion(game, state, number, room)
-
-
-def open_suggestion(game: OpenGame, state: GameState, number: int, room: Room) -> None:
-    """Open the dialogue in which a robot suggests a room."""
-    _open(game, state, (), Scenario.DONT_KNOW, number, room)
+        game.dialogues.open(state, Scenario.DONT_KNOW, number, room)
 
 
 def suggested_room(game: OpenGame, state: GameState, number: int) -> Room | RequestRefused:

@@ -8,13 +8,14 @@ from dataclasses import dataclass
 
 import msgspec
 
+from thbridge.dialogue.moves import Scenario
 from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.dialogues import HeldTurn
 from thbridge.roles.keeper.open_game import OpenGame
-from thbridge.roles.keeper.participant_requests import open_suggestion, suggest_or_await, suggested_room
+from thbridge.roles.keeper.participant_requests import suggest_or_await, suggested_room
 from thbridge.roles.participant_rules import Situation, free_to_discuss
 from thbridge.roles.robot_requests import WizardAdvice, WizardMode, WizardMove, WizardRequest
 
@@ -69,7 +70,7 @@ def handle_wizard_request(game: OpenGame, state: GameState | None, request: Wiza
         case WizardAdvice(robot, number):
             waits = state is not None and robot in game.dialogues.asked_for_advice
             if state is not None and waits and Room(max(number, 0)) in _rooms(game, state, robot):
-                open_suggestion(game, state, robot, Room(number))
+                game.dialogues.open(state, Scenario.DONT_KNOW, robot, Room(number))
 
 
 def _advice(game: OpenGame, state: GameState, robot: int) -> HeldAdvice:

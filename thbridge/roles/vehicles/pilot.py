@@ -336,11 +336,7 @@ class Pilot:
 
 def _commander_text(command: CommandHolder) -> str:
     """Return the name of a commander, without an article."""
-    match command.by:
-        case Commander.GROUND_STATION:
-            return command.name
-        case _:
-            return command.by.value
+    return command.name if command.by is Commander.GROUND_STATION else command.by.value
 
 
 _NO_GAME = Denied("The game has not begun yet.", DenialKind.NOT_NOW)

@@ -80,14 +80,10 @@ class FailsafeParameters:
         """See `ParameterSettings`."""
         return (*self._own(), *self._robot.settings())
 
-    def setting(self, name: str) -> ParameterSetting | None:
-        """See `ParameterSettings`."""
-        return next((own for own in self._own() if own.name == name), None) or self._robot.setting(name)
-
     def change(self, name: str, value: float) -> ParameterSetting | Denied:
         """See `ParameterSettings`."""
-        before = self.setting(name)
-        if before is None or name not in (SYSTEM_ID, TIMEOUT, ACTION):
+        before = next((own for own in self._own() if own.name == name), None)
+        if before is None:
             return self._robot.change(name, value)
         denied = None if value == before.value else self._turn(name, value)
         return denied or ParameterSetting(name, value)
