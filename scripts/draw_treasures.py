@@ -3,10 +3,10 @@
 Each treasure is a signed distance field with a colour for every point, seen by sphere tracing: lit from the upper left,
 standing on a floor that it shadows.
 
-    python scripts/draw_treasures.py [templates]
+    python scripts/draw_treasures.py [FOLDER]
 """
 
-import sys
+import argparse
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -404,8 +404,14 @@ PICTURES = {
 }
 
 
-def main(templates: Path) -> None:
+def main() -> None:
     """Draw all pictures into the template folders."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    shipped = Path(__file__).parents[1] / "templates"
+    parser.add_argument(
+        "templates", nargs="?", type=Path, metavar="FOLDER", default=shipped, help="by default templates"
+    )
+    templates: Path = parser.parse_args().templates
     for name, solid in PICTURES.items():
         path = templates / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -414,4 +420,4 @@ def main(templates: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent.parent / "templates")
+    main()

@@ -3,7 +3,7 @@
 python scripts/write_contrast.py [FILE]
 """
 
-import sys
+import argparse
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
@@ -252,5 +252,14 @@ def page() -> str:
     return "\n".join(lines) + "\n"
 
 
+def main() -> None:
+    """Write the page."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    usual = ROOT / "docs" / "accessibility.md"
+    parser.add_argument("file", nargs="?", type=Path, metavar="FILE", default=usual, help="by default the page itself")
+    options = parser.parse_args()
+    options.file.write_text(page())
+
+
 if __name__ == "__main__":
-    (Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "accessibility.md").write_text(page())
+    main()

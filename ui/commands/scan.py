@@ -33,17 +33,22 @@ def scan(
     Prints a line for each pose, or one JSON object {"ranges": [[...], ...]}. A beam that meets nothing within the range
     is `inf`, in JSON null.
     """
+    import numpy as np
+
+    from thbridge.files.csv_files import read_columns
     from thbridge.files.map_files import read_grid
     from thbridge.offline.scan import beam_angles
     from thbridge.offline.scan import scan as scan_map
-    from ui.actions.scan import read_poses
 
     for option, value in (("--angle-min", angle_min), ("--angle-max", angle_max), ("--pose", sum(pose or ()))):
         if value is not None and not math.isfinite(value):
             fail(BAD_INPUT, f"{option}: not a finite number. Write a number, such as 1.5.")
     with bad_input():
         grid = read_grid(map_yaml)
-        poses = read_poses(pose, batch)
+        if (pose is None) == (batch is None):
+            remedy = "Write --pose X Y YAW, or --batch FILE.csv"
+            fail(BAD_INPUT, f"--pose, --batch: just one of the two is needed. {remedy}.")
+        poses = np.array([pose]) if batch is None else read_columns(batch, ("x", "y", "yaw"))
     ranges = scan_map(grid, poses, beam_angles(beams, angle_min, angle_max), range_max)
     if as_json:
         print_json({"ranges": ranges})

@@ -133,7 +133,7 @@ def test_enter_and_esc_are_for_the_digits_while_some_are_typed():
     assert act_for("Esc", screen) == Cancel()
 
 
-def test_nothing_is_heard_before_there_is_a_game_but_help():
+def test_no_key_does_anything_before_there_is_a_game_but_that_of_help():
     screen = Participant().screen(0.0)
     assert [act_for(key, screen) for key in ("Enter", "3", "A", "F1")] == [None, None, None, ShowHelp()]
 

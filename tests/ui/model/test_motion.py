@@ -120,14 +120,14 @@ def test_a_simulation_at_another_rate_is_followed(rate: float) -> None:
     assert min(behind) > -0.05
 
 
-def test_a_late_telling_is_bridged_and_what_was_bridged_is_bounded() -> None:
+def test_a_late_message_is_bridged_and_what_was_bridged_is_bounded() -> None:
     shown = play(MotionPlayback(), straight(1.0, 1.0), 3.0)
     newest = 0.96
     assert shown[-1].x > newest
     assert shown[-1].x < newest + 0.06
 
 
-def test_tellings_held_up_and_delivered_in_one_go_are_caught_up_with() -> None:
+def test_messages_held_up_and_delivered_in_one_go_are_caught_up_with() -> None:
     held_up = [(2.0 if 1.5 <= now < 2.0 else now, message) for now, message in straight(4.0)]
     shown = play(MotionPlayback(), held_up, 3.9)
     settled = [one.now - one.x / 0.5 for one in shown if one.now > 2.4]
@@ -235,7 +235,7 @@ def test_a_way_begins_at_the_robot_and_what_is_driven_does_not_come_back() -> No
     assert robot.path[-1] == pytest.approx([3.0, 0.0])
 
 
-def test_a_way_told_again_with_anothers_stays_as_far_driven() -> None:
+def test_a_path_sent_again_with_another_s_stays_as_far_driven() -> None:
     motions = MotionPlayback()
     out = tuple((0.1 * k, 0.0) for k in range(61))
     motions.receive(PlannedPaths(0, (out,)), 0.0)
@@ -252,7 +252,7 @@ def test_who_comes_late_sees_what_still_lies_ahead() -> None:
     assert len(motions.at(0.0)[0].path) < 15
 
 
-def test_the_same_moment_told_again_changes_nothing() -> None:
+def test_the_same_moment_sent_again_changes_nothing() -> None:
     once, twice = MotionPlayback(), MotionPlayback()
     drive = straight(1.0, 0.5)
     again = [arrival for now, message in drive for arrival in ((now, message), (now + 0.001, message))]
@@ -290,7 +290,7 @@ def test_truth_and_ellipse_come_along() -> None:
     assert robot.ellipse == Ellipse(0.5, 0.2, 0.1)
 
 
-def test_nothing_is_shown_before_anything_was_told() -> None:
+def test_nothing_is_shown_before_anything_was_received() -> None:
     assert MotionPlayback().at(1.0) == ()
 
 

@@ -210,7 +210,7 @@ def test_what_nobody_can_pay_to_name_is_said_and_left():
     assert not screen.popup.name_it.enabled and screen.popup.leave.enabled
 
 
-def test_a_verdict_is_shown_although_nothing_was_heard_since_before_the_robot_came():
+def test_a_verdict_is_shown_although_nothing_was_received_since_before_the_robot_came():
     model = model_of(with_room(with_robot(view(), 0, moving_to=3), 3, state="reserved", robot=0))
     found = with_room(with_robot(view(), 0, place=3), 3, state="visited", robot=0, colour="Pink", footprint="Small")
     model.receive(with_room(found, 3, verdict=IdentificationVerdict("Pink can", 30)), 1.0)

@@ -556,7 +556,7 @@ def test_the_map_shows_rooms_and_robots():
     assert model.floor_plan is HOUSE
 
 
-def test_a_house_that_is_told_late_is_drawn():
+def test_a_floor_plan_that_comes_late_is_drawn():
     model = model_of(view())
     assert model.rooms(0.0) == ()
     model.receive(structs.replace(HOUSE, rooms=(replace(HOUSE.rooms[0], name=""),)), 0.1)

@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import msgspec
 import numpy as np
 
 from sim.common.geometry import FloatArray
@@ -22,7 +23,6 @@ from ui.model.watching.robots import WatchedRobot
 from ui.model.watching.scene import Scene, ShownLayers, ThingScene, Wizard
 from ui.model.watching.series import Series
 from ui.model.watching.session_log import RoomStatus, SessionLog
-from ui.model.watching.wizard import wizard
 
 FRAMES_KEPT = 8
 """Moments whose frames are remembered: that of the scene, and those of the scans in it."""
@@ -56,7 +56,7 @@ class SceneBuilder:
         self._decoded = DecodedTopics()
         self._things = DecodeCache[list[tuple[str, FloatArray]]](unpack.outlines)
         self._diagnoses = DecodeCache[list[DiagnosticStatus]](unpack.diagnostic_array)
-        self._wizards = DecodeCache[Wizard](wizard)
+        self._wizards = DecodeCache[Wizard](decode_wizard)
         self._frames: deque[tuple[tuple[bytes, ...], Frames]] = deque(maxlen=FRAMES_KEPT)
 
     def build(self, snapshot: TopicSnapshot, watched: SceneInputs, shown: ShownLayers) -> Scene:
@@ -99,6 +99,18 @@ class SceneBuilder:
         ]
         found = (self._decoded.grids.of(snapshot.newest(topic)) for topic in usual_first(maps, (names.MAP.strip("/"),)))
         return next((grid[1] for grid in found if grid is not None), None)
+
+
+def decode_wizard(data: bytes) -> Wizard:
+    """Decode a std_msgs/String of the topic `names.WIZARD`: JSON of the form of `Wizard`.
+
+    Raises:
+        ValueError: it is not.
+    """
+    try:
+        return msgspec.json.decode(unpack.string(data).encode(), type=Wizard)
+    except msgspec.DecodeError as error:
+        raise ValueError(str(error)) from None
 
 
 def _room(room: MapRoom, status: RoomStatus) -> RoomMark:

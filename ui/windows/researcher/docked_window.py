@@ -22,6 +22,7 @@ from PySide6.QtWidgets import (
 )
 
 from ui.model.theme import Palette
+from ui.model.watching.scene import EntryKind
 from ui.model.watching.tools import Shape
 from ui.windows.controls import ChoiceBox
 from ui.windows.researcher.docks.displays import SWITCHES, DisplaysPanel
@@ -38,6 +39,15 @@ LEFT, RIGHT, BOTTOM = (
     Qt.DockWidgetArea.RightDockWidgetArea,
     Qt.DockWidgetArea.BottomDockWidgetArea,
 )
+
+LISTS: dict[EntryKind, tuple[str, str, tuple[str, ...]]] = {
+    "line": ("Lines", "Lines of the protocol", ("Topic", "Line")),
+    "said": ("Dialogue", "Dialogue", ("Who", "About", "Sentence")),
+    "event": ("Events", "Events", ("Who", "What", "Room", "Details")),
+    "input": ("Inputs", "Inputs", ("From", "Kind", "What")),
+    "log": ("Log", "Log of ROS nodes", ("Node", "Level", "Text")),
+}
+"""Lists in the order of their tabs: the tab, the list's name, and its columns beside the time."""
 
 
 class DockedWindow(QMainWindow):
@@ -79,13 +89,8 @@ class DockedWindow(QMainWindow):
         self.displays = DisplaysPanel()
         self.team = TeamView()
         self.plots = Plots(palette, live)
-        self.lines = LogView("Lines of the protocol", ("Topic", "Line"))
-        self.dialogue = LogView("Dialogue", ("Who", "About", "Sentence"))
-        self.events = LogView("Events", ("Who", "What", "Room", "Details"))
-        self.inputs = LogView("Inputs", ("From", "Kind", "What"))
-        self.ros_log = LogView("Log of ROS nodes", ("Node", "Level", "Text"))
+        self.logs = {kind: LogView(name, columns) for kind, (_, name, columns) in LISTS.items()}
         self.wizard = WizardDock()
-        self.logs = (self.lines, self.dialogue, self.events, self.inputs, self.ros_log)
         self.tool = MapTool.LOOK
         self._tool_actions: dict[MapTool, QAction] = {}
         self._robot_actions: list[QAction] = []
@@ -152,11 +157,7 @@ class DockedWindow(QMainWindow):
             self._dock("Plots", self.plots, RIGHT),
         ]
         bottom = [
-            self._dock("Lines", self.lines, BOTTOM),
-            self._dock("Dialogue", self.dialogue, BOTTOM),
-            self._dock("Events", self.events, BOTTOM),
-            self._dock("Inputs", self.inputs, BOTTOM),
-            self._dock("Log", self.ros_log, BOTTOM),
+            *(self._dock(LISTS[kind][0], log, BOTTOM) for kind, log in self.logs.items()),
             self._dock("Wizard", self.wizard, BOTTOM),
         ]
         for before, after in pairwise(bottom):
@@ -309,7 +310,7 @@ class DockedWindow(QMainWindow):
         first.setFocus(Qt.FocusReason.TabFocusReason)
 
     def _filter(self) -> None:
-        log = next((log for log in self.logs if not log.visibleRegion().isEmpty()), None)
+        log = next((log for log in self.logs.values() if not log.visibleRegion().isEmpty()), None)
         if log is not None:
             log.focus_filter()
 

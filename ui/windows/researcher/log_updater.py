@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from ui.model.watching.scene import Entry, EntryKind
 from ui.windows.researcher.docked_window import DockedWindow
-from ui.windows.researcher.docks.log import LogRow, LogView
+from ui.windows.researcher.docks.log import LogRow
 from ui.windows.researcher.docks.playback import TimelineMark
 from ui.windows.researcher.feeds.feed import Feed
 
@@ -32,20 +32,13 @@ class LogUpdater:
     def clear(self) -> None:
         """Empty the lists, for another log."""
         self._taken = {}
-        for log in self._window.logs:
+        for log in self._window.logs.values():
             log.clear()
 
     def show(self) -> None:
         """Copy the next portion of new entries."""
         session_log = self._feed.log
-        kinds: tuple[tuple[EntryKind, LogView], ...] = (
-            ("event", self._window.events),
-            ("said", self._window.dialogue),
-            ("line", self._window.lines),
-            ("input", self._window.inputs),
-            ("log", self._window.ros_log),
-        )
-        for kind, log in kinds:
+        for kind, log in self._window.logs.items():
             dropped, entries = session_log.dropped(kind), session_log.entries(kind)
             new = max(self._taken.get(kind, 0) - dropped, 0)
             log.extend([self._row(entry) for entry in entries[new : new + MAX_NEW_ROWS]])

@@ -45,6 +45,10 @@ class ResearcherWindow(DockedWindow):
         title: name of the session or recording.
         palette: the colours.
         clock: seconds that never go back.
+
+    Attributes:
+        scene: the scene on the map; None before there is any.
+        sign: the sentence on the map about trouble.
     """
 
     def __init__(self, feed: Feed, title: str, palette: Palette, clock: Callable[[], float]) -> None:
@@ -54,13 +58,13 @@ class ResearcherWindow(DockedWindow):
         self._clock = clock
         self._selected = 0
         self._generation = feed.generation
-        self._scene: Scene | None = None
+        self.scene: Scene | None = None
         self._bodies: dict[int, FloatArray] = {}
         self._frames = 0
         self._overlays = Overlays(self._map)
         self._tool_controller = ToolController(feed, self, self._map, self._bodies, self.select)
         self._log_updater = LogUpdater(feed, self)
-        self._sign = TroubleSign(self._map)
+        self.sign = TroubleSign(self._map)
         self._connect()
         self._tool_controller.use_tool(self.tool)
         if feed.refusal:
@@ -83,23 +87,13 @@ class ResearcherWindow(DockedWindow):
         self.jumped.connect(lambda direction: feed.seek(self._log_updater.neighbouring_mark(direction)))
         self.jumped_to_end.connect(lambda direction: feed.seek(0.0 if direction < 0 else feed.span))
         self.plots.seek.connect(feed.seek)
-        for log in self.logs:
+        for log in self.logs.values():
             log.chosen.connect(feed.seek)
         self.team.selected.connect(self._choose_row)
         self.robot_stepped.connect(self._next_robot)
         self.follow_toggled.connect(self._follow)
         self.fit.connect(self._fit)
         self._map.robot_clicked.connect(self.select)
-
-    @property
-    def scene(self) -> Scene | None:
-        """The scene on the map; None before there is any."""
-        return self._scene
-
-    @property
-    def trouble(self) -> str:
-        """The sentence on the map about trouble; empty where all is well."""
-        return self._sign.text()
 
     # Each frame
 
@@ -112,7 +106,7 @@ class ResearcherWindow(DockedWindow):
         scene = feed.scene(self._shown())
         if scene is not None:
             self._show_map(scene)
-        self._sign.show_sentence(feed.trouble())
+        self.sign.show_sentence(feed.trouble())
         for notice in feed.take_notices():
             self.show_status(notice)
         time = feed.time
@@ -127,18 +121,15 @@ class ResearcherWindow(DockedWindow):
                 self._show_figures(scene)
         if self._frames % PLOTTED == 1:
             self._show_plots(PANELS[self._frames // PLOTTED % len(PANELS)].name)
-        for log in self.logs:
+        for log in self.logs.values():
             log.show_time(time)
 
     def _work(self) -> None:
-        if not self._feed.work():
-            self._working.setInterval(FRAME)
-        else:
-            self._working.setInterval(0)
+        self._working.setInterval(0 if self._feed.work() else FRAME)
 
     def _begin_anew(self) -> None:
         self._generation = self._feed.generation
-        self._scene = self._tool_controller.scene = None
+        self.scene = self._tool_controller.scene = None
         self._bodies.clear()
         self.plots.clear()
         self._log_updater.clear()
@@ -156,7 +147,7 @@ class ResearcherWindow(DockedWindow):
         )
 
     def _show_map(self, scene: Scene) -> None:
-        before, self._scene, self._tool_controller.scene = self._scene, scene, scene
+        before, self.scene, self._tool_controller.scene = self.scene, scene, scene
         if scene.grid is not None and (before is None or before.grid is not scene.grid):
             self._map.show_floor_plan(floor_plan_of("", scene.grid, (), ()))
         self._map.show_rooms(scene.rooms if self.displays.shows(MapDisplay.ROOMS) else ())
@@ -191,9 +182,9 @@ class ResearcherWindow(DockedWindow):
         self.show_waiting(len(scene.wizard.turns) + len(scene.wizard.advice))
 
     def _show_plots(self, panel: str) -> None:
-        if self._scene is not None and self.plots.isVisible():
+        if self.scene is not None and self.plots.isVisible():
             series = self._feed.series
-            curves = [RobotCurves(robot.robot, _figures(series.of(robot.robot), panel)) for robot in self._scene.robots]
+            curves = [RobotCurves(robot.robot, _figures(series.of(robot.robot), panel)) for robot in self.scene.robots]
             self.plots.show_curves(curves, self._feed.span)
         self.plots.show_time(self._feed.time)
 
@@ -201,7 +192,7 @@ class ResearcherWindow(DockedWindow):
 
     def _place(self, robot: int) -> int:
         """Return the row of a robot in the list, or -1."""
-        robots = () if self._scene is None else self._scene.robots
+        robots = () if self.scene is None else self.scene.robots
         return next((row for row, each in enumerate(robots) if each.robot == robot), -1)
 
     def select(self, robot: int) -> None:
@@ -215,14 +206,14 @@ class ResearcherWindow(DockedWindow):
         self._tool_controller.use_tool(self.tool)
 
     def _choose_row(self, row: int) -> None:
-        if self._scene is not None and row < len(self._scene.robots):
-            self.select(self._scene.robots[row].robot)
+        if self.scene is not None and row < len(self.scene.robots):
+            self.select(self.scene.robots[row].robot)
 
     def _next_robot(self, step: int) -> None:
-        if self._scene is not None and self._scene.robots:
-            row = (self._place(self._selected) + step) % len(self._scene.robots)
+        if self.scene is not None and self.scene.robots:
+            row = (self._place(self._selected) + step) % len(self.scene.robots)
             self._choose_row(row)
-            self._show_figures(self._scene)
+            self._show_figures(self.scene)
 
     def _follow(self, on: bool) -> None:
         self._map.follow(self._selected if on else None)

@@ -10,6 +10,7 @@ class BackgroundWorker(QObject):
     """A thread for one kind of work. While it works, only the newest piece submitted is kept.
 
     Attributes:
+        busy: True while a piece of work is being done.
         done: the result of a piece of work, in the window's own thread.
     """
 
@@ -20,18 +21,13 @@ class BackgroundWorker(QObject):
         super().__init__(parent)
         self._pool = ThreadPoolExecutor(1, thread_name_prefix=name)
         self._waiting: Callable[[], object] | None = None
-        self._busy = False
+        self.busy = False
         self._ended.connect(self._finish)
-
-    @property
-    def busy(self) -> bool:
-        """True while a piece of work is being done."""
-        return self._busy
 
     def ask(self, work: Callable[[], object]) -> None:
         """Do this work next, in place of what waits."""
         self._waiting = work
-        if not self._busy:
+        if not self.busy:
             self._begin()
 
     def close(self) -> None:
@@ -43,11 +39,11 @@ class BackgroundWorker(QObject):
     def _begin(self) -> None:
         work, self._waiting = self._waiting, None
         if work is not None:
-            self._busy = True
+            self.busy = True
             self._pool.submit(work).add_done_callback(self._ended.emit)
 
     @Slot(object)
     def _finish(self, future: "Future[object]") -> None:
-        self._busy = False
+        self.busy = False
         self._begin()
         self.done.emit(future.result())

@@ -43,6 +43,7 @@ class StudyEditor(QObject):
     """The file as it was read, the draft, and its history for undo.
 
     Attributes:
+        path: the file.
         drafted: the draft has changed.
         refused: a change of a field was not possible: its key and the reason.
         found_faulty: the draft was not saved because of its faults.
@@ -67,7 +68,7 @@ class StudyEditor(QObject):
             BadFile: it cannot be read.
         """
         super().__init__()
-        self._path = path
+        self.path = path
         self.on_disk = read_edited(path)
         text = self.on_disk.text if self.on_disk.exists else HEADER
         self.history = UndoHistory(text)
@@ -85,11 +86,6 @@ class StudyEditor(QObject):
         self._watch()
         self._save_wanted: tuple[bool, bool] | None = None
         self._saving = False
-
-    @property
-    def path(self) -> Path:
-        """The file."""
-        return self._path
 
     @property
     def dirty(self) -> bool:
@@ -140,7 +136,7 @@ class StudyEditor(QObject):
     def load_again(self) -> None:
         """Load the file again; undo brings the draft back."""
         try:
-            self.on_disk = read_edited(self._path)
+            self.on_disk = read_edited(self.path)
         except BadFile as fault:
             self.failed.emit(str(fault))
             return
@@ -189,7 +185,7 @@ class StudyEditor(QObject):
         if self.draft.faults and not anyway:
             self.found_faulty.emit()
             return
-        path, text, read = self._path, self.history.text, self.on_disk
+        path, text, read = self.path, self.history.text, self.on_disk
         self._saving = True
         self._work.ask(lambda: _written(path, text, read, over))
 
@@ -217,7 +213,7 @@ class StudyEditor(QObject):
 
     def _watch(self) -> None:
         """Watch the file anew: one that was replaced is another file to the watcher."""
-        wanted = [str(self._path.parent), *([str(self._path)] if self._path.exists() else [])]
+        wanted = [str(self.path.parent), *([str(self.path)] if self.path.exists() else [])]
         missing = [path for path in wanted if path not in {*self._watcher.files(), *self._watcher.directories()}]
         if missing:
             self._watcher.addPaths(missing)
@@ -228,7 +224,7 @@ class StudyEditor(QObject):
             return
         self._watch()
         try:
-            now = read_edited(self._path)
+            now = read_edited(self.path)
         except BadFile:
             return
         if (now.text, now.exists) != (self.on_disk.text, self.on_disk.exists):

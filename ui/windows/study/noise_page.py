@@ -1,6 +1,7 @@
 """Drawings of the effect of a study's noise."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from PySide6.QtCore import QSize, Qt, Slot
 from PySide6.QtGui import QImage
@@ -10,9 +11,10 @@ from thbridge.study.study_file import Study
 from ui.model.study_form.draft import StudyDraft
 from ui.model.study_form.noise import NoisePreview, extent_of, noise_from_form, preview_of
 from ui.windows.look import GAP, colours, label, spaced, style_as_panel
-from ui.windows.study import pictures
 from ui.windows.study.background import BackgroundWorker
-from ui.windows.study.pictures import Canvas, NoisePicture, PaintFunction
+from ui.windows.study.pictures import Canvas, NoisePicture, PaintFunction, fan_painter, room
+
+_WHEELS, _FILTER = "what the wheels report", "where the filter believes the robot may be"
 
 
 class NoiseView(QScrollArea):
@@ -28,18 +30,16 @@ class NoiseView(QScrollArea):
         self._requested: tuple[StudyDraft, dict[str, str]] | None = None
         self.drawn = 0
         waits = "Drawing ..."
-        self._straight, self._square = label(waits, "small"), label(waits, "small")
-        self._scan = label(waits, "small")
+        self._straight, self._square, self._scan = (label(waits, "small") for _ in range(3))
         self._pictures = {
-            "straight": self._picture(pictures.wheels_straight, "Ten metres straight: what the wheels report", 130),
-            "straight believed": self._picture(
-                pictures.believed_straight, "Ten metres straight: where the filter believes the robot may be", 130
-            ),
-            "square": self._picture(pictures.wheels_square, "A square: what the wheels report", 190),
-            "square believed": self._picture(
-                pictures.believed_square, "A square: where the filter believes the robot may be", 190
-            ),
-            "scan": self._picture(pictures.room, "A laser sweep in a room", 230),
+            name: NoisePicture(paint, what, height, self.redraw)
+            for name, paint, what, height in (
+                ("straight", fan_painter("straight", believed=False), f"Ten metres straight: {_WHEELS}", 130),
+                ("straight believed", fan_painter("straight", believed=True), f"Ten metres straight: {_FILTER}", 130),
+                ("square", fan_painter("square", believed=False), f"A square: {_WHEELS}", 190),
+                ("square believed", fan_painter("square", believed=True), f"A square: {_FILTER}", 190),
+                ("scan", room, "A laser sweep in a room", 230),
+            )
         }
         inside = QWidget()
         column = spaced(QVBoxLayout(inside), 2 * GAP, GAP, 0, GAP, GAP)
@@ -96,17 +96,9 @@ class NoiseView(QScrollArea):
         self._scan.setText(preview.scan_words)
         self.drawn += 1
 
-    def _picture(self, paint: PaintFunction, name: str, height: int) -> NoisePicture:
-        return NoisePicture(paint, name, height, self.redraw)
-
     def _drives(self) -> QWidget:
-        card = QWidget()
-        style_as_panel(card)
-        column = spaced(QVBoxLayout(card), GAP, 2 * GAP)
-        column.addWidget(label("200 drives of ten metres", bold=True))
-        column.addWidget(
-            label("Thick: the drive. Thin: 200 times what comes of it. Ellipse: 95 % of the ends.", "small", muted=True)
-        )
+        drawn = "Thick: the drive. Thin: 200 times what comes of it. Ellipse: 95 % of the ends."
+        card, column = _card("200 drives of ten metres", drawn)
         column.addWidget(label("What the wheels report (true noise)", "small", bold=True))
         column.addWidget(self._pictures["straight"])
         column.addWidget(label("What the particle filter believes (dashed)", "small", bold=True))
@@ -123,11 +115,8 @@ class NoiseView(QScrollArea):
         return card
 
     def _sweep(self) -> QWidget:
-        card = QWidget()
-        style_as_panel(card)
-        column = spaced(QVBoxLayout(card), GAP, 2 * GAP)
-        column.addWidget(label("A laser sweep in a room", bold=True))
-        column.addWidget(label("Dots: where beams truly end. Crosses: what the laser says.", "small", muted=True))
+        drawn = "Dots: where beams truly end. Crosses: what the laser says."
+        card, column = _card("A laser sweep in a room", drawn)
         column.addWidget(self._pictures["scan"])
         column.addWidget(self._scan)
         return card
@@ -137,12 +126,22 @@ class NoiseView(QScrollArea):
         return QSize(520, 640)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
 class _Drawn:
     """A preview and its images, finished."""
 
-    def __init__(self, preview: NoisePreview, images: Mapping[str, QImage]) -> None:
-        self.preview = preview
-        self.images = images
+    preview: NoisePreview
+    images: Mapping[str, QImage]
+
+
+def _card(title: str, drawn: str) -> tuple[QWidget, QVBoxLayout]:
+    """A panel with a title and a legend, and its column."""
+    card = QWidget()
+    style_as_panel(card)
+    column = spaced(QVBoxLayout(card), GAP, 2 * GAP)
+    column.addWidget(label(title, bold=True))
+    column.addWidget(label(drawn, "small", muted=True))
+    return card, column
 
 
 def _drawn(preview: NoisePreview, jobs: list[tuple[str, PaintFunction, Canvas]]) -> _Drawn:

@@ -1,6 +1,6 @@
 """Pages of the study window: a section, results of a search, the whole text, the changes to be written."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from PySide6.QtCore import QElapsedTimer, Qt, QTimer, Signal, SignalInstance
 from PySide6.QtGui import QColor, QFont, QFontDatabase, QPalette, QTextCharFormat, QTextCursor
@@ -29,6 +29,7 @@ class FieldsPage(QScrollArea):
     """Rows of fields, with headings.
 
     Attributes:
+        rows: the rows shown, by the fields' keys.
         edited: a person typed or chose something: the field's key, and the text.
         edit_finished: the person is done with the field.
         reset: a person wants the field's default back.
@@ -49,22 +50,16 @@ class FieldsPage(QScrollArea):
     built = Signal()
 
     def __init__(self) -> None:
-        super().__init__()
+        super().__init__(widgetResizable=True)
         self.setAccessibleName("Settings")
-        self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self._rows: dict[str, FieldRow] = {}
+        self.rows: dict[str, FieldRow] = {}
         self._clearing: dict[str, QPushButton] = {}
         self._shape: tuple[str, ...] = ()
         self._draft: StudyDraft | None = None
         self._building: Iterator[None] = iter(())
         self._next = QTimer(self, singleShot=True, interval=0)
         self._next.timeout.connect(self._build_on)
-
-    @property
-    def rows(self) -> Mapping[str, FieldRow]:
-        """The rows shown, by the fields' keys."""
-        return self._rows
 
     def show_groups(self, draft: StudyDraft, groups: tuple[FormGroup, ...], *, narrow: bool = False) -> None:
         """Show the fields of these sections, the first one's heading large."""
@@ -73,7 +68,7 @@ class FieldsPage(QScrollArea):
         if shape == self._shape:
             self._refresh(draft)
             return
-        self._shape, self._rows = shape, {}
+        self._shape, self.rows = shape, {}
         self._building = self._build(groups, narrow=narrow)
         self._build_on()
 
@@ -103,7 +98,7 @@ class FieldsPage(QScrollArea):
     def _refresh(self, draft: StudyDraft) -> None:
         self._draft = draft
         fields = draft.fields()
-        for key, row in self._rows.items():
+        for key, row in self.rows.items():
             if key in fields:
                 row.show_field(fields[key], draft.faults_of(fields[key]))
         groups = draft.groups()
@@ -170,7 +165,7 @@ class FieldsPage(QScrollArea):
             row.edit_finished.connect(self.edit_finished)
             row.reset.connect(self.reset)
             column.addWidget(row)
-            self._rows[field.key] = row
+            self.rows[field.key] = row
             self._refresh_row(row)
             yield
 
@@ -228,10 +223,9 @@ class TextPage(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.editor = QPlainTextEdit()
+        self.editor = QPlainTextEdit(tabChangesFocus=True)
         self.editor.setAccessibleName("The study file as text")
         self.editor.setFont(_fixed())
-        self.editor.setTabChangesFocus(True)
         self._fault = label("", "small")
         self._fault.setProperty("bad", True)
         column = spaced(QVBoxLayout(self), GAP, 2 * GAP, GAP, 2 * GAP, 2 * GAP)

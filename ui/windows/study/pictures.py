@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import cast
+from typing import Literal, cast
 
 import numpy as np
 from pyqtgraph.functions import arrayToQPolygonF
@@ -173,28 +173,15 @@ def scan_image(scan: RoomScan, canvas: Canvas) -> QImage:
     return sheet.finished()
 
 
-def wheels_straight(preview: NoisePreview, canvas: Canvas) -> QImage:
-    """Draw ten metres straight as the wheels report them."""
-    drive = preview.straight
-    return fan_image(drive.wheels, drive.believed, canvas, canvas.palette.robot(0), dashed=False)
+def fan_painter(course: Literal["straight", "square"], *, believed: bool) -> PaintFunction:
+    """Return what draws a course as the wheels report it, or as the particle filter believes it."""
 
+    def paint(preview: NoisePreview, canvas: Canvas) -> QImage:
+        drive = preview.straight if course == "straight" else preview.square
+        one, other = (drive.believed, drive.wheels) if believed else (drive.wheels, drive.believed)
+        return fan_image(one, other, canvas, canvas.palette.robot(1 if believed else 0), dashed=believed)
 
-def believed_straight(preview: NoisePreview, canvas: Canvas) -> QImage:
-    """Draw ten metres straight as the particle filter believes them."""
-    drive = preview.straight
-    return fan_image(drive.believed, drive.wheels, canvas, canvas.palette.robot(1), dashed=True)
-
-
-def wheels_square(preview: NoisePreview, canvas: Canvas) -> QImage:
-    """Draw a square as the wheels report it."""
-    drive = preview.square
-    return fan_image(drive.wheels, drive.believed, canvas, canvas.palette.robot(0), dashed=False)
-
-
-def believed_square(preview: NoisePreview, canvas: Canvas) -> QImage:
-    """Draw a square as the particle filter believes it."""
-    drive = preview.square
-    return fan_image(drive.believed, drive.wheels, canvas, canvas.palette.robot(1), dashed=True)
+    return paint
 
 
 def room(preview: NoisePreview, canvas: Canvas) -> QImage:

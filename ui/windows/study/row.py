@@ -49,6 +49,9 @@ class FieldRow(QWidget):
     """The row of a field.
 
     Attributes:
+        field: the field shown.
+        editor: the widget to type or to choose in.
+        last_widget: the widget that Tab reaches last in the row.
         edited: a person typed or chose something: the field's key, and the text.
         edit_finished: the person is done with the field.
         reset: a person wants the field's default back.
@@ -60,7 +63,7 @@ class FieldRow(QWidget):
 
     def __init__(self, field: FormField, *, narrow: bool = False) -> None:
         super().__init__()
-        self._field = field
+        self.field = field
         self.setObjectName(field.key)
         self._name = label(field.label, bold=True)
         self._help = label(_sentence(field.help), "small", muted=True)
@@ -75,16 +78,16 @@ class FieldRow(QWidget):
         self._slider = self._made_slider(field) if narrow and _slides(field) else None
         editor.setFixedWidth(_NARROW if narrow else _WIDE if field.kind is FieldKind.LIST else _EDITOR_WIDTH)
         editor.setAccessibleName(field.label if not field.unit else f"{field.label}, {field.unit}")
-        self._editor = editor
+        self.editor = editor
         unit = label(field.unit, "small", muted=True)
         unit.setWordWrap(False)
         unit.setMinimumWidth((2 if narrow else 6) * GAP)
-        self._reset = QPushButton("Reset")
-        self._reset.setAccessibleName(f"Reset {field.label}")
-        self._reset.clicked.connect(self._reset_clicked)
-        policy = self._reset.sizePolicy()
+        self.last_widget = QPushButton("Reset")
+        self.last_widget.setAccessibleName(f"Reset {field.label}")
+        self.last_widget.clicked.connect(self._reset_clicked)
+        policy = self.last_widget.sizePolicy()
         policy.setRetainSizeWhenHidden(True)
-        self._reset.setSizePolicy(policy)
+        self.last_widget.setSizePolicy(policy)
         words = spaced(QVBoxLayout(), GAP // 4)
         for part in (self._name, self._help, self._origin, self._fault):
             words.addWidget(part)
@@ -100,25 +103,10 @@ class FieldRow(QWidget):
             values.addWidget(self._slider, 1)
         elif narrow:
             values.addStretch(1)
-        values.addWidget(self._reset)
+        values.addWidget(self.last_widget)
         if not narrow:
             whole.setAlignment(values, Qt.AlignmentFlag.AlignTop)
         self.show_field(field, ())
-
-    @property
-    def field(self) -> FormField:
-        """The field shown."""
-        return self._field
-
-    @property
-    def editor(self) -> QWidget:
-        """The widget to type or to choose in."""
-        return self._editor
-
-    @property
-    def last_widget(self) -> QWidget:
-        """The widget that Tab reaches last in the row."""
-        return self._reset
 
     def text(self) -> str:
         """Return the text in the editor."""
@@ -128,7 +116,7 @@ class FieldRow(QWidget):
 
     def show_field(self, field: FormField, faults: tuple[BadFile, ...]) -> None:
         """Show the field's current value; a text that is being typed stays."""
-        self._field = field
+        self.field = field
         text = editable_text(field)
         if self._line is not None and not (self._line.hasFocus() and self._line.isModified()):
             if self._line.text() != text:
@@ -142,18 +130,16 @@ class FieldRow(QWidget):
                     self._combo.addItem(text)
                 self._combo.setCurrentText(text)
         self._show_slider(text)
-        self._reset.setVisible(field.written is not None)
+        self.last_widget.setVisible(field.written is not None)
         origin = "default" if field.written is None else f"written in line {field.line}"
         if field.written is not None and field.place != field.key:
             origin += f" as {field.place}"
         default = f" · default {field.default}" if field.written is not None and field.default else ""
         hint = hint_of(field)
         self._origin.setText(" · ".join([field.key, origin]) + default + (f" · {hint}" if hint else ""))
-        bold = font("body", bold=True)
-        self._name.setFont(bold)
         self._name.setText(f"● {field.label}" if field.written is not None else field.label)
         self.show_faults(tuple(f"{fault.problem}. {fault.remedy}" for fault in faults))
-        self._editor.setAccessibleDescription(f"{field.help}. {origin}. {self._fault.text()}".strip())
+        self.editor.setAccessibleDescription(f"{field.help}. {origin}. {self._fault.text()}".strip())
 
     def show_faults(self, sentences: tuple[str, ...]) -> None:
         """Show the field's faults."""
@@ -191,16 +177,16 @@ class FieldRow(QWidget):
     def _slid(self, place: int) -> None:
         if self._line is None:
             return
-        self._line.setText(_value_at(self._field, place))
+        self._line.setText(_value_at(self.field, place))
 
     def _show_slider(self, text: str) -> None:
         if self._slider is None or self._slider.isSliderDown():
             return
         try:
-            place = _place_of(self._field, float(text))
+            place = _place_of(self.field, float(text))
         except ValueError:
             return
-        if _value_at(self._field, self._slider.value()) != text:
+        if _value_at(self.field, self._slider.value()) != text:
             with QSignalBlocker(self._slider):
                 self._slider.setValue(place)
 
@@ -208,18 +194,18 @@ class FieldRow(QWidget):
         if self._line is not None:
             self._set_muted(self._line, False)
         self._show_slider(text)
-        self.edited.emit(self._field.key, text)
+        self.edited.emit(self.field.key, text)
 
     def _done(self) -> None:
         if self._line is not None:
             self._line.setModified(False)
-        self.edit_finished.emit(self._field.key)
+        self.edit_finished.emit(self.field.key)
 
     def _reset_clicked(self) -> None:
         if self._line is not None:
             self._line.setModified(False)
-        self._editor.setFocus()
-        self.reset.emit(self._field.key)
+        self.editor.setFocus()
+        self.reset.emit(self.field.key)
 
     def _set_muted(self, line: QLineEdit, muted: bool) -> None:
         """Show a default in italics; the words below say it, too."""

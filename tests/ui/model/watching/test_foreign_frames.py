@@ -38,7 +38,7 @@ def seen(frame: str) -> RobotScene:
     return robot
 
 
-def test_what_is_said_in_odometry_is_carried_onto_the_map() -> None:
+def test_poses_in_the_frame_of_odometry_are_carried_onto_the_map() -> None:
     robot = seen("odom")
     assert robot.estimate is not None
     assert robot.estimate.array() == pytest.approx([10.0, 21.0, math.pi / 2])
@@ -49,13 +49,13 @@ def test_what_is_said_in_odometry_is_carried_onto_the_map() -> None:
     assert robot.local_costmap.origin.array() == pytest.approx([10.0, 21.0, math.pi / 2])
 
 
-def test_what_is_said_on_the_map_stays_where_it_is() -> None:
+def test_poses_on_the_map_stay_where_they_are() -> None:
     robot = seen("map")
     assert robot.plan == pytest.approx(POSES[:, :2])
     assert robot.cloud == pytest.approx(np.array([[1.0, 0.0, 0.0], [2.0, 0.0, -math.pi]]))
     assert robot.local_costmap == CELLS
 
 
-def test_what_is_said_in_a_frame_that_hangs_nowhere_is_not_shown() -> None:
+def test_poses_in_a_frame_that_hangs_nowhere_are_not_shown() -> None:
     robot = seen("elsewhere")
     assert (len(robot.plan), len(robot.cloud), len(robot.footprint), robot.local_costmap) == (0, 0, 0, None)

@@ -35,13 +35,13 @@ def source() -> LiveSource:
     return live
 
 
-def test_nothing_is_there_before_anything_is_heard() -> None:
+def test_nothing_is_there_before_anything_is_received() -> None:
     live = LiveSource()
     assert (live.scene(ShownLayers()).robots, live.session, live.messages) == ((), None, 0)
     assert live.stale_for(5.0) == math.inf
 
 
-def test_it_shows_what_was_said_last(source: LiveSource) -> None:
+def test_it_shows_the_last_messages(source: LiveSource) -> None:
     scene = source.scene(ShownLayers())
     assert (scene.stamp_ns - source.start_ns) / SECOND == pytest.approx(99 / 50)
     assert source.session == SESSION
@@ -51,7 +51,7 @@ def test_it_shows_what_was_said_last(source: LiveSource) -> None:
     assert source.stale_for(12.5) == 2.5
 
 
-def test_what_was_said_before_robots_are_told_apart_is_taken_for_its_own_robots() -> None:
+def test_messages_from_before_robots_are_told_apart_are_taken_for_their_own_robots() -> None:
     messages = ticks(0, 100)
     poses = [[each for each in messages if each.topic == f"/robot{number}/amcl_pose"] for number in (1, 2)]
     latched = [poses[1][0], poses[0][-1]]
@@ -93,7 +93,7 @@ def test_frames_of_a_while_ago_are_those_that_held_then() -> None:
     assert robot.estimate == Pose2(3, 0, 0)
 
 
-def test_frames_that_nobody_speaks_of_any_more_are_forgotten() -> None:
+def test_frames_that_are_not_sent_any_more_are_forgotten() -> None:
     live = LiveSource()
     live.take([tf(1, ("map", "odom", Pose2(1, 0, 0))), odometry(1, Pose2(0, 0, 0))], 0.0)
     assert live.scene(ShownLayers()).robots[0].estimate is not None

@@ -32,7 +32,7 @@ def opened(bag: Path, qapp: QApplication) -> Iterator[ResearcherWindow]:
     """One window for all tests: reading a bag takes its time."""
     made = ResearcherWindow(RecordingFeed(BagOpener(bag)), "hunt.bag", LIGHT, time.monotonic)
     made.show()
-    while made.playback.state.text() != "recording" or not made.lines.model.size:
+    while made.playback.state.text() != "recording" or not made.logs["line"].model.size:
         qapp.processEvents()
     yield made
     made.close()
@@ -58,7 +58,13 @@ def go_to(window: ResearcherWindow, seconds: float) -> None:
 
 def test_lists_robots_and_plots_are_filled(window: ResearcherWindow, qtbot: QtBot) -> None:
     assert window.team.model.rowCount() == 3
-    assert min(log.model.size for log in (window.lines, window.dialogue, window.events, window.inputs)) > 0
+    assert (
+        min(
+            log.model.size
+            for log in (window.logs["line"], window.logs["said"], window.logs["event"], window.logs["input"])
+        )
+        > 0
+    )
     qtbot.waitUntil(lambda: all(window.plots.points(panel.name, robot) > 2 for panel in PANELS for robot in range(3)))
     assert window.playback.timeline.maximum() == pytest.approx(15_000, abs=1000)
 
@@ -127,12 +133,14 @@ def test_robots_are_selected_by_tab_click_and_list(window: ResearcherWindow) -> 
 
 
 def test_a_row_takes_us_to_its_moment(window: ResearcherWindow) -> None:
-    window.events.table.setFocus()
-    last = window.events.model.rowCount() - 1
-    window.events.table.setCurrentIndex(window.events.model.index(last, 0))
-    QTest.keyClick(window.events.table, Qt.Key.Key_Return)
+    window.logs["event"].table.setFocus()
+    last = window.logs["event"].model.rowCount() - 1
+    window.logs["event"].table.setCurrentIndex(window.logs["event"].model.index(last, 0))
+    QTest.keyClick(window.logs["event"].table, Qt.Key.Key_Return)
     window.refresh()
-    assert window.playback.timeline.value() == pytest.approx(1000.0 * window.events.model.row(last).time, abs=1.0)
+    assert window.playback.timeline.value() == pytest.approx(
+        1000.0 * window.logs["event"].model.row(last).time, abs=1.0
+    )
 
 
 def test_page_keys_go_from_mark_to_mark(window: ResearcherWindow) -> None:
@@ -182,7 +190,7 @@ def test_whatever_takes_the_focus_has_a_name_and_tab_goes_as_the_eye_does(window
         assert all(window.rect().intersects(place) for place in places), "Tab goes nowhere that nobody sees"
     next(dock for dock in docks if dock.windowTitle() == "Lines").raise_()
     QApplication.processEvents()
-    parts = (window.displays, window.canvas, window.lines, window.playback)
+    parts = (window.displays, window.canvas, window.logs["line"], window.playback)
     firsts = [next(at for at, stop in enumerate(stops(window)) if _within(stop, part)) for part in parts]
     assert firsts == sorted(firsts)
 
@@ -209,7 +217,7 @@ def test_a_bag_that_is_none_is_told_in_the_window(tmp_path: Path, qtbot: QtBot) 
     window = ResearcherWindow(RecordingFeed(opening), path.name, LIGHT, time.monotonic)
     qtbot.addWidget(window)
     window.show()
-    qtbot.waitUntil(lambda: "not a ROS 1 bag" in window.trouble)
+    qtbot.waitUntil(lambda: "not a ROS 1 bag" in window.sign.text())
     window.close()
 
 

@@ -67,7 +67,7 @@ def stroke(window: ResearcherWindow, start: tuple[float, float], end: tuple[floa
 
 
 def asked(window: ResearcherWindow) -> list[str]:
-    rows = (window.inputs.model.row(number) for number in range(window.inputs.model.rowCount()))
+    rows = (window.logs["input"].model.row(number) for number in range(window.logs["input"].model.rowCount()))
     return [row.cells[2] for row in rows if row.cells[0] == "watch"]
 
 
@@ -78,7 +78,7 @@ def waits(qtbot: QtBot, until: Callable[[], bool]) -> None:
 def test_it_shows_the_session_live(window: ResearcherWindow, qtbot: QtBot) -> None:
     waits(qtbot, lambda: window.playback.state.text().startswith("live"))
     waits(qtbot, lambda: window.plots.points("speed", 1) > 3 and window.team.model.rowCount() == 2)
-    assert window.trouble == ""
+    assert window.sign.text() == ""
     assert "Pause" in window.playback.play.text()
 
 
@@ -192,7 +192,7 @@ def test_the_wizard_speaks_in_a_robots_place(tmp_path: Path, qtbot: QtBot) -> No
         waits(qtbot, lambda: any(button.text() == turn.sentences[0] for button in wizard.findChildren(QPushButton)))
         next(edit for edit in wizard.findChildren(QLineEdit) if edit.isEnabled()).setText("By the way, hello.")
         next(button for button in wizard.findChildren(QPushButton) if button.text() == turn.sentences[0]).click()
-        rows = window.dialogue.model
+        rows = window.logs["said"].model
         waits(qtbot, lambda: any("By the way, hello." in rows.row(n).cells for n in range(rows.rowCount())))
         said = next(row for n in range(rows.rowCount()) if "By the way, hello." in (row := rows.row(n)).cells)
         assert "spoken for" in said.cells[0]
@@ -203,7 +203,7 @@ def test_where_nobody_answers_it_says_so_and_waits(qtbot: QtBot) -> None:
     window = window_on(1)
     qtbot.addWidget(window)
     window.show()
-    waits(qtbot, lambda: "Nobody answers at 127.0.0.1:1" in window.trouble)
+    waits(qtbot, lambda: "Nobody answers at 127.0.0.1:1" in window.sign.text())
     window.close()
 
 
@@ -214,8 +214,8 @@ def test_a_session_that_ends_is_told_and_the_next_one_is_shown(tmp_path: Path, q
         qtbot.addWidget(window)
         window.show()
         waits(qtbot, lambda: window.scene is not None and bool(window.scene.robots))
-    waits(qtbot, lambda: "Trying again" in window.trouble)
+    waits(qtbot, lambda: "Trying again" in window.sign.text())
     assert window.scene is not None
     with watched_hunt(tmp_path / "two.bag", "--watch", str(port)):
-        waits(qtbot, lambda: window.trouble == "")
+        waits(qtbot, lambda: window.sign.text() == "")
     window.close()

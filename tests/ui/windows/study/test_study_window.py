@@ -72,12 +72,12 @@ def settled(qtbot: QtBot, window: StudyWindow) -> None:
     qtbot.waitUntil(lambda: window.editor.settled)
 
 
-def retype(qtbot: QtBot, window: StudyWindow, key: str, said: str) -> QLineEdit:
+def retype(qtbot: QtBot, window: StudyWindow, key: str, typed: str) -> QLineEdit:
     window.open_field(key)
     line = QApplication.focusWidget()
     assert isinstance(line, QLineEdit)
     line.selectAll()
-    qtbot.keyClicks(line, said)
+    qtbot.keyClicks(line, typed)
     settled(qtbot, window)
     return line
 

@@ -13,7 +13,6 @@ from ui.model.watching.series import Series
 from ui.model.watching.session_log import SessionLog
 from ui.model.watching.tools import RECORDED
 from ui.sources.bag import BagSource, open_bag
-from ui.sources.rooms import rooms_of
 from ui.windows.researcher.feeds.feed import FeedRequest
 
 READ_SLICE = 0.008
@@ -60,8 +59,6 @@ class BagOpener:
                 self.share = next(work)
             except StopIteration as done:
                 source: BagSource = done.value
-                if source.session is not None:
-                    source.rooms = rooms_of(source.session, self.path)
                 # Read now what the first frame needs, which would keep the window waiting later.
                 source.scene(source.start_ns, ShownLayers())
                 return source
@@ -93,33 +90,15 @@ class RecordingFeed:
         self._now = 0.0
         self._fault = ""
         self._noticed = 0
-        self._story, self._series = SessionLog(), Series(0)
+        self.log, self.series = SessionLog(), Series(0)
+        self.start_ns = 0
+        self.span = 0.0
         self.generation = 0
-
-    @property
-    def start_ns(self) -> int:
-        """ROS time of its beginning."""
-        return 0 if self._source is None else self._source.start_ns
-
-    @property
-    def log(self) -> SessionLog:
-        """Log of what happened, as far as it was read."""
-        return self._story
-
-    @property
-    def series(self) -> Series:
-        """Numbers over time, as far as they were read."""
-        return self._series
 
     @property
     def time(self) -> float:
         """Time shown."""
         return (self._playback.at_ns - self.start_ns) / 1e9
-
-    @property
-    def span(self) -> float:
-        """Length of the recording."""
-        return 0.0 if self._source is None else (self._source.end_ns - self._source.start_ns) / 1e9
 
     def advance(self, now: float) -> None:
         """Take the recording once it is open, and play."""
@@ -132,7 +111,8 @@ class RecordingFeed:
 
     def _begin(self, source: BagSource) -> None:
         self._source = source
-        self._story, self._series = source.log, source.series
+        self.log, self.series = source.log, source.series
+        self.start_ns, self.span = source.start_ns, (source.end_ns - source.start_ns) / 1e9
         self._playback = Playback(source.start_ns, source.end_ns)
         self._reading = source.scan()
         self.generation += 1
