@@ -34,7 +34,6 @@ def suggest(
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.hunt.rooms import Room
     from thbridge.hunt.tour import best_tour
-    from ui.actions.suggest import room_in
 
     with bad_input():
         matrix = read_map_times(costs)
@@ -44,11 +43,16 @@ def suggest(
             BAD_INPUT,
             f"--at: {at} is not a place in the cost file. Write 0, the corridor, or a room up to {len(matrix.rooms)}.",
         )
-    places = [room_in(matrix, text.strip()) for text in unvisited.split(",")]
+    places = []
+    for text in map(str.strip, unvisited.split(",")):
+        if not text.isdecimal() or (room := Room(int(text))) not in matrix.rooms:
+            wanted = f"Write numbers of rooms, 1 to {len(matrix.rooms)}, with commas between"
+            fail(BAD_INPUT, f"--unvisited: {text!r} is not a room in the cost file. {wanted}.")
+        places.append(room)
     tour = best_tour(matrix, start, places)
     if isinstance(tour, RequestRefused):
         fail(FAILED, tour.sentence)
-    rooms = [room.people for room in tour.rooms]
+    rooms = [each.people for each in tour.rooms]
     cost = int(tour.cost) if tour.cost == int(tour.cost) else tour.cost
     if as_json:
         print_json({"next": rooms[0], "tour": rooms, "cost": cost})

@@ -10,7 +10,6 @@ from thbridge.app import play as hunt
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.listeners import StartupCallbacks
 from thbridge.app.play import HuntOutcome, HuntUnfinished, PlayOptions
-from thbridge.app.session.session import TickRecord
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.study_file import Study, with_team_size
@@ -99,12 +98,9 @@ class WindowGames:
             note(f"Other programs can join at {where.host}:{where.port}.")
             visit.ready(where)
 
-        def progress(tick: TickRecord) -> None:
-            print_story(tick)
-
         announce_compiling()
         try:
-            return await hunt.play(setting, None, options, ready, progress, self.hosts)
+            return await hunt.play(setting, None, options, ready, print_story, self.hosts)
         except HuntUnfinished as early:
             if early.stopped and visit.ended is None:
                 raise  # Ctrl-C: the program ends.

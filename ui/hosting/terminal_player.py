@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
 from sim.common.robot_numbers import index_of, robot_name
 from thbridge.hunt.costs import energy_text
@@ -122,14 +123,12 @@ class TerminalPlayer:
         self._names[room] = fitting[0]
         self._discuss(view, room, "take-treasure")
 
-    def _discuss(self, view: View, room: int, matter: str) -> None:
+    def _discuss(self, view: View, room: int, matter: Literal["take-picture", "take-treasure"]) -> None:
         robot = view.room(room).robot if 0 < room <= len(view.rooms) else None
         if robot is None:
             self.show(f"No robot stands in room {room}.")
-        elif matter == "take-picture":
-            self._wanted = (OpenDialogue(robot, "take-picture", room),)
         else:
-            self._wanted = (OpenDialogue(robot, "take-treasure", room),)
+            self._wanted = (OpenDialogue(robot, matter, room),)
 
     def _follow(self, consent: Consent) -> ParticipantRequest | None:
         match consent.matter:

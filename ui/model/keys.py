@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from ui.model.screen import (
     Act,
+    Action,
     AgreeToTakePart,
     AnotherGame,
     AskAdvice,
@@ -84,6 +85,11 @@ _TAKEN = frozenset(key for binding in (*PLAYING, HELP) for key in binding.keys)
 def key_of(act: Act) -> str:
     """The key to print on the button of an act; empty when it has none of its own."""
     return next((binding.keys[0] for table in _TABLES for binding in table if binding.act == act), "")
+
+
+def keyed(act: Act, label: str, enabled: bool = True, hint: str = "", pending: bool = False) -> Action:
+    """The action of an act, with its own key."""
+    return Action(act, label, key_of(act), enabled, hint, pending)
 
 
 def choice_keys(choices: Sequence[str]) -> tuple[str, ...]:

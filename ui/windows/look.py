@@ -107,11 +107,6 @@ class Appearance(QObject):
         app.styleHints().colorSchemeChanged.connect(self._wear)
         self._wear()
 
-    @property
-    def palette(self) -> Palette:
-        """The palette in force."""
-        return colours()
-
     def choose(self, choice: Choice) -> None:
         """Switch to light, to dark, or to the system's setting."""
         self._choice = choice

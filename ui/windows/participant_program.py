@@ -77,7 +77,7 @@ class GamePage(QWidget):
         self._clock = clock
         self._practice = practice
         self._model = Participant()
-        self.window_of_game = ParticipantWindow(self._model, clock, appearance.palette)
+        self.window_of_game = ParticipantWindow(self._model, clock, look.colours())
         appearance.changed.connect(self.window_of_game.set_palette)
         rows = spaced(QVBoxLayout(self), 0, 0)
         self._strip, self._advice = QWidget(), look.label()

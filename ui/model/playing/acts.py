@@ -258,9 +258,7 @@ def _finish(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
 
 
 def _stop(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: float) -> None:
-    if not 0 <= robot < len(hunt.view.robots):
-        return
-    if _refused(memory, why_not_stop(hunt.known, robot), now):
+    if not 0 <= robot < len(hunt.view.robots) or _refused(memory, why_not_stop(hunt.known, robot), now):
         return
     hunt.reroutes.pop(robot, None)
     hunt.pending.ask(CallBack(robot), hunt.view)

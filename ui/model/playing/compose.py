@@ -3,7 +3,7 @@
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import Condition
 from thbridge.roles.view import GiveConsent
-from ui.model.keys import HELP, help_lines, key_of
+from ui.model.keys import HELP, help_lines, keyed
 from ui.model.playing.cards import cards
 from ui.model.playing.popup_queue import DestinationItem, PopupItem, TreasureItem
 from ui.model.playing.popups.confirmations import confirmation
@@ -114,11 +114,11 @@ def _agree(hunt: HuntMemory | None) -> Action:
     if hunt is None or hunt.view.consent is None:
         return _not_now(act, "I agree")
     busy = GiveConsent() in hunt.pending
-    return Action(act, "I agree", key_of(act), not busy, "You take part in the study.", busy)
+    return keyed(act, "I agree", not busy, "You take part in the study.", busy)
 
 
 def _not_now(act: AgreeToTakePart | AskAdvice | EndGame, label: str) -> Action:
-    return Action(act, label, key_of(act), enabled=False, hint="Not just now.")
+    return keyed(act, label, enabled=False, hint="Not just now.")
 
 
 def _tools(memory: ParticipantMemory, phase: Phase) -> tuple[Action, ...]:
@@ -130,8 +130,8 @@ def _tools(memory: ParticipantMemory, phase: Phase) -> tuple[Action, ...]:
     robot = robot_name(memory.selected)
     follow = f"Follow {robot}" if memory.followed is None else f"Stop following {robot}"
     return (
-        Action(FollowRobot(), follow, key_of(FollowRobot()), hint="Keeps it in the middle of the map."),
-        Action(FitMap(), "Whole map", key_of(FitMap()), hint="Shows all of the map."),
+        keyed(FollowRobot(), follow, hint="Keeps it in the middle of the map."),
+        keyed(FitMap(), "Whole map", hint="Shows all of the map."),
         sheet,
     )
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.roles.view import GiveUp, RequestSuggestion, RoomView, SelectRoom
-from ui.model.keys import key_of
+from ui.model.keys import keyed
 from ui.model.playing.possible import energy_warning, why_not_ask, why_not_end, why_not_go
 from ui.model.playing.state import HuntMemory, ParticipantMemory
 from ui.model.playing.words import gained, place_name, titled
@@ -24,7 +24,7 @@ def dont_know(memory: ParticipantMemory, hunt: HuntMemory) -> Action:
     refused = why_not_ask(hunt.known, robot)
     asked = isinstance(hunt.pending.destination_request(robot), RequestSuggestion)
     hint = f"{titled(robot)} suggests where to go." if refused is None else refused
-    return Action(AskAdvice(), "Don't know", key_of(AskAdvice()), refused is None and not asked, hint, asked)
+    return keyed(AskAdvice(), "Don't know", refused is None and not asked, hint, asked)
 
 
 def end(hunt: HuntMemory) -> Action:
@@ -32,7 +32,7 @@ def end(hunt: HuntMemory) -> Action:
     refused = why_not_end(hunt.known)
     asked = GiveUp(hunt.view.game) in hunt.pending
     hint = "End the game as it stands." if refused is None else refused
-    return Action(EndGame(), "End the game", key_of(EndGame()), refused is None and not asked, hint, asked)
+    return keyed(EndGame(), "End the game", refused is None and not asked, hint, asked)
 
 
 def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Mapping[int, str]) -> RoomTile:

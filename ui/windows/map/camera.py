@@ -70,14 +70,6 @@ class Camera:
         """Return the view after the map was dragged by so many pixels."""
         return replace(self, x=self.x - dx / self.scale, y=self.y + dy / self.scale)
 
-    def centred(self, x: float, y: float) -> "Camera":
-        """Return the view with this map point in its middle."""
-        return replace(self, x=x, y=y)
-
-    def resized(self, width: float, height: float) -> "Camera":
-        """Return the view with the same middle and another size."""
-        return replace(self, width=width, height=height)
-
     def snapped(self, ratio: float) -> "Camera":
         """Return the view with the map's origin on a whole device pixel, so that cached pictures shift without blur.
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -224,7 +225,7 @@ class MapView(QWidget):
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Keep the middle, or the whole floor plan."""
-        self.camera = self.camera.resized(float(max(self.width(), 1)), float(max(self.height(), 1)))
+        self.camera = replace(self.camera, width=float(max(self.width(), 1)), height=float(max(self.height(), 1)))
         if self._fitted:
             self._refit()
 
@@ -263,7 +264,7 @@ class MapView(QWidget):
             camera = self.camera
             x, y = target.x - camera.x, target.y - camera.y
             if math.hypot(x, y) * camera.scale > FOLLOW_TOLERANCE:
-                self.camera = camera.centred(camera.x + FOLLOW_SHARE * x, camera.y + FOLLOW_SHARE * y)
+                self.camera = replace(camera, x=camera.x + FOLLOW_SHARE * x, y=camera.y + FOLLOW_SHARE * y)
 
     # Pointing ---------------------------------------------------------------------------------------------------------
 

@@ -1,6 +1,6 @@
 """The participant's window."""
 
 from ui.windows.participant.pages.start import StartPage
-from ui.windows.participant.window import ParticipantModel, ParticipantWindow
+from ui.windows.participant.window import ParticipantWindow
 
-__all__ = ["ParticipantModel", "ParticipantWindow", "StartPage"]
+__all__ = ["ParticipantWindow", "StartPage"]

@@ -1,7 +1,6 @@
 """The participant's window: shows a `Screen`, returns `Act`s, and decides nothing."""
 
-from collections.abc import Callable, Sequence
-from typing import Protocol
+from collections.abc import Callable
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import (
@@ -23,7 +22,7 @@ from PySide6.QtWidgets import (
 
 from thbridge.roles.notices import FloorPlan
 from ui.model.keys import HELP
-from ui.model.scene import RobotMark, RoomMark
+from ui.model.participant import Participant
 from ui.model.screen import (
     Act,
     ChooseRobot,
@@ -59,30 +58,6 @@ ANSWER_DELAY = 0.3
 before. That holds for the next turn of the same dialogue too: the second half of a double click is no answer."""
 
 
-class ParticipantModel(Protocol):
-    """The model of the participant's window; times are monotonic seconds."""
-
-    @property
-    def floor_plan(self) -> FloorPlan | None:
-        """The floor plan, once it is known."""
-
-    @property
-    def followed(self) -> int | None:
-        """Index of the robot that is kept in the middle of the map, or None."""
-
-    def screen(self, now: float) -> Screen:
-        """Return all that is shown beside the map; the very same object while nothing has changed."""
-
-    def rooms(self, now: float) -> Sequence[RoomMark]:
-        """Return the rooms on the map."""
-
-    def robots(self, now: float) -> Sequence[RobotMark]:
-        """Return the robots on the map."""
-
-    def do(self, act: Act, now: float) -> None:
-        """Carry out an act of the participant."""
-
-
 class ParticipantWindow(QWidget):
     """The map, the robots beside it, the rooms below them; pop-ups above the map.
 
@@ -93,7 +68,7 @@ class ParticipantWindow(QWidget):
         clock: monotonic seconds.
     """
 
-    def __init__(self, model: ParticipantModel, clock: Callable[[], float], palette: Palette) -> None:
+    def __init__(self, model: Participant, clock: Callable[[], float], palette: Palette) -> None:
         super().__init__()
         self._model = model
         self._clock = clock

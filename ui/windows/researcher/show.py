@@ -5,7 +5,7 @@ import time
 
 from PySide6.QtWidgets import QApplication
 
-from ui.windows.look import Appearance, Choice
+from ui.windows.look import Appearance, Choice, colours
 from ui.windows.researcher.feeds.feed import Feed
 from ui.windows.researcher.window import ResearcherWindow
 
@@ -22,7 +22,7 @@ def show(feed: Feed, title: str, choice: Choice) -> None:
     if not isinstance(app, QApplication):
         app = QApplication(["thbridge"])
     appearance = Appearance(app, choice)
-    window = ResearcherWindow(feed, title, appearance.palette, time.monotonic)
+    window = ResearcherWindow(feed, title, colours(), time.monotonic)
     appearance.changed.connect(window.set_palette)
     window.show()
     # Without this, Ctrl-C raises an exception in whatever slot runs just then, which Qt only prints.

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QMessageBox
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.refusals import RequestRefused
-from ui.model.watching.scene import PendingTurn, RobotScene, Scene
+from ui.model.watching.scene import PendingTurn, Scene
 from ui.model.watching.tools import Tools, dragged_pose
 from ui.windows.map import MapView
 from ui.windows.researcher.docked_window import DockedWindow
@@ -164,13 +164,10 @@ class ToolController:
                 put = tools.put(scene, self._window.shape, done.x, done.y, done.size)
                 return put if hit is None or isinstance(hit, RequestRefused) else hit
 
-    def _robot(self) -> RobotScene | None:
-        robots = () if self.scene is None else self.scene.robots
-        return next((each for each in robots if each.robot == self.selected), None)
-
     def _heading(self) -> float:
         """Return the selected robot's heading: the true one when it is carried, else the estimated one."""
-        robot = self._robot()
+        robots = () if self.scene is None else self.scene.robots
+        robot = next((each for each in robots if each.robot == self.selected), None)
         if robot is None:
             return 0.0
         carried = self._window.tool is MapTool.CARRY

@@ -12,7 +12,7 @@ from sim.common.robot_numbers import number_of, robot_name
 from thbridge.roles.keeper.floor_plan import floor_plan_of
 from ui.model.scene import RobotMark
 from ui.model.theme import Palette
-from ui.model.watching.scene import RobotScene, Scene, ShownLayers
+from ui.model.watching.scene import NO_POINTS, RobotScene, Scene, ShownLayers
 from ui.model.watching.series import RobotSeries
 from ui.windows.map import MapView
 from ui.windows.researcher.docked_window import DockedWindow
@@ -30,7 +30,6 @@ FRAME = 33
 """Milliseconds from one frame of the map to the next."""
 SLOW, PLOTTED = 5, 2
 """Frames of the map to one update of the lists, and to one of the plots, which take turns."""
-NO_POINTS: FloatArray = np.empty((0, 2))
 DEFAULT_FOOTPRINT: FloatArray = 0.2 * np.array(
     [[math.cos(a), math.sin(a)] for a in np.linspace(0.0, 2.0 * math.pi, 17)[:-1]]
 )

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from PySide6.QtCore import QElapsedTimer, Qt, QTimer, Signal, SignalInstance
+from PySide6.QtCore import QElapsedTimer, QSignalBlocker, Qt, QTimer, Signal, SignalInstance
 from PySide6.QtGui import QColor, QFont, QFontDatabase, QPalette, QTextCharFormat, QTextCursor
 from PySide6.QtWidgets import (
     QHBoxLayout,
@@ -233,7 +233,6 @@ class TextPage(QWidget):
         column.addWidget(self._fault)
         column.addWidget(self.editor, 1)
         self.editor.textChanged.connect(self._typed)
-        self._showing = False
         self._newline = "\n"
 
     def show_draft(self, draft: StudyDraft) -> None:
@@ -241,10 +240,9 @@ class TextPage(QWidget):
         self._newline = "\r\n" if "\r\n" in draft.text else "\n"
         text = draft.text.replace("\r\n", "\n")
         if text != self.editor.toPlainText() and not (self.editor.hasFocus() and self.editor.document().isModified()):
-            self._showing = True
-            self.editor.setPlainText(text)
-            self.editor.document().setModified(False)
-            self._showing = False
+            with QSignalBlocker(self.editor):
+                self.editor.setPlainText(text)
+            self.mark_unmodified()
         lines = [fault.line for fault in draft.faults if fault.line is not None and fault.path == draft.path]
         self.editor.setExtraSelections([self._selection(line) for line in lines])
         told = "\n".join(
@@ -265,8 +263,7 @@ class TextPage(QWidget):
         self.editor.document().setModified(False)
 
     def _typed(self) -> None:
-        if not self._showing:
-            self.edited.emit(self.editor.toPlainText().replace("\n", self._newline))
+        self.edited.emit(self.editor.toPlainText().replace("\n", self._newline))
 
     def _selection(self, line: int) -> QTextEdit.ExtraSelection:
         selection = QTextEdit.ExtraSelection()

@@ -1,6 +1,6 @@
 """The sections of a study as a tree, each with the numbers of its written and of its wrong fields."""
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtWidgets import QTreeWidget, QTreeWidgetItem
 
 from ui.model.study_form.draft import StudyDraft
@@ -49,9 +49,8 @@ class SectionTree(QTreeWidget):
         item = self._items().get(key)
         if item is None:
             return False
-        self.blockSignals(True)
-        self.setCurrentItem(item)
-        self.blockSignals(False)
+        with QSignalBlocker(self):
+            self.setCurrentItem(item)
         return True
 
     def _fill(self, form: FormGroup, key: str) -> None:

@@ -2,10 +2,10 @@
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
-from ui.model.keys import key_of
+from ui.model.keys import keyed
 from ui.model.playing.state import EndGameEarly, HuntMemory, LeaveUndecided, ParticipantMemory, Reroute
 from ui.model.playing.words import as_sentence, counted, place_name, scored, titled
-from ui.model.screen import Action, Cancel, Confirm, Confirmation
+from ui.model.screen import Cancel, Confirm, Confirmation
 
 
 def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | None:
@@ -15,24 +15,24 @@ def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | 
             return Confirmation(
                 f"Send {robot_name(robot)} to room {room} instead?",
                 _reroute_text(memory, hunt, robot, room),
-                Action(Confirm(), f"Stop it, then room {room}", key_of(Confirm())),
-                Action(Cancel(), "Let it go on", key_of(Cancel())),
+                keyed(Confirm(), f"Stop it, then room {room}"),
+                keyed(Cancel(), "Let it go on"),
             )
         case LeaveUndecided(request, room):
             return Confirmation(
                 f"Leave what is in room {room}?",
                 f"{titled(request.robot)} has found something in room {room} that you have not named yet. Once the "
                 "robot sets out, that is left for good.",
-                Action(Confirm(), "Go on", key_of(Confirm())),
-                Action(Cancel(), "Stay there", key_of(Cancel())),
+                keyed(Confirm(), "Go on"),
+                keyed(Cancel(), "Stay there"),
             )
         case EndGameEarly():
             left = sum(room.state == "unvisited" for room in hunt.view.rooms)
             return Confirmation(
                 "End the game?",
                 as_sentence(f"{counted(left, 'room')} left to visit. The score stays {scored(hunt.view.score)}."),
-                Action(Confirm(), "End the game", key_of(Confirm())),
-                Action(Cancel(), "Play on", key_of(Cancel())),
+                keyed(Confirm(), "End the game"),
+                keyed(Cancel(), "Play on"),
             )
         case None:
             return None

@@ -4,7 +4,7 @@ from typing import Literal
 
 from sim.common.robot_numbers import robot_name
 from thbridge.roles.view import DialogueView, SelectRoom
-from ui.model.keys import choice_keys, key_of
+from ui.model.keys import choice_keys, keyed
 from ui.model.playing.history import speaker_of
 from ui.model.playing.popup_queue import DestinationItem
 from ui.model.playing.possible import energy_warning
@@ -22,7 +22,7 @@ def destination_popup(hunt: HuntMemory, item: DestinationItem) -> DialoguePopup 
     asked = hunt.pending.destination_request(item.robot)
     if asked is not None:
         about = f" about room {asked.room}" if isinstance(asked, SelectRoom) else " for its advice"
-        never_mind = Action(ShowNext(), "Never mind", key_of(ShowNext()), hint="Do not ask it.")
+        never_mind = keyed(ShowNext(), "Never mind", hint="Do not ask it.")
         sentences = _request(hunt, item.robot)
         return DialoguePopup(item.robot, f"Asking {robot_name(item.robot)}{about} …", sentences, (), never_mind)
     return None if dialogue is None else dialogue_popup(hunt, dialogue)
@@ -40,7 +40,7 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
         Action(GiveAnswer(number), text, key, enabled=answered is None, pending=number == answered)
         for number, (text, key) in enumerate(zip(dialogue.choices, choice_keys(dialogue.choices), strict=True))
     )
-    later = Action(ShowNext(), "Later", key_of(ShowNext()), hint="The robot waits for your answer.")
+    later = keyed(ShowNext(), "Later", hint="The robot waits for your answer.")
     mind = energy_warning(hunt.known, dialogue.robot, dialogue.room) if dialogue.matter == "select-room" else ""
     return DialoguePopup(dialogue.robot, dialogue_title(hunt, dialogue), tuple(sentences), choices, later, mind)
 

@@ -2,10 +2,10 @@
 
 from thbridge.hunt.events import EndReason
 from thbridge.roles.view import PlayAgain
-from ui.model.keys import key_of
+from ui.model.keys import keyed
 from ui.model.playing.state import HuntMemory
 from ui.model.playing.words import as_sentence, counted, listed, scored, verdict_words
-from ui.model.screen import Action, AnotherGame, GameOverPage
+from ui.model.screen import AnotherGame, GameOverPage
 
 _ENDS = {
     EndReason.ALL_VISITED.value: "Every room has been visited.",
@@ -31,5 +31,5 @@ def game_over_page(hunt: HuntMemory) -> GameOverPage:
         lines.append(f"Left where it was: in {listed(left)}.")
     lines += [f"Room {room}: {verdict_words(verdict.name, verdict.points)}" for room, verdict in verdicts]
     busy = PlayAgain(view.game) in hunt.pending
-    again = Action(AnotherGame(), "Play again", key_of(AnotherGame()), not busy, "With treasures hidden anew.", busy)
+    again = keyed(AnotherGame(), "Play again", not busy, "With treasures hidden anew.", busy)
     return GameOverPage(f"The game is over. Score: {scored(view.score)}", tuple(lines), again)

@@ -3,7 +3,7 @@
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.roles.view import GiveUpTreasure, OpenDialogue, RoomView
-from ui.model.keys import key_of
+from ui.model.keys import keyed
 from ui.model.playing.pictures import Pictures
 from ui.model.playing.popup_queue import TreasureItem
 from ui.model.playing.popups.dialogues import dialogue_popup
@@ -27,8 +27,8 @@ def treasure_popup(
 def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: float) -> TreasurePopup:
     view, room = hunt.view, hunt.view.room(item.room)
     picture = None if room.picture is None else pictures.of(view.game, item.room)
-    later = Action(ShowNext(), "Later", key_of(ShowNext()), hint="It waits for you.")
-    close = Action(ShowNext(), "Close", key_of(ShowNext()))
+    later = keyed(ShowNext(), "Later", hint="It waits for you.")
+    close = keyed(ShowNext(), "Close")
     return TreasurePopup(
         robot=item.robot,
         room=item.room,
@@ -77,9 +77,7 @@ def _take_picture(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> Actio
     hint = refused or f"Costs {energy_text(view.picture_cost)} of {energy_text(robot.energy)} energy."
     if refused is None and robot.energy - view.picture_cost < view.identify_cost <= robot.energy:
         hint += " Then too little is left to name what it is."
-    return Action(
-        TakeThePicture(), "Take a picture", key_of(TakeThePicture()), refused is None and not asked, hint, asked
-    )
+    return keyed(TakeThePicture(), "Take a picture", refused is None and not asked, hint, asked)
 
 
 def _name_it(hunt: HuntMemory, item: TreasureItem) -> Action:
@@ -90,7 +88,7 @@ def _name_it(hunt: HuntMemory, item: TreasureItem) -> Action:
     if refused is None and picked is None:
         refused = "Pick a name from the list first." if view.names else "Wait until it is known what it may be called."
     cost = f"Costs {energy_text(view.identify_cost)} energy. A right name wins points, a wrong one loses some."
-    return Action(SubmitName(), "Name it", key_of(SubmitName()), refused is None and not busy, refused or cost, busy)
+    return keyed(SubmitName(), "Name it", refused is None and not busy, refused or cost, busy)
 
 
 def _leave(hunt: HuntMemory, item: TreasureItem) -> Action:
@@ -98,11 +96,5 @@ def _leave(hunt: HuntMemory, item: TreasureItem) -> Action:
     possible = is_allowed(hunt.known, GiveUpTreasure(item.room))
     silent = why_not_work(hunt.known, item.robot)
     hint = "For good; it costs nothing." if possible else "This is decided."
-    return Action(
-        LeaveTreasure(),
-        "Leave it",
-        key_of(LeaveTreasure()),
-        possible and not busy,
-        f"{silent} {hint}" if silent else hint,
-        busy,
-    )
+    told = f"{silent} {hint}" if silent else hint
+    return keyed(LeaveTreasure(), "Leave it", possible and not busy, told, busy)

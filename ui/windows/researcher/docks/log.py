@@ -4,7 +4,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from PySide6.QtCore import QModelIndex, Qt, Signal
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QColor, QGuiApplication, QKeySequence, QShortcut
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QTableView, QVBoxLayout, QWidget
 
@@ -163,7 +163,7 @@ class LogView(QWidget):
         self.table.horizontalHeader().setStretchLastSection(True)
         for column in range(1 + len(columns)):
             self.table.setColumnWidth(column, self.fontMetrics().averageCharWidth() * (12 if column else 9))
-        self.table.activated.connect(self._activated)
+        self.table.activated.connect(lambda index: self.chosen.emit(self.model.row(index.row()).time))
         self.table.verticalScrollBar().valueChanged.connect(self._scrolled)
         copy = QShortcut(QKeySequence(QKeySequence.StandardKey.Copy), self.table)
         copy.setContext(Qt.ShortcutContext.WidgetShortcut)
@@ -228,9 +228,5 @@ class LogView(QWidget):
         if self._scrolls or self.model.last_past < 0:
             return
         place = self.table.visualRect(self.model.index(self.model.last_past, 0))
-        self._follows.blockSignals(True)
-        self._follows.setChecked(self.table.viewport().rect().intersects(place))
-        self._follows.blockSignals(False)
-
-    def _activated(self, index: QModelIndex) -> None:
-        self.chosen.emit(self.model.row(index.row()).time)
+        with QSignalBlocker(self._follows):
+            self._follows.setChecked(self.table.viewport().rect().intersects(place))

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtCore import QPointF, QRectF, QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFontDatabase, QMouseEvent, QPaintEvent, QPen
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSlider, QStyle, QStyleOptionSlider, QToolButton, QWidget
 
@@ -130,7 +130,6 @@ class PlaybackBar(QWidget):
         super().__init__()
         self._live = live
         self._playing = False
-        self._shows = False
         self.play = _button("▶  Play", "", "Play or pause (Space)", self.play_toggled.emit)
         self.play.setMinimumWidth(self.fontMetrics().averageCharWidth() * 14)
         self.back = _button("◀|", "One step back", "One step back (,)", lambda: self.stepped.emit(-1))
@@ -142,7 +141,7 @@ class PlaybackBar(QWidget):
         self.speed.setCurrentIndex(SPEEDS.index(1.0))
         self.speed.activated.connect(lambda number: self.speed_chosen.emit(SPEEDS[number]))
         self.timeline = Timeline()
-        self.timeline.valueChanged.connect(self._moved)
+        self.timeline.valueChanged.connect(lambda value: self.seek.emit(value / 1000.0))
         self.time = QLabel("0:00.00")
         self.time.setAccessibleDescription("Time shown")
         self.time.setFont(QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont))
@@ -161,9 +160,8 @@ class PlaybackBar(QWidget):
 
     def show_span(self, seconds: float, marks: Sequence[TimelineMark]) -> None:
         """Show the length in seconds, and these marks."""
-        self._shows = True
-        self.timeline.setRange(0, round(seconds * 1000.0))
-        self._shows = False
+        with QSignalBlocker(self.timeline):
+            self.timeline.setRange(0, round(seconds * 1000.0))
         self.timeline.set_marks(marks)
 
     def show_time(self, now: float) -> None:
@@ -171,9 +169,8 @@ class PlaybackBar(QWidget):
         end = self.timeline.maximum() / 1000.0
         self.time.setText(clock(now) if self._live else f"{clock(now)} / {clock(end)}")
         if not self.timeline.isSliderDown():
-            self._shows = True
-            self.timeline.setValue(round(now * 1000.0))
-            self._shows = False
+            with QSignalBlocker(self.timeline):
+                self.timeline.setValue(round(now * 1000.0))
 
     def show_playing(self, playing: bool) -> None:
         """Show that it plays or that it is paused."""
@@ -189,10 +186,6 @@ class PlaybackBar(QWidget):
     def show_state(self, text: str) -> None:
         """Show in words the source and its state."""
         self.state.setText(text)
-
-    def _moved(self, value: int) -> None:
-        if not self._shows:
-            self.seek.emit(value / 1000.0)
 
 
 def _button(text: str, name: str, hint: str, do: Callable[[], None]) -> QToolButton:

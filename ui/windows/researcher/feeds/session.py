@@ -112,10 +112,7 @@ class SessionFeed:
         """Time of the latest message."""
         return (self._source.end_ns - self._source.start_ns) / 1e9
 
-    @property
-    def span(self) -> float:
-        """Length of the session since it is watched."""
-        return self.time
+    span = time
 
     @property
     def playing(self) -> bool:

@@ -21,9 +21,7 @@ class ThingLayer:
     """A layer of obstacles, standing or moving."""
 
     z = Z_FLAT
-
-    def __init__(self) -> None:
-        self._outlines: tuple[tuple[str, FloatArray], ...] = ()
+    _outlines: tuple[tuple[str, FloatArray], ...] = ()
 
     def show(self, outlines: tuple[tuple[str, FloatArray], ...]) -> None:
         """Show obstacles: their names and (n, 2) corners."""
@@ -49,11 +47,12 @@ class PathLayer:
         style: of the line.
     """
 
+    z = Z_FLAT
+    _points = NO_POINTS
+
     def __init__(self, robot: int, style: Qt.PenStyle) -> None:
-        self.z = Z_FLAT
         self._robot = robot
         self._style = style
-        self._points: FloatArray = NO_POINTS
 
     def show(self, points: FloatArray) -> None:
         """Show a path of (n, 2) points."""
@@ -71,9 +70,7 @@ class ParticleLayer:
     """A layer of the selected robot's particles, above its body, which is often wider than they are spread."""
 
     z = Z_ABOVE
-
-    def __init__(self) -> None:
-        self._points: FloatArray = NO_POINTS
+    _points = NO_POINTS
 
     def show(self, points: FloatArray) -> None:
         """Show (n, 2) particles."""
