@@ -9,7 +9,6 @@ from pytestqt.qtbot import QtBot
 
 from tests.bench.budget import Budgets, cpu_seconds
 from tests.ui.windows.researcher.docks.test_log import rows
-from ui.model.theme import LIGHT
 from ui.windows.researcher.docks.log import MAX_ROWS, LogView
 
 pytestmark = pytest.mark.bench
@@ -19,7 +18,7 @@ TIMES = 5
 
 def full(qtbot: QtBot) -> LogView:
     """A list that has room for one row more."""
-    log = LogView("Dialogue", ("Who", "What"), LIGHT)
+    log = LogView("Dialogue", ("Who", "What"))
     qtbot.addWidget(log)
     log.resize(500, 300)
     log.show()

@@ -81,7 +81,7 @@ def test_frames_of_robots(qtbot: QtBot, office: Map, budgets: Budgets, size: tup
 @pytest.mark.parametrize("size", SIZES)
 def test_frames_with_clouds(qtbot: QtBot, office: Map, budgets: Budgets, size: tuple[int, int]) -> None:
     view, robots = opened(qtbot, office, *size), busy_robots(office, 10)
-    clouds = [PointLayer(mark.robot) for mark in robots]
+    clouds = [PointLayer(mark.robot, -1, 2.0) for mark in robots]
     for cloud in clouds:
         view.add_layer(cloud)
     scattered = RNG.normal(scale=0.3, size=(PARTICLES, 2))

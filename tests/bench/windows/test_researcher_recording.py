@@ -55,7 +55,7 @@ def test_gaps_of_the_event_loop(tmp_path: Path, budgets: Budgets, qtbot: QtBot) 
     judge("playing 3 s at 10 x of", began)
     began = clocks()
     for share in range(20):
-        window.playback.seek.emit(window.playback.span * share / 20.0)
+        window.playback.seek.emit(window.playback.timeline.maximum() / 1000.0 * share / 20.0)
         qtbot.wait(50)
     judge("seeking 20 times in", began)
     window.close()
