@@ -2,10 +2,20 @@
 
 import hashlib
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
 
-from numba import config, njit
+from numba import config
 from numba.extending import register_jitable
+
+if TYPE_CHECKING:
+    F = TypeVar("F")
+
+    def njit(*, cache: bool, nogil: bool = False) -> Callable[[F], F]:
+        """Compile a function; its type stays what it is."""
+else:
+    from numba import njit
 
 from sim.common.geometry import wrap_angle
 

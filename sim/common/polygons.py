@@ -89,7 +89,7 @@ def _inside(x: float, y: float, polygon: FloatArray) -> bool:
 
 
 @njit(cache=True)
-def _point_to_edge(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
+def point_to_edge(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
     """Squared distance from a point to the line segment a-b."""
     ex = bx - ax
     ey = by - ay
@@ -107,7 +107,7 @@ def _near_point(x: float, y: float, polygon: FloatArray, margin: float) -> bool:
     """Return True when a point lies in a polygon or within `margin` of it."""
     last = polygon.shape[0] - 1
     for k in range(polygon.shape[0]):
-        edge = _point_to_edge(x, y, polygon[last, 0], polygon[last, 1], polygon[k, 0], polygon[k, 1])
+        edge = point_to_edge(x, y, polygon[last, 0], polygon[last, 1], polygon[k, 0], polygon[k, 1])
         if edge <= margin * margin:
             return True
         last = k
@@ -115,7 +115,7 @@ def _near_point(x: float, y: float, polygon: FloatArray, margin: float) -> bool:
 
 
 @njit(cache=True)
-def _side(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> float:
+def side(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> float:
     """Positive where the point lies left of a-b."""
     return (bx - ax) * (y - ay) - (by - ay) * (x - ax)
 
@@ -130,12 +130,12 @@ def within_margin(a: FloatArray, b: FloatArray, margin: float) -> bool:
         j = b.shape[0] - 1
         for m in range(b.shape[0]):
             cx, cy, dx, dy = b[j, 0], b[j, 1], b[m, 0], b[m, 1]
-            apart_cd = (_side(ax, ay, bx, by, cx, cy) > 0.0) != (_side(ax, ay, bx, by, dx, dy) > 0.0)
-            apart_ab = (_side(cx, cy, dx, dy, ax, ay) > 0.0) != (_side(cx, cy, dx, dy, bx, by) > 0.0)
+            apart_cd = (side(ax, ay, bx, by, cx, cy) > 0.0) != (side(ax, ay, bx, by, dx, dy) > 0.0)
+            apart_ab = (side(cx, cy, dx, dy, ax, ay) > 0.0) != (side(cx, cy, dx, dy, bx, by) > 0.0)
             if apart_cd and apart_ab:
                 return True
             # Edges that do not cross are nearest at an end of one of them; every corner ends some edge.
-            if _point_to_edge(bx, by, cx, cy, dx, dy) <= limit or _point_to_edge(dx, dy, ax, ay, bx, by) <= limit:
+            if point_to_edge(bx, by, cx, cy, dx, dy) <= limit or point_to_edge(dx, dy, ax, ay, bx, by) <= limit:
                 return True
             j = m
         i = k

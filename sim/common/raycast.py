@@ -67,7 +67,7 @@ def free_squares_of(grid: OccupancyGrid) -> FreeSquares:
 
     Read-only: a map never changes, and all who cast beams through it share one table.
     """
-    squares: FreeSquares = _free_squares(grid.cells)
+    squares = _free_squares(grid.cells)
     squares.setflags(write=False)
     return squares
 
@@ -219,6 +219,16 @@ def cast_beams(
 
 
 @njit(cache=True)
+def _circle(polygon: FloatArray) -> tuple[float, float, float]:
+    """Centre (x, y) and radius of a circle around all corners."""
+    x, y = polygon[:, 0].mean(), polygon[:, 1].mean()
+    radius = 0.0
+    for k in range(polygon.shape[0]):
+        radius = max(radius, math.hypot(polygon[k, 0] - x, polygon[k, 1] - y))
+    return x, y, radius
+
+
+@njit(cache=True)
 def shorten_by_polygon(polygon: FloatArray, directions: FloatArray, max_range: float, ranges: FloatArray) -> None:
     """Shorten those of a sensor's ranges that a polygon cuts off.
 
@@ -229,11 +239,7 @@ def shorten_by_polygon(polygon: FloatArray, directions: FloatArray, max_range: f
         ranges: (m,) metres, changed in place. A sensor inside the polygon sees its outline from within.
     """
     corners = polygon.shape[0]
-    centre_x = polygon[:, 0].mean()
-    centre_y = polygon[:, 1].mean()
-    radius = 0.0
-    for k in range(corners):
-        radius = max(radius, math.hypot(polygon[k, 0] - centre_x, polygon[k, 1] - centre_y))
+    centre_x, centre_y, radius = _circle(polygon)
     if math.hypot(centre_x, centre_y) > max_range + radius:
         return
     for j in range(directions.shape[0]):
@@ -273,11 +279,7 @@ class BeamFan(NamedTuple):
 def shorten_fan_by_polygon(polygon: FloatArray, fan: BeamFan, max_range: float, ranges: FloatArray) -> None:
     """Do the same as `shorten_by_polygon`, but look only at the beams that may meet the polygon."""
     beams = fan.directions.shape[0]
-    centre_x = polygon[:, 0].mean()
-    centre_y = polygon[:, 1].mean()
-    radius = 0.0
-    for k in range(polygon.shape[0]):
-        radius = max(radius, math.hypot(polygon[k, 0] - centre_x, polygon[k, 1] - centre_y))
+    centre_x, centre_y, radius = _circle(polygon)
     away = math.hypot(centre_x, centre_y)
     # From nearer by, beams that lead away from its centre may meet it too.
     if away < 2.0 * radius:

@@ -48,6 +48,7 @@ class Costmap2D:
         footprint: (n, 2) padded corners, base frame, metres.
         inscribed_radius: that of the padded footprint, metres.
         circumscribed_radius: the same.
+        obstacles: what the laser has seen.
     """
 
     def __init__(self, parameters: CostmapParameters, body: FloatArray, grid: OccupancyGrid) -> None:
@@ -70,7 +71,7 @@ class Costmap2D:
                 int(parameters.height / grid.resolution + 1e-9),
                 int(parameters.width / grid.resolution + 1e-9),
             )
-        self._obstacles = ObstacleLayer(
+        self.obstacles = ObstacleLayer(
             parameters.obstacle_layer,
             grid,
             self.footprint,
@@ -83,7 +84,7 @@ class Costmap2D:
         inflation = InflationLayer(parameters.inflation_layer, grid.resolution, self.inscribed_radius)
         layers: tuple[tuple[CostmapLayer, bool], ...] = (
             (static, parameters.static_layer.enabled),
-            (self._obstacles, parameters.obstacle_layer.enabled),
+            (self.obstacles, parameters.obstacle_layer.enabled),
             (self._robots, parameters.robots_layer.enabled),
             (inflation, parameters.inflation_layer.enabled),
         )
@@ -98,14 +99,14 @@ class Costmap2D:
         """Go on with these parameters and the marks made so far; the costs are up to date at once."""
         if replace(parameters, publish_frequency=self._parameters.publish_frequency) == self._parameters:
             return
-        seen, window = self._obstacles, self._layered.window
+        seen, window = self.obstacles, self._layered.window
         middle = (window.row + window.row_end) // 2, (window.col + window.col_end) // 2
         self._build(parameters)
         if self._shape is not None:
             rows, cols = self._shape
             self._layered.origin = (middle[0] - rows // 2, middle[1] - cols // 2)
-            self._obstacles.roll(self._layered.origin)
-        self._obstacles.take_over(seen)
+            self.obstacles.roll(self._layered.origin)
+        self.obstacles.take_over(seen)
         self._layered.write((self._layered.window,))
 
     @property
@@ -117,11 +118,6 @@ class Costmap2D:
     def frame(self) -> CostFrame:
         """Place of the costs in the map."""
         return self._layered.frame
-
-    @property
-    def marks(self) -> Costs:
-        """(rows, cols) obstacles that the laser has seen: LETHAL where something stands."""
-        return self._obstacles.marks
 
     def observe(self, base_in_map: Pose2, scan: Scan, discs: FloatArray) -> None:
         """Take in a scan: it marks at once, and clears as often as the costmap is to be updated.
@@ -135,29 +131,11 @@ class Costmap2D:
         clears = not 0 < scan.tick - self._cleared < self._clear_ticks
         if clears:
             self._cleared = scan.tick
-        self._obstacles.observe(base_in_map, scan, discs, clears)
-
-    @property
-    def explained_range(self) -> float:
-        """Metres from the laser beyond which no disc explains a reading that would mark."""
-        return self._obstacles.explained_range
+        self.obstacles.observe(base_in_map, scan, discs, clears)
 
     def update_neighbours(self, neighbours: Sequence[Neighbour]) -> None:
         """Take in the last broadcasts of the other robots."""
         self._robots.update_neighbours(neighbours)
-
-    def clear(self) -> None:
-        """Forget what the laser has seen (move_base's clear_costmap_recovery)."""
-        self._obstacles.clear()
-
-    def clear_outside(self, x: float, y: float, side: float) -> None:
-        """Forget what the laser has seen outside a square of this side around a map point."""
-        self._obstacles.clear_outside(x, y, side)
-
-    @property
-    def any_marks(self) -> bool:
-        """True when the laser has seen anything that stands."""
-        return self._obstacles.any_marks
 
     def update(self, x: float, y: float) -> tuple[Window, ...]:
         """Bring the costs up to date for a robot at this map point.
@@ -174,9 +152,9 @@ class Costmap2D:
 
     def without_observations(self) -> Costs:
         """(rows, cols) costs as they would be if, besides, the laser had seen nothing."""
-        blank = self._obstacles.copied()
+        blank = self.obstacles.copied()
         blank.clear()
-        layers = [blank if layer is self._obstacles else layer for layer in self._layers]
+        layers = [blank if layer is self.obstacles else layer for layer in self._layers]
         return self._composed([layer for layer in layers if layer is not self._robots])
 
     def _composed(self, layers: Sequence[CostmapLayer]) -> Costs:
@@ -199,8 +177,8 @@ class Costmap2D:
             (rows, cols) and its frame.
         """
         robots = RobotsLayer(self._parameters.robots_layer, self._grid)
-        obstacles = self._obstacles.copied()
-        instead: dict[CostmapLayer, CostmapLayer] = {self._robots: robots, self._obstacles: obstacles}
+        obstacles = self.obstacles.copied()
+        instead: dict[CostmapLayer, CostmapLayer] = {self._robots: robots, self.obstacles: obstacles}
         layers = [instead.get(layer, layer) for layer in self._layers]
         updated = self._empty(layers)
         updated.roll(x, y)
@@ -213,7 +191,7 @@ class Costmap2D:
 
     def _roll(self, x: float, y: float) -> None:
         self._layered.roll(x, y)
-        self._obstacles.roll(self._layered.origin)
+        self.obstacles.roll(self._layered.origin)
 
 
 def _corners(parameters: CostmapParameters, body: FloatArray) -> FloatArray:

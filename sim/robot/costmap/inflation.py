@@ -113,13 +113,16 @@ class InflationLayer:
         parameters: costmap_2d's.
         resolution: side of a cell, metres.
         inscribed_radius: that of the padded footprint, metres.
+
+    Attributes:
+        reach: the inflation radius, in cells.
     """
 
     def __init__(self, parameters: InflationParameters, resolution: float, inscribed_radius: float) -> None:
         # Whole cells, rounded up: the last of them may lie a little farther away than the radius.
-        self._reach = math.ceil(parameters.inflation_radius / resolution)
+        self.reach = math.ceil(parameters.inflation_radius / resolution)
         self._inflate_unknown = parameters.inflate_unknown
-        distances = np.sqrt(np.arange(self._reach**2 + 1)) * resolution
+        distances = np.sqrt(np.arange(self.reach**2 + 1)) * resolution
         self._table: Costs = np.array(
             [cost_at(distance, inscribed_radius, parameters.cost_scaling_factor) for distance in distances],
             dtype=np.uint8,
@@ -129,13 +132,9 @@ class InflationLayer:
         """None of its own: it only follows the changes of the layers before it."""
         return ()
 
-    def reach(self) -> int:
-        """The inflation radius, in cells."""
-        return self._reach
-
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
         """Raise the costs around lethal cells in and near the window; unknown cells mostly stay unknown."""
-        if self._reach == 0:
+        if self.reach == 0:
             return
         row, col = origin
         _inflate(

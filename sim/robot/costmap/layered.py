@@ -20,13 +20,16 @@ from sim.robot.costmap.costs import FREE, UNKNOWN, CostFrame, Costs, Window
 
 
 class CostmapLayer(Protocol):
-    """One source of costs. Windows are in cells of the static map, also outside of it."""
+    """One source of costs. Windows are in cells of the static map, also outside of it.
+
+    Attributes:
+        reach: cells beyond another layer's change within which its own costs may change too.
+    """
+
+    reach: int
 
     def bounds(self) -> tuple[Window, ...]:
         """Return the windows in which its costs differ from the last time it was asked."""
-
-    def reach(self) -> int:
-        """Return the number of cells beyond another layer's change within which its own costs may change too."""
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
         """Write its costs into a window; writing twice leaves the same as writing once.
@@ -102,7 +105,7 @@ class LayeredCostmap:
         self._resolution = grid.resolution
         self._layers = tuple(layers)
         self._rolling = shape is not None
-        self._reach = max((layer.reach() for layer in self._layers), default=0)
+        self._reach = max((layer.reach for layer in self._layers), default=0)
         self._default = UNKNOWN if track_unknown_space else FREE
         self.origin = (0, 0)
         self.costs: Costs = np.full(shape or grid.cells.shape, self._default, dtype=np.uint8)

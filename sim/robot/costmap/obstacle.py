@@ -252,7 +252,12 @@ class ObstacleLayer:
         track_unknown_space: that of the costmap, which counts where the layer's own is not given.
         shape: rows and columns of a rolling costmap; None covers the map.
         explained_by_walls: True when the costmap shows the map's walls, so that readings near them need no mark.
+
+    Attributes:
+        marks: (rows, cols): LETHAL where something stands, FREE where nothing does, else UNKNOWN.
     """
+
+    reach = 0
 
     def __init__(
         self,
@@ -273,28 +278,23 @@ class ObstacleLayer:
             self._wall_distance = np.empty((0, 0), np.float32)
         own = parameters.track_unknown_space
         self._default = UNKNOWN if (track_unknown_space if own is None else own) else FREE
-        self._marks: Costs = np.full(shape or grid.cells.shape, self._default, dtype=np.uint8)
+        self.marks: Costs = np.full(shape or grid.cells.shape, self._default, dtype=np.uint8)
         self._origin = (0, 0)
         self._changes = Changes()
         self._may_stand = False
 
     @property
-    def marks(self) -> Costs:
-        """(rows, cols): LETHAL where something stands, FREE where nothing does, else UNKNOWN."""
-        return self._marks
-
-    @property
     def any_marks(self) -> bool:
         """True when anything stands."""
         # Only marking sets `_may_stand`; that the last mark is cleared is found out here, when asked.
-        self._may_stand = self._may_stand and bool((self._marks == LETHAL).any())
+        self._may_stand = self._may_stand and bool((self.marks == LETHAL).any())
         return self._may_stand
 
     @property
     def window(self) -> Window:
         """The cells of the static map that the marks lie on."""
         row, col = self._origin
-        return Window(row, col, row + self._marks.shape[0], col + self._marks.shape[1])
+        return Window(row, col, row + self.marks.shape[0], col + self.marks.shape[1])
 
     @property
     def explained_range(self) -> float:
@@ -306,12 +306,12 @@ class ObstacleLayer:
         """Move along with a rolling costmap, to begin at this cell of the static map; what leaves is forgotten."""
         if origin == self._origin:
             return
-        moved: Costs = np.full_like(self._marks, self._default)
+        moved: Costs = np.full_like(self.marks, self._default)
         row, col = origin
         kept = self.window.clipped(Window(row, col, row + moved.shape[0], col + moved.shape[1]))
         if not kept.empty:
-            kept.of(moved, origin)[:] = kept.of(self._marks, self._origin)
-        self._marks, self._origin = moved, origin
+            kept.of(moved, origin)[:] = kept.of(self.marks, self._origin)
+        self.marks, self._origin = moved, origin
 
     def observe(self, base_in_map: Pose2, scan: Scan, discs: FloatArray, clears: bool = True) -> None:
         """Take in a scan: every source clears, then every source marks, then the robot's own place is cleared.
@@ -338,21 +338,21 @@ class ObstacleLayer:
             mount.range_max,
         )
         known = KnownObstacles(self._parameters.explained_distance, self._wall_distance, row, col, discs)
-        changed = np.array([*self._marks.shape, -1, -1], dtype=np.int64)
+        changed = np.array([*self.marks.shape, -1, -1], dtype=np.int64)
         for source in self._parameters.observation_sources:
             if source.clearing and clears:
                 farthest = mount.range_max if source.inf_is_valid else 0.0
                 reach = self._raytrace_range(source)
-                _clear_along_beams(self._marks, frame, sweep, farthest, reach, changed)
+                _clear_along_beams(self.marks, frame, sweep, farthest, reach, changed)
                 if self._parameters.clear_between_beams and self.any_marks:
-                    _clear_between_beams(self._marks, frame, sweep, farthest, reach, changed)
+                    _clear_between_beams(self.marks, frame, sweep, farthest, reach, changed)
         for source in self._parameters.observation_sources:
             if source.marking:
-                marked = _mark(self._marks, frame, sweep, self._obstacle_range(source), known, changed)
+                marked = _mark(self.marks, frame, sweep, self._obstacle_range(source), known, changed)
                 self._may_stand = self._may_stand or bool(marked)
         if self._parameters.footprint_clearing_enabled:
             place = base_in_map
-            _clear_footprint(self._marks, frame, self._footprint, place.x, place.y, place.theta, changed)
+            _clear_footprint(self.marks, frame, self._footprint, place.x, place.y, place.theta, changed)
         if changed[2] > changed[0]:
             first, left, end, right = changed.tolist()
             self._changes.add(Window(first + row, left + col, end + row, right + col))
@@ -366,19 +366,19 @@ class ObstacleLayer:
     def copied(self) -> "ObstacleLayer":
         """Return a copy with marks of its own."""
         other = copy.copy(self)
-        other._marks, other._changes = self._marks.copy(), Changes()
+        other.marks, other._changes = self.marks.copy(), Changes()
         return other
 
     def take_over(self, other: "ObstacleLayer") -> None:
         """Take over the marks of another layer, as far as both lie on the same cells."""
         common = self.window.clipped(other.window)
         if not common.empty:
-            common.of(self._marks, self._origin)[:] = common.of(other._marks, other._origin)
+            common.of(self.marks, self._origin)[:] = common.of(other.marks, other._origin)
             self._may_stand = other._may_stand
 
     def clear(self) -> None:
         """Forget everything seen (move_base's clear_costmap_recovery)."""
-        self._marks[:] = self._default
+        self.marks[:] = self._default
         self._changes.add(self.window)
 
     def clear_outside(self, x: float, y: float, side: float) -> None:
@@ -390,18 +390,14 @@ class ObstacleLayer:
             math.floor((x - self._grid.origin.x + half) / self._grid.resolution) for half in (-side / 2, side / 2)
         )
         inside = Window(low, left, high + 1, right + 1).clipped(self.window)
-        kept = None if inside.empty else inside.of(self._marks, self._origin).copy()
+        kept = None if inside.empty else inside.of(self.marks, self._origin).copy()
         self.clear()
         if kept is not None:
-            inside.of(self._marks, self._origin)[:] = kept
+            inside.of(self.marks, self._origin)[:] = kept
 
     def bounds(self) -> tuple[Window, ...]:
         """Return the windows that were marked or cleared since the last time."""
         return self._changes.take()
-
-    def reach(self) -> int:
-        """Zero: changes of other layers do not matter to it."""
-        return 0
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
         """Combine the marks with the costs of the layers before, by `combination_method`."""
@@ -415,7 +411,7 @@ class ObstacleLayer:
             costs,
             inside.row - origin[0],
             inside.col - origin[1],
-            self._marks,
+            self.marks,
             inside.row - self._origin[0],
             inside.col - self._origin[1],
             inside.row_end - inside.row,

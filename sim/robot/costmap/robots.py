@@ -102,6 +102,8 @@ class RobotsLayer:
         grid: the map.
     """
 
+    reach = 0
+
     def __init__(self, parameters: RobotsParameters, grid: OccupancyGrid) -> None:
         self._parameters = parameters
         self._frame = CostFrame(grid.origin.x, grid.origin.y, grid.resolution)
@@ -169,10 +171,6 @@ class RobotsLayer:
     def bounds(self) -> tuple[Window, ...]:
         """Return the windows that robots came into or left."""
         return self._changes.take()
-
-    def reach(self) -> int:
-        """Zero: changes of other layers do not matter to it."""
-        return 0
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
         """Write LETHAL under every footprint, and at least `path_cost` along paths."""

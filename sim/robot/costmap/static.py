@@ -38,6 +38,8 @@ class StaticLayer:
         grid: the map.
     """
 
+    reach = 0
+
     def __init__(self, parameters: StaticParameters, grid: OccupancyGrid) -> None:
         self._costs = _costs_of(parameters, grid)
         self._use_maximum = parameters.use_maximum
@@ -47,10 +49,6 @@ class StaticLayer:
     def bounds(self) -> tuple[Window, ...]:
         """Return the whole map once, then nothing."""
         return self._changes.take()
-
-    def reach(self) -> int:
-        """Zero: changes of other layers do not matter to it."""
-        return 0
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
         """Write the map's costs where there is map; with use_maximum they only raise what other layers wrote."""

@@ -141,7 +141,7 @@ class ItineraryPlanner:
 
     def _refusal(self, refused: PlanRefusal, start: Pose2, goal: Pose2) -> PlanRefusal:
         """Return the refusal itself, unless the map alone has a path: then an obstacle that was seen is the cause."""
-        if not self.costmap.any_marks:
+        if not self.costmap.obstacles.any_marks:
             return refused
         bare = self._planner.plan(self._walls, self._frame, start, goal)
         if isinstance(bare, PlanRefusal):
@@ -151,7 +151,8 @@ class ItineraryPlanner:
     def obstructed(self, points: FloatArray) -> bool:
         """Return True when an obstacle that was seen lies on (m, 2) points of a path."""
         radius = self.costmap.inscribed_radius - self._frame.resolution
-        return self.costmap.any_marks and bool(_touched(points, self.costmap.marks, self._frame, radius))
+        seen = self.costmap.obstacles
+        return seen.any_marks and bool(_touched(points, seen.marks, self._frame, radius))
 
     def refuge(self, start: Pose2, wanted_path: FloatArray, time: float, others: OtherItineraries) -> Itinerary | None:
         """Plan an itinerary to a place off another robot's path; None when there is none.
@@ -188,7 +189,7 @@ class ItineraryPlanner:
 
     def _free_space(self) -> tuple[BoolArray, Costs]:
         """Return a mask of coarse cells free of walls and obstacles, and the costs without the other robots."""
-        if not self.costmap.any_marks:
+        if not self.costmap.obstacles.any_marks:
             return self._roadmap.free, self._walls
         walls = self.costmap.without_robots()
         near = walls[self._cells[:, 0], self._cells[:, 1]].reshape(self._roadmap.free.shape)

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.kernels import njit
 from sim.common.observations import Neighbour
+from sim.common.polygons import placed_at, point_to_edge, side
 from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
 from sim.robot.costmap.footprint_cost import circumscribed_radius
 
@@ -56,17 +57,6 @@ class Surroundings(NamedTuple):
 
 
 @njit(cache=True)
-def _to_segment(px: float, py: float, ax: float, ay: float, bx: float, by: float) -> float:
-    """Squared distance of a point from a segment."""
-    dx, dy = bx - ax, by - ay
-    length = dx * dx + dy * dy
-    share = ((px - ax) * dx + (py - ay) * dy) / length if length > 0.0 else 0.0
-    share = min(1.0, max(0.0, share))
-    ex, ey = px - ax - share * dx, py - ay - share * dy
-    return ex * ex + ey * ey
-
-
-@njit(cache=True)
 def _inside(x: float, y: float, polygon: FloatArray) -> bool:
     """Return True when a point lies in a polygon (even-odd rule)."""
     inside = False
@@ -97,27 +87,13 @@ def gap(a: FloatArray, b: FloatArray) -> float:
         ax, ay, bx, by = a[i_last, 0], a[i_last, 1], a[i, 0], a[i, 1]
         for j in range(b.shape[0]):
             cx, cy, dx, dy = b[j_last, 0], b[j_last, 1], b[j, 0], b[j, 1]
-            side_c = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
-            side_d = (bx - ax) * (dy - ay) - (by - ay) * (dx - ax)
-            side_a = (dx - cx) * (ay - cy) - (dy - cy) * (ax - cx)
-            side_b = (dx - cx) * (by - cy) - (dy - cy) * (bx - cx)
-            if side_c * side_d < 0.0 and side_a * side_b < 0.0:
+            apart_cd = side(ax, ay, bx, by, cx, cy) * side(ax, ay, bx, by, dx, dy) < 0.0
+            if apart_cd and side(cx, cy, dx, dy, ax, ay) * side(cx, cy, dx, dy, bx, by) < 0.0:
                 return 0.0
-            nearest = min(nearest, _to_segment(bx, by, cx, cy, dx, dy), _to_segment(dx, dy, ax, ay, bx, by))
+            nearest = min(nearest, point_to_edge(bx, by, cx, cy, dx, dy), point_to_edge(dx, dy, ax, ay, bx, by))
             j_last = j
         i_last = i
     return math.sqrt(nearest)
-
-
-@njit(cache=True)
-def placed(polygon: FloatArray, x: float, y: float, theta: float) -> FloatArray:
-    """(n, 2) corners of a polygon in the map when its frame is at (x, y, theta)."""
-    c, s = math.cos(theta), math.sin(theta)
-    out = np.empty_like(polygon)
-    for i in range(polygon.shape[0]):
-        out[i, 0] = x + c * polygon[i, 0] - s * polygon[i, 1]
-        out[i, 1] = y + s * polygon[i, 0] + c * polygon[i, 1]
-    return out
 
 
 @njit(cache=True)
@@ -233,7 +209,7 @@ def _bodies(states: FloatArray, footprints: FloatArray, acc_lim_x: float, hold: 
             time = 0.5 * part * coast
             turned = theta + w * time
             middle = theta + 0.5 * w * time
-            out[3 * k + part] = placed(
+            out[3 * k + part] = placed_at(
                 footprints[k], x + v * time * math.cos(middle), y + v * time * math.sin(middle), turned
             )
     return out
@@ -290,7 +266,7 @@ def surroundings(
     )
     footprints = np.array([_fitted(other.footprint, len(footprint)) for other in near])
     bodies = _bodies(states, footprints, acc_lim_x, hold)
-    return Surroundings(clearance, frame, bodies, _gaps(placed(footprint, x, y, theta), bodies))
+    return Surroundings(clearance, frame, bodies, _gaps(placed_at(footprint, x, y, theta), bodies))
 
 
 def _fitted(footprint: FloatArray, corners: int) -> FloatArray:
@@ -326,9 +302,7 @@ def safe(
     # wall. These millimetres add up from command to command, but only until 3 cm are left.
     room = max(min(WALL_MARGIN, room) - 0.003, min(0.03, room))
     poses = stopping_poses(x, y, theta, v, w, wanted_v, wanted_w, hold, acc_lim_x, acc_lim_theta)
-    radius = 0.0
-    for i in range(footprint.shape[0]):
-        radius = max(radius, math.hypot(footprint[i, 0], footprint[i, 1]))
+    radius = circumscribed_radius(footprint)
     for k in range(poses.shape[0]):
         px, py, turned = poses[k]
         if wall_clearance(around.clearance, around.frame, outline, px, py, turned) < room:
@@ -349,9 +323,9 @@ def safe(
             # The whole footprint lies within `radius` of the base: the distance of the base settles most cases.
             closest = np.inf
             for i in range(body.shape[0]):
-                closest = min(closest, _to_segment(px, py, body[i - 1, 0], body[i - 1, 1], body[i, 0], body[i, 1]))
+                closest = min(closest, point_to_edge(px, py, body[i - 1, 0], body[i - 1, 1], body[i, 0], body[i, 1]))
             if math.sqrt(closest) - radius >= needed:
                 continue
-            if gap(placed(footprint, px, py, turned), body) < needed:
+            if gap(placed_at(footprint, px, py, turned), body) < needed:
                 return False
     return True

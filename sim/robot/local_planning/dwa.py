@@ -24,7 +24,7 @@ from sim.common.kernels import njit
 from sim.parameters import DwaPlannerParameters, InflationParameters
 from sim.robot.costmap.costs import CostFrame, Costs
 from sim.robot.local_planning.braking import Surroundings
-from sim.robot.local_planning.local_planner import PlannerLimits, SampledPlanner
+from sim.robot.local_planning.local_planner import LocalPlanner, PlannerLimits
 from sim.robot.local_planning.map_grid import MapGrids, cells_along, index_of, map_grids, spread, survey
 from sim.robot.local_planning.rollout import (
     MotionState,
@@ -169,8 +169,7 @@ def _best(
         left = grid.nose[nose] if grid.nose[nose] >= 0 else lost
         out.scores[i] += critics.path * grid.path[end] + critics.alignment * off
         out.scores[i] += critics.goal * (grid.goal[end] + left)
-    v, w, found = best_safe_command(costs, frame, out, n, around, body, now, samples.sim_time, samples.at_once)
-    return v, w, found
+    return best_safe_command(costs, frame, out, n, around, body, now, samples.sim_time, samples.at_once)
 
 
 def _spaced(low: float, high: float, samples: int) -> FloatArray:
@@ -187,40 +186,33 @@ class _OscillationCritic:
     Args:
         reset_dist: metres after which it may.
         reset_angle: or radians.
+
+    Attributes:
+        only: the signs that v and w must have; 0 for either.
     """
 
     def __init__(self, reset_dist: float, reset_angle: float) -> None:
         self._reset_dist = reset_dist
         self._reset_angle = reset_angle
         self._last = [0.0, 0.0]
-        self._only = [0.0, 0.0]
+        self.only = [0.0, 0.0]
         self._since = MotionState(0.0, 0.0, 0.0, 0.0, 0.0)
-
-    @property
-    def only_v(self) -> float:
-        """The sign that v must have; 0 for either."""
-        return self._only[0]
-
-    @property
-    def only_w(self) -> float:
-        """The sign that w must have; 0 for either."""
-        return self._only[1]
 
     def took(self, now: MotionState, v: float, w: float, least_v: float) -> None:
         """Take note of the command that the robot was given."""
         for axis, speed in enumerate((v, w if abs(v) <= least_v else 0.0)):
             sign = math.copysign(1.0, speed) if speed else 0.0
             if sign and sign == -self._last[axis]:
-                self._only[axis] = sign
+                self.only[axis] = sign
                 self._since = now
             self._last[axis] = sign or self._last[axis]
         moved = math.hypot(now.x - self._since.x, now.y - self._since.y)
         turned = abs(math.remainder(now.theta - self._since.theta, math.tau))
-        if any(self._only) and (moved > self._reset_dist or turned > self._reset_angle):
-            self._last, self._only = [0.0, 0.0], [0.0, 0.0]
+        if any(self.only) and (moved > self._reset_dist or turned > self._reset_angle):
+            self._last, self.only = [0.0, 0.0], [0.0, 0.0]
 
 
-class DwaPlanner(SampledPlanner):
+class DwaPlanner(LocalPlanner):
     """The dynamic window approach for one robot.
 
     Args:
@@ -300,6 +292,7 @@ class DwaPlanner(SampledPlanner):
 
     def _samples(self, now: MotionState, greatest_v: float, stalled: bool) -> _Samples:
         wanted = self._parameters
+        only_v, only_w = self._oscillation.only
         reach = self._body.period if wanted.use_dwa else wanted.sim_time
         fastest = min(wanted.max_vel_x, wanted.max_vel_trans, max(greatest_v, wanted.min_vel_trans))
         highest_v = min(fastest, max(now.v, 0.0) + wanted.acc_lim_x * reach)
@@ -314,8 +307,8 @@ class DwaPlanner(SampledPlanner):
             wanted.min_vel_trans,
             # Slower than any rate: nothing is tried that stays where it is.
             math.inf if stalled else wanted.min_vel_theta,
-            self._oscillation.only_v,
-            self._oscillation.only_w,
+            only_v,
+            only_w,
             wanted.use_dwa,
             wanted.sim_time,
             wanted.sim_granularity,

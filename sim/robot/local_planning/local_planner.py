@@ -1,4 +1,4 @@
-"""Local planner: the interface that the navigator drives by, and all that planners share but the search itself.
+"""Local planner: what the navigator drives by, all of it but the search itself.
 
 A robot that faces away from its path turns in place before it sets out; one that nothing leads on backs up; every
 command leaves room to stop (`sim.robot.local_planning.braking`).
@@ -7,7 +7,6 @@ command leaves room to stop (`sim.robot.local_planning.braking`).
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
 
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.kernels import njit
@@ -94,73 +93,26 @@ def _toward(path: FloatArray, x: float, y: float, lookahead: float) -> tuple[flo
     return heading, math.hypot(path[last, 0] - x, path[last, 1] - y)
 
 
-class LocalPlanner(Protocol):
-    """Chooses commands for one robot, each of which leaves room to stop."""
+class LocalPlanner(ABC):
+    """Chooses commands for one robot, each of which leaves room to stop.
 
-    @property
-    def limits(self) -> PlannerLimits:
-        """The parameters that others need."""
-        ...
-
-    def reset(self) -> None:
-        """Forget the path that was followed."""
-        ...
-
-    def turn_first(self) -> None:
-        """Turn to the path before setting out again."""
-        ...
-
-    def safe(self, pose: Pose2, twist: Twist, command: Twist, around: Surroundings) -> bool:
-        """Return True when a command leaves room to stop."""
-        ...
-
-    def turn(self, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> PlannedCommand:
-        """Turn in place toward a heading, the other way round if something is near; slower as it gets there."""
-        ...
-
-    def escape(self, pose: Pose2, twist: Twist, around: Surroundings) -> PlannedCommand:
-        """Drive slowly backwards, in an arc if need be, or where there is no room behind forwards, if that is safe."""
-        ...
-
-    def follow(
-        self,
-        pose: Pose2,
-        twist: Twist,
-        costs: Costs,
-        frame: CostFrame,
-        path: FloatArray,
-        slow_down: float,
-        around: Surroundings,
-    ) -> PlannedCommand:
-        """Choose the command that leads along a path.
-
-        Args:
-            pose: pose of the base in the map.
-            twist: its velocity.
-            costs: (cells, cells) the local costmap.
-            frame: its place in the map.
-            path: (m, 2) map points from the robot on, within the costmap; it leads to the last one.
-            slow_down: seconds left to reach the last point at the present speed, at least.
-            around: walls and neighbours that the robot may hit.
-        """
-        ...
-
-
-class SampledPlanner(ABC):
-    """A local planner that rolls out sampled commands; subclasses say which, and how they are scored.
+    Commands are sampled and rolled out; subclasses say which, and how they are scored.
 
     Args:
         limits: from its parameters.
         footprint: (n, 2) padded corners, base frame.
         inflation: the costmap's.
         period: seconds from one command to the next.
+
+    Attributes:
+        limits: the parameters that others need.
     """
 
     def __init__(
         self, limits: PlannerLimits, footprint: FloatArray, inflation: InflationParameters, period: float
     ) -> None:
         inscribed, circumscribed = radii(footprint)
-        self._limits = limits
+        self.limits = limits
         self._body = RobotBody(
             footprint,
             pad(footprint, COMFORT),
@@ -176,25 +128,20 @@ class SampledPlanner(ABC):
         )
         self.reset()
 
-    @property
-    def limits(self) -> PlannerLimits:
-        """The parameters that others need."""
-        return self._limits
-
     def reset(self) -> None:
         """Forget the path that was followed."""
         self._turning = False
         self._side = 0.0
         self._turned_at: Pose2 | None = None
         self._barred: tuple[float, ...] = ()
-        self._escape_speed = self._limits.escape_vel
+        self._escape_speed = self.limits.escape_vel
         self._mark: Pose2 | None = None
         self._stalled_for = 0.0
 
     def turn_first(self) -> None:
         """Turn to the path before setting out again."""
         self._turning = True
-        self._escape_speed = self._limits.escape_vel
+        self._escape_speed = self.limits.escape_vel
 
     def safe(self, pose: Pose2, twist: Twist, command: Twist, around: Surroundings) -> bool:
         """Return True when a command leaves room to stop."""
@@ -204,7 +151,7 @@ class SampledPlanner(ABC):
         """Turn in place toward a heading, the other way round if something is near; slower as it gets there."""
         if abs(twist.linear) > 0.1:
             return PlannedCommand(STANDSTILL, self._preview(pose, twist, STANDSTILL), False)
-        limits = self._limits
+        limits = self.limits
         difference = wrap_angle(heading - pose.theta)
         speed = min(limits.max_vel_theta, max(limits.min_in_place_vel_theta, abs(difference)))
         if self._turned_at is None or self._turned_at.distance(pose) > limits.oscillation_reset_dist:
@@ -246,13 +193,23 @@ class SampledPlanner(ABC):
         slow_down: float,
         around: Surroundings,
     ) -> PlannedCommand:
-        """Choose the command that leads along a path; see LocalPlanner."""
-        heading, to_end = _toward(path, pose.x, pose.y, self._limits.heading_lookahead)
+        """Choose the command that leads along a path.
+
+        Args:
+            pose: pose of the base in the map.
+            twist: its velocity.
+            costs: (cells, cells) the local costmap.
+            frame: its place in the map.
+            path: (m, 2) map points from the robot on, within the costmap; it leads to the last one.
+            slow_down: seconds left to reach the last point at the present speed, at least.
+            around: walls and neighbours that the robot may hit.
+        """
+        heading, to_end = _toward(path, pose.x, pose.y, self.limits.heading_lookahead)
         off = abs(wrap_angle(heading - pose.theta))
         self._turning = off > (TURNED if self._turning else TURN_IN_PLACE)
         if self._turning:
             return self.turn(pose, twist, heading, around)
-        if self._turned_at is not None and self._turned_at.distance(pose) > self._limits.oscillation_reset_dist:
+        if self._turned_at is not None and self._turned_at.distance(pose) > self.limits.oscillation_reset_dist:
             self._side, self._turned_at = 0.0, None
         greatest = to_end / slow_down
         stalled = self._is_stalled(pose)
@@ -295,10 +252,10 @@ class SampledPlanner(ABC):
         return stalled
 
     def _preview(self, pose: Pose2, twist: Twist, command: Twist) -> FloatArray:
-        time, granularity = self._limits.sim_time, self._limits.sim_granularity
+        time, granularity = self.limits.sim_time, self.limits.sim_granularity
         # A turn of the body is as long as the path of its farthest corner.
         arc = abs(command.linear) + abs(command.angular) * self._body.circumscribed
-        poses: FloatArray = rollout(
+        return rollout(
             _motion(pose, twist),
             command.linear,
             command.angular,
@@ -306,7 +263,6 @@ class SampledPlanner(ABC):
             time,
             max(1, round(arc * time / granularity)),
         )
-        return poses
 
 
 def _motion(pose: Pose2, twist: Twist) -> MotionState:

@@ -196,11 +196,10 @@ def comfortable(costs: Costs, frame: CostFrame, body: RobotBody, poses: FloatArr
 @njit(cache=True)
 def command_safe(around: Surroundings, body: RobotBody, now: MotionState, wanted_v: float, wanted_w: float) -> bool:
     """Return True when a command leaves room to stop (`sim.robot.local_planning.braking.safe`)."""
-    result: bool = safe(
+    return safe(
         around, body.footprint, body.outline, now.x, now.y, now.theta, now.v, now.w, wanted_v, wanted_w, body.hold,
         body.acc_lim_x, body.acc_lim_theta,
     )  # fmt: skip
-    return result
 
 
 class CandidateCommands(NamedTuple):

@@ -17,7 +17,7 @@ from sim.common.kernels import njit
 from sim.parameters import InflationParameters, TrajectoryPlannerParameters
 from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
 from sim.robot.local_planning.braking import Surroundings
-from sim.robot.local_planning.local_planner import PlannerLimits, SampledPlanner
+from sim.robot.local_planning.local_planner import LocalPlanner, PlannerLimits
 from sim.robot.local_planning.map_grid import MapGrids, cells_along, index_of, map_grids, spread, survey
 from sim.robot.local_planning.rollout import (
     MotionState,
@@ -147,11 +147,10 @@ def _best(
             out.scores[i] += weights.path * grid.path[cells[i]] + weights.goal * grid.goal[cells[i]]
         if by_time:
             out.scores[i] += HEADING_SCALE * _heading_off(costs, frame, path, x, y, theta)
-    v, w, found = best_safe_command(costs, frame, out, n, around, body, now, samples.sim_time, False)
-    return v, w, found
+    return best_safe_command(costs, frame, out, n, around, body, now, samples.sim_time, False)
 
 
-class TrajectoryPlanner(SampledPlanner):
+class TrajectoryPlanner(LocalPlanner):
     """Trajectory rollout for one robot.
 
     Args:
@@ -228,5 +227,4 @@ class TrajectoryPlanner(SampledPlanner):
             wanted.heading_scoring_timestep if wanted.heading_scoring else -1.0,
             wanted.simple_attractor,
         )
-        v, w, found = _best(costs, frame, self._grids, path, around, self._body, now, samples, weights)
-        return v, w, found
+        return _best(costs, frame, self._grids, path, around, self._body, now, samples, weights)

@@ -135,6 +135,9 @@ class Amcl:
     """A particle filter over (x, y, theta) that weighs scans against the map; see `Localizer`.
 
     Before the first `start` it believes to be where its parameters say, as amcl does: at the map's origin by default.
+
+    Attributes:
+        state: everything the next estimate depends on, besides the arguments of `update`.
     """
 
     def __init__(
@@ -162,7 +165,7 @@ class Amcl:
         self._recovery_noise = NoiseStream.named(seed, robot, "amcl", "recovery")
         pose = Pose2(parameters.initial_pose_x, parameters.initial_pose_y, wrap_angle(parameters.initial_pose_a))
         variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
-        self._state: AmclState = PosePrior(pose, read_only(np.diag(variances)))
+        self.state: AmclState = PosePrior(pose, read_only(np.diag(variances)))
 
     def _use(self, parameters: AmclParameters) -> None:
         """Make the models that these parameters ask for."""
@@ -188,27 +191,18 @@ class Amcl:
         )
         self._motion = MotionModel(parameters.odom_model_type, alphas)
 
-    @property
-    def state(self) -> AmclState:
-        """Everything the next estimate depends on, besides the arguments of `update`."""
-        return self._state
-
-    def restore(self, state: AmclState) -> None:
-        """Go on from a state that `state` once gave."""
-        self._state = state
-
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
         """Begin anew around this pose, at the next tick; the first scan from then on is weighed at once."""
-        self._state = PosePrior(base_in_map, read_only(covariance.copy()))
+        self.state = PosePrior(base_in_map, read_only(covariance.copy()))
 
     def globalize(self) -> None:
         """Begin anew at the next tick, uniformly over the free cells and all headings."""
-        self._state = UniformPrior()
+        self.state = UniformPrior()
 
     def request_update(self) -> None:
         """Weigh the next scan even if the robot has not moved; the first scan after a start is weighed anyway."""
-        if isinstance(self._state, ParticleBelief):
-            self._state = replace(self._state, requested=True)
+        if isinstance(self.state, ParticleBelief):
+            self.state = replace(self.state, requested=True)
 
     def configure(self, parameters: RobotParameters) -> None:
         """Go on with these parameters; a smaller cloud is drawn with the next generation.
@@ -220,14 +214,14 @@ class Amcl:
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Take in one tick; a scan is weighed when the robot has moved enough since the last one that was."""
-        belief = self._state
+        belief = self.state
         if isinstance(belief, PosePrior):
-            belief = self._state = self._scatter(belief, odometry)
+            belief = self.state = self._scatter(belief, odometry)
         elif isinstance(belief, UniformPrior):
-            belief = self._state = self._scatter_everywhere(odometry)
+            belief = self.state = self._scatter_everywhere(odometry)
         updated = scan is not None and self._due(belief, odometry)
         if scan is not None and updated:
-            belief = self._state = self._weigh(belief, odometry, scan)
+            belief = self.state = self._weigh(belief, odometry, scan)
         return Estimate(
             tick=odometry.tick,
             base_in_map=belief.odom_in_map.compose(odometry.base_in_odom),

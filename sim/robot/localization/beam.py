@@ -92,7 +92,7 @@ class BeamModel:
             greatest range and not as impossible; too short readings are left out.
         """
         p = self.parameters
-        sums: FloatArray = _sums(
+        return _sums(
             self.expected(particles),
             ranges,
             self.beams.range_max,
@@ -103,7 +103,6 @@ class BeamModel:
             p.laser_sigma_hit,
             p.laser_lambda_short,
         )
-        return sums
 
     def agreement(self, base_in_map: Pose2, ranges: FloatArray) -> float | None:
         """Share of (m,) ranges that the map explains from one place, 0..1; None where no beam met anything.

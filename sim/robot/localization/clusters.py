@@ -133,8 +133,7 @@ def _cluster(corners: NDArray[np.int64], slots: NDArray[np.int64]) -> NDArray[np
 
 def cluster_bins(bins: ParticleBins) -> NDArray[np.int64]:
     """(k,) the cluster of each bin, numbered from 0: connected components of touching bins."""
-    labels: NDArray[np.int64] = _cluster(bins.corners, bins.slots)
-    return labels
+    return _cluster(bins.corners, bins.slots)
 
 
 @njit(cache=True)

@@ -83,23 +83,6 @@ class GaussianBelief:
         return self.refused >= _LOST_AFTER
 
 
-@dataclass(frozen=True, slots=True)
-class EkfState:
-    """All that the filter remembers between two ticks.
-
-    Attributes:
-        belief: believed pose of the robot.
-        turned: radians that the gyroscope has counted since the last prediction.
-        requested: True when the next scan is to be matched in any case.
-        forgotten: True when it was told to forget where it is, and has neither found nor been told it since.
-    """
-
-    belief: PosePrior | GaussianBelief
-    turned: float
-    requested: bool
-    forgotten: bool
-
-
 def _anywhere(grid: OccupancyGrid) -> FloatArray:
     """(3, 3) covariance of a pose that may be anywhere on the map: uniform over its extent and all headings."""
     rows, cols = grid.cells.shape
@@ -154,25 +137,15 @@ class Ekf:
         self._algebra.B = np.eye(3)
         variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
         self._belief: PosePrior | GaussianBelief = PosePrior(Pose2(0.0, 0.0, 0.0), read_only(np.diag(variances)))
-        self._turned = 0.0
+        self._turned = 0.0  # radians that the gyroscope has counted since the last prediction
         self._requested = False
-        self._forgotten = False
+        self._forgotten = False  # told to forget where it is, and has neither found nor been told it since
         self._anywhere = read_only(_anywhere(grid))
         self._particles = np.empty((0, 3))
 
     def _use(self, parameters: EkfParameters) -> None:
         self._parameters = parameters
         self._beams = Beams.of(self._mount, parameters.laser_max_beams, parameters.laser_max_range)
-
-    @property
-    def state(self) -> EkfState:
-        """Everything the next estimate depends on, besides the arguments of `update`."""
-        return EkfState(self._belief, self._turned, self._requested, self._forgotten)
-
-    def restore(self, state: EkfState) -> None:
-        """Go on from a state that `state` once gave."""
-        self._belief, self._turned = state.belief, state.turned
-        self._requested, self._forgotten = state.requested, state.forgotten
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
         """Begin anew around this pose, at the next tick; the first scan from then on is weighed at once."""

@@ -161,10 +161,7 @@ class Beams:
         NaN, infinite, too short (at most `range_min`) and too long (`range_max` and more) readings are left out.
         """
         laser = self.mount.laser_in_base
-        points: FloatArray = _end_points(
-            scan.ranges, self.indices, self.directions, laser.x, laser.y, self.range_min, self.range_max
-        )
-        return points
+        return _end_points(scan.ranges, self.indices, self.directions, laser.x, laser.y, self.range_min, self.range_max)
 
     def ranges(self, scan: Scan) -> FloatArray:
         """(m,) metres along every beam; `range_max` where it saw nothing, NaN where it is lost or too short."""
@@ -237,8 +234,7 @@ class LikelihoodField:
 
         Source: Probabilistic Robotics, table 6.3. Differs: ROS 1 amcl adds cubes, `1 + sum(p^3)`.
         """
-        sums: FloatArray = _sum_over_points(self.table, self.frame, self.outside, self.laser, particles, points)
-        return sums
+        return _sum_over_points(self.table, self.frame, self.outside, self.laser, particles, points)
 
     def explained(
         self, particles: FloatArray, points: FloatArray, distance: float, threshold: float, error_threshold: float

@@ -105,19 +105,6 @@ def diff_spread(moved: DiffIncrement, alphas: Alphas, corrected: bool) -> DiffSp
 
 
 @njit(cache=True)
-def _move(particles: FloatArray, moved: DiffIncrement, spread: DiffSpread, noise: FloatArray) -> FloatArray:
-    out = np.empty_like(particles)
-    for i in range(particles.shape[0]):
-        rot1 = moved.rot1 - spread.rot1 * noise[3 * i]
-        trans = moved.trans - spread.trans * noise[3 * i + 1]
-        rot2 = moved.rot2 - spread.rot2 * noise[3 * i + 2]
-        heading = particles[i, 2] + rot1
-        out[i, 0] = particles[i, 0] + trans * math.cos(heading)
-        out[i, 1] = particles[i, 1] + trans * math.sin(heading)
-        out[i, 2] = wrap_angle(heading + rot2)
-    return out
-
-
 def diff_move(particles: FloatArray, moved: DiffIncrement, spread: DiffSpread, noise: FloatArray) -> FloatArray:
     """Particles after a movement, each with an error of its own.
 
@@ -132,8 +119,16 @@ def diff_move(particles: FloatArray, moved: DiffIncrement, spread: DiffSpread, n
 
     Source: Probabilistic Robotics, table 5.6, lines 5 to 11.
     """
-    moved_particles: FloatArray = _move(particles, moved, spread, noise)
-    return moved_particles
+    out = np.empty_like(particles)
+    for i in range(particles.shape[0]):
+        rot1 = moved.rot1 - spread.rot1 * noise[3 * i]
+        trans = moved.trans - spread.trans * noise[3 * i + 1]
+        rot2 = moved.rot2 - spread.rot2 * noise[3 * i + 2]
+        heading = particles[i, 2] + rot1
+        out[i, 0] = particles[i, 0] + trans * math.cos(heading)
+        out[i, 1] = particles[i, 1] + trans * math.sin(heading)
+        out[i, 2] = wrap_angle(heading + rot2)
+    return out
 
 
 def omni_increment(before: Pose2, after: Pose2) -> OmniIncrement:
@@ -217,5 +212,4 @@ class MotionModel:
         slid_doubt = slid_doubt._replace(
             trans=max(slid_doubt.trans, straight * slid.trans), rot=max(slid_doubt.rot, turning * abs(slid.rot))
         )
-        followed: FloatArray = _slide(particles, slid, slid_doubt, noise)
-        return followed
+        return _slide(particles, slid, slid_doubt, noise)

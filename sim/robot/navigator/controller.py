@@ -50,7 +50,7 @@ class Controller:
 
     def __init__(self, parameters: RobotParameters, static: OccupancyGrid, costmaps: Costmaps, robot: int) -> None:
         self.costmap = costmaps.local_costmap
-        self._seen = costmaps.global_costmap
+        self._whole = costmaps.global_costmap
         self._clearance = clearance_field(static)
         self._frame = CostFrame(static.origin.x, static.origin.y, static.resolution)
         self._robot = robot
@@ -114,8 +114,9 @@ class Controller:
     def surroundings(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Surroundings:
         """Return the walls, obstacles seen and neighbours that the robot may hit."""
         clearance, frame = self._clearance, self._frame
-        if self._seen.any_marks:
-            clearance, frame = beside_obstacles(clearance, self._seen.marks, frame, pose.x, pose.y)
+        seen = self._whole.obstacles
+        if seen.any_marks:
+            clearance, frame = beside_obstacles(clearance, seen.marks, frame, pose.x, pose.y)
         hold = self.control_ticks * TICK + LATENCY
         return surroundings(
             clearance, frame, self.costmap.footprint, pose, neighbours, self.planner.limits.acc_lim_x, hold

@@ -93,17 +93,17 @@ class Costmaps:
     @property
     def explained_range(self) -> float:
         """Metres from the laser beyond which no robot's body explains a reading that would mark."""
-        return max(self.global_costmap.explained_range, self.local_costmap.explained_range)
+        return max(self.global_costmap.obstacles.explained_range, self.local_costmap.obstacles.explained_range)
 
     def clear(self) -> None:
         """Forget what the laser has seen."""
-        self.global_costmap.clear()
-        self.local_costmap.clear()
+        self.global_costmap.obstacles.clear()
+        self.local_costmap.obstacles.clear()
 
     def clear_outside(self, x: float, y: float, side: float) -> None:
         """Forget what the laser has seen outside a square of this side around a map point."""
-        self.global_costmap.clear_outside(x, y, side)
-        self.local_costmap.clear_outside(x, y, side)
+        self.global_costmap.obstacles.clear_outside(x, y, side)
+        self.local_costmap.obstacles.clear_outside(x, y, side)
 
     def shown(
         self, tick: int, pose: Pose2, stale: StaleNeighbours, pending: CostmapObservation | None

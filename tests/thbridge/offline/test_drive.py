@@ -6,8 +6,9 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
+from sim.common.polygons import placed_at
 from sim.parameters import RobotParameters, WorldParameters
-from sim.robot.local_planning.braking import gap, placed
+from sim.robot.local_planning.braking import gap
 from sim.world.physics import Misplaced
 from thbridge.files.map_files import read_map
 from thbridge.offline.drive import DriveResult, DriveTask, _to_squares, drive
@@ -91,7 +92,7 @@ def test_clearance_is_that_of_the_outline_from_the_sides_of_cells() -> None:
     for _ in range(50):
         centres, half = rng.uniform(-1.0, 1.0, (6, 2)), 0.025
         centres += 0.6 * np.sign(centres)
-        at = placed(body, *rng.uniform(-0.2, 0.2, 2), rng.uniform(-3.0, 3.0))
+        at = placed_at(body, *rng.uniform(-0.2, 0.2, 2), rng.uniform(-3.0, 3.0))
         squares = centres[:, np.newaxis] + half * np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)])
         assert _to_squares(at, centres, half) == pytest.approx(min(gap(at, square) for square in squares))
 

@@ -112,7 +112,7 @@ def test_a_costmap_configured_anew_is_as_if_it_had_always_been_so(standard, chan
     other = seeing(new)
     assert np.array_equal(costmap.costs, other.costs)
     assert costmap.frame == other.frame
-    assert costmap.any_marks
+    assert costmap.obstacles.any_marks
     costmap.update(1.2, 2.0)
     other.update(1.2, 2.0)
     assert np.array_equal(costmap.costs, other.costs)
@@ -130,12 +130,12 @@ def test_a_layer_switched_off_and_on_again_has_forgotten_nothing():
 
 def test_what_an_update_would_make_of_a_costmap_is_what_it_makes():
     costmap = seeing(HUNT.local_costmap)
-    before, marks = costmap.costs.copy(), costmap.marks.copy()
+    before, marks = costmap.costs.copy(), costmap.obstacles.marks.copy()
     look = CostmapObservation(Pose2(1.1, 1.8, 0.1), Scan(25, MOUNT, np.array([0.6], np.float32)), np.empty((0, 3)))
     others = [neighbour(Pose2(0.4, 2.9, -1.0))]
     costs, frame = costmap.as_updated(1.1, 1.8, others, look)
     assert np.array_equal(costmap.costs, before)
-    assert np.array_equal(costmap.marks, marks)
+    assert np.array_equal(costmap.obstacles.marks, marks)
     assert not np.array_equal(costs, before)
     costmap.observe(*look)
     costmap.update_neighbours(others)

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Neighbour, Twist
+from sim.common.polygons import placed_at
 from sim.parameters import WorldParameters
 from sim.robot.costmap.costs import CostFrame
 from sim.robot.costmap.footprint import outline
@@ -15,7 +16,6 @@ from sim.robot.local_planning.braking import (
     TURNING_MARGIN,
     WALL_MARGIN,
     gap,
-    placed,
     safe,
     stopping_poses,
     surroundings,
@@ -45,7 +45,7 @@ def is_safe(pose, twist, command, others=(), clearance=OPEN):
 @settings(deadline=None)
 @given(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5), angles)
 def test_the_gap_is_the_least_distance_of_any_two_points(x, y, theta):
-    moved = placed(STUDY, x, y, theta)
+    moved = placed_at(STUDY, x, y, theta)
     ours, theirs = outline(STUDY, 0.02), outline(moved, 0.02)
     sampled = np.hypot(ours[:, None, 0] - theirs[None, :, 0], ours[:, None, 1] - theirs[None, :, 1]).min()
     found = gap(STUDY, moved)
@@ -101,7 +101,7 @@ def test_two_that_rush_at_each_other_never_touch(seed):
                         commands[i] = np.array(command)
                         break
         heard = [other(*poses[i], Twist(*speeds[i])) for i in range(2)]
-        assert gap(placed(STUDY, *poses[0]), placed(STUDY, *poses[1])) > 0.5 * TURNING_MARGIN
+        assert gap(placed_at(STUDY, *poses[0]), placed_at(STUDY, *poses[1])) > 0.5 * TURNING_MARGIN
 
 
 def test_a_wall_ahead_is_not_driven_into_but_along():

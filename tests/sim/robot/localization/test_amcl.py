@@ -131,7 +131,7 @@ def test_a_state_is_a_new_beginning(drive):
     state = amcl.state
     expected = run(amcl, tour.moments[500:])
     other = Amcl(PARAMETERS, tour.grid, tour.mount, 1, "robot1")
-    other.restore(state)
+    other.state = state
     assert all(same(one, two) for one, two in zip(expected, run(other, tour.moments[500:]), strict=True))
 
 

@@ -12,11 +12,12 @@ from scipy.stats import spearmanr
 from sim.common.geometry import Pose2, wrap_angle
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, TICK, LaserMount, Neighbour, Scan, Twist
+from sim.common.polygons import placed_at
 from sim.inputs import PutThing, RemoveThing, ScheduledInput, SendGoal
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.costs import LETHAL
 from sim.robot.costmap.footprint import outline
-from sim.robot.local_planning.braking import gap, placed
+from sim.robot.local_planning.braking import gap
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from sim.robot.navigator.move_base import Navigator
 from sim.robot.navigator.progress import PROGRESS_DISTANCE, PROGRESS_TIMEOUT
@@ -121,7 +122,7 @@ class Rig:
         ]
 
     def touch(self):
-        bodies = [placed(STUDY, *pose.array()) for pose in self.poses]
+        bodies = [placed_at(STUDY, *pose.array()) for pose in self.poses]
         for i, pose in enumerate(self.poses):
             rows, cols = self.grid.cells_of(pose.transform(OUTLINE)).T
             assert (self.grid.cells[rows, cols] == 0).all(), f"robot {i} touches a wall at {pose}"
