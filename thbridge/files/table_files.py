@@ -2,9 +2,10 @@
 
 import base64
 from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import pyarrow as pa
@@ -21,35 +22,34 @@ class TableFormat(StrEnum):
     PARQUET = "parquet"
 
 
-class ColumnInfo(Protocol):
-    """The description of a column."""
+@dataclass(frozen=True, slots=True)
+class Column:
+    """The description of a table's column.
 
-    @property
-    def name(self) -> str:
-        """Unique in its table."""
+    Attributes:
+        name: unique in its table.
+        kind: type of its values: "float64", "string", "float32[]", "bytes", ...
+        unit: "m", or "" where it has none or it is unknown.
+        meaning: a phrase for people; "" where it is unknown.
+        frame_column: name of the column, of this table or of its parent table, with the frame of the values; or "".
+    """
 
-    @property
-    def kind(self) -> str:
-        """Type of its values; "bytes" for binary values."""
-
-    @property
-    def unit(self) -> str:
-        """Unit of its values, or ""."""
-
-
-class ArrayColumn(Protocol):
-    """A column of arrays."""
-
-    @property
-    def lengths(self) -> NDArray[np.int64]:
-        """Length of each array."""
-
-    @property
-    def elements(self) -> "Array | list[str]":
-        """Elements of all arrays, concatenated."""
+    name: str
+    kind: str
+    unit: str = ""
+    meaning: str = ""
+    frame_column: str = ""
 
 
-Values: TypeAlias = "Array | list[str] | list[str | None] | list[bytes] | ArrayColumn"
+@dataclass(frozen=True, slots=True, eq=False)
+class ListColumn:
+    """The values of a column of arrays: the length of each, and the elements of all of them, concatenated."""
+
+    lengths: NDArray[np.int64]
+    elements: "Array | list[str]"
+
+
+Values: TypeAlias = "Array | list[str] | list[str | None] | list[bytes] | ListColumn"
 
 
 class TableFiles:
@@ -68,7 +68,7 @@ class TableFiles:
         self._csv: dict[str, csv.CSVWriter] = {}
         self._parquet: dict[str, parquet.ParquetWriter] = {}
 
-    def write(self, name: str, columns: Sequence[ColumnInfo], values: Sequence[Values]) -> None:
+    def write(self, name: str, columns: Sequence[Column], values: Sequence[Values]) -> None:
         """Append rows.
 
         Args:

@@ -23,7 +23,7 @@ class CostMatrix:
         ValueError: the rows are not such a matrix.
     """
 
-    __slots__ = ("_rows",)
+    __slots__ = ("rows",)
 
     def __init__(self, rows: tuple[tuple[float, ...], ...]) -> None:
         size = len(rows)
@@ -32,7 +32,7 @@ class CostMatrix:
         # Written as a negation so that NaN, which compares false with everything, is refused too.
         if any(not cost >= 0.0 for row in rows for cost in row):
             raise ValueError("a cost is a number that is not negative")
-        self._rows = rows
+        self.rows = rows
 
     @classmethod
     def of_map_times(cls, rows: tuple[tuple[float, ...], ...]) -> "CostMatrix":
@@ -57,11 +57,6 @@ class CostMatrix:
         return cls(tuple(tuple(math.inf if cost is None else cost for cost in row) for row in rows))
 
     @property
-    def rows(self) -> tuple[tuple[float, ...], ...]:
-        """The rows, as given."""
-        return self._rows
-
-    @property
     def rooms(self) -> tuple[Room, ...]:
         """The rooms of the matrix, without the corridor."""
         return all_rooms(len(self.rows) - 1)
@@ -72,16 +67,16 @@ class CostMatrix:
 
     def cost(self, start: Room, goal: Room) -> float:
         """Return the energy from `start` to `goal`; infinite without a move. Raises IndexError for unknown places."""
-        return self._rows[start.people][goal.people]
+        return self.rows[start.people][goal.people]
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, CostMatrix) and self._rows == other._rows
+        return isinstance(other, CostMatrix) and self.rows == other.rows
 
     def __hash__(self) -> int:
-        return hash(self._rows)
+        return hash(self.rows)
 
     def __repr__(self) -> str:
-        return f"CostMatrix({self._rows})"
+        return f"CostMatrix({self.rows})"
 
 
 def energy_text(energy: float) -> str:

@@ -19,17 +19,12 @@ class Room:
         ValueError: the number is negative.
     """
 
-    __slots__ = ("_people",)
+    __slots__ = ("people",)
 
     def __init__(self, people: int) -> None:
         if people < 0:
             raise ValueError(f"there is no room {people}: rooms count from 1, the corridor is 0")
-        self._people = people
-
-    @property
-    def people(self) -> int:
-        """The number people use, 0 is the corridor."""
-        return self._people
+        self.people = people
 
     @classmethod
     def of_people(cls, number: int) -> "Room":
@@ -56,16 +51,16 @@ class Room:
         return self.people - 1
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Room) and self._people == other._people
+        return isinstance(other, Room) and self.people == other.people
 
     def __lt__(self, other: Self) -> bool:
-        return self._people < other._people
+        return self.people < other.people
 
     def __hash__(self) -> int:
-        return hash((self._people,))
+        return hash((self.people,))
 
     def __repr__(self) -> str:
-        return f"Room({self._people})"
+        return f"Room({self.people})"
 
     def __str__(self) -> str:
         return "the corridor" if self.is_corridor else f"room {self.people}"

@@ -1,7 +1,8 @@
-"""Appending records to a file completely or not at all."""
+"""Records appended to a file completely or not at all, and folders on the disk."""
 
 import contextlib
 import os
+from pathlib import Path
 from typing import IO
 
 
@@ -29,3 +30,12 @@ def append_whole(file: IO[bytes], content: bytes, *, synced: bool) -> None:
             file.truncate(before)
             file.seek(before)
         raise
+
+
+def sync_folder(folder: Path) -> None:
+    """Force the names in a folder onto the disk."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

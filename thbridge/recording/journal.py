@@ -16,7 +16,7 @@ from thbridge.files.errors import BadFile
 from thbridge.hunt.codec import from_json, to_json
 from thbridge.hunt.events import Event, GameStarted
 from thbridge.hunt.game import GameState, apply, begin
-from thbridge.recording.append import append_whole
+from thbridge.recording.append import append_whole, sync_folder
 
 _NAME = re.compile(r"game-(\d+)\.jsonl")
 
@@ -115,7 +115,7 @@ class Journal:
             journal._lock()
             journal.append((started,))
             # The file's name is in the folder, which has to be synced as well.
-            _sync_folder(folder)
+            sync_folder(folder)
         except BaseException:
             # A journal without its first event would prevent the next game.
             journal.close()
@@ -180,14 +180,6 @@ class Journal:
                 "another program is writing this journal",
                 "stop the other server, or start a new game",
             ) from None
-
-
-def _sync_folder(folder: Path) -> None:
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
 
 
 def _not_writable(path: Path, error: OSError) -> BadFile:

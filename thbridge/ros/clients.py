@@ -3,8 +3,11 @@
 Clients are not ours: any bytes give a value or an `InvalidMessage`, whose sentence is for the client's log.
 """
 
+import functools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -12,6 +15,8 @@ from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import Twist
 from thbridge.ros.messages.cursor import FLOAT32, Cursor
 from thbridge.ros.names import MAP_FRAME, frame_name
+
+T = TypeVar("T")
 
 _GOAL_ID_LENGTH = 512
 """actionlib's goal ids consist of node, number and time; every status list repeats them."""
@@ -64,15 +69,25 @@ class PlanRequest:
     tolerance: float
 
 
-def pose_estimate(data: bytes) -> PoseEstimate | InvalidMessage:
+def _decoder(decode: Callable[[Cursor], T | InvalidMessage]) -> Callable[[bytes], T | InvalidMessage]:
+    """Make a decoder of bytes: those that are no such message give an `InvalidMessage`."""
+
+    @functools.wraps(decode)
+    def of_bytes(data: bytes) -> T | InvalidMessage:
+        try:
+            return decode(Cursor(data))
+        except ValueError as error:
+            return InvalidMessage(str(error))
+
+    return of_bytes
+
+
+@_decoder
+def pose_estimate(cursor: Cursor) -> PoseEstimate | InvalidMessage:
     """geometry_msgs/PoseWithCovarianceStamped, of `initialpose` and of robot_localization's `set_pose`."""
-    try:
-        cursor = Cursor(data)
-        _, frame = cursor.header()
-        pose = _pose_in_map(cursor, frame)
-        covariance = cursor.reals(36).reshape(6, 6)[_PLANAR]
-    except ValueError as error:
-        return InvalidMessage(str(error))
+    _, frame = cursor.header()
+    pose = _pose_in_map(cursor, frame)
+    covariance = cursor.reals(36).reshape(6, 6)[_PLANAR]
     if isinstance(pose, InvalidMessage):
         return pose
     if not is_covariance(covariance):
@@ -87,64 +102,50 @@ def is_covariance(matrix: FloatArray) -> bool:
     return bool(np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min() >= -1e-9)
 
 
-def goal_pose(data: bytes) -> Pose2 | InvalidMessage:
+@_decoder
+def goal_pose(cursor: Cursor) -> Pose2 | InvalidMessage:
     """geometry_msgs/PoseStamped."""
-    try:
-        cursor = Cursor(data)
-        _, frame = cursor.header()
-        return _pose_in_map(cursor, frame)
-    except ValueError as error:
-        return InvalidMessage(str(error))
+    _, frame = cursor.header()
+    return _pose_in_map(cursor, frame)
 
 
-def action_goal(data: bytes) -> ActionGoal | InvalidMessage:
+@_decoder
+def action_goal(cursor: Cursor) -> ActionGoal | InvalidMessage:
     """move_base_msgs/MoveBaseActionGoal."""
-    try:
-        cursor = Cursor(data)
-        cursor.header()
-        stamp_ns, goal_id = cursor.stamp(), _goal_id(cursor)
-        _, frame = cursor.header()
-        return ActionGoal(goal_id, stamp_ns, _pose_in_map(cursor, frame))
-    except ValueError as error:
-        return InvalidMessage(str(error))
+    cursor.header()
+    stamp_ns, goal_id = cursor.stamp(), _goal_id(cursor)
+    _, frame = cursor.header()
+    return ActionGoal(goal_id, stamp_ns, _pose_in_map(cursor, frame))
 
 
-def action_cancel(data: bytes) -> ActionCancel | InvalidMessage:
+@_decoder
+def action_cancel(cursor: Cursor) -> ActionCancel | InvalidMessage:
     """actionlib_msgs/GoalID."""
-    try:
-        cursor = Cursor(data)
-        stamp_ns = cursor.stamp()
-        return ActionCancel(_goal_id(cursor), stamp_ns)
-    except ValueError as error:
-        return InvalidMessage(str(error))
+    stamp_ns = cursor.stamp()
+    return ActionCancel(_goal_id(cursor), stamp_ns)
 
 
-def velocity(data: bytes) -> Twist | InvalidMessage:
+@_decoder
+def velocity(cursor: Cursor) -> Twist | InvalidMessage:
     """geometry_msgs/Twist; a robot with two wheels uses only linear x and angular z."""
-    try:
-        six = Cursor(data).reals(6)
-    except ValueError as error:
-        return InvalidMessage(str(error))
+    six = cursor.reals(6)
     if not np.isfinite(six).all():
         return InvalidMessage("it is not finite")
     return Twist(float(six[0]), float(six[5]))
 
 
-def plan_request(data: bytes) -> PlanRequest | InvalidMessage:
+@_decoder
+def plan_request(cursor: Cursor) -> PlanRequest | InvalidMessage:
     """The request of nav_msgs/GetPlan; a start without a frame means the robot's own pose, as in move_base."""
-    try:
-        cursor = Cursor(data)
-        _, start_frame = cursor.header()
-        start: Pose2 | InvalidMessage | None = None
-        if start_frame:
-            start = _pose_in_map(cursor, start_frame)
-        else:
-            cursor.spatial_pose()
-        _, goal_frame = cursor.header()
-        goal = _pose_in_map(cursor, goal_frame)
-        (tolerance,) = FLOAT32.unpack(cursor.take(FLOAT32.size))
-    except ValueError as error:
-        return InvalidMessage(str(error))
+    _, start_frame = cursor.header()
+    start: Pose2 | InvalidMessage | None = None
+    if start_frame:
+        start = _pose_in_map(cursor, start_frame)
+    else:
+        cursor.spatial_pose()
+    _, goal_frame = cursor.header()
+    goal = _pose_in_map(cursor, goal_frame)
+    (tolerance,) = FLOAT32.unpack(cursor.take(FLOAT32.size))
     if isinstance(start, InvalidMessage):
         return start
     if isinstance(goal, InvalidMessage):

@@ -55,7 +55,7 @@ class RobotPublisher:
 
     def __init__(self, robot: int, scan_period: float, planners: Planners) -> None:
         self.names = RobotNames.of(robot)
-        self.topics = RobotTopics.of(self.names, planners)
+        self.topics = RobotTopics(self.names, planners)
         self.odom, self.base_footprint = self.names.odom, self.names.base_footprint
         self._robot = robot
         self._base_laser = self.names.base_laser

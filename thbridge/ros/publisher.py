@@ -101,7 +101,7 @@ class TeamPublisher:
         team = range(robots)
         named = [Planners() for _ in team] if planners is None else planners
         self._robots = [RobotPublisher(robot, scan_period, own) for robot, own in zip(team, named, strict=True)]
-        self._vehicles = [VehicleTopics.of(RobotNames.of(robot)) for robot in team if vehicles]
+        self._vehicles = [VehicleTopics(RobotNames.of(robot)) for robot in team if vehicles]
         self._watches = [RobotDiagnostics(robot) for robot in team]
         self._bodies = NO_POLYGONS
         self._bodies_tick = 0

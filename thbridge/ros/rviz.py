@@ -46,7 +46,7 @@ def configuration(software: Sequence[RobotParameters], grid: OccupancyGrid) -> s
         grid: the map, which sets centre and scale of the view.
     """
     team = [RobotNames.of(number) for number in range(len(software))]
-    topics = [RobotTopics.of(robot, Planners.of(own)) for robot, own in zip(team, software, strict=True)]
+    topics = [RobotTopics(robot, Planners.of(own)) for robot, own in zip(team, software, strict=True)]
     groups = [_robot(robot, of, colour_of(index)) for index, (robot, of) in enumerate(zip(team, topics, strict=True))]
     whole: Section = {
         "Panels": [

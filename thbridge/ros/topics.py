@@ -85,7 +85,6 @@ class Planners:
         return cls(chosen.base_global_planner.rpartition("/")[2], chosen.base_local_planner.rpartition("/")[2])
 
 
-@dataclass(frozen=True, slots=True)
 class VehicleTopics:
     """The topics of one robot as a MAVLink vehicle, with mavros' names.
 
@@ -95,79 +94,45 @@ class VehicleTopics:
         state: its state.
     """
 
-    sent: Topic
-    received: Topic
-    state: Topic
-
-    @classmethod
-    def of(cls, robot: RobotNames) -> "VehicleTopics":
-        """The topics in a robot's namespace."""
-        return cls(
-            sent=Topic(robot.topic("mavlink/from"), types.MAVLINK),
-            received=Topic(robot.topic("mavlink/to"), types.MAVLINK),
-            state=Topic(robot.topic("mavros/state"), types.MAVROS_STATE, latched=True),
-        )
+    def __init__(self, robot: RobotNames) -> None:
+        self.sent = Topic(robot.topic("mavlink/from"), types.MAVLINK)
+        self.received = Topic(robot.topic("mavlink/to"), types.MAVLINK)
+        self.state = Topic(robot.topic("mavros/state"), types.MAVROS_STATE, latched=True)
 
     def all(self) -> tuple[Topic, ...]:
         """Every one of them."""
         return self.sent, self.received, self.state
 
 
-@dataclass(frozen=True, slots=True)
 class RobotTopics:
     """The topics of one robot."""
 
-    odom: Topic
-    base_pose_ground_truth: Topic
-    scan: Topic
-    amcl_pose: Topic
-    particlecloud: Topic
-    initialpose: Topic
-    cmd_vel: Topic
-    battery: Topic
-    simple_goal: Topic
-    goal: Topic
-    cancel: Topic
-    status: Topic
-    feedback: Topic
-    result: Topic
-    plan: Topic
-    local_plan: Topic
-    global_costmap: Topic
-    local_costmap: Topic
-    global_footprint: Topic
-    local_footprint: Topic
-
-    @classmethod
-    def of(cls, robot: RobotNames, planners: Planners) -> "RobotTopics":
-        """The topics in a robot's namespace."""
-        return cls(
-            odom=Topic(robot.topic("odom"), types.ODOMETRY),
-            base_pose_ground_truth=Topic(robot.topic("base_pose_ground_truth"), types.ODOMETRY),
-            scan=Topic(robot.topic("scan"), types.LASER_SCAN),
-            amcl_pose=Topic(robot.topic("amcl_pose"), types.POSE_WITH_COVARIANCE, latched=True),
-            particlecloud=Topic(robot.topic("particlecloud"), types.POSE_ARRAY, latched=True),
-            initialpose=Topic(robot.topic("initialpose"), types.POSE_WITH_COVARIANCE),
-            cmd_vel=Topic(robot.topic("cmd_vel"), types.TWIST),
-            battery=Topic(robot.topic("battery"), types.BATTERY_STATE),
-            simple_goal=Topic(robot.topic("move_base_simple/goal"), types.POSE_STAMPED),
-            goal=Topic(robot.topic("move_base/goal"), types.MOVE_BASE_GOAL),
-            cancel=Topic(robot.topic("move_base/cancel"), types.GOAL_ID),
-            status=Topic(robot.topic("move_base/status"), types.GOAL_STATUS_ARRAY, latched=True),
-            feedback=Topic(robot.topic("move_base/feedback"), types.MOVE_BASE_FEEDBACK),
-            result=Topic(robot.topic("move_base/result"), types.MOVE_BASE_RESULT),
-            # ROS repeats its plans; ours are latched, published only when they change, and end with an empty one.
-            plan=Topic(robot.topic(f"move_base/{planners.base_global_planner}/plan"), types.PATH, latched=True),
-            local_plan=Topic(
-                robot.topic(f"move_base/{planners.base_local_planner}/local_plan"), types.PATH, latched=True
-            ),
-            # costmap_2d sends its last costmap to every new subscriber, like a latched topic.
-            global_costmap=Topic(robot.topic("move_base/global_costmap/costmap"), types.OCCUPANCY_GRID, latched=True),
-            local_costmap=Topic(robot.topic("move_base/local_costmap/costmap"), types.OCCUPANCY_GRID, latched=True),
-            global_footprint=Topic(robot.topic("move_base/global_costmap/footprint"), types.POLYGON_STAMPED),
-            local_footprint=Topic(robot.topic("move_base/local_costmap/footprint"), types.POLYGON_STAMPED),
+    def __init__(self, robot: RobotNames, planners: Planners) -> None:
+        self.odom = Topic(robot.topic("odom"), types.ODOMETRY)
+        self.base_pose_ground_truth = Topic(robot.topic("base_pose_ground_truth"), types.ODOMETRY)
+        self.scan = Topic(robot.topic("scan"), types.LASER_SCAN)
+        self.amcl_pose = Topic(robot.topic("amcl_pose"), types.POSE_WITH_COVARIANCE, latched=True)
+        self.particlecloud = Topic(robot.topic("particlecloud"), types.POSE_ARRAY, latched=True)
+        self.initialpose = Topic(robot.topic("initialpose"), types.POSE_WITH_COVARIANCE)
+        self.cmd_vel = Topic(robot.topic("cmd_vel"), types.TWIST)
+        self.battery = Topic(robot.topic("battery"), types.BATTERY_STATE)
+        self.simple_goal = Topic(robot.topic("move_base_simple/goal"), types.POSE_STAMPED)
+        self.goal = Topic(robot.topic("move_base/goal"), types.MOVE_BASE_GOAL)
+        self.cancel = Topic(robot.topic("move_base/cancel"), types.GOAL_ID)
+        self.status = Topic(robot.topic("move_base/status"), types.GOAL_STATUS_ARRAY, latched=True)
+        self.feedback = Topic(robot.topic("move_base/feedback"), types.MOVE_BASE_FEEDBACK)
+        self.result = Topic(robot.topic("move_base/result"), types.MOVE_BASE_RESULT)
+        # ROS repeats its plans; ours are latched, published only when they change, and end with an empty one.
+        self.plan = Topic(robot.topic(f"move_base/{planners.base_global_planner}/plan"), types.PATH, latched=True)
+        self.local_plan = Topic(
+            robot.topic(f"move_base/{planners.base_local_planner}/local_plan"), types.PATH, latched=True
         )
+        # costmap_2d sends its last costmap to every new subscriber, like a latched topic.
+        self.global_costmap = Topic(robot.topic("move_base/global_costmap/costmap"), types.OCCUPANCY_GRID, latched=True)
+        self.local_costmap = Topic(robot.topic("move_base/local_costmap/costmap"), types.OCCUPANCY_GRID, latched=True)
+        self.global_footprint = Topic(robot.topic("move_base/global_costmap/footprint"), types.POLYGON_STAMPED)
+        self.local_footprint = Topic(robot.topic("move_base/local_costmap/footprint"), types.POLYGON_STAMPED)
 
     def all(self) -> tuple[Topic, ...]:
         """Every one of them."""
-        return tuple(getattr(self, name) for name in self.__slots__)
+        return tuple(vars(self).values())

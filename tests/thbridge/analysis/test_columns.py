@@ -8,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from thbridge.analysis.export.columns import Column, ListColumn, Values, fields_of
+from thbridge.analysis.export.columns import fields_of
 from thbridge.analysis.export.gathering import GatheredRows
 from thbridge.analysis.export.layout import MessageLayout, layout_of
+from thbridge.files.table_files import Column, ListColumn, Values
 from thbridge.ros.messages.types import OWN_TYPES, plain_definition
 
 FOREIGN = """\

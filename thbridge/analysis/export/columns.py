@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
-from typing import TypeAlias, assert_never
+from typing import assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ from thbridge.analysis.export.layout import (
     StringArray,
     StringField,
 )
+from thbridge.files.table_files import Column, ListColumn, Values
 
 WRAPPERS = frozenset(
     {"header", "pose", "position", "orientation", "twist", "transform", "translation", "rotation", "point", "vector"}
@@ -53,36 +54,6 @@ _SPATIAL = frozenset(
 )
 _OF_CHILD = FieldStep("nav_msgs/Odometry", "twist")
 """The only field of common types that is in the child frame and not in the header's frame."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ListColumn:
-    """A column of arrays: the length of each, and the elements of all of them, concatenated."""
-
-    lengths: NDArray[np.int64]
-    elements: "Array | list[str]"
-
-
-Values: TypeAlias = "Array | list[str] | list[str | None] | list[bytes] | ListColumn"
-
-
-@dataclass(frozen=True, slots=True)
-class Column:
-    """The description of a table's column.
-
-    Attributes:
-        name: unique in its table.
-        kind: type of its values: "float64", "string", "float32[]", "bytes", ...
-        unit: "m", or "" where it has none or it is unknown.
-        meaning: a phrase for people; "" where it is unknown.
-        frame_column: name of the column, of this table or of its parent table, with the frame of the values; or "".
-    """
-
-    name: str
-    kind: str
-    unit: str = ""
-    meaning: str = ""
-    frame_column: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thbridge.analysis.export import meanings as words
-from thbridge.analysis.export.columns import Column, ColumnReader, Values, fields_of
+from thbridge.analysis.export.columns import ColumnReader, fields_of
 from thbridge.analysis.export.gathering import GatheredRows
 from thbridge.analysis.export.layout import MessageArray, MessageLayout
+from thbridge.files.table_files import Column, Values
 from thbridge.ros.messages.types import GAME_EVENT
 
 SECONDS = Column("t_s", "float64", "s", "since the beginning of the recording, when the message was recorded")

@@ -9,7 +9,7 @@ import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Protocol, TypeGuard
+from typing import TypeGuard
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from sim.common.grid import OccupancyGrid
 from sim.common.robot_numbers import namespace_of
 from thbridge.analysis.report.tracks import PoseSeries, SeriesByTopic, deviations
 from thbridge.analysis.report.values import GoalAttempt, ObstacleTrack, Report, TimelineEntry, Track
+from thbridge.recording.bag.reader import RawMessage
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import GoalStatusCode
 from thbridge.ros.messages.session_records import GameEvent, ScoreRecord, SessionRecord, UtteranceRecord
@@ -35,31 +36,7 @@ _TF_OLD = "tf/tfMessage"
 """The older type of tf, with the same fields as tf2's."""
 
 
-class RecordedMessage(Protocol):
-    """A message of a bag."""
-
-    @property
-    def topic(self) -> str:
-        """Its topic, with a leading slash."""
-
-    @property
-    def msgtype(self) -> str:
-        """Its type, for example "nav_msgs/Odometry"."""
-
-    @property
-    def md5(self) -> str:
-        """The md5 sum of its type."""
-
-    @property
-    def stamp_ns(self) -> int:
-        """Stamp of recording, nanoseconds."""
-
-    @property
-    def data(self) -> bytes:
-        """Its bytes."""
-
-
-def read_report(messages: Iterable[RecordedMessage], grid: OccupancyGrid | None = None) -> Report:
+def read_report(messages: Iterable[RawMessage], grid: OccupancyGrid | None = None) -> Report:
     """The report of a bag's messages, oldest first; those that cannot be read are left out and listed.
 
     Args:
@@ -104,7 +81,7 @@ class _ReportBuilder:
             types.INPUT: self._input,
         }
 
-    def take(self, message: RecordedMessage) -> None:
+    def take(self, message: RawMessage) -> None:
         if self._first_ns is None:
             self._first_ns = message.stamp_ns
         self._last_ns = max(self._last_ns, message.stamp_ns)

@@ -159,7 +159,7 @@ class LiveGraph:
             self._ask(caller, request)
 
     def _subscribe_to_stations(self, robot: int, receive: Callable[[int, Frame], None]) -> None:
-        topic = VehicleTopics.of(self._robots[robot]).received
+        topic = VehicleTopics(self._robots[robot]).received
         on_message = partial(self._receive_frame, topic.name, partial(receive, robot))
         self._node.subscribe(topic.name, topic.msgtype, on_message)
 

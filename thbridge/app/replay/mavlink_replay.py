@@ -226,7 +226,7 @@ class _RecordedFrames:
         robots = {topic.name: _robot_of(topic.name) for topic in info.topics if topic.msgtype == types.MAVLINK}
         self._robots = {name: robot for name, robot in robots.items() if robot is not None}
         if not self._robots:
-            problem = f"it has no topic {VehicleTopics.of(RobotNames.of(0)).received.name} of type {types.MAVLINK}"
+            problem = f"it has no topic {VehicleTopics(RobotNames.of(0)).received.name} of type {types.MAVLINK}"
             raise BadFile(path, None, None, problem, "name a recording of robots that were MAVLink vehicles")
         self.given = self.unusable = 0
         self._start_ns = START_NS if _is_ours(info) else (info.start_ns or 0) - _LEAD

@@ -1,9 +1,9 @@
 """The files of a recording that is being written: one, or several where it is split."""
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
+from thbridge.recording.append import sync_folder
 from thbridge.recording.bag.bag_file import ChunkFile
 from thbridge.recording.bag.chunks import Chunk, ChunkBuilder
 from thbridge.recording.bag.options import Compression, SplitLimits
@@ -128,7 +128,7 @@ class SplitBagWriter:
         name = _finished(file)
         _refuse_taken(name)
         file.path.replace(name)
-        _sync_folder(name.parent)
+        sync_folder(name.parent)
         self._open.remove(file)
         file.close()
 
@@ -140,12 +140,3 @@ def _finished(file: ChunkFile) -> Path:
 def _refuse_taken(path: Path) -> None:
     if path.exists():
         raise FileExistsError(f"{path} has appeared meanwhile")
-
-
-def _sync_folder(folder: Path) -> None:
-    """Force the names in a folder onto the disk."""
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

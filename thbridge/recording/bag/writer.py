@@ -176,12 +176,7 @@ class BagWriter:
         """
         if not self._open:
             return
-        in_time = self._complete()
-        self._check_failures()
-        if not in_time:
-            raise self._stuck()
-        self._open = False
-        self._stop_queues()
+        self._complete()
 
     def __enter__(self) -> Self:
         return self
@@ -235,23 +230,23 @@ class BagWriter:
     def _piece(self, chunk: Chunk) -> QueuedChunk:
         return QueuedChunk(chunk, self._latched_before, self._period)
 
-    def _complete(self) -> bool:
-        """Have everything written. Return True when this was done, or failed, in time."""
+    def _complete(self) -> None:
+        """Have everything written. Raises BagNotWritten when that fails or takes too long."""
         self._give_chunk()
         self._writing.submit(self._parts.finish)
-        return self._writing.wait(0, CLOSE_SECONDS) and self._syncing.wait(0, CLOSE_SECONDS)
+        in_time = self._writing.wait(0, CLOSE_SECONDS) and self._syncing.wait(0, CLOSE_SECONDS)
+        self._check_failures()
+        if not in_time:
+            raise self._stuck()
+        self._open = False
+        self._stop_queues()
 
     def _check(self) -> None:
         """Raise BagNotWritten when the disk failed or is too slow."""
         self._check_failures()
         behind = max(self._writing.oldest_wait(), self._syncing.oldest_wait())
         if behind > BEHIND_SECONDS:
-            in_time = self._complete()
-            self._check_failures()
-            if not in_time:
-                raise self._stuck()
-            self._open = False
-            self._stop_queues()
+            self._complete()
             problem = f"the disk is too slow: it was {behind:.0f} s behind"
             raise BagNotWritten(self._parts.last, problem, "it holds everything up to here; record onto a faster disk")
 

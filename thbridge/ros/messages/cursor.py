@@ -1,6 +1,7 @@
 """A reader of ROS message bytes: little-endian, fields in order, a 32-bit length before strings and arrays."""
 
 from struct import Struct, error
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,13 @@ class Cursor:
     def __init__(self, data: bytes) -> None:
         self._data = data
         self._at = 0
+
+    @classmethod
+    def behind_header(cls, data: bytes) -> Self:
+        """A reader of the fields behind the header with which a message begins."""
+        cursor = cls(data)
+        cursor.header()
+        return cursor
 
     @property
     def has_more(self) -> bool:

@@ -18,7 +18,7 @@ def empty(topic: str, msgtype: str) -> StampedMessage:
 
 
 def test_all_topics_of_a_robot_of_ours_are_known() -> None:
-    ours = RobotTopics.of(RobotNames.of(1), Planners("GlobalPlanner", "DWAPlannerROS"))
+    ours = RobotTopics(RobotNames.of(1), Planners("GlobalPlanner", "DWAPlannerROS"))
     discovery = discovered(
         *(empty(topic.name, topic.msgtype) for topic in ours.all()),
         odometry(0, Pose2(0, 0, 0), ours.odom.name, "robot2/odom", "robot2/base_footprint"),

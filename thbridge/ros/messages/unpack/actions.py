@@ -28,8 +28,7 @@ class MoveBaseResult:
 
 def move_base_goal(data: bytes) -> MoveBaseGoal:
     """move_base_msgs/MoveBaseActionGoal."""
-    cursor = Cursor(data)
-    cursor.header()
+    cursor = Cursor.behind_header(data)
     cursor.stamp()
     goal_id = cursor.string()
     _, frame = cursor.header()
@@ -38,16 +37,14 @@ def move_base_goal(data: bytes) -> MoveBaseGoal:
 
 def move_base_result(data: bytes) -> MoveBaseResult:
     """move_base_msgs/MoveBaseActionResult."""
-    cursor = Cursor(data)
-    cursor.header()
+    cursor = Cursor.behind_header(data)
     cursor.stamp()
     return MoveBaseResult(cursor.string(), cursor.integer(UINT8), cursor.string())
 
 
 def goal_result(data: bytes) -> GoalStatus:
     """move_base_msgs/MoveBaseActionResult as the final status of its goal."""
-    cursor = Cursor(data)
-    cursor.header()
+    cursor = Cursor.behind_header(data)
     return _status(cursor)
 
 
@@ -58,15 +55,13 @@ def goal_id(data: bytes) -> GoalId:
 
 def goal_status_array(data: bytes) -> list[GoalStatus]:
     """actionlib_msgs/GoalStatusArray."""
-    cursor = Cursor(data)
-    cursor.header()
+    cursor = Cursor.behind_header(data)
     return [_status(cursor) for _ in range(cursor.integer(UINT32))]
 
 
 def move_base_feedback(data: bytes) -> tuple[GoalStatus, str, Pose2]:
     """move_base_msgs/MoveBaseActionFeedback: the goal, and the base's pose with its frame."""
-    cursor = Cursor(data)
-    cursor.header()
+    cursor = Cursor.behind_header(data)
     status = _status(cursor)
     _, frame = cursor.header()
     return status, frame, read_pose(cursor)

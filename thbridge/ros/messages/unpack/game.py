@@ -9,8 +9,7 @@ from thbridge.ros.messages.session_records import GameEvent, InputRecord, ScoreR
 
 def game_event(data: bytes) -> GameEvent:
     """thbridge_msgs/GameEvent."""
-    cursor = Cursor(data)
-    cursor.header()
+    cursor = Cursor.behind_header(data)
     kind = cursor.string()
     robot, room = _robot(cursor.integer(INT32)), _room(cursor.integer(INT32))
     return GameEvent(kind, robot, room, cursor.string())
@@ -18,8 +17,7 @@ def game_event(data: bytes) -> GameEvent:
 
 def score(data: bytes) -> ScoreRecord:
     """thbridge_msgs/Score."""
-    cursor = Cursor(data)
-    cursor.header()
+    cursor = Cursor.behind_header(data)
     points, visited, rooms = cursor.integer(INT32), cursor.integer(UINT32), cursor.integer(UINT32)
     energy = np.frombuffer(cursor.take(8 * cursor.integer(UINT32)), dtype="<f8")
     return ScoreRecord(points, visited, rooms, tuple(energy.tolist()))
@@ -27,8 +25,7 @@ def score(data: bytes) -> ScoreRecord:
 
 def utterance(data: bytes) -> UtteranceRecord:
     """thbridge_msgs/Utterance; older recordings, from before there were wizards, have no author."""
-    cursor = Cursor(data)
-    cursor.header()
+    cursor = Cursor.behind_header(data)
     dialogue, speaker = cursor.integer(INT64), cursor.string()
     robot, room = index_of(cursor.integer(INT32)), _room(cursor.integer(INT32))
     scenario, text, move = cursor.string(), cursor.string(), cursor.string()
@@ -38,8 +35,7 @@ def utterance(data: bytes) -> UtteranceRecord:
 
 def outside_input(data: bytes) -> InputRecord:
     """thbridge_msgs/Input."""
-    cursor = Cursor(data)
-    cursor.header()
+    cursor = Cursor.behind_header(data)
     return InputRecord(cursor.string(), cursor.string(), cursor.string(), cursor.string())
 
 

@@ -14,8 +14,7 @@ def string(data: bytes) -> str:
 
 def log(data: bytes) -> LogLine:
     """rosgraph_msgs/Log; a level that ROS does not know counts as an error."""
-    cursor = Cursor(data)
-    cursor.header()
+    cursor = Cursor.behind_header(data)
     level = cursor.integer(UINT8)
     known = LogLevel(level) if level in _LOG_LEVELS else LogLevel.ERROR
     return LogLine(known, cursor.string(), cursor.string())
@@ -23,8 +22,7 @@ def log(data: bytes) -> LogLine:
 
 def diagnostic_array(data: bytes) -> list[DiagnosticStatus]:
     """diagnostic_msgs/DiagnosticArray; a level that ROS does not know counts as an error."""
-    cursor = Cursor(data)
-    cursor.header()
+    cursor = Cursor.behind_header(data)
     found = []
     for _ in range(cursor.integer(UINT32)):
         level = cursor.integer(UINT8)

@@ -152,15 +152,13 @@ def pose_with_covariance(data: bytes) -> PoseInFrame:
 
 def pose_array(data: bytes) -> FloatArray:
     """geometry_msgs/PoseArray: (n, 3) x, y, yaw, in its frame."""
-    cursor = Cursor(data)
-    cursor.header()
+    cursor = Cursor.behind_header(data)
     return _planar(cursor.reals(7 * cursor.integer(UINT32)).reshape(-1, 7))
 
 
 def polygon(data: bytes) -> FloatArray:
     """geometry_msgs/PolygonStamped: (v, 2) corners, in its frame."""
-    cursor = Cursor(data)
-    cursor.header()
+    cursor = Cursor.behind_header(data)
     points = np.frombuffer(cursor.take(3 * FLOAT32.size * cursor.integer(UINT32)), dtype="<f4").reshape(-1, 3)
     return points[:, :2].astype(np.float64)
 
@@ -179,8 +177,7 @@ def pose_stamped(data: bytes) -> PoseInFrame:
 
 def occupancy_grid(data: bytes) -> OccupancyGrid:
     """nav_msgs/OccupancyGrid."""
-    cursor = Cursor(data)
-    cursor.header()
+    cursor = Cursor.behind_header(data)
     cursor.stamp()
     resolution = round(cursor.real(), 6)  # a float32 of 0.05 is not 0.05, and grids are placed by it
     cols, rows = cursor.integer(UINT32), cursor.integer(UINT32)
@@ -214,16 +211,14 @@ def outlines(data: bytes) -> list[tuple[str, FloatArray]]:
 
 def battery_state(data: bytes) -> BatteryCharge:
     """sensor_msgs/BatteryState."""
-    cursor = Cursor(data)
-    cursor.header()
+    cursor = Cursor.behind_header(data)
     _voltage, _temperature, _current, charge, _capacity, _design, percentage = (cursor.real() for _ in range(7))
     return BatteryCharge(charge, percentage)
 
 
 def path(data: bytes) -> FloatArray:
     """nav_msgs/Path: (n, 3) x, y, yaw of its poses, in its frame."""
-    cursor = Cursor(data)
-    cursor.header()
+    cursor = Cursor.behind_header(data)
     count = cursor.integer(UINT32)
     alike = _poses_alike(cursor.remaining(), count)
     if alike is not None:
