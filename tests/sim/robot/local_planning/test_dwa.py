@@ -100,13 +100,13 @@ def test_what_turned_one_way_in_place_does_not_turn_back_at_once() -> None:
     oscillation = planner._oscillation
     now = motion(0.0)
     oscillation.took(now, 0.0, 0.5, 0.1)
-    assert oscillation.only_w == 0.0
+    assert oscillation.only[1] == 0.0
     oscillation.took(now, 0.0, -0.5, 0.1)
-    assert oscillation.only_w == -1.0
+    assert oscillation.only[1] == -1.0
     oscillation.took(motion(-0.1), 0.0, -0.5, 0.1)
-    assert oscillation.only_w == -1.0
+    assert oscillation.only[1] == -1.0
     oscillation.took(motion(-0.3), 0.0, -0.5, 0.1)
-    assert oscillation.only_w == 0.0
+    assert oscillation.only[1] == 0.0
 
 
 def motion(theta):
