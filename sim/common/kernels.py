@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, TypeVar
 from numba import config
 from numba.extending import register_jitable
 
+from sim.common.geometry import wrap_angle
+
 if TYPE_CHECKING:
     F = TypeVar("F")
 
@@ -16,8 +18,6 @@ if TYPE_CHECKING:
         """Compile a function; its type stays what it is."""
 else:
     from numba import njit
-
-from sim.common.geometry import wrap_angle
 
 __all__ = ["is_compiled", "njit", "register_jitable"]
 
