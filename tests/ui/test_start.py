@@ -47,6 +47,8 @@ def loaded(folder: Path, *arguments: str, **environment: str) -> set[str]:
         "server --help",
         "bag export --help",
         "mavlink status --nonsense",
+        "study init",
+        "ros master unexpected",
     ],
 )
 def test_help_and_mistakes_load_nothing_that_a_command_needs(tmp_path: Path, arguments: str) -> None:

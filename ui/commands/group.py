@@ -2,35 +2,45 @@
 
 from typing import TYPE_CHECKING
 
-from typer._coercion import RuntimeParam
+from typer._click.core import ParameterSource  # typer's own copy of click
+from typer._coercion import RuntimeParam, build_runtime_param
 from typer.core import TyperArgument, TyperGroup, TyperOption
 
 if TYPE_CHECKING:
-    from typer._click.core import Command, Context  # typer's own copy of click
+    from typer._click.core import Command, Context
+    from typer.core import _TyperParameter
 
 
-class AsTyped(RuntimeParam):
-    """Conversion of an option or argument that leaves it as it was typed."""
+class ConversionIfGiven(RuntimeParam):
+    """Conversion of an option or argument that leaves a default as it is, and all words while a shell completes them.
 
-    def _coerce_value(self, value: object, param: object, ctx: object) -> object:
-        return value
+    Typer converts by pydantic, which takes long to load.
+    """
+
+    def _coerce_value(self, value: object, param: "_TyperParameter", ctx: "Context") -> object:
+        if ctx.resilient_parsing or ctx.get_parameter_source(param.name) is ParameterSource.DEFAULT:
+            return value
+        return build_runtime_param(param.type_descriptor).coerce(value, param, ctx)
 
 
 class CommandGroup(TyperGroup):
-    """Commands, and the flags before them. It converts no value in vain: typer would load pydantic for that."""
+    """Commands, and the flags before them; what is not given is not converted."""
 
     def parse_args(self, ctx: "Context", args: list[str]) -> list[str]:
-        """Take flags that are not given for False, which needs no conversion, where None does."""
-        for parameter in self.get_params(ctx):
-            parameter.default = False
+        """Take the flags."""
+        _convert_if_given(self, ctx)
         return super().parse_args(ctx, args)
 
     def resolve_command(self, ctx: "Context", args: list[str]) -> "tuple[str | None, Command | None, list[str]]":
-        """Find a command; when a shell completes its words, they stay as they are typed."""
+        """Find the command."""
         name, command, rest = super().resolve_command(ctx, args)
-        if ctx.resilient_parsing and command is not None:
-            for parameter in command.get_params(ctx):
-                if isinstance(parameter, TyperOption | TyperArgument):
-                    described = parameter.type_descriptor
-                    parameter._runtime_param = AsTyped(described.parameter_info, described.annotation)
+        if command is not None:
+            _convert_if_given(command, ctx)
         return name, command, rest
+
+
+def _convert_if_given(command: "Command", ctx: "Context") -> None:
+    for parameter in command.get_params(ctx):
+        if isinstance(parameter, TyperOption | TyperArgument):
+            described = parameter.type_descriptor
+            parameter._runtime_param = ConversionIfGiven(described.parameter_info, described.annotation)
