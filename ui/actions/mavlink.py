@@ -17,7 +17,8 @@ from thbridge.protocols.mavlink import conventions
 from thbridge.protocols.mavlink.frames.signing import SigningKey
 from thbridge.protocols.mavlink.mode_numbers import shown_mode_name
 from thbridge.protocols.mavlink.station.ground_station import KnownRobot
-from thbridge.protocols.mavlink.station.trip import Destination, StationTrip, StationTripStage, TripOutcome
+from thbridge.protocols.mavlink.station.trip import StationTrip, StationTripStage, TripOutcome
+from thbridge.protocols.mavlink.vehicle_interface import Target
 from thbridge.sockets.addresses import Address
 from thbridge.sockets.mavlink.client import StationSocket, Unreachable, open_station
 from thbridge.study.overrides import with_changes
@@ -72,7 +73,7 @@ def _arrivals(hunt: HuntResult) -> str:
     return ", ".join(f"{arrival.room} (robot {arrival.robot})" for arrival in hunt.arrivals) or "none"
 
 
-async def drive_robot(link: StationSocket, robot: int, destination: Destination, keep: bool) -> TripOutcome:
+async def drive_robot(link: StationSocket, robot: int, destination: Target, keep: bool) -> TripOutcome:
     """Drive a robot to a place, telling how far it has come."""
     clock = asyncio.get_running_loop().time
     trip = StationTrip(link.station, robot, destination, keep, clock())

@@ -93,7 +93,8 @@ def mavlink_goto(
 
     Its number, X and Y are those of `thbridge mavlink status`. A point in a room is a move of the game.
     """
-    from thbridge.protocols.mavlink.station.trip import Destination, TripOutcome
+    from thbridge.protocols.mavlink.station.trip import TripOutcome
+    from thbridge.protocols.mavlink.vehicle_interface import Target
     from thbridge.sockets.mavlink.client import StationSocket
     from ui.actions.mavlink import drive_robot, fail_without_robots, run_program, signing_key_in, station_at
 
@@ -101,7 +102,7 @@ def mavlink_goto(
         if not abs(value) < 1e5:
             fail(BAD_INPUT, f"{name}: {value:g} is not within 100,000. Give metres, and degrees for --heading.")
     address, tcp = _address(at, "--at")
-    destination = Destination(x, y, None if heading is None else math.radians(heading))
+    destination = Target(x, y, None if heading is None else math.radians(heading))
 
     async def drive() -> tuple[StationSocket, TripOutcome]:
         async with station_at(address, tcp, signing_key_in(signing_key)) as link:

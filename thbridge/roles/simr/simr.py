@@ -334,14 +334,9 @@ class SimR(RobotsRole):
 
     def _status(self, snapshot: TeamSnapshot) -> TeamStatus:
         if snapshot.world is None:
-            places = _estimated(snapshot)
+            poses = (output.estimate.base_in_map for output in snapshot.robots)
+            places = tuple((pose.x, pose.y, pose.theta) for pose in poses)
         else:
             places = tuple((float(x), float(y), float(theta)) for x, y, theta in snapshot.world.poses)
         game = 0 if self._orders is None else self._orders.game
         return TeamStatus(game, places, tuple(self._results), self._conditions, self._researchers)
-
-
-def _estimated(snapshot: TeamSnapshot) -> tuple[tuple[float, float, float], ...]:
-    """Return the estimated x, y, theta of the robots."""
-    poses = (output.estimate.base_in_map for output in snapshot.robots)
-    return tuple((pose.x, pose.y, pose.theta) for pose in poses)

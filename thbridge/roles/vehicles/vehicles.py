@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from itertools import count
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 from sim.common.robot_numbers import number_of
 from sim.team import TeamSnapshot
@@ -12,18 +12,11 @@ from thbridge.protocols.mavlink.options import VehicleOptions
 from thbridge.protocols.mavlink.outgoing import LinkId, VehicleStatus
 from thbridge.protocols.mavlink.traffic import OutgoingFrame
 from thbridge.protocols.mavlink.vehicle.vehicle import Vehicle
-from thbridge.protocols.mavlink.vehicle_interface import RobotReadings, VehicleInterface
 from thbridge.roles.robot_requests import Request
+from thbridge.roles.vehicles.pilot import Pilot
 
 RequestSink: TypeAlias = Callable[[Request], None]
 """Takes requests to robots and game for the next tick."""
-
-
-class VehiclePilot(VehicleInterface, Protocol):
-    """A vehicle interface that follows robot and game."""
-
-    def follow(self, snapshot: TeamSnapshot, game: GameState | None) -> RobotReadings:
-        """Update after a tick, and return the robot's readings."""
 
 
 class Vehicles:
@@ -37,7 +30,7 @@ class Vehicles:
         hub: routes the frames of open links.
     """
 
-    def __init__(self, pilots: Sequence[VehiclePilot], options: VehicleOptions) -> None:
+    def __init__(self, pilots: Sequence[Pilot], options: VehicleOptions) -> None:
         self._pilots = tuple(pilots)
         systems = [Vehicle(number_of(robot), pilot, options) for robot, pilot in enumerate(pilots)]
         self.hub = Hub(systems, options.lost_after)

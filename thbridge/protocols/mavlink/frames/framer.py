@@ -110,7 +110,7 @@ def _search(held: bytes, ended: bool) -> tuple[list[Frame | DiscardedBytes], byt
     place = 0
     while (magic := (_LIKELY if place < claimed else _MAGIC).search(held, place)) is not None:
         start = magic.start()
-        what = _frame_at(held, start)
+        what = _frame_v1_at(held, start) if held[start] == V1 else _frame_v2_at(held, start)
         if what is None:
             if not ended:
                 break
@@ -135,12 +135,8 @@ def _search(held: bytes, ended: bool) -> tuple[list[Frame | DiscardedBytes], byt
     return found, held[kept:]
 
 
-def _frame_at(held: bytes, start: int) -> Frame | _Bad | None:
-    """Return the frame that begins at a magic byte, or its fault; None while it is incomplete."""
-    return _frame_v1_at(held, start) if held[start] == V1 else _frame_v2_at(held, start)
-
-
 def _frame_v1_at(held: bytes, start: int) -> Frame | _Bad | None:
+    """Return the frame that begins at a magic byte of version 1, or its fault; None while it is incomplete."""
     begin = start + HEADER_V1.size
     if len(held) < begin:
         return None
@@ -161,6 +157,7 @@ def _frame_v1_at(held: bytes, start: int) -> Frame | _Bad | None:
 
 
 def _frame_v2_at(held: bytes, start: int) -> Frame | _Bad | None:
+    """Return the frame that begins at a magic byte of version 2, or its fault; None while it is incomplete."""
     begin = start + HEADER_V2.size
     if len(held) < begin:
         return None

@@ -21,6 +21,7 @@ from thbridge.protocols.mavlink.station.ground_station import (
     StationEvent,
     StatusTextReceived,
 )
+from thbridge.protocols.mavlink.vehicle_interface import Target
 
 ARRIVAL_RADIUS = 0.3
 """Metres: a robot that stands within this distance of its goal has arrived, whether it reports so or not."""
@@ -35,35 +36,6 @@ _STANDING = 0.02
 
 _ARM = StationCommand(mav.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
 _DISARM = StationCommand(mav.MAV_CMD_COMPONENT_ARM_DISARM, (0.0,))
-
-
-@dataclass(frozen=True, slots=True)
-class Destination:
-    """Goal of a trip.
-
-    Attributes:
-        x: metres east of the map's origin.
-        y: metres north of it.
-        heading: radians from east, anticlockwise; None: any.
-    """
-
-    x: float
-    y: float
-    heading: float | None = None
-
-    @property
-    def command(self) -> StationCommand:
-        """Command that sends a robot there, in MAVLink's local frame, x north and y east."""
-        # NaN is the heading that does not matter.
-        yaw = math.nan if self.heading is None else yaw_of(self.heading)
-        place = (round(self.y * PER_METRE), round(self.x * PER_METRE))
-        change_mode = float(mav.MAV_DO_REPOSITION_FLAGS_CHANGE_MODE)
-        parameters = (-1.0, change_mode, 0.0, yaw, *place, 0.0)
-        return StationCommand(mav.MAV_CMD_DO_REPOSITION, parameters, mav.MAV_FRAME_LOCAL_NED)
-
-    def distance(self, robot: KnownRobot) -> float:
-        """Return the metres from a robot's own position estimate; NaN while that is unknown."""
-        return math.hypot(self.x - robot.x, self.y - robot.y)
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +78,7 @@ class StationTrip:
         outcome: None until it is over.
     """
 
-    def __init__(self, station: GroundStation, system: int, destination: Destination, keep: bool, now: float) -> None:
+    def __init__(self, station: GroundStation, system: int, destination: Target, keep: bool, now: float) -> None:
         self.stage = StationTripStage.SEARCHING
         self.outcome: TripOutcome | None = None
         self._station = station
@@ -123,7 +95,7 @@ class StationTrip:
     def remaining(self) -> float:
         """Straight distance to the goal, metres; NaN while unknown."""
         robot = self._station.robots.get(self._system)
-        return math.nan if robot is None else self._destination.distance(robot)
+        return math.nan if robot is None else _distance(self._destination, robot)
 
     def advance(self, events: Iterable[StationEvent], now: float) -> None:
         """Handle the station's events and the passing of time."""
@@ -154,7 +126,7 @@ class StationTrip:
             case CommandAcked(_, mav.MAV_CMD_COMPONENT_ARM_DISARM, result) if self.stage is StationTripStage.TAKING:
                 if result == mav.MAV_RESULT_ACCEPTED:
                     self._commands = True
-                    self._send(StationTripStage.ASKING, self._destination.command, now)
+                    self._send(StationTripStage.ASKING, _command_to(self._destination), now)
                 else:
                     self._fail(f"robot {self._system} gives nobody else the command ({_word(result)})", now)
             case CommandAcked(_, mav.MAV_CMD_DO_REPOSITION, result) if self.stage is StationTripStage.ASKING:
@@ -186,7 +158,7 @@ class StationTrip:
             self._stood = now
         if now - robot.last_heartbeat > HEARTBEAT_TIMEOUT:
             self._fail(f"robot {self._system} is not heard any more", now)
-        elif now - self._stood > _STANDING_SECONDS and self._destination.distance(robot) < ARRIVAL_RADIUS:
+        elif now - self._stood > _STANDING_SECONDS and _distance(self._destination, robot) < ARRIVAL_RADIUS:
             self._hand_back(now)
         elif (
             not robot.armed and robot.last_heartbeat - self._since > HEARTBEAT_PERIOD
@@ -209,6 +181,20 @@ class StationTrip:
 
     def _end(self) -> None:
         self.stage, self.outcome = StationTripStage.OVER, TripOutcome(self._problem, self._unanswered)
+
+
+def _command_to(target: Target) -> StationCommand:
+    """Return the command that sends a robot there, in MAVLink's local frame, x north and y east."""
+    # NaN is the heading that does not matter.
+    yaw = math.nan if target.heading is None else yaw_of(target.heading)
+    place = (round(target.y * PER_METRE), round(target.x * PER_METRE))
+    parameters = (-1.0, float(mav.MAV_DO_REPOSITION_FLAGS_CHANGE_MODE), 0.0, yaw, *place, 0.0)
+    return StationCommand(mav.MAV_CMD_DO_REPOSITION, parameters, mav.MAV_FRAME_LOCAL_NED)
+
+
+def _distance(target: Target, robot: KnownRobot) -> float:
+    """Return the metres from a robot's own position estimate; NaN while that is unknown."""
+    return math.hypot(target.x - robot.x, target.y - robot.y)
 
 
 def _word(result: int) -> str:

@@ -18,7 +18,8 @@ from thbridge.protocols.mavlink.station.ground_station import (
     StationEvent,
     StatusTextReceived,
 )
-from thbridge.protocols.mavlink.station.trip import Destination, StationTrip, StationTripStage, TripOutcome
+from thbridge.protocols.mavlink.station.trip import StationTrip, StationTripStage, TripOutcome
+from thbridge.protocols.mavlink.vehicle_interface import Target
 
 ARM = mav.MAV_CMD_COMPONENT_ARM_DISARM
 GO = mav.MAV_CMD_DO_REPOSITION
@@ -149,7 +150,7 @@ def test_a_long_text_comes_in_pieces(air: Air, length: int) -> None:
 
 # Trips
 
-THERE = Destination(3.0, -2.0, math.pi / 2)
+THERE = Target(3.0, -2.0, math.pi / 2)
 
 
 class Journey:

@@ -44,11 +44,13 @@ class Capabilities:
         return {
             mav.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: self._gps_global_origin,
             mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION: self._autopilot_version,
-            mav.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: self._extended_sys_state,
-            ProtocolVersion.id: self._protocol_version,
-            ComponentInformation.id: self._component_information,
-            ComponentMetadata.id: self._component_metadata,
-            mav.MAVLINK_MSG_ID_AVAILABLE_MODES_MONITOR: self._available_modes_monitor,
+            mav.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: lambda _: mav.MAVLink_extended_sys_state_message(
+                mav.MAV_VTOL_STATE_UNDEFINED, mav.MAV_LANDED_STATE_ON_GROUND
+            ),
+            ProtocolVersion.id: lambda _: ProtocolVersion(200, 100, 200, [0] * 8, [0] * 8),
+            ComponentInformation.id: lambda tick: ComponentInformation(milliseconds(tick), *self._general(), 0, b""),
+            ComponentMetadata.id: lambda tick: ComponentMetadata(milliseconds(tick), *self._general()),
+            mav.MAVLINK_MSG_ID_AVAILABLE_MODES_MONITOR: lambda _: mav.MAVLink_available_modes_monitor_message(0),
         }
 
     def available_mode(self, place: int) -> Message:
@@ -61,9 +63,6 @@ class Capabilities:
         place, now = self._earth.geo_point(0.0, 0.0), microseconds(tick)
         return mav.MAVLink_gps_global_origin_message(place.latitude, place.longitude, self._altitude, now)
 
-    def _extended_sys_state(self, tick: int) -> Message:
-        return mav.MAVLink_extended_sys_state_message(mav.MAV_VTOL_STATE_UNDEFINED, mav.MAV_LANDED_STATE_ON_GROUND)
-
     def _autopilot_version(self, tick: int) -> Message:
         # No version: ground stations would compare it with versions of the autopilot whose numbers are used here.
         nothing = [0] * 8
@@ -71,18 +70,6 @@ class Capabilities:
             _CAPABILITIES, 0, 0, 0, 0, nothing, nothing, nothing, 0, 0, self._system
         )
 
-    def _protocol_version(self, tick: int) -> Message:
-        return ProtocolVersion(200, 100, 200, [0] * 8, [0] * 8)
-
-    def _component_metadata(self, tick: int) -> Message:
-        return ComponentMetadata(milliseconds(tick), *self._general())
-
-    def _component_information(self, tick: int) -> Message:
-        return ComponentInformation(milliseconds(tick), *self._general(), 0, b"")
-
     def _general(self) -> tuple[int, bytes]:
         """Return checksum and URI of the general metadata file."""
         return checksum(self._files.contents[GENERAL]), uri(GENERAL).encode()
-
-    def _available_modes_monitor(self, tick: int) -> Message:
-        return mav.MAVLink_available_modes_monitor_message(0)

@@ -146,11 +146,14 @@ class Telemetry:
         self._makers: dict[int, Callable[[TelemetryState], Message | None]] = {
             mav.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
             mav.MAVLINK_MSG_ID_SYS_STATUS: self._sys_status,
-            mav.MAVLINK_MSG_ID_SYSTEM_TIME: self._system_time,
+            # Simulated time is no time of day: the first field stays unknown.
+            mav.MAVLINK_MSG_ID_SYSTEM_TIME: lambda now: mav.MAVLink_system_time_message(0, now.milliseconds),
             mav.MAVLINK_MSG_ID_GPS_RAW_INT: self._gps_raw_int,
             mav.MAVLINK_MSG_ID_MISSION_CURRENT: lambda _: mission_current(),
             mav.MAVLINK_MSG_ID_BATTERY_STATUS: self._battery_status,
-            mav.MAVLINK_MSG_ID_NAMED_VALUE_INT: self._commander,
+            mav.MAVLINK_MSG_ID_NAMED_VALUE_INT: lambda now: mav.MAVLink_named_value_int_message(
+                now.milliseconds, COMMANDER.encode(), now.commander
+            ),
             mav.MAVLINK_MSG_ID_EKF_STATUS_REPORT: self._ekf_status_report,
             mav.MAVLINK_MSG_ID_ATTITUDE: self._attitude,
             mav.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: self._global_position_int,
@@ -202,16 +205,9 @@ class Telemetry:
             0, whole, kind, 0x7FFF, no_voltages, -1, -1, -1, remaining, 0, charge, [0, 0, 0, 0], 0, 0
         )
 
-    def _commander(self, now: TelemetryState) -> Message:
-        return mav.MAVLink_named_value_int_message(now.milliseconds, COMMANDER.encode(), now.commander)
-
     def _ekf_status_report(self, now: TelemetryState) -> Message:
         flags = _KNOWS_HOW_IT_MOVES if now.readings.lost else _KNOWS_HOW_IT_MOVES | _KNOWS_ITS_PLACE
         return mav.MAVLink_ekf_status_report_message(flags, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-    def _system_time(self, now: TelemetryState) -> Message:
-        # Simulated time is no time of day: the first field stays unknown.
-        return mav.MAVLink_system_time_message(0, now.milliseconds)
 
     def _gps_raw_int(self, now: TelemetryState) -> Message:
         pose, twist = now.readings.base_in_map, now.readings.twist
