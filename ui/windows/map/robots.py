@@ -12,7 +12,7 @@ from sim.common.geometry import FloatArray, Pose2
 from thbridge.roles.notices import Ellipse
 from ui.model.scene import RobotMark
 from ui.model.theme import Palette
-from ui.windows.map.badges import Anchor, Badges, BadgeText, place_labels
+from ui.windows.map.badges import Anchor, Badge, Badges, BadgeText, place_labels
 from ui.windows.map.camera import Camera
 from ui.windows.map.points import lines, polygon
 
@@ -121,7 +121,18 @@ class RobotPainter:
             self._paint_belief(painter, camera, mark)
         for mark in order:
             self._paint_body(painter, camera, mark)
-        self._paint_labels(painter, camera, order[::-1], words, font, ratio)
+        seen = [mark for mark in order[::-1] if camera.sees(mark.pose.x, mark.pose.y, LABEL_MARGIN)]
+        if not seen:
+            return
+        badges = [self._badges.of(self._badge_text(mark), self._palette, font, ratio) for mark in seen]
+        anchors = [self._anchor(camera, mark, badge) for mark, badge in zip(seen, badges, strict=True)]
+        corners, places = place_labels(anchors, [self._places.get(mark.robot, -1) for mark in seen], words)
+        self._places = {mark.robot: place for mark, place in zip(seen, places, strict=True)}
+        for badge, (x, y) in zip(badges, corners.tolist(), strict=True):
+            painter.drawPixmap(QPointF(round(x * ratio) / ratio, round(y * ratio) / ratio), badge.picture)
+
+    def _badge_text(self, mark: RobotMark) -> BadgeText:
+        return BadgeText(mark.label, self._colour(mark), mark.selected, mark.trouble, mark.commander)
 
     def _body(self, footprint: FloatArray) -> _Body:
         key = footprint.tobytes()
@@ -223,40 +234,11 @@ class RobotPainter:
         painter.setBrush(QColor(self._palette.panel))
         painter.drawPolygon(transform.map(body.nose))
 
-    def _paint_labels(
-        self,
-        painter: QPainter,
-        camera: Camera,
-        robots: Sequence[RobotMark],
-        words: FloatArray,
-        font: QFont,
-        ratio: float,
-    ) -> None:
-        seen = [mark for mark in robots if camera.sees(mark.pose.x, mark.pose.y, LABEL_MARGIN)]
-        if not seen:
-            return
-        badges = [
-            self._badges.of(
-                BadgeText(mark.label, self._colour(mark), mark.selected, mark.trouble, mark.commander),
-                self._palette,
-                font,
-                ratio,
-            )
-            for mark in seen
-        ]
-        anchors = [
-            self._anchor(camera, mark, badge.width, badge.height) for mark, badge in zip(seen, badges, strict=True)
-        ]
-        corners, places = place_labels(anchors, [self._places.get(mark.robot, -1) for mark in seen], words)
-        self._places = {mark.robot: place for mark, place in zip(seen, places, strict=True)}
-        for badge, (x, y) in zip(badges, corners.tolist(), strict=True):
-            painter.drawPixmap(QPointF(round(x * ratio) / ratio, round(y * ratio) / ratio), badge.picture)
-
-    def _anchor(self, camera: Camera, mark: RobotMark, width: float, height: float) -> Anchor:
+    def _anchor(self, camera: Camera, mark: RobotMark, badge: Badge) -> Anchor:
         body = self._body(mark.footprint)
         ring = RING + 1.0 if mark.selected else 0.0
         radius = body.reach * body.scale(camera) + ring
-        return Anchor(*camera.pixel(mark.pose.x, mark.pose.y), radius, width, height)
+        return Anchor(*camera.pixel(mark.pose.x, mark.pose.y), radius, badge.width, badge.height)
 
 
 def _dashes(pixels: FloatArray) -> tuple[FloatArray, FloatArray]:
