@@ -40,7 +40,7 @@ def print_story(tick: TickRecord) -> None:
 def tell(tick: TickRecord) -> Iterator[str]:
     """The sentences for one tick, each with its time."""
     for utterance in tick.utterances:
-        yield _timed(tick, _said(utterance))
+        yield _timed(tick, _sentence(utterance))
     for event in tick.events:
         sentence = _happened(event)
         if sentence:
@@ -65,7 +65,7 @@ def _timed(tick: TickRecord, sentence: str) -> str:
     return f"{tick.tick * TICK:7.1f} s  {sentence}"
 
 
-def _said(utterance: DialogueUtterance) -> str:
+def _sentence(utterance: DialogueUtterance) -> str:
     robot = utterance.topic.robot
     speaker = robot_name(robot).capitalize() if utterance.speaker is Speaker.ROBOT else f"You to {robot_name(robot)}"
     wizard = " (spoken for)" if utterance.author is Author.WIZARD else ""

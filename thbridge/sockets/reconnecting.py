@@ -95,8 +95,8 @@ class ReconnectingClient(ABC):
             async with asyncio.timeout(self._backoff.timeout):
                 reader, writer = await asyncio.open_connection(self._host, self._port, limit=self._segment)
         except (OSError, UnicodeError, OverflowError) as error:
-            told = reason_of(error) if isinstance(error, OSError) else str(error)
-            return ConnectionLost(LossReason.UNREACHABLE, f"{self._host}:{self._port}: {told}")
+            reason = reason_of(error) if isinstance(error, OSError) else str(error)
+            return ConnectionLost(LossReason.UNREACHABLE, f"{self._host}:{self._port}: {reason}")
         try:
             return await self._listen(reader, writer)
         except OSError as error:

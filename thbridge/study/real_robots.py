@@ -54,15 +54,15 @@ class FleetNames:
 
     def names(self, number: RobotNumber) -> RemoteNames:
         """Return the names of the robot with this number."""
-        space = self._said("namespace", number)
+        space = self._for_robot("namespace", number)
 
         def topic(name: str) -> str:
             return canonical("/" + join(space, name.replace(NUMBER, str(number))))
 
         return RemoteNames(
-            map_frame=frame_name(self._said("map_frame", number)),
-            odom_frame=frame_name(self._said("odom_frame", number)),
-            base_frame=frame_name(self._said("base_frame", number)),
+            map_frame=frame_name(self._for_robot("map_frame", number)),
+            odom_frame=frame_name(self._for_robot("odom_frame", number)),
+            base_frame=frame_name(self._for_robot("base_frame", number)),
             odom=topic(self.odom),
             scan=topic(self.scan),
             amcl_pose=topic(self.amcl_pose),
@@ -74,7 +74,7 @@ class FleetNames:
             recorded=tuple(topic(name) for name in self.recorded),
         )
 
-    def _said(self, field: str, number: int) -> str:
+    def _for_robot(self, field: str, number: int) -> str:
         return cast(str, getattr(self, field)).replace(NUMBER, str(number))
 
     def faults(self, number: int) -> Iterator[tuple[str, str]]:

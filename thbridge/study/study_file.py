@@ -224,7 +224,7 @@ def load_study_tree(path: Path, tree: Node) -> Loaded[Study]:
     start = _start(path, tree)
     written = load_tree(path, tree, StudyFile, StudyFile.of(start.value))
     loaded = Loaded(path, _gathered(written), written.lines, start.notices + written.notices)
-    faults = (*_told_twice(written), *_contradictions(loaded))
+    faults = (*_given_twice(written), *_contradictions(loaded))
     if faults:
         raise BadFiles(faults)
     return loaded
@@ -260,7 +260,7 @@ def _gathered(written: Loaded[StudyFile]) -> Study:
     return study
 
 
-def _told_twice(written: Loaded[StudyFile]) -> Iterator[BadFile]:
+def _given_twice(written: Loaded[StudyFile]) -> Iterator[BadFile]:
     """Yield faults of numbers written in `noise` and at their own place, with different values."""
     for path, home in TARGET_PATHS.items():
         key = f"noise.{path}"

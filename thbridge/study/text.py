@@ -122,9 +122,9 @@ def as_yaml(value: object) -> str:
     if isinstance(value, tuple):
         return f"[{', '.join(as_yaml(item) for item in value)}]"
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        told = {field.name: cast(object, getattr(value, field.name)) for field in dataclasses.fields(value)}
+        values = {field.name: cast(object, getattr(value, field.name)) for field in dataclasses.fields(value)}
         standard = {field.name: cast(object, field.default) for field in dataclasses.fields(value)}
-        keys = (f"{name}: {as_yaml(entry)}" for name, entry in told.items() if entry != standard[name])
+        keys = (f"{name}: {as_yaml(entry)}" for name, entry in values.items() if entry != standard[name])
         return f"{{{', '.join(keys)}}}"
     text = str(value)
     return text if is_plain_word(text) else quoted(text)

@@ -77,7 +77,7 @@ async def drive_robot(link: StationSocket, robot: int, destination: Target, keep
     """Drive a robot to a place, telling how far it has come."""
     clock = asyncio.get_running_loop().time
     trip = StationTrip(link.station, robot, destination, keep, clock())
-    stage, told = trip.stage, clock()
+    stage, shown = trip.stage, clock()
     with stopping() as stopped:
         while trip.outcome is None:
             trip.advance(await link.poll(), clock())
@@ -85,9 +85,9 @@ async def drive_robot(link: StationSocket, robot: int, destination: Target, keep
                 trip.give_up(clock())
             if trip.stage is not stage and trip.stage is StationTripStage.UNDER_WAY:
                 note(f"Robot {robot} is on its way.")
-                told = clock()
-            if trip.stage is StationTripStage.UNDER_WAY and clock() - told >= _TELL_SECONDS:
-                told = clock()
+                shown = clock()
+            if trip.stage is StationTripStage.UNDER_WAY and clock() - shown >= _TELL_SECONDS:
+                shown = clock()
                 note(f"{trip.remaining:.1f} m to go")
             stage = trip.stage
     return trip.outcome

@@ -89,14 +89,14 @@ class _Edge:
     topic: str
     first_ns: int
     static: bool
-    heard_ns: int
+    received_ns: int
 
 
 @dataclass(slots=True)
 class _Use:
     """A frame in the messages of a topic: their number, and the stamps of the first."""
 
-    heard_ns: int
+    received_ns: int
     stamp_ns: int
     shown: bool
     count: int = 0
@@ -182,13 +182,13 @@ class TransformTree:
             if len(parents) < 2:
                 continue
             names = " and ".join(repr(name) for name in parents)
-            last = max(parents.values(), key=lambda edge: edge.heard_ns)
+            last = max(parents.values(), key=lambda edge: edge.received_ns)
             mixed = len({edge.static for edge in parents.values()}) > 1
             # One change may be intended, for example when an object is handed over.
             severity = FindingSeverity.ERROR if mixed or switches.get(child, 0) > 1 else FindingSeverity.WARNING
             what = f"the frame {child!r} hangs on {names} by turns: the tree breaks at each change"
             remedy = "let one publisher say where it is, on one parent"
-            first, count = last.heard_ns, switches.get(child, 0)
+            first, count = last.received_ns, switches.get(child, 0)
             yield Finding("tf-two-parents", severity, SHOWN, last.topic, what, remedy, first, count)
 
     def _loop(self) -> Finding | None:
@@ -200,7 +200,7 @@ class TransformTree:
                     edge = self._edges[chain[-1]][above]
                     what = f"transforms go round: {' -> '.join(ring)}"
                     remedy = "take one of them out"
-                    return Finding("tf-loop", FindingSeverity.ERROR, SHOWN, edge.topic, what, remedy, edge.heard_ns)
+                    return Finding("tf-loop", FindingSeverity.ERROR, SHOWN, edge.topic, what, remedy, edge.received_ns)
                 chain.append(above)
         return None
 
@@ -239,18 +239,18 @@ class TransformTree:
                     what += f", it hangs on {self._root(frame)!r}"
                 remedy = "record /tf and /tf_static with it, base to sensor included"
                 severity = FindingSeverity.ERROR if use.shown else FindingSeverity.WARNING
-                yield Finding("tf-missing", severity, SHOWN, topic, what, remedy, use.heard_ns, use.count)
+                yield Finding("tf-missing", severity, SHOWN, topic, what, remedy, use.received_ns, use.count)
             elif (late := self._since_ns(frame) - use.stamp_ns) > 0:
                 severity = FindingSeverity.WARNING if late > LATE_NS else FindingSeverity.NOTE
                 what = f"its first message is {late / 1e9:.3f} s older than the first transforms of {frame!r}"
                 remedy = "begin to record transforms before the sensors"
-                yield Finding("tf-late", severity, SHOWN, topic, what, remedy, use.heard_ns, 1)
+                yield Finding("tf-late", severity, SHOWN, topic, what, remedy, use.received_ns, 1)
 
     def _no_tree(self) -> Iterator[Finding]:
         shown = {frame_name(frame): use for (_, frame), use in self._uses.items() if use.shown}
         if len(shown) > 1:
             what = f"there are no transforms in the bag, and its messages are in frames {', '.join(sorted(shown))}"
-            first = min(use.heard_ns for use in shown.values())
+            first = min(use.received_ns for use in shown.values())
             yield Finding(
                 "tf-missing", FindingSeverity.ERROR, SHOWN, None, what, "record /tf and /tf_static with it", first
             )

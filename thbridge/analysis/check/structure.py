@@ -34,11 +34,11 @@ def index_wrong(bag: BagStructure) -> Iterator[Finding]:
             f"the index has {bag.indexed_connections} and {len(bag.index)}"
         )
         yield Finding("index-wrong", FindingSeverity.ERROR, ALL, None, problem, REINDEX)
-    said = {entry.position: entry.counts for entry in bag.index}
+    indexed = {entry.position: entry.counts for entry in bag.index}
     wrong = [
         known
         for known in bag.chunks
-        if said.get(known.chunk.position, {}) != known.counts or known.indexed != known.counts
+        if indexed.get(known.chunk.position, {}) != known.counts or known.indexed != known.counts
     ]
     if wrong:
         position = wrong[0].chunk.position

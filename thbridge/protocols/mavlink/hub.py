@@ -153,7 +153,7 @@ class Hub:
             for number, link in self._links.items()
             if number != origin
             and link.robot is None
-            and not link.heard_recently(sender, self._tick)
+            and not link.is_present(sender, self._tick)
             and (link.is_active(self._tick) if system == BROADCAST else link.leads_to(system, wanted, self._tick))
         ]
 

@@ -67,21 +67,19 @@ class HubLink:
         """Return True when frames of this sender are accepted; a stale sender makes room for a new one."""
         known = self._stations
         return (
-            station in known
-            or len(known) < MOST_STATIONS
-            or not all(self.heard_recently(other, tick) for other in known)
+            station in known or len(known) < MOST_STATIONS or not all(self.is_present(other, tick) for other in known)
         )
 
     def record_frame(self, station: Station, sequence: int, tick: int) -> None:
         """Record a frame from a sender for whom there is room."""
-        heard = self._stations.get(station)
-        if heard is None:
+        last = self._stations.get(station)
+        if last is None:
             if len(self._stations) >= MOST_STATIONS:
                 del self._stations[min(self._stations, key=lambda other: self._stations[other].tick)]
             self._stations[station] = _LastFrame(tick, sequence)
         else:
-            self.lost += missing_between(heard.sequence, sequence)
-            heard.tick, heard.sequence = tick, sequence
+            self.lost += missing_between(last.sequence, sequence)
+            last.tick, last.sequence = tick, sequence
         self._tick = tick
         self.received += 1
 
@@ -89,16 +87,16 @@ class HubLink:
         """Return True when a frame came within the timeout."""
         return self._tick is not None and tick - self._tick <= self.timeout
 
-    def heard_recently(self, station: Station, tick: int) -> bool:
+    def is_present(self, station: Station, tick: int) -> bool:
         """Return True when a frame of this sender came within the timeout."""
-        heard = self._stations.get(station)
-        return heard is not None and tick - heard.tick <= self.timeout
+        last = self._stations.get(station)
+        return last is not None and tick - last.tick <= self.timeout
 
     def leads_to(self, system: int, component: int | None, tick: int) -> bool:
         """Return True when a frame of this system came within the timeout; a component of None is any."""
         return any(
-            station.system == system and component in (None, station.component) and tick - heard.tick <= self.timeout
-            for station, heard in self._stations.items()
+            station.system == system and component in (None, station.component) and tick - last.tick <= self.timeout
+            for station, last in self._stations.items()
         )
 
     def next_sequence(self, system: int) -> int:

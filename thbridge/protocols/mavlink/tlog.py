@@ -52,7 +52,9 @@ def _same(last: Traffic, one: Traffic) -> bool:
     """Return True when it is the same message, received by another vehicle or sent on another link."""
     if one.incoming:
         return last.incoming and last.frame is one.frame
-    said = (one.robot, one.frame.message_id, one.frame.payload)
+    content = (one.robot, one.frame.message_id, one.frame.payload)
     return (
-        not last.incoming and last.link != one.link and (last.robot, last.frame.message_id, last.frame.payload) == said
+        not last.incoming
+        and last.link != one.link
+        and (last.robot, last.frame.message_id, last.frame.payload) == content
     )

@@ -64,8 +64,8 @@ class GameDialogues:
 
     def take_utterances(self) -> list[DialogueUtterance]:
         """Return the utterances since the last call, in order."""
-        said, self._utterances = self._utterances, []
-        return said
+        utterances, self._utterances = self._utterances, []
+        return utterances
 
     def open(self, state: GameState, scenario: Scenario, robot: int, room: Room) -> None:
         """Open a dialogue; an earlier one with this robot is withdrawn, and an agreement on the same matter too."""

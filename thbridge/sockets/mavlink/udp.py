@@ -45,13 +45,13 @@ class _Peer:
 
     Attributes:
         channel: its frame codec.
-        heard: time of its last good frame, or else of its first datagram.
+        last_received: time of its last good frame, or else of its first datagram.
         link: None until its first good frame.
         muted: time until which it is ignored.
     """
 
     channel: Channel
-    heard: float
+    last_received: float
     link: LinkId | None = None
     muted: float = 0.0
 
@@ -129,7 +129,7 @@ class UdpPort:
         """Forget stale peers, each of which would cost a heartbeat of every robot for ever."""
         loop = asyncio.get_running_loop()
         for address, peer in tuple(self._peers.items()):
-            if address != self._target and loop.time() - peer.heard > STALE_SECONDS:
+            if address != self._target and loop.time() - peer.last_received > STALE_SECONDS:
                 self._forget(address)
         self._sweep = loop.call_later(STALE_SECONDS / 4.0, self._forget_stale)
 
@@ -150,7 +150,7 @@ class UdpPort:
             return
         frames = self._links.frames_in(_name(address), peer.channel, data)
         if frames:
-            peer.heard = now
+            peer.last_received = now
             self._open(peer, address)
             if peer.link is not None:
                 self._links.receive(peer.link, frames)
@@ -163,7 +163,9 @@ class UdpPort:
         if len(self._peers) > MAX_PEERS:
             others = (there for there in self._peers if there != self._target)
             # Peers without a good frame go first, so that strangers do not displace ground stations.
-            self._forget(min(others, key=lambda there: (self._peers[there].link is not None, self._peers[there].heard)))
+            self._forget(
+                min(others, key=lambda there: (self._peers[there].link is not None, self._peers[there].last_received))
+            )
         peer = self._peers[address] = _Peer(self._links.channel(datagrams=True), now)
         return peer
 

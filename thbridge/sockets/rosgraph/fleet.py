@@ -84,7 +84,7 @@ class Fleet:
             for robot in self._robots
             for topic in robot.publications
         }
-        self._met: dict[tuple[str, str], links.TopicHeader] = {}
+        self._headers: dict[tuple[str, str], links.TopicHeader] = {}
         self._joining: asyncio.Task[None] | None = None
         self._complaints = WarnOnce(_log)
         self._last: TeamSnapshot | None = None
@@ -163,8 +163,8 @@ class Fleet:
         if len(known) < len(outputs):
             raise ValueError(f"not all robots are there yet: {'; '.join(self.missing())}")
         commands = [output.navigation.command for output in known]
-        told = np.array([(command.linear, command.angular) for command in commands])
-        self._last = TeamSnapshot(tick_of(now_ns), None, known, told)
+        velocities = np.array([(command.linear, command.angular) for command in commands])
+        self._last = TeamSnapshot(tick_of(now_ns), None, known, velocities)
         return self._last
 
     def _take(self, item: TeamInput, now_ns: int) -> None:
@@ -209,42 +209,42 @@ class Fleet:
             self._listen(topic, {robot: robot.subscriptions[topic] for robot in robots})
 
     def _follow_time(self, clock: RosClock) -> None:
-        def heard(data: bytes, publisher: str) -> None:
+        def on_message(data: bytes, publisher: str) -> None:
             try:
                 clock.receive(Cursor(data).stamp(), self._wall())
             except ValueError as error:
                 self._complaints.warn(f"{names.CLOCK}: what {publisher} says is of no use: {error}")
 
-        self._node.subscribe(names.CLOCK, types.CLOCK, self._definitions.of(types.CLOCK).md5, heard)
+        self._node.subscribe(names.CLOCK, types.CLOCK, self._definitions.of(types.CLOCK).md5, on_message)
 
     def _listen(self, topic: str, robots: Mapping[RemoteRobot, str]) -> None:
         wanted = {robot: self._definitions.of(kind).md5 for robot, kind in robots.items()}
 
-        def met(publisher: str, said: links.TopicHeader) -> None:
-            self._met[topic, publisher] = said
-            if said.md5 not in wanted.values() and wanted:
+        def on_publisher(publisher: str, header: links.TopicHeader) -> None:
+            self._headers[topic, publisher] = header
+            if header.md5 not in wanted.values() and wanted:
                 kind = next(iter(robots.values()))
-                self._complaints.warn(f"{topic}: {publisher} says {said.type} there, but {kind} was expected")
+                self._complaints.warn(f"{topic}: {publisher} says {header.type} there, but {kind} was expected")
 
-        def heard(data: bytes, publisher: str) -> None:
+        def on_message(data: bytes, publisher: str) -> None:
             if publisher == CALLER or self._clock is None:
                 return
             now_ns = self._clock.now(self._wall())
-            said = self._met[topic, publisher]
-            self._recorder.received(said, publisher, now_ns, data)
+            header = self._headers[topic, publisher]
+            self._recorder.received(header, publisher, now_ns, data)
             for robot, md5 in wanted.items():
-                if said.md5 == md5 and isinstance(refused := robot.receive(topic, data, now_ns), InvalidMessage):
+                if header.md5 == md5 and isinstance(refused := robot.receive(topic, data, now_ns), InvalidMessage):
                     self._complaints.warn(f"{topic}: what {publisher} says is of no use: {refused.sentence}")
 
-        self._node.subscribe(topic, "*", "*", heard, met=met)
+        self._node.subscribe(topic, "*", "*", on_message, on_publisher=on_publisher)
 
     def _advertise(self, topic: str, msgtype: str) -> Publication:
         definition = self._definitions.of(msgtype)
         return self._node.advertise(topic, msgtype, definition.md5, definition.text)
 
     def _speak(self, robot: RemoteRobot) -> None:
-        said, robot.outgoing = robot.outgoing, []
-        for message in said:
+        messages, robot.outgoing = robot.outgoing, []
+        for message in messages:
             self._publications[message.topic.name].publish(message.data)
             self._recorder.sent(message)
 

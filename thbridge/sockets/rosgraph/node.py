@@ -217,9 +217,9 @@ class RosNode:
         topic: str,
         kind: str,
         md5: str,
-        heard: MessageCallback,
+        on_message: MessageCallback,
         tcp_nodelay: bool = True,
-        met: PublisherCallback = ignore_publisher,
+        on_publisher: PublisherCallback = ignore_publisher,
     ) -> None:
         """Subscribe to a topic of all publishers, this node included.
 
@@ -227,9 +227,9 @@ class RosNode:
             topic: global name.
             kind: its type, ``*`` for any.
             md5: the type's md5 sum, ``*`` for any.
-            heard: called with each message, serialised, and the name of its publisher.
+            on_message: called with each message, serialised, and the name of its publisher.
             tcp_nodelay: True to ask publishers to send small messages at once.
-            met: called with each publisher that has accepted, and its header of the topic.
+            on_publisher: called with each publisher that has accepted, and its header of the topic.
 
         Raises:
             ValueError: this node subscribes to it already.
@@ -237,7 +237,7 @@ class RosNode:
         if topic in self._subscriptions:
             raise ValueError(f"{topic} is subscribed to already")
         request = SubscriptionRequest(topic, kind, md5, tcp_nodelay)
-        subscription = Subscription(self.name, request, heard, self._client, self._numbers, met)
+        subscription = Subscription(self.name, request, on_message, self._client, self._numbers, on_publisher)
         self._subscriptions[topic] = subscription
 
         def registered(publishers: XmlRpcValue) -> None:
@@ -299,11 +299,11 @@ class RosNode:
         return value_of(self.master_uri, reply)
 
     def _answer(self, call: MethodCall, peer: str) -> XmlRpcValue:
-        told = answer_call(call, self._described())
-        if told.consequence is not None:
+        answer = answer_call(call, self._described())
+        if answer.consequence is not None:
             # The caller gets its reply first: the consequence may be the end of this node.
-            asyncio.get_running_loop().call_soon(self._carry_out, told.consequence)
-        return told.reply
+            asyncio.get_running_loop().call_soon(self._carry_out, answer.consequence)
+        return answer.reply
 
     def _described(self) -> NodeDescription:
         subscribed = [connection for each in self._subscriptions.values() for connection in each.connections()]

@@ -27,8 +27,8 @@ def rosout_node(master_uri: str, host: str) -> RosNode:
     node = RosNode(NODE, master_uri, host)
     aggregated = node.advertise(AGGREGATED, LOG, log.md5, log.text)
 
-    def heard(message: bytes, publisher: str) -> None:
+    def on_message(message: bytes, publisher: str) -> None:
         aggregated.publish(message)
 
-    node.subscribe(LOGGED, LOG, log.md5, heard)
+    node.subscribe(LOGGED, LOG, log.md5, on_message)
     return node

@@ -67,25 +67,25 @@ class Subscription:
     Args:
         caller: this node's name.
         request: topic and type.
-        heard: called with each message; it must not raise.
+        on_message: called with each message; it must not raise.
         client: for calls to publishers.
         numbers: numbers of connections, unique within the node.
-        met: called with each publisher that accepts; it must not raise.
+        on_publisher: called with each publisher that accepts; it must not raise.
     """
 
     def __init__(
         self,
         caller: str,
         request: SubscriptionRequest,
-        heard: MessageCallback,
+        on_message: MessageCallback,
         client: XmlRpcClient,
         numbers: Iterator[int],
-        met: PublisherCallback = ignore_publisher,
+        on_publisher: PublisherCallback = ignore_publisher,
     ) -> None:
         self.request = request
         self._caller = caller
-        self._heard = heard
-        self._met = met
+        self._on_message = on_message
+        self._on_publisher = on_publisher
         self._client = client
         self._numbers = numbers
         self._named: frozenset[str] = frozenset()
@@ -117,7 +117,7 @@ class Subscription:
         pause = _FIRST_PAUSE
         try:
             while uri in self._named:
-                listener = _Listener(self._link(), self._heard, self._met, next(self._numbers))
+                listener = _Listener(self._link(), self._on_message, self._on_publisher, next(self._numbers))
                 began = asyncio.get_running_loop().time()
                 try:
                     end = await self._listen(uri, listener)
@@ -164,13 +164,15 @@ class Subscription:
 class _Listener(asyncio.Protocol):
     """Connection to one publisher; carries out the events of its link."""
 
-    def __init__(self, link: SubscriberLink, heard: MessageCallback, met: PublisherCallback, number: int) -> None:
+    def __init__(
+        self, link: SubscriberLink, on_message: MessageCallback, on_publisher: PublisherCallback, number: int
+    ) -> None:
         loop = asyncio.get_running_loop()
         self.accepted: asyncio.Future[None] = loop.create_future()
         self.ended: asyncio.Future[LinkRefused | LinkEnded] = loop.create_future()
         self._link = link
-        self._heard = heard
-        self._met = met
+        self._on_message = on_message
+        self._on_publisher = on_publisher
         self._number = number
         self._transport: Transport | None = None
         self._publisher = ""
@@ -189,10 +191,10 @@ class _Listener(asyncio.Protocol):
                 case MessageReceived(message):
                     self._bytes += LENGTH_BYTES + len(message)
                     self._messages += 1
-                    self._heard(message, self._publisher)
+                    self._on_message(message, self._publisher)
                 case PublisherAccepted(publisher, topic):
                     self._publisher = publisher
-                    self._met(publisher, topic)
+                    self._on_publisher(publisher, topic)
                     self.accepted.set_result(None)
                 case LinkRefused() | LinkEnded():
                     self._end(event)

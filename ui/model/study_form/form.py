@@ -237,14 +237,14 @@ class _Builder:
         fields: list[FormField] = []
         groups: list[FormGroup] = []
         # The noise comes first: it holds the defaults of what single robots assume of it.
-        for knob in sorted(dataclasses.fields(start), key=lambda knob: knob.name != "noise"):
-            name, place = knob.name, _joined(key, knob.name)
+        for field in sorted(dataclasses.fields(start), key=lambda field: field.name != "noise"):
+            name, place = field.name, _joined(key, field.name)
             if place in SHOWN_ELSEWHERE:
                 continue
             value, hint = cast(object, getattr(start, name)), hints[name]
-            meaning = cast(str, knob.metadata.get("help", ""))
+            meaning = cast(str, field.metadata.get("help", ""))
             above = (handed or {}).get(name)
-            model = model_of(knob)
+            model = model_of(field)
             if name == sections_named_in(section):
                 names_at = above or place
                 named = cast(tuple["DataclassInstance", ...], value)
@@ -269,8 +269,8 @@ class _Builder:
                 places = [*([above] if above else []), place, *old, *self._homes(place)]
                 inherited = self._inherited(_joined(like, name)) if like else None
                 default = as_yaml(value) if inherited is None else inherited.value
-                fields.append(self._field(place, hint, knob.metadata, default, places))
-        order = tuple(knob.name for knob in dataclasses.fields(start))
+                fields.append(self._field(place, hint, field.metadata, default, places))
+        order = tuple(field.name for field in dataclasses.fields(start))
         return FormGroup(key, label, help_text, tuple(fields), tuple(groups), None, order)
 
     def _inherited(self, key: str) -> FormField | None:
@@ -344,13 +344,13 @@ class _Builder:
     def _item(self, into: "type[DataclassInstance]", key: str, index: int) -> FormGroup:
         hints = cast(Mapping[str, object], get_type_hints(into))
         fields = []
-        for knob in dataclasses.fields(into):
-            place = f"{key}.{knob.name}"
-            default = "" if knob.default is dataclasses.MISSING else as_yaml(cast(object, knob.default))
-            fields.append(self._field(place, hints[knob.name], knob.metadata, default, [place]))
+        for field in dataclasses.fields(into):
+            place = f"{key}.{field.name}"
+            default = "" if field.default is dataclasses.MISSING else as_yaml(cast(object, field.default))
+            fields.append(self._field(place, hints[field.name], field.metadata, default, [place]))
         name = next((field.written for field in fields if field.key == f"{key}.name"), None)
         label = f"{index + 1}" if name is None else f"{index + 1}: {name.strip(chr(34))}"
-        order = tuple(knob.name for knob in dataclasses.fields(into))
+        order = tuple(field.name for field in dataclasses.fields(into))
         return FormGroup(key, label, "", tuple(fields), (), None, order)
 
 

@@ -60,8 +60,8 @@ class MissionDownloads:
         seq = message.seq
         if message.mission_type in EMPTY_TYPES or seq >= len(plan):
             return peer.ack(mav.MAV_MISSION_INVALID_SEQUENCE, message.mission_type)
-        told = message_of if isinstance(message, mav.MAVLink_mission_request_int_message) else old_message_of
-        return OutgoingMessage(told(plan[seq], seq, seq == self._run.current_item, peer.station), peer.link)
+        item_of = message_of if isinstance(message, mav.MAVLink_mission_request_int_message) else old_message_of
+        return OutgoingMessage(item_of(plan[seq], seq, seq == self._run.current_item, peer.station), peer.link)
 
     def end(self, peer: MissionPeer) -> None:
         """End a download: the station has all items, or has changed the plan."""

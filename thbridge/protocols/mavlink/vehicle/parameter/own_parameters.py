@@ -96,8 +96,8 @@ class FailsafeParameters:
                 return Denied(f"{TIMEOUT} is {SHORTEST_TIMEOUT:g} to {LONGEST_TIMEOUT:g} s, not {value:g}.")
             self._control.lost_after = value
             return None
-        for failsafe, told in ACTIONS.items():
-            if value == told:
+        for failsafe, number in ACTIONS.items():
+            if value == number:
                 self._modes.failsafe = failsafe
                 return None
         return Denied(f"{ACTION} is 0 (carry on), 1 (go home) or 2 (stop), not {value:g}.")

@@ -51,7 +51,7 @@ class ParameterProtocol(Microservice):
         self._announce = announce
         self._ardupilot = ardupilot
         # The value of each that stations got last.
-        self._told: dict[str, float] = {}
+        self._sent: dict[str, float] = {}
         self._lists: dict[LinkId, int] = {}
 
     def handle_message(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
@@ -89,7 +89,7 @@ class ParameterProtocol(Microservice):
                 del self._lists[link]
         if is_whole_second:
             for number, setting in enumerate(settings):
-                if self._told.setdefault(setting.name, setting.value) != setting.value:
+                if self._sent.setdefault(setting.name, setting.value) != setting.value:
                     yield self._news(settings, number)
 
     def forget(self, link: LinkId) -> None:
@@ -132,7 +132,7 @@ class ParameterProtocol(Microservice):
 
     def _news(self, settings: Sequence[ParameterSetting], number: int) -> OutgoingMessage:
         """Return the new value of a parameter, for all links."""
-        self._told[settings[number].name] = settings[number].value
+        self._sent[settings[number].name] = settings[number].value
         return OutgoingMessage(_value(settings, number))
 
 
