@@ -14,7 +14,7 @@ class ConnectionStatus:
     def __init__(self) -> None:
         self._lost: tuple[str, float] | None = None
         self._was_there = False
-        self._last_received: float | None = None
+        self._received_at: float | None = None
 
     @property
     def is_lost(self) -> bool:
@@ -30,7 +30,7 @@ class ConnectionStatus:
         """Note that the game is reached."""
         self._lost, self._was_there = None, True
         # A program that sends pose telemetry sends it again at once: a new connection is not stale yet.
-        self._last_received = None if self._last_received is None else now
+        self._received_at = None if self._received_at is None else now
 
     def lose(self, sentence: str, now: float) -> None:
         """Note that the game is not reached, for the reason in this sentence; time counts from the first call."""
@@ -38,7 +38,7 @@ class ConnectionStatus:
 
     def receive(self, now: float) -> None:
         """Note that telemetry of the robots came."""
-        self._last_received = now
+        self._received_at = now
 
     def trouble(self, now: float) -> str | None:
         """A sentence for the participant, or None while all is well."""
@@ -66,4 +66,4 @@ class ConnectionStatus:
 
     def _last_received(self) -> float:
         """Time of the last telemetry; infinite for a connection that never had any, which is not waited for."""
-        return math.inf if self._last_received is None else self._last_received
+        return math.inf if self._received_at is None else self._received_at

@@ -43,7 +43,7 @@ class Exchange:
         self.names: dict[LinkId, str] = {}
         self.robots: dict[str, int | None] = {}
         self.gone: list[str] = []
-        self.heard: list[tuple[str, Frame]] = []
+        self.received: list[tuple[str, Frame]] = []
         self.transmit: Callable[[Sequence[OutgoingFrame]], None] = lambda sent: None
 
     def open_link(self, name: str, robot: int | None = None) -> LinkId:
@@ -58,7 +58,7 @@ class Exchange:
         return None
 
     def receive_frame(self, link: LinkId, frame: Frame) -> FrameOutcome:
-        self.heard.append((self.names[link], frame))
+        self.received.append((self.names[link], frame))
         return FrameOutcome(DropReason.OURS if frame.system == 1 else None, [OutgoingFrame(link, ANSWER)])
 
     def say(self, *frames: Frame) -> None:
@@ -154,7 +154,7 @@ def test_an_answer_comes_at_once_and_on_the_link_it_was_asked_on(station: Statio
             _, vehicles = await station.hear()
             station.socket.sendto(PING.to_bytes(), vehicles)
             assert (await station.hear())[0] == ANSWER.to_bytes()
-            assert exchange.heard == [(f"udp {station.address}", PING)]
+            assert exchange.received == [(f"udp {station.address}", PING)]
 
     asyncio.run(whole())
 
@@ -191,7 +191,7 @@ def test_what_goes_nowhere_is_told_once(station: Station, caplog: pytest.LogCapt
             data, vehicles = await station.hear()
             for _ in range(2):
                 station.socket.sendto(data, vehicles)
-            await until(lambda: len(exchange.heard) == 2)
+            await until(lambda: len(exchange.received) == 2)
 
     asyncio.run(whole())
     told = [record.message for record in caplog.records if record.levelname == "WARNING"]
@@ -269,7 +269,7 @@ def test_whoever_sends_nothing_but_garbage_is_not_listened_to_for_a_while(
             await until(lambda: "not listened to" in caplog.text)
             assert station.hears_nothing()
             async with asyncio.timeout(PATIENCE):
-                while not exchange.heard:
+                while not exchange.received:
                     station.socket.sendto(PING.to_bytes(), vehicles)
                     await asyncio.sleep(0.05)
 
@@ -384,7 +384,7 @@ def test_ipv6() -> None:
             reader, writer = await asyncio.open_connection("::1", int(names[1].rpartition(":")[2]))
             writer.write(PING.to_bytes())
             assert await reader.readexactly(len(ANSWER.to_bytes())) == ANSWER.to_bytes()
-            assert exchange.heard[-1][0].startswith("tcp [::1]:")
+            assert exchange.received[-1][0].startswith("tcp [::1]:")
             writer.close()
 
     asyncio.run(whole())
@@ -425,7 +425,7 @@ def test_each_connection_is_a_link_until_it_ends() -> None:
                     writer.write(bytes((piece,)))
                     await writer.drain()
                 assert await reader.readexactly(len(ANSWER.to_bytes())) == ANSWER.to_bytes()
-            assert [each for _, each in exchange.heard] == [PING, PING]
+            assert [each for _, each in exchange.received] == [PING, PING]
             ends[0][1].close()
             await until(lambda: len(exchange.names) == 1)
             ends[1][1].close()

@@ -23,7 +23,7 @@ class Exchange:
     """Notes what it hears, and gives it back."""
 
     def __init__(self) -> None:
-        self.heard: list[Frame] = []
+        self.received: list[Frame] = []
         self.transmit: Callable[[Sequence[OutgoingFrame]], None] = lambda sent: None
         self._opened = 0
 
@@ -38,7 +38,7 @@ class Exchange:
         return None
 
     def receive_frame(self, link: LinkId, frame: Frame) -> FrameOutcome:
-        self.heard.append(frame)
+        self.received.append(frame)
         return FrameOutcome(replies=[OutgoingFrame(link, Frame(1, 1, 0, 4, payload_of(PING), PING.crc_extra))])
 
 
@@ -85,7 +85,7 @@ def pymavlink(key: SigningKey | None = KEY, late: float = 0.0) -> mav.MAVLink:
 def test_who_has_the_key_is_heard_and_can_verify_the_answer(links: MavlinkLinks, exchange: Exchange) -> None:
     peer, theirs = Peer(links, "a"), pymavlink()
     peer.says(PING.pack(theirs))
-    assert [frame.signature for frame in exchange.heard] == [b""]
+    assert [frame.signature for frame in exchange.received] == [b""]
     (answer,) = peer.received
     assert theirs.decode(bytearray(answer)).get_signed()
 
@@ -108,7 +108,7 @@ def test_who_has_not_is_told_once_in_the_log_and_nothing_on_the_link(
     peer = Peer(links, "a")
     for _ in range(3):
         peer.says(PING.pack(theirs))
-    assert exchange.heard == peer.received == []
+    assert exchange.received == peer.received == []
     assert [record.message for record in caplog.records] == [f"MAVLink: a: thrown away: {reason}"]
 
 
@@ -117,7 +117,7 @@ def test_what_was_listened_to_on_one_link_counts_on_no_other(links: MavlinkLinks
     Peer(links, "a").says(said)
     thief = Peer(links, "b")
     thief.says(said)
-    assert len(exchange.heard) == 1
+    assert len(exchange.received) == 1
     assert thief.received == []
 
 
