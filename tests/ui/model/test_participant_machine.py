@@ -173,6 +173,7 @@ class Game(RuleBasedStateMachine):
             seat.press(Cancel())
         if seat.screen.help:
             seat.press(ShowHelp())
+        settle(seat)
         state, screen = seat.stage.session.game, seat.screen
         if state.ended is not None:
             assert screen.phase is Phase.OVER
@@ -217,6 +218,19 @@ class Game(RuleBasedStateMachine):
             assert popup.name_it.pending or popup.name_it.enabled == allowed
         assert screen.end.enabled == isinstance(rules.give_up(state), tuple) or screen.end.pending
         check_cards(seat, state)
+
+
+def settle(seat):
+    """Run until the view has caught up with the game, which also changes by itself: a robot fails, no move is left."""
+
+    def outline(state):
+        return state.ended is None, [robot.bound_for for robot in state.robots]
+
+    for _ in range(5):
+        if outline(revealed(seat.view).state) == outline(seat.stage.session.game):
+            return
+        seat.run(1)
+    raise AssertionError("the view does not catch up with the game")
 
 
 def check_cards(seat, state):

@@ -37,7 +37,7 @@ from sim.team import Team
 from sim.world.thing import Thing
 from thbridge.app.compose.robots import build_team
 from thbridge.app.compose.setting import read_setting
-from thbridge.app.session.input_records import decode_value
+from thbridge.app.session.input_records import decode_request
 from thbridge.app.session.watch_requests import MOST_PENDING, WatchRequest, WatchRequestHandler, request_line
 from thbridge.roles.robot_requests import (
     REQUESTS,
@@ -281,7 +281,7 @@ def test_whatever_is_wished_the_answer_is_words_or_a_team_can_bear_it(
         assert answer is None or answer
     controls = RobotControls(team)
     for _, request in visited.asked:
-        assert same(decode_value(json.loads(request_line("", request))["fields"], type(request)), request)
+        assert same(decode_request(json.loads(request_line("", request))).request, request)
         if not isinstance(request, WizardRequest):
             controls.ask(request)
     for tick in range(2):
