@@ -63,7 +63,7 @@ def parse_key(path: Path) -> str:
     with bad_input():
         key = next(iter(read_text(path).splitlines()), "").strip()
         if not key:
-            raise BadFile(path, 1, None, "there is no key in this line", "write one, some random letters, into it")
+            raise BadFile(path, "there is no key in this line", "write one, some random letters, into it", line=1)
     return key
 
 

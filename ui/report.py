@@ -18,13 +18,13 @@ def write_report(bag: Path, page: Path, map_yaml: Path | None = None) -> None:
     from thbridge.analysis.report.page import build_report  # noqa: PLC0415
 
     if page.exists() and bag.exists() and page.samefile(bag):
-        raise BadFile(page, None, None, "this is the bag itself", "choose another file by --to")
+        raise BadFile(page, "this is the bag itself", "choose another file by --to")
     html = build_report(bag, None if map_yaml is None else read_grid(map_yaml))
     try:
         with destination(page) as file:
             file.write_text(html, encoding="utf-8")
     except OSError as error:
         problem = f"it cannot be written ({error.strerror})"
-        raise BadFile(page, None, None, problem, "choose another file by --to") from None
+        raise BadFile(page, problem, "choose another file by --to") from None
     if page != STANDARD_OUTPUT:
         note(f"Report: {page}")

@@ -67,15 +67,13 @@ def cut(bag: Path, piece: CutRange, out: Path, overwrite: bool = False) -> CutRe
     """
     found = info(bag)
     if found.start_ns is None or found.end_ns is None:
-        raise BadFile(bag, None, None, "there is no message in it", "name another bag")
+        raise BadFile(bag, "there is no message in it", "name another bag")
     _check_topics(bag, piece.topics, {topic.name for topic in found.topics})
     if not 0.0 <= piece.start < piece.end:
-        raise BadFile(
-            bag, None, "--from", f"{piece.start:g} s is not before {piece.end:g} s", "give --from before --to"
-        )
+        raise BadFile(bag, f"{piece.start:g} s is not before {piece.end:g} s", "give --from before --to", key="--from")
     if piece.start > found.duration:
         problem = f"{piece.start:g} s is beyond its end"
-        raise BadFile(bag, None, "--from", problem, f"it lasts {found.duration:.3f} s")
+        raise BadFile(bag, problem, f"it lasts {found.duration:.3f} s", key="--from")
     start_ns = found.start_ns + round(piece.start * 1e9)
     end_ns = found.end_ns if math.isinf(piece.end) else found.start_ns + round(piece.end * 1e9)
     with new_file(out, bag, overwrite) as path:
@@ -83,7 +81,7 @@ def cut(bag: Path, piece: CutRange, out: Path, overwrite: bool = False) -> CutRe
         messages, carried, last_ns = _copy(bag, piece.topics, start_ns, end_ns, target)
         target.close()
         if not messages:
-            raise BadFile(bag, None, None, "nothing is in this piece", "choose other times or topics")
+            raise BadFile(bag, "nothing is in this piece", "choose other times or topics")
     return CutResult(out, messages, carried, start_ns, last_ns)
 
 
@@ -91,7 +89,7 @@ def _check_topics(bag: Path, wanted: Collection[str] | None, there: Collection[s
     lacking = sorted(set(wanted or ()) - set(there))
     if lacking:
         problem = f"there is no topic {', '.join(lacking)} in it"
-        raise BadFile(bag, None, "--topics", problem, "see `thbridge bag info` for those it has")
+        raise BadFile(bag, problem, "see `thbridge bag info` for those it has", key="--topics")
 
 
 def _copy(

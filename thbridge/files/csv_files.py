@@ -40,7 +40,7 @@ def read_columns(path: Path, columns: Sequence[str]) -> FloatArray:
                 header = [cell.strip() for cell in cells]
                 if sorted(header) != sorted(columns):
                     problem = f"the header is {','.join(header)!r}"
-                    raise BadFile(path, reader.line_num, None, problem, f"write {wanted} in the first line")
+                    raise BadFile(path, problem, f"write {wanted} in the first line", line=reader.line_num)
                 continue
             row = _numbers(path, reader.line_num, header, cells)
             if isinstance(row, BadFile):
@@ -50,26 +50,30 @@ def read_columns(path: Path, columns: Sequence[str]) -> FloatArray:
             if len(faults) == MOST_FAULTS:
                 break
     except csv.Error as error:
-        raise BadFile(path, reader.line_num, None, f"not CSV: {error}", "write numbers with commas between") from None
+        raise BadFile(path, f"not CSV: {error}", "write numbers with commas between", line=reader.line_num) from None
     if faults:
         raise BadFiles(tuple(faults))
     if not rows:
         remedy = f"write {wanted} in the first line and a row of numbers in each line after it"
-        raise BadFile(path, None, None, "there is no row of numbers", remedy)
+        raise BadFile(path, "there is no row of numbers", remedy)
     return np.array(rows)[:, [header.index(column) for column in columns]]
 
 
 def _numbers(path: Path, line: int, header: Sequence[str], cells: Sequence[str]) -> list[float] | BadFile:
     if len(cells) != len(header):
         problem = f"{len(cells)} values where the header has {len(header)}"
-        return BadFile(path, line, None, problem, f"write {len(header)} numbers with commas between")
+        return BadFile(path, problem, f"write {len(header)} numbers with commas between", line=line)
     numbers = []
     for column, cell in zip(header, cells, strict=True):
         try:
             number = float(cell)
         except ValueError:
-            return BadFile(path, line, column, f"{cell.strip()!r} is not a number", "write a number, such as 1.5")
+            return BadFile(
+                path, f"{cell.strip()!r} is not a number", "write a number, such as 1.5", line=line, key=column
+            )
         if not math.isfinite(number):
-            return BadFile(path, line, column, f"{cell.strip()} is not a finite number", "write a number, such as 1.5")
+            return BadFile(
+                path, f"{cell.strip()} is not a finite number", "write a number, such as 1.5", line=line, key=column
+            )
         numbers.append(number)
     return numbers

@@ -35,7 +35,7 @@ def read_edited(path: Path) -> TextOnDisk:
     """
     if not path.exists():
         if not path.parent.is_dir():
-            raise BadFile(path, None, None, f"there is no folder {path.parent}", "Make it, or choose another name")
+            raise BadFile(path, f"there is no folder {path.parent}", "Make it, or choose another name")
         return TextOnDisk("", exists=False)
     text = read_text(path)
     try:
@@ -68,7 +68,7 @@ def write_edited(path: Path, text: str, marked: bool) -> TextOnDisk:
             with suppress(OSError):
                 Path(part).unlink()
         reason = reason_of(error) if isinstance(error, OSError) else "it has signs that are no text"
-        raise BadFile(path, None, None, f"it cannot be written ({reason})", "Check the folder and the disk") from None
+        raise BadFile(path, f"it cannot be written ({reason})", "Check the folder and the disk") from None
     return TextOnDisk(text, exists=True, marked=marked)
 
 

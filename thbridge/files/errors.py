@@ -17,7 +17,7 @@ class BadFile(Exception):  # noqa: N818 - it names the fault of a file, and is s
         remedy: the remedy as a clause without its full stop.
     """
 
-    def __init__(self, path: Path, line: int | None, key: str | None, problem: str, remedy: str) -> None:
+    def __init__(self, path: Path, problem: str, remedy: str, line: int | None = None, key: str | None = None) -> None:
         self.path = path
         self.line = line
         self.key = key
@@ -31,8 +31,8 @@ class BadFile(Exception):  # noqa: N818 - it names the fault of a file, and is s
         remedy = remedy[:1].upper() + remedy[1:].rstrip(".")
         super().__init__(f"{', '.join(where)}: {problem.rstrip('.')}. {remedy}.")
 
-    def __reduce__(self) -> tuple[type["BadFile"], tuple[Path, int | None, str | None, str, str]]:
-        return (type(self), (self.path, self.line, self.key, self.problem, self.remedy))
+    def __reduce__(self) -> tuple[type["BadFile"], tuple[Path, str, str, int | None, str | None]]:
+        return (type(self), (self.path, self.problem, self.remedy, self.line, self.key))
 
 
 class BadFiles(BadFile):
@@ -46,7 +46,7 @@ class BadFiles(BadFile):
 
     def __init__(self, faults: tuple[BadFile, ...]) -> None:
         first = faults[0]
-        super().__init__(first.path, first.line, first.key, first.problem, first.remedy)
+        super().__init__(first.path, first.problem, first.remedy, first.line, first.key)
         self.faults = faults
 
     def __str__(self) -> str:

@@ -24,7 +24,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise BadFile(path, None, None, f"it cannot be read ({error.strerror})", "Check that it is a file") from None
+        raise BadFile(path, f"it cannot be read ({error.strerror})", "Check that it is a file") from None
     if data[:2] in {b"P2", b"P5"}:
         return _read_pgm(path, data)
     # Imported here because it is slow and few maps need it.
@@ -41,23 +41,23 @@ def read_image(path: Path) -> NDArray[np.uint8]:
             mode = mode or ("RGBA" if image.mode in {"RGBA", "RGBa"} else "RGB")
             return np.asarray(image.convert(mode), dtype=np.uint8)
     except (UnidentifiedImageError, Image.DecompressionBombError):
-        raise BadFile(path, None, None, "not a picture that can be read", "Save it as PGM or PNG") from None
+        raise BadFile(path, "not a picture that can be read", "Save it as PGM or PNG") from None
     except (OSError, SyntaxError, ValueError) as error:
-        raise BadFile(path, None, None, f"the picture is damaged ({error})", "Save it anew as PGM or PNG") from None
+        raise BadFile(path, f"the picture is damaged ({error})", "Save it anew as PGM or PNG") from None
 
 
 def _too_large(path: Path, width: int, height: int) -> BadFile:
     problem = f"{width} x {height} pixels are more than {MOST_PIXELS}"
-    return BadFile(path, None, None, problem, "Save the map with a coarser resolution")
+    return BadFile(path, problem, "Save the map with a coarser resolution")
 
 
 def _read_pgm(path: Path, data: bytes) -> NDArray[np.uint8]:
     tokens = _pgm_header(path, data)
     (width, _), (height, _), (deepest, end) = tokens
     if width < 1 or height < 1:
-        raise BadFile(path, None, None, f"the picture is {width} x {height} pixels", "Save it anew")
+        raise BadFile(path, f"the picture is {width} x {height} pixels", "Save it anew")
     if not 1 <= deepest <= 65535:
-        raise BadFile(path, None, None, f"the header's greatest value is {deepest}", "Save it with 8 or 16 bit")
+        raise BadFile(path, f"the header's greatest value is {deepest}", "Save it with 8 or 16 bit")
     if width * height > MOST_PIXELS:
         raise _too_large(path, width, height)
     if data[:2] == b"P5":
@@ -74,17 +74,17 @@ def _read_pgm(path: Path, data: bytes) -> NDArray[np.uint8]:
             raise _truncated(path, width, height, f"{len(words)} values")
         wrong = next((word for word in words[: width * height] if not word.isdigit() or len(word) > 5), None)
         if wrong is not None:
-            raise BadFile(path, None, None, f"{wrong!r} stands among the grey values", "Save the picture anew")
+            raise BadFile(path, f"{wrong!r} stands among the grey values", "Save the picture anew")
         values = np.array(words[: width * height], dtype=np.int64)
     if values.max() > deepest:
         problem = f"a grey value of {values.max()} above the header's greatest, {deepest}"
-        raise BadFile(path, None, None, problem, "Save the picture anew")
+        raise BadFile(path, problem, "Save the picture anew")
     return (values * 255 // deepest).astype(np.uint8).reshape(height, width)
 
 
 def _truncated(path: Path, width: int, height: int, found: str) -> BadFile:
     problem = f"the picture is cut off: its header says {width} x {height} pixels, but there are {found} only"
-    return BadFile(path, None, None, problem, "Copy or save it anew")
+    return BadFile(path, problem, "Copy or save it anew")
 
 
 def _pgm_header(path: Path, data: bytes) -> list[tuple[int, int]]:
@@ -102,7 +102,7 @@ def _pgm_header(path: Path, data: bytes) -> list[tuple[int, int]]:
             while data[end : end + 1].isdigit() and end - position < 10:
                 end += 1
             if end == position:
-                raise BadFile(path, None, None, "the PGM header is damaged", "Save the picture anew as PGM")
+                raise BadFile(path, "the PGM header is damaged", "Save the picture anew as PGM")
             numbers.append((int(data[position:end]), end))
             position = end
     return numbers

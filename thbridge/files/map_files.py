@@ -206,7 +206,7 @@ def write_grid(folder: Path, grid: OccupancyGrid) -> None:
 def _examine(folder: Path, footprint: Polygon) -> tuple[Map | None, list[MapFinding]]:
     if not folder.is_dir():
         remedy = "Name a folder that holds map.yaml and rooms.yaml"
-        return None, [MapFinding("error", BadFile(folder, None, None, "there is no such folder", remedy))]
+        return None, [MapFinding("error", BadFile(folder, "there is no such folder", remedy))]
     findings: list[MapFinding] = []
     grid = _attempt(lambda: read_grid(folder / "map.yaml"), findings)
     loaded = _attempt(lambda: load(folder / "rooms.yaml", _RoomsYaml), findings)
@@ -248,7 +248,7 @@ def _findings_of_costs(drawn: Map) -> Iterator[MapFinding]:
     if matrix is not None and len(matrix.rooms) != len(drawn.rooms):
         problem = f"costs for {len(matrix.rooms)} rooms, but rooms.yaml has {len(drawn.rooms)}"
         remedy = "Write one row and one column for the corridor and for every room"
-        yield MapFinding("error", BadFile(path, 1, None, problem, remedy))
+        yield MapFinding("error", BadFile(path, problem, remedy, line=1))
 
 
 def _room(entry: _RoomEntry) -> MapRoom:
@@ -256,7 +256,7 @@ def _room(entry: _RoomEntry) -> MapRoom:
     if len(region) == 2:
         (x0, y0), (x1, y1) = region
         region = ((x0, y0), (x1, y0), (x1, y1), (x0, y1))
-    return MapRoom(Room.of_people(entry.number), entry.name, region, _pose(*entry.goal))
+    return MapRoom(Room(entry.number), entry.name, region, _pose(*entry.goal))
 
 
 def _starts(entry: _StartsEntry) -> Iterator[tuple[str, Pose2]]:

@@ -26,10 +26,10 @@ def read_map_times(path: Path) -> CostMatrix:
     if len(rows) != nodes:
         raise BadFile(
             path,
-            rows[nodes][0] if len(rows) > nodes else number,
-            "number of nodes",
             f"{nodes} nodes need {nodes} rows, but {len(rows)} follow",
             "add or remove rows, or mend the first line",
+            line=rows[nodes][0] if len(rows) > nodes else number,
+            key="number of nodes",
         )
     return CostMatrix.of_map_times(tuple(_cost_row(path, number, row, nodes) for number, row in rows))
 
@@ -57,10 +57,9 @@ def _cost_row(path: Path, number: int, line: str, nodes: int) -> tuple[float, ..
     if len(words) != nodes:
         raise BadFile(
             path,
-            number,
-            None,
             f"{len(words)} costs in a row that needs {nodes}",
             "give one cost for every node, with 99 where there is no move",
+            line=number,
         )
     return tuple(_cost(path, number, column, word) for column, word in enumerate(words))
 
@@ -73,9 +72,9 @@ def _cost(path: Path, number: int, column: int, word: str) -> float:
     if not (math.isfinite(cost) and cost >= 0.0):
         raise BadFile(
             path,
-            number,
-            f"column {column + 1}",
             f"{word!r} is not a cost",
             "write a number that is not negative, and 99 where there is no move",
+            line=number,
+            key=f"column {column + 1}",
         )
     return cost

@@ -23,10 +23,10 @@ def new_file(path: Path, source: Path, overwrite: bool) -> Iterator[Path]:
         BadFile: the file exists already, or it cannot be written.
     """
     if path.exists() and source.exists() and path.samefile(source):
-        raise BadFile(path, None, None, "this is the recording itself", "choose another file by --out")
+        raise BadFile(path, "this is the recording itself", "choose another file by --out")
     if path.exists() and not overwrite:
         remedy = "choose another file by --out, or give --overwrite"
-        raise BadFile(path, None, None, "there is such a file already", remedy)
+        raise BadFile(path, "there is such a file already", remedy)
     part = path.with_name(path.name + UNFINISHED)
     try:
         part.unlink(missing_ok=True)
@@ -34,7 +34,7 @@ def new_file(path: Path, source: Path, overwrite: bool) -> Iterator[Path]:
         part.replace(path)
     except OSError as error:
         problem = f"it cannot be written ({reason_of(error)})"
-        raise BadFile(path, None, None, problem, "choose another place by --out, or make room") from error
+        raise BadFile(path, problem, "choose another place by --out, or make room") from error
     finally:
         if path.parent.is_dir():
             part.unlink(missing_ok=True)

@@ -49,14 +49,14 @@ class Resources:
             if (folder / mark).is_file():
                 return folder
             problem = f"there is no {mark} in this folder"
-            raise BadFile(folder, None, None, problem, f"Give the path of a {word}, or one of: {self._listed(kind)}")
+            raise BadFile(folder, problem, f"Give the path of a {word}, or one of: {self._listed(kind)}")
         names = self.names(kind)
         if wanted in names:
             return self.root / kind / wanted
         near = difflib.get_close_matches(wanted, names, n=1)
         remedy = f"The nearest name is {near[0]}" if near else f"The names are: {self._listed(kind)}"
         remedy += f"; a path of your own needs a slash, as in ./{wanted or 'folder'}"
-        raise BadFile(self.root / kind, None, wanted or None, f"there is no {word} of this name", remedy)
+        raise BadFile(self.root / kind, f"there is no {word} of this name", remedy, key=wanted or None)
 
     def _listed(self, kind: ResourceKind) -> str:
         return ", ".join(self.names(kind)) or "none"

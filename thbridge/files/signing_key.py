@@ -19,8 +19,8 @@ def read_signing_key(path: Path) -> SigningKey:
         with path.open("rb") as file:
             content = file.read(_LARGEST)
     except OSError as error:
-        raise BadFile(path, None, None, f"the signing key cannot be read ({reason_of(error)})", _REMEDY) from None
+        raise BadFile(path, f"the signing key cannot be read ({reason_of(error)})", _REMEDY) from None
     key = parse_key(content)
     if isinstance(key, InvalidKey):
-        raise BadFile(path, None, None, f"there is no signing key in it: {key.problem}", _REMEDY)
+        raise BadFile(path, f"there is no signing key in it: {key.problem}", _REMEDY)
     return key

@@ -75,30 +75,27 @@ def read_template_set(folder: Path) -> TemplateSet:
         BadFile: a file is missing or wrong, or two files do not agree.
     """
     if not folder.is_dir():
-        raise BadFile(
-            folder, None, None, "there is no such template folder", "name a folder that has DialogueText in it"
-        )
+        raise BadFile(folder, "there is no such template folder", "name a folder that has DialogueText in it")
     costs = read_map_times(folder / MAP_TIMES)
     path = folder / TREASURES
     treasures = read_treasures(path)
     if treasures.rooms != len(costs.rooms):
         raise BadFile(
             path,
-            1,
-            "number of rooms",
             f"{treasures.rooms} rooms, but {MAP_TIMES} has {len(costs.rooms) + 1} nodes, "
             f"the corridor and {len(costs.rooms)} rooms",
             "make both files tell of the same rooms",
+            line=1,
+            key="number of rooms",
         )
     pictures: dict[str, bytes] = {}
     for kind in treasures.kinds:
         if kind.image is None:
             raise BadFile(
                 path,
-                None,
-                "ImageFile",
                 "no treasure has an image, as in a participant's copy",
                 f"write every treasure as {_TREASURE_FORM}; name the copy {PARTICIPANT_TREASURES}",
+                key="ImageFile",
             )
         pictures[kind.image] = _picture(path, kind.name, folder / PICTURES / kind.image)
     copy = folder / PARTICIPANT_TREASURES
@@ -114,12 +111,12 @@ def _picture(treasures: Path, name: str, file: Path) -> bytes:
             data = opened.read(LARGEST_PICTURE + 1)
     except FileNotFoundError:
         problem, remedy = f"there is no picture {file.name}", f"put it into {file.parent} or mend the file name"
-        raise BadFile(treasures, None, name, problem, remedy) from None
+        raise BadFile(treasures, problem, remedy, key=name) from None
     except OSError as error:
-        raise BadFile(file, None, None, f"it cannot be read ({error.strerror})", "check that it is a file") from None
+        raise BadFile(file, f"it cannot be read ({error.strerror})", "check that it is a file") from None
     if len(data) > LARGEST_PICTURE:
         problem = f"the picture is larger than {LARGEST_PICTURE // 1_000_000} MB, and participants would wait for it"
-        raise BadFile(file, None, None, problem, "save it smaller; a photo of 1000 x 1000 pixels is enough")
+        raise BadFile(file, problem, "save it smaller; a photo of 1000 x 1000 pixels is enough")
     return data
 
 
@@ -133,19 +130,21 @@ def read_treasures(path: Path) -> TreasureList:
     number, first = first_line(path, lines, "number of rooms", "the number of rooms")
     rooms = count_in(path, number, "number of rooms", first, least=1)
     if not lines[1:]:
-        raise BadFile(path, None, None, "there is no treasure in the list", f"add lines of the form {_TREASURE_FORM}")
+        raise BadFile(path, "there is no treasure in the list", f"add lines of the form {_TREASURE_FORM}")
     kinds: list[TreasureKind] = []
     for number, line in lines[1:]:
         kind = _treasure(path, number, line)
         if any(same_name(kind.name, other.name) for other in kinds):
-            raise BadFile(path, number, "Name", f"{kind.name!r} is there twice", "give every treasure its own name")
+            raise BadFile(
+                path, f"{kind.name!r} is there twice", "give every treasure its own name", line=number, key="Name"
+            )
         if kinds and (kind.image is None) != (kinds[0].image is None):
             raise BadFile(
                 path,
-                number,
-                "ImageFile",
                 "some treasures have an image and some have none",
                 "give every treasure its image, or leave all out in the participant's copy",
+                line=number,
+                key="ImageFile",
             )
         kinds.append(kind)
     return TreasureList(rooms, tuple(kinds))
@@ -165,10 +164,10 @@ def read_dialogue_text(path: Path) -> Template:
     if name in _SECTIONS:
         raise BadFile(
             path,
-            number,
-            name,
             "the first line is the template's name, not a section",
             "add a first line with a name, for instance DontKnow:",
+            line=number,
+            key=name,
         )
     questions: dict[Scenario, list[ScriptedQuestion]] = {Scenario.DONT_KNOW: []}
     scenario = Scenario.DONT_KNOW
@@ -178,16 +177,17 @@ def read_dialogue_text(path: Path) -> Template:
             questions[scenario].append(_question(path, number, line, scenario))
             continue
         if section in questions:
-            raise BadFile(path, number, line, "this section is there twice", "put its questions under one heading")
+            raise BadFile(
+                path, "this section is there twice", "put its questions under one heading", line=number, key=line
+            )
         questions[section] = []
         scenario = section
     if Scenario.SPECIFIC_ROOM not in questions:
         raise BadFile(
             path,
-            None,
-            "SpecificRoom:",
             "this line is missing",
             "add a line SpecificRoom: above the questions that are asked when the person chose the room",
+            key="SpecificRoom:",
         )
     return Template(name, {scenario: tuple(asked) for scenario, asked in questions.items()})
 
@@ -197,23 +197,22 @@ def _treasure(path: Path, number: int, line: str) -> TreasureKind:
     if len(fields) not in (4, 5):
         raise BadFile(
             path,
-            number,
-            None,
             f"{len(fields)} fields in a line that needs 5, or 4 in a participant's copy",
             f"write it as {_TREASURE_FORM}, with commas only between the fields",
+            line=number,
         )
     for key, field in zip(_TREASURE_FORM.split(","), fields, strict=False):
         if not field:
-            raise BadFile(path, number, key, "nothing is written there", f"write the line as {_TREASURE_FORM}")
+            raise BadFile(path, "nothing is written there", f"write the line as {_TREASURE_FORM}", line=number, key=key)
     colour, footprint, points, name = fields[:4]
     image = fields[4] if len(fields) == 5 else None
     if image is not None and ("/" in image or "\\" in image or image in (".", "..") or len(image.split()) > 1):
         raise BadFile(
             path,
-            number,
-            "ImageFile",
             f"{image!r} is not a plain file name",
             f"write the name alone, without folder and without blanks, and put the file into {PICTURES}/",
+            line=number,
+            key="ImageFile",
         )
     return TreasureKind(colour, footprint, count_in(path, number, "Points", points, least=0), name, image)
 
@@ -225,7 +224,7 @@ def _section(path: Path, number: int, line: str) -> Scenario | None:
         folded = {heading.casefold(): heading for heading in _SECTIONS}
         near = difflib.get_close_matches(line.casefold(), folded, n=1, cutoff=0.75)
         if near:
-            raise BadFile(path, number, line, "there is no such section", f"write {folded[near[0]]}")
+            raise BadFile(path, "there is no such section", f"write {folded[near[0]]}", line=number, key=line)
     return None
 
 
@@ -233,12 +232,12 @@ def _question(path: Path, number: int, line: str, scenario: Scenario) -> Scripte
     wordings = tuple(wording.strip() for wording in _BETWEEN_WORDINGS.split(line))
     if not all(wordings):
         raise BadFile(
-            path, number, None, "an empty wording", "write a wording on both sides of every bar, or remove the bar"
+            path, "an empty wording", "write a wording on both sides of every bar, or remove the bar", line=number
         )
     for wording in wordings:
         fault = word_fault(wording, scenario)
         if fault is not None:
-            raise BadFile(path, number, None, fault.problem, fault.remedy)
+            raise BadFile(path, fault.problem, fault.remedy, line=number)
     return ScriptedQuestion(wordings)
 
 
@@ -247,13 +246,11 @@ def _check_copy(path: Path, treasures: TreasureList) -> None:
     wanted = TreasureList(treasures.rooms, tuple(replace(kind, image=None) for kind in treasures.kinds))
     if any(kind.image is not None for kind in copy.kinds):
         raise BadFile(
-            path, None, "ImageFile", "the participant's copy tells the images", "leave the last field of every line out"
+            path, "the participant's copy tells the images", "leave the last field of every line out", key="ImageFile"
         )
     if copy != wanted:
         raise BadFile(
             path,
-            None,
-            None,
             f"does not say the same as {TREASURES}",
             f"copy {TREASURES} here again and leave the last field of every line out",
         )

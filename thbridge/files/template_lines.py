@@ -11,22 +11,19 @@ def numbered_lines(path: Path) -> list[tuple[int, str]]:
     try:
         content = path.read_bytes()
     except FileNotFoundError:
-        raise BadFile(path, None, None, "there is no such file", "add it, or check the name and the folder") from None
+        raise BadFile(path, "there is no such file", "add it, or check the name and the folder") from None
     except OSError as error:
-        raise BadFile(
-            path, None, None, f"cannot be read ({error.strerror})", "make it a file that you may read"
-        ) from None
+        raise BadFile(path, f"cannot be read ({error.strerror})", "make it a file that you may read") from None
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         encoding = "UTF-16" if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) else "Latin-1"
         raise BadFile(
             path,
-            content.count(b"\n", 0, error.start) + 1,
-            None,
             f"not UTF-8 text; it was probably saved as {encoding}",
             "open it in an editor and save it with the encoding UTF-8, "
             f"or run: iconv -f {encoding} -t UTF-8 {path.name} > {path.name}.utf8",
+            line=content.count(b"\n", 0, error.start) + 1,
         ) from None
     # Not splitlines(): it also splits at characters that editors show within a line, which makes line numbers wrong.
     numbered = enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1)
@@ -36,7 +33,7 @@ def numbered_lines(path: Path) -> list[tuple[int, str]]:
 def first_line(path: Path, lines: list[tuple[int, str]], key: str, wanted: str) -> tuple[int, str]:
     """The first line and its number."""
     if not lines:
-        raise BadFile(path, 1, key, "the file is empty", f"begin it with {wanted}")
+        raise BadFile(path, "the file is empty", f"begin it with {wanted}", line=1, key=key)
     return lines[0]
 
 
@@ -44,5 +41,7 @@ def count_in(path: Path, number: int, key: str, text: str, least: int) -> int:
     """The number that stands alone on a line."""
     # isdecimal() and isascii(): int() would also take signs, underscores and digits of other scripts.
     if not (text.isascii() and text.isdecimal()) or len(text) > 6 or int(text) < least:
-        raise BadFile(path, number, key, f"{text!r} is not a number from {least}", f"write {key} alone on this line")
+        raise BadFile(
+            path, f"{text!r} is not a number from {least}", f"write {key} alone on this line", line=number, key=key
+        )
     return int(text)

@@ -67,7 +67,7 @@ def _encode_value(value: object) -> object:
 def _decode_value(kind: type, value: object) -> object:
     try:
         if kind is Room:
-            return Room.of_people(msgspec.convert(value, int))
+            return Room(msgspec.convert(value, int))
         rows = msgspec.convert(value, tuple[tuple[Number | None, ...], ...])
     except msgspec.ValidationError as error:
         # msgspec adds the place in the line to a ValueError alone.

@@ -9,8 +9,8 @@ class Room:
     """A place a robot can stand in: the corridor or a room. Ordered as people count.
 
     People count the corridor as 0 and the rooms from 1, and so do the rows and columns of the cost matrix. The text
-    protocol counts rooms from 0 and has no number for the corridor. Make a room with `of_people` or `of_wire`, never by
-    adding one. No dataclass: msgspec would write one as an object, and JSON holds the bare number.
+    protocol counts rooms from 0 and has no number for the corridor: `of_wire` and `wire` convert, nothing else does. No
+    dataclass: msgspec would write one as an object, and JSON holds the bare number.
 
     Args:
         people: the number people use, 0 is the corridor.
@@ -25,11 +25,6 @@ class Room:
         if people < 0:
             raise ValueError(f"there is no room {people}: rooms count from 1, the corridor is 0")
         self.people = people
-
-    @classmethod
-    def of_people(cls, number: int) -> "Room":
-        """Return the room of a number as people count; 0 is the corridor. Raises ValueError below 0."""
-        return cls(number)
 
     @classmethod
     def of_wire(cls, number: int) -> "Room":

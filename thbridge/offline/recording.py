@@ -86,11 +86,11 @@ def open_recording(
     scans = _topic(topics, scan_name, (LASER_SCAN,))
     if scans is None:
         problem = f"there are no scans on {scan_name}; {_offer(topics, (LASER_SCAN,))}"
-        raise BadFile(path, None, None, problem, "name the topic by --scan-topic")
+        raise BadFile(path, problem, "name the topic by --scan-topic")
     first = next((read.scan for read in _scans(path, scans.name) if usable(read.scan)), None)
     if first is None:
         problem = "no scan has two beams and an angle between them"
-        raise BadFile(path, None, scans.name, problem, "name another topic by --scan-topic")
+        raise BadFile(path, problem, "name another topic by --scan-topic", key=scans.name)
 
     # Several robots with separate tf topics may all have the same frame names, so only this robot's tf is read.
     robot = namespace_of(scans.name)
@@ -113,14 +113,14 @@ def open_recording(
         edge = _odom_edge(tree, first.frame, certain=False)
         if edge is None:
             problem = f"there is no odometry on {odom_name} and none in tf; {_offer(topics, (ODOMETRY,))}"
-            raise BadFile(path, None, None, problem, "name the topic by --odom-topic")
+            raise BadFile(path, problem, "name the topic by --odom-topic")
         steps = _odometry_of_tf(path, tf_topics, edge)
         source = f"tf {edge[0]} -> {edge[1]}"
         bases = (edge[1],)
         notices.append(f"There is no odometry on {odom_name}; it is taken from {source}.")
     track = OdometryTrack(steps)
     if not len(track):
-        raise BadFile(path, None, source, "there is no odometry in it", "name another topic by --odom-topic")
+        raise BadFile(path, "there is no odometry in it", "name another topic by --odom-topic", key=source)
     if track.clock_set_back:
         notices.append(f"The stamps of {source} go back {track.clock_set_back} times: the clock was set anew.")
 
@@ -129,7 +129,7 @@ def open_recording(
         if mount is None:
             frame = frame_name(first.frame)
             problem = f"tf does not say where the laser {frame!r} sits on {' or '.join(bases)}"
-            raise BadFile(path, None, None, problem, "give it by --laser-pose X Y YAW")
+            raise BadFile(path, problem, "give it by --laser-pose X Y YAW")
         if mount.tilt > LEVEL:
             degrees = round(math.degrees(mount.tilt))
             notices.append(f"The laser is tilted by {degrees} degrees; its scans are taken as if it were level.")
@@ -149,7 +149,7 @@ def _only_scans(path: Path, topics: tuple[TopicInfo, ...], notices: list[str]) -
     robots = sorted({namespace_of(name) for name in names})
     if len(robots) > 1:
         problem = f"there are several robots: {_offer(topics, (LASER_SCAN,))}"
-        raise BadFile(path, None, None, problem, "name the topic of one by --scan-topic")
+        raise BadFile(path, problem, "name the topic of one by --scan-topic")
     if len(names) > 1:
         notices.append(f"Scans are taken from {names[0]}; there are also {', '.join(names[1:])}.")
     return names[0] if names else f"/{SCANS[0]}"
@@ -188,7 +188,7 @@ def _decoded(raw: RawMessage, decode: Callable[[bytes], T], path: Path) -> T:
         return decode(raw.data)
     except ValueError as error:
         remedy = "record the bag anew, or leave the topic out of it"
-        raise BadFile(path, None, raw.topic, f"a message of it is no {raw.msgtype}: {error}", remedy) from None
+        raise BadFile(path, f"a message of it is no {raw.msgtype}: {error}", remedy, key=raw.topic) from None
 
 
 def _scans(path: Path, topic: str) -> Iterator[StampedScan]:

@@ -61,7 +61,7 @@ def read_journal(path: Path) -> RecoveredGame:
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise BadFile(path, None, None, f"cannot be read ({error.strerror})", "name the journal of a game") from None
+        raise BadFile(path, f"cannot be read ({error.strerror})", "name the journal of a game") from None
     whole, newline, torn = content.rpartition(b"\n")
     lines = whole.split(b"\n") if newline else []
     started: GameStarted | None = None
@@ -79,10 +79,10 @@ def read_journal(path: Path) -> RecoveredGame:
                 raise ValueError("a second game starts in the journal of the first")
             state = apply(state, event)
         except ValueError as error:
-            raise BadFile(path, number, None, str(error), _remedy(number)) from None
+            raise BadFile(path, str(error), _remedy(number), line=number) from None
         events.append(event)
     if started is None or state is None:
-        raise BadFile(path, None, None, "no game has started in it", "remove the file; nothing is lost")
+        raise BadFile(path, "no game has started in it", "remove the file; nothing is lost")
     return RecoveredGame(started, tuple(events), state, len(whole) + 1, torn or None)
 
 
@@ -106,7 +106,7 @@ class Journal:
             file = path.open("xb", buffering=0)
         except FileExistsError:
             raise BadFile(
-                path, None, None, "the journal of this game exists already", "start the game with the next number"
+                path, "the journal of this game exists already", "start the game with the next number"
             ) from None
         except OSError as error:
             raise _not_writable(path, error) from None
@@ -174,21 +174,13 @@ class Journal:
         except OSError:
             self._file.close()
             raise BadFile(
-                self.path,
-                None,
-                None,
-                "another program is writing this journal",
-                "stop the other server, or start a new game",
+                self.path, "another program is writing this journal", "stop the other server, or start a new game"
             ) from None
 
 
 def _not_writable(path: Path, error: OSError) -> BadFile:
     return BadFile(
-        path,
-        None,
-        None,
-        f"cannot be written ({error.strerror})",
-        "choose a folder you may write to, with room on its disk",
+        path, f"cannot be written ({error.strerror})", "choose a folder you may write to, with room on its disk"
     )
 
 

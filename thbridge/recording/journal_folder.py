@@ -39,7 +39,7 @@ class JournalStore:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             problem = f"there can be no journals here ({error.strerror})"
-            raise BadFile(folder, None, None, problem, "choose another folder") from None
+            raise BadFile(folder, problem, "choose another folder") from None
 
     @property
     def last_game(self) -> int:

@@ -27,7 +27,7 @@ class TlogFile:
             self._file = path.open("xb", buffering=0)
         except FileExistsError:
             remedy = "choose another name, or move it elsewhere"
-            raise BadFile(path, None, None, "there is such a file already", remedy) from None
+            raise BadFile(path, "there is such a file already", remedy) from None
         except OSError as error:
             raise _not_writable(path, error, "name a folder that exists and may be written to") from None
 
@@ -55,4 +55,4 @@ class TlogFile:
 
 
 def _not_writable(path: Path, error: OSError, remedy: str) -> BadFile:
-    return BadFile(path, None, None, f"the telemetry log cannot be written ({reason_of(error)})", remedy)
+    return BadFile(path, f"the telemetry log cannot be written ({reason_of(error)})", remedy)

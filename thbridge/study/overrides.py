@@ -40,7 +40,9 @@ def with_changes(study: Study, files: Sequence[Path], changes: Sequence[StudyCha
 def _merged(study: Study, path: Path, tree: Node) -> Study:
     if (ros := _at(tree, "ros_parameters")) is not None:
         problem = "files of ROS would change nothing, since a recorded study has every number"
-        raise BadFile(path, ros.line, "ros_parameters", problem, "write the numbers that shall change, under `robot`")
+        raise BadFile(
+            path, problem, "write the numbers that shall change, under `robot`", line=ros.line, key="ros_parameters"
+        )
     base = parse(path, resolved(study))
     if _at(tree, "noise", "preset") is not None:
         base = _without(base, "noise")

@@ -71,7 +71,7 @@ def write_trajectory(path: Path, result: LocalizationResult) -> None:
         path.write_text(lines, encoding="ascii")
     except OSError as error:
         problem = f"it cannot be written ({error.strerror})"
-        raise BadFile(path, None, None, problem, "choose another file by --out") from None
+        raise BadFile(path, problem, "choose another file by --out") from None
 
 
 def localized_as_json(

@@ -76,7 +76,7 @@ class TestShippedMaps:
         # Door of room 4, between the posts of the wall at x = 1.
         assert arena.grid.value_at(1.0, 6.0) == FREE
         assert arena.grid.value_at(1.0, 4.0) == OCCUPIED
-        assert arena.room_at(3.0, 5.0) == Room.of_people(4)
+        assert arena.room_at(3.0, 5.0) == Room(4)
 
     def test_warehouse12_brings_its_own_costs(self) -> None:
         warehouse = read_map(shipped().find("maps", "warehouse12", HERE))
@@ -92,7 +92,7 @@ class TestReading:
         assert drawn.rooms[0].region == ((0.0, 0.0), (3.0, 0.0), (3.0, 4.0), (0.0, 4.0))
         assert drawn.rooms[1].goal == Pose2(6.5, 2.0, 1.57)
         assert drawn.starts == (Pose2(4.0, 1.0, 0.0), Pose2(4.0, 2.2, 0.0), Pose2(4.0, 3.2, 0.0))
-        assert drawn.room_at(1.0, 1.0) == Room.of_people(1)
+        assert drawn.room_at(1.0, 1.0) == Room(1)
         assert drawn.room_at(4.0, 1.0) is None
 
     def test_a_map_with_shades_cannot_be_written(self, tmp_path: Path) -> None:

@@ -89,7 +89,7 @@ class Puppets:
             there = robot not in self.stuck
             self._results[robot] = MoveResult(order.move, there, "" if there else "There is no way.", 0.5)
             if there and not self.mute:
-                said.append(legacy.RoomReached(robot, Room.of_people(order.room).wire).message())
+                said.append(legacy.RoomReached(robot, Room(order.room).wire).message())
         if ended or self._recalled or tick % 50 == 0:
             self._recalled = False
             poses = tuple((float(robot), 0.0, 0.0) for robot in range(self.robots))

@@ -45,9 +45,7 @@ def export_bag(
     try:
         folder.mkdir(parents=True, exist_ok=True)
         if next(folder.iterdir(), None) is not None:
-            raise BadFile(
-                folder, None, None, "there is something in this folder", "choose a new or an empty one by --to"
-            )
+            raise BadFile(folder, "there is something in this folder", "choose a new or an empty one by --to")
         files = TableFiles(folder, formats)
         try:
             for piece in export(wanted(), first_ns, exported):
@@ -61,7 +59,5 @@ def export_bag(
         ):
             (folder / name).write_text(text, encoding="utf-8")
     except OSError as error:
-        raise BadFile(
-            folder, None, None, f"it cannot be written ({reason_of(error)})", "choose another folder by --to"
-        ) from None
+        raise BadFile(folder, f"it cannot be written ({reason_of(error)})", "choose another folder by --to") from None
     return exported

@@ -64,10 +64,9 @@ def read_setting(study: Study, beside: Path, resources: Resources | None = None)
     if largest > len(place.starts):
         raise BadFile(
             resources.find("maps", study.map, beside) / "rooms.yaml",
-            None,
-            "starts",
             f"there are start poses for {len(place.starts)} robots, but the study has {largest}",
             "add start poses or lower `robots` in the study",
+            key="starts",
         )
     faults = tuple(_misplaced(study, place, resources.find("maps", study.map, beside) / "map.yaml"))
     if faults:
@@ -83,7 +82,7 @@ def _consent(study: Study, beside: Path) -> str | None:
     text = read_text(path, LARGEST_CONSENT).strip()
     if not text:
         problem, remedy = "there is nothing to agree to in it", "write the text, or take `participant: consent:` away"
-        raise BadFile(path, None, None, problem, remedy)
+        raise BadFile(path, problem, remedy)
     return text
 
 
@@ -99,7 +98,7 @@ def _misplaced(study: Study, place: Map, map_yaml: Path) -> Iterator[BadFile]:
         if mishap.to is not None and floor.clearance_at(Pose2(*mishap.to)) < floor.inscribed:
             x, y, _ = mishap.to
             problem = f"robot {mishap.robot} would be carried to ({x:g}, {y:g}), where it does not fit on this map"
-            yield BadFile(map_yaml, None, None, problem, f"mend mishaps[{index}].to in the study")
+            yield BadFile(map_yaml, problem, f"mend mishaps[{index}].to in the study")
 
 
 def _costs(study: Study, beside: Path, place: Map, folder: Path) -> CostMatrix:
@@ -114,9 +113,9 @@ def _costs(study: Study, beside: Path, place: Map, folder: Path) -> CostMatrix:
     if len(costs.rooms) != len(place.rooms):
         raise BadFile(
             path,
-            1,
-            "number of nodes",
             f"{len(costs.rooms) + 1} nodes, but the map {place.name} has {len(place.rooms)} rooms and a corridor",
             f"give a mapTimes of {len(place.rooms) + 1} nodes in the map's folder, or by `game: costs:` in the study",
+            line=1,
+            key="number of nodes",
         )
     return costs

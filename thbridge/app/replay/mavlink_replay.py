@@ -149,7 +149,7 @@ def hunt_result_of(path: Path) -> HuntResult:
             else:
                 arrivals += _arrival(unpack.game_event(message.data), message.stamp_ns)
         except ValueError as error:
-            raise BadFile(path, None, message.topic, str(error), "name another recording") from None
+            raise BadFile(path, str(error), "name another recording", key=message.topic) from None
     return HuntResult(tuple(arrivals), score)
 
 
@@ -227,7 +227,7 @@ class _RecordedFrames:
         self._robots = {name: robot for name, robot in robots.items() if robot is not None}
         if not self._robots:
             problem = f"it has no topic {VehicleTopics(RobotNames.of(0)).received.name} of type {types.MAVLINK}"
-            raise BadFile(path, None, None, problem, "name a recording of robots that were MAVLink vehicles")
+            raise BadFile(path, problem, "name a recording of robots that were MAVLink vehicles")
         self.given = self.unusable = 0
         self._start_ns = START_NS if _is_ours(info) else (info.start_ns or 0) - _LEAD
         self._messages = bag_reader.messages(path, self._robots.keys())

@@ -126,19 +126,19 @@ def session_of(path: Path) -> SessionRecord:
     first = next(bag_reader.messages(path, [names.SESSION]), None)
     if first is None:
         problem = f"this bag has no session of ours: no topic {names.SESSION}"
-        raise BadFile(path, None, None, problem, "name a bag that `thbridge play` or `thbridge simr` recorded")
+        raise BadFile(path, problem, "name a bag that `thbridge play` or `thbridge simr` recorded")
     if first.md5 != types.plain_definition(types.SESSION).md5:
         problem = "another release of this program recorded it, so the same inputs would not do the same"
-        raise BadFile(path, None, names.SESSION, problem, "replay it with that release")
+        raise BadFile(path, problem, "replay it with that release", key=names.SESSION)
     try:
         record = unpack.session(first.data)
     except ValueError as error:
-        raise BadFile(path, None, names.SESSION, str(error), "name another recording") from None
+        raise BadFile(path, str(error), "name another recording", key=names.SESSION) from None
     if record.program not in {PLAY, SIMR}:
-        raise BadFile(path, None, names.SESSION, f"no program is called {record.program!r}", "name another recording")
+        raise BadFile(path, f"no program is called {record.program!r}", "name another recording", key=names.SESSION)
     if read_study_text(path, record.study).robots_from is RobotsFrom.ROS:
         problem = "its robots were real, and nobody can run them again"
-        raise BadFile(path, None, names.SESSION, problem, "look at it by `thbridge report` or `thbridge bag plot`")
+        raise BadFile(path, problem, "look at it by `thbridge report` or `thbridge bag plot`", key=names.SESSION)
     return record
 
 
@@ -154,7 +154,7 @@ def _input(path: Path, message: RawMessage) -> inputs.Input:
     try:
         return from_record(unpack.outside_input(message.data))
     except ValueError as error:
-        raise BadFile(path, None, names.INPUTS, str(error), "replay it with the release that recorded it") from None
+        raise BadFile(path, str(error), "replay it with the release that recorded it", key=names.INPUTS) from None
 
 
 async def replay(

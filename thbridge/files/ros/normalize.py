@@ -35,7 +35,7 @@ class RosYamlNormalizer:
         """The normalised tree of a file. Raises BadFile: it is no section of names and values, or a word is wrong."""
         if not isinstance(node, Section):
             problem = "no section of 'name: value' lines"
-            raise BadFile(self.path, node.line, None, problem, "name a YAML file of ROS parameters")
+            raise BadFile(self.path, problem, "name a YAML file of ROS parameters", line=node.line)
         cleaned = self.node(node)
         return cleaned if isinstance(cleaned, Section) else Section(node.line, [])
 
@@ -51,7 +51,7 @@ class RosYamlNormalizer:
                 for key, child in self.merged(entries):
                     if key.text == "ros__parameters":
                         remedy = "Name a file of ROS 1; many names are others there"
-                        raise BadFile(self.path, key.line, key.text, "this is a file of ROS 2", remedy)
+                        raise BadFile(self.path, "this is a file of ROS 2", remedy, line=key.line, key=key.text)
                     name, inner = self.unfolded(key, self.node(child))
                     before, known = written.get(name.text, (name, None))
                     if isinstance(inner, Section) and isinstance(known, Section) and "/" in key.text.strip("/"):
@@ -73,7 +73,7 @@ class RosYamlNormalizer:
             for part in child.items if isinstance(child, Listing) else [child]:
                 if not isinstance(part, Section):
                     problem = "no section to merge"
-                    raise BadFile(self.path, key.line, "<<", problem, "write the name of a section's anchor")
+                    raise BadFile(self.path, problem, "write the name of a section's anchor", line=key.line, key="<<")
                 own.extend(entry for entry in part.entries if entry[0].text not in names)
                 names |= {entry[0].text for entry in part.entries}
         return own
@@ -94,7 +94,7 @@ class RosYamlNormalizer:
             return Scalar(repr(self.angle(text, node.line, degrees)), plain=True, line=node.line)
         if node.tag is not None:
             remedy = "Write the plain value; only !degrees and !radians are known"
-            raise BadFile(self.path, node.line, node.tag, "a tag (!)", remedy)
+            raise BadFile(self.path, "a tag (!)", remedy, line=node.line, key=node.tag)
         if not node.plain:
             return node
         whole = _WHOLE_REAL.fullmatch(node.text)
@@ -107,11 +107,11 @@ class RosYamlNormalizer:
         """The value in radians of a product of numbers and pi."""
         product = _PRODUCT.fullmatch(text)
         if product is None:
-            raise BadFile(self.path, line, None, f"{text!r} is no angle", "Write a number, or such as pi/2")
+            raise BadFile(self.path, f"{text!r} is no angle", "Write a number, or such as pi/2", line=line)
         value = -1.0 if product[1] == "-" else 1.0
         for sign, factor in re.findall(rf"([*/]?)\s*({_FACTOR})", product[2]):
             number = math.pi if factor == "pi" else float(factor)
             if sign == "/" and number == 0.0:
-                raise BadFile(self.path, line, None, f"{text!r} is no angle", "Write a number, or such as pi/2")
+                raise BadFile(self.path, f"{text!r} is no angle", "Write a number, or such as pi/2", line=line)
             value = value / number if sign == "/" else value * number
         return math.radians(value) if degrees else value

@@ -75,5 +75,5 @@ def _written(package: _Package, parent: Path) -> Path:
             (folder / name).write_text(text, encoding="utf-8")
     except OSError as error:
         problem = f"it cannot be written ({error.strerror})"
-        raise BadFile(folder, None, None, problem, "name a folder that may be written to") from error
+        raise BadFile(folder, problem, "name a folder that may be written to") from error
     return folder

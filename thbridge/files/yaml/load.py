@@ -58,7 +58,7 @@ class Loaded(Generic[T]):
         written = key
         while written and written not in self.lines:
             written = written[: max(written.rfind("."), written.rfind("["), 0)]
-        return BadFile(self.path, self.lines.get(written), key, problem, remedy)
+        return BadFile(self.path, problem, remedy, line=self.lines.get(written), key=key)
 
 
 def load(path: Path, into: type[T]) -> Loaded[T]:
@@ -114,7 +114,7 @@ class _Reader:
     notices: list[str] = dataclasses.field(default_factory=list)
 
     def wrong(self, line: int, key: str, problem: str, remedy: str) -> _Wrong:
-        self.faults.append(BadFile(self.path, line, key or None, problem, remedy))
+        self.faults.append(BadFile(self.path, problem, remedy, line=line, key=key or None))
         return _WRONG
 
     def value(self, node: Node, hint: object, metadata: Metadata, key: str) -> object:

@@ -81,17 +81,17 @@ def read_text(path: Path, largest: int = LARGEST_FILE) -> str:
         with path.open("rb") as file:
             data = file.read(largest + 1)
     except FileNotFoundError:
-        raise BadFile(path, None, None, "there is no such file", "Check the name and the folder") from None
+        raise BadFile(path, "there is no such file", "Check the name and the folder") from None
     except OSError as error:
-        raise BadFile(path, None, None, f"it cannot be read ({error.strerror})", "Check that it is a file") from None
+        raise BadFile(path, f"it cannot be read ({error.strerror})", "Check that it is a file") from None
     if len(data) > largest:
-        raise BadFile(path, None, None, f"larger than {largest} bytes", "Check that it is the right file")
+        raise BadFile(path, f"larger than {largest} bytes", "Check that it is the right file")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         problem = f"byte 0x{data[error.start]:02x} is not UTF-8"
-        raise BadFile(path, line, None, problem, "Save the file with the encoding UTF-8") from None
+        raise BadFile(path, problem, "Save the file with the encoding UTF-8", line=line) from None
 
 
 def parse(path: Path, text: str, ros: bool = False) -> Node:
@@ -118,7 +118,7 @@ def parse(path: Path, text: str, ros: bool = False) -> Node:
                 documents += 1
                 if documents > 1:
                     line = event.start_mark.line + 1
-                    raise BadFile(path, line, "---", "a second document begins", "Keep one document in a file")
+                    raise BadFile(path, "a second document begins", "Keep one document in a file", line=line, key="---")
             elif isinstance(event, (MappingEndEvent, SequenceEndEvent)):
                 anchors.close(stack.pop())
                 pending_keys.pop()
@@ -140,22 +140,22 @@ def parse(path: Path, text: str, ros: bool = False) -> Node:
                 elif isinstance(node, Scalar):
                     pending_keys[-1] = node
                 else:
-                    raise BadFile(path, node.line, None, "a list or section stands as a key", "Write a word as the key")
+                    raise BadFile(path, "a list or section stands as a key", "Write a word as the key", line=node.line)
                 if not isinstance(node, Scalar) and not alias:
                     stack.append(node)
                     pending_keys.append(None)
                 if len(stack) > DEEPEST:
-                    raise BadFile(path, node.line, None, f"nested deeper than {DEEPEST}", "Take brackets away")
+                    raise BadFile(path, f"nested deeper than {DEEPEST}", "Take brackets away", line=node.line)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         problem = " ".join(part for part in (error.context, error.problem) if part)
         remedy = "Check the indentation, the colons and the brackets here and in the line before"
-        raise BadFile(path, None if mark is None else mark.line + 1, None, f"not YAML: {problem}", remedy) from None
+        raise BadFile(path, f"not YAML: {problem}", remedy, line=None if mark is None else mark.line + 1) from None
     except ReaderError as error:
         line = text.count("\n", 0, error.position) + 1
-        raise BadFile(path, line, None, "an invisible control character", "Delete it") from None
+        raise BadFile(path, "an invisible control character", "Delete it", line=line) from None
     except YAMLError as error:
-        raise BadFile(path, None, None, f"not YAML: {error}", "Check the file") from None
+        raise BadFile(path, f"not YAML: {error}", "Check the file") from None
     return root[0] if root else Section(1, [])
 
 
@@ -177,7 +177,7 @@ def _moved(scalar: Scalar, line: int) -> Scalar:
 def _refuse_tabs(path: Path, text: str) -> None:
     for number, line in enumerate(text.split("\n"), start=1):
         if "\t" in line[: len(line) - len(line.lstrip())]:
-            raise BadFile(path, number, None, "a tab in the indentation", "Indent with blanks")
+            raise BadFile(path, "a tab in the indentation", "Indent with blanks", line=number)
 
 
 class _Anchors:
@@ -206,22 +206,26 @@ class _Anchors:
         """The node of an alias. Raises BadFile: there is no such anchor, or the document gets too large."""
         line, name = event.start_mark.line + 1, str(event.anchor)
         if name not in self._nodes:
-            raise BadFile(self._path, line, name, "an alias (*) of nothing before it", "Write the value out")
+            raise BadFile(self._path, "an alias (*) of nothing before it", "Write the value out", line=line, key=name)
         node, size = self._nodes[name]
         self._count += size
         if self._count > LARGEST_TREE:
-            raise BadFile(self._path, line, name, f"more than {LARGEST_TREE} values by aliases (*)", "Write less")
+            raise BadFile(
+                self._path, f"more than {LARGEST_TREE} values by aliases (*)", "Write less", line=line, key=name
+            )
         return node
 
 
 def _node(path: Path, event: NodeEvent, ros: bool) -> Node:
     line = event.start_mark.line + 1
     if not ros and (isinstance(event, AliasEvent) or event.anchor is not None):
-        raise BadFile(path, line, str(event.anchor), "an anchor or alias (& or *)", "Write the value out, or quote it")
+        raise BadFile(
+            path, "an anchor or alias (& or *)", "Write the value out, or quote it", line=line, key=str(event.anchor)
+        )
     if not isinstance(event, (ScalarEvent, MappingStartEvent, SequenceStartEvent)):
         raise TypeError(f"an event of YAML that is no node: {event!r}")
     if event.tag is not None and not (ros and isinstance(event, ScalarEvent)):
-        raise BadFile(path, line, str(event.tag), "a tag (!)", "Write the plain value, or quote it")
+        raise BadFile(path, "a tag (!)", "Write the plain value, or quote it", line=line, key=str(event.tag))
     start = event.start_mark.index
     if isinstance(event, ScalarEvent):
         tag = None if event.tag is None else str(event.tag)

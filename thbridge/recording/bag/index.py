@@ -300,7 +300,7 @@ def _read_end(
     head = Header.read(file, RecordType.BAGHEADER)
     position, count = head.get_uint64("index_pos"), head.get_uint32("chunk_count")
     if head.get("encryptor"):
-        raise BadFile(part, None, None, "the bag is encrypted", "decrypt it with the program that encrypted it")
+        raise BadFile(part, "the bag is encrypted", "decrypt it with the program that encrypted it")
     if position == 0:
         raise _unfinished(part)
     file.seek(position)
@@ -331,5 +331,5 @@ def _unfinished(path: Path) -> BadFile:
     if path.name.endswith(ACTIVE):
         problem = "the bag is still being written, or its writer was killed"
         remedy = f"wait until its session has ended, or else run `thbridge bag reindex {path}`"
-        return BadFile(path, None, None, problem, remedy)
-    return BadFile(path, None, None, "the bag was cut off: it has no index", f"run `thbridge bag reindex {path}`")
+        return BadFile(path, problem, remedy)
+    return BadFile(path, "the bag was cut off: it has no index", f"run `thbridge bag reindex {path}`")

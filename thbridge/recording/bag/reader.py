@@ -209,15 +209,11 @@ def check_is_bag(path: Path) -> None:
         with path.open("rb") as file:
             head = file.read(len(MAGIC) + len(VERSION))
     except OSError as error:
-        raise BadFile(
-            path, None, None, (error.strerror or str(error)).lower(), "name a bag that can be read"
-        ) from error
+        raise BadFile(path, (error.strerror or str(error)).lower(), "name a bag that can be read") from error
     if not head.startswith(MAGIC):
-        raise BadFile(path, None, None, "this is not a ROS 1 bag", "name a file that rosbag or thbridge recorded")
+        raise BadFile(path, "this is not a ROS 1 bag", "name a file that rosbag or thbridge recorded")
     if head != MAGIC + VERSION:
-        raise BadFile(
-            path, None, None, "this bag has another version than 2.0", "convert it with `rosbag fix` of its own ROS"
-        )
+        raise BadFile(path, "this bag has another version than 2.0", "convert it with `rosbag fix` of its own ROS")
 
 
 def _latched(ext: object) -> bool:
@@ -249,4 +245,4 @@ def damage_as_bad_file(path: Path) -> Iterator[None]:
 
 def damaged(path: Path) -> BadFile:
     """The BadFile for a file that is cut off or damaged."""
-    return BadFile(path, None, None, "the bag was cut off or is damaged", f"run `thbridge bag reindex {path}`")
+    return BadFile(path, "the bag was cut off or is damaged", f"run `thbridge bag reindex {path}`")

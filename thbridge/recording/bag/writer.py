@@ -40,7 +40,7 @@ class BagNotWritten(BadFile):
     """A recording could not begin or go on; the message tells what is kept, and in which file."""
 
     def __init__(self, path: Path, problem: str, remedy: str) -> None:
-        super().__init__(path, None, None, problem, remedy)
+        super().__init__(path, problem, remedy)
 
     def __reduce__(self) -> tuple[type["BagNotWritten"], tuple[Path, str, str]]:  # type: ignore[override]  # fewer parts
         return (type(self), (self.path, self.problem, self.remedy))

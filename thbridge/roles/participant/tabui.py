@@ -126,12 +126,12 @@ def encode_request_line(request: ParticipantRequest) -> TextMessage:
     """Return the message for a request: a line of 2016 where there is one, else a notice to the keeper."""
     match request:
         case SendRobot(robot, room):
-            return legacy.GotoRoom(robot, Room.of_people(room).wire).message()
+            return legacy.GotoRoom(robot, Room(room).wire).message()
         case SenseTreasure(room):
-            return legacy.AskTreasure(Room.of_people(room).wire).message()
+            return legacy.AskTreasure(Room(room).wire).message()
         case TakePicture(room):
-            return legacy.SnapTreasure(Room.of_people(room).wire).message()
+            return legacy.SnapTreasure(Room(room).wire).message()
         case IdentifyTreasure(room, name):
-            return legacy.NameTreasure(Room.of_people(room).wire, name).message()
+            return legacy.NameTreasure(Room(room).wire, name).message()
         case _:
             return encode_notice(TabUI.name, KEEPER, request)

@@ -242,7 +242,7 @@ class SimR(RobotsRole):
             self._inputs += [WithdrawGoal(robot), PlaceRobot(robot, pose)]
 
     def _place(self, robot: int, room: int) -> Pose2:
-        return self._game_map.starts[robot] if room == 0 else self._game_map.goals[Room.of_people(room).wire]
+        return self._game_map.starts[robot] if room == 0 else self._game_map.goals[Room(room).wire]
 
     def _go(self, robot: int, order: MoveOrder) -> None:
         self._results[robot] = None
@@ -257,7 +257,7 @@ class SimR(RobotsRole):
         return 0 if result is None else result.move
 
     def _goal(self, order: MoveOrder) -> Goal:
-        return Goal(order.move, self._game_map.goals[Room.of_people(order.room).wire])
+        return Goal(order.move, self._game_map.goals[Room(order.room).wire])
 
     def _obey_without_keeper(self, tick: int) -> None:
         """Obey lines that have waited for a keeper until the timeout; with a keeper only its orders count."""
@@ -302,7 +302,7 @@ class SimR(RobotsRole):
             elif isinstance(result, GoalReached):
                 del self._moves[robot]
                 self._results[robot] = MoveResult(move.order.move, True, "", 1.0)
-                outgoing.append(legacy.RoomReached(robot, Room.of_people(move.order.room).wire).message())
+                outgoing.append(legacy.RoomReached(robot, Room(move.order.room).wire).message())
             elif isinstance(result, NoPath):
                 self._fail(robot, move, reasons.failure_sentence(robot, result.reason))
             elif navigation.goal is None and output.observations.tick == snapshot.tick:

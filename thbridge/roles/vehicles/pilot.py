@@ -137,7 +137,7 @@ class Pilot:
         if isinstance(state, Denied):
             return state
         robot, outline = state.robots[self._robot], self._setup.room_at(target.x, target.y)
-        room = None if outline is None else Room.of_people(outline.room)
+        room = None if outline is None else Room(outline.room)
         if outline is None or room is None or (robot.bound_for is None and robot.at == room):
             trip = self._trip_to(self._pose_at(target), None)
         else:

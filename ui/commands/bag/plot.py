@@ -73,4 +73,4 @@ def _write(to: Path, data: bytes) -> None:
     try:
         to.write_bytes(data)
     except OSError as error:
-        raise BadFile(to, None, None, f"it cannot be written ({reason_of(error)})", "choose another by --to") from None
+        raise BadFile(to, f"it cannot be written ({reason_of(error)})", "choose another by --to") from None
