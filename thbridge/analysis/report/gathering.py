@@ -8,7 +8,6 @@ import json
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable
-from functools import partial
 from typing import TypeGuard
 
 import numpy as np
@@ -118,7 +117,10 @@ class _ReportBuilder:
             yield "There is no map: nobody published /map (nav_msgs/OccupancyGrid)."
         if not tracks:
             yield "There are no robots: no topic of type nav_msgs/Odometry, no odom frame in /tf."
-        without = partial(_names_without, tracks)
+
+        def without(part: Callable[[Track], FloatArray]) -> str:
+            return ", ".join(track.name for track in tracks if not len(part(track)))
+
         if names := without(lambda track: track.truth):
             yield f"No true path of {names}: no topic base_pose_ground_truth, nor any that is called the truth."
         if names := without(lambda track: track.estimate):
@@ -209,10 +211,6 @@ class _ReportBuilder:
 def _action(topic: str) -> str:
     """The name of the action of a topic of goals or results, with a slash at its end."""
     return topic.rpartition("/")[0] + "/"
-
-
-def _names_without(tracks: tuple[Track, ...], part: Callable[[Track], FloatArray]) -> str:
-    return ", ".join(track.name for track in tracks if not len(part(track)))
 
 
 def _thing(name: str, outlines: list[FloatArray]) -> ObstacleTrack:

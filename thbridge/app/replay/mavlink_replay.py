@@ -133,11 +133,6 @@ def _is_ours(info: BagInfo) -> bool:
     return any(topic.name == names.SESSION for topic in info.topics)
 
 
-def _tells_hunt(info: BagInfo) -> bool:
-    """Return True when a bag is ours and still has the game's events."""
-    return _is_ours(info) and any(topic.name == names.GAME_EVENTS for topic in info.topics)
-
-
 def hunt_result_of(path: Path) -> HuntResult:
     """Return the result of a recorded game. Raises BadFile."""
     arrivals: list[Arrival] = []
@@ -176,7 +171,8 @@ async def replay_frames(
     info = bag_reader.info(path)
     frames = _RecordedFrames(path, info)
     last_tick = frames.tick_at(info.end_ns or 0) + round(options.longer * TICKS_PER_SECOND)
-    recorded = hunt_result_of(path) if _tells_hunt(info) else None
+    tells_hunt = _is_ours(info) and any(topic.name == names.GAME_EVENTS for topic in info.topics)
+    recorded = hunt_result_of(path) if tells_hunt else None
     # The true poses in a bag of another program cannot be compared.
     poses, hunt = _PoseComparison(path, setting.study.robots if _is_ours(info) else 0), _HuntRecorder()
     with ExitStack() as opened:

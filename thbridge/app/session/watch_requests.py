@@ -6,7 +6,7 @@ from dataclasses import replace
 from itertools import count
 from typing import TypeAlias, get_args
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import (
     ClearCostmaps,
@@ -219,7 +219,8 @@ def objection(request: WatchRequest, robots: RobotTeam) -> str | None:
         case KidnapRobot(_, pose) | PlaceRobot(_, pose):
             return _objection_to_pose(pose)
         case InitialPose(_, pose, covariance) | SetPoseEstimate(_, pose, covariance):
-            return _objection_to_pose(pose) or _objection_to_covariance(covariance)
+            unfit = None if is_covariance(covariance) else "its covariance is not one: (3, 3), positive semi-definite"
+            return _objection_to_pose(pose) or unfit
         case VelocityCommand(_, twist):
             return None if max(abs(twist.linear), abs(twist.angular)) <= FARTHEST else "nothing is that fast"
         case SetParameters(robot, values):
@@ -242,7 +243,3 @@ def objection(request: WatchRequest, robots: RobotTeam) -> str | None:
 
 def _objection_to_pose(pose: Pose2) -> str | None:
     return None if max(abs(pose.x), abs(pose.y), abs(pose.theta)) <= FARTHEST else "no map is that large"
-
-
-def _objection_to_covariance(covariance: FloatArray) -> str | None:
-    return None if is_covariance(covariance) else "its covariance is not one: (3, 3), positive semi-definite"

@@ -267,14 +267,12 @@ class _Builder:
             else:
                 old = [_joined(key, was) for was, now in renamed_of(section).items() if now == name]
                 places = [*([above] if above else []), place, *old, *self._homes(place)]
-                inherited = self._inherited(_joined(like, name)) if like else None
+                likened = _joined(like, name)
+                inherited = self._made.get(_NOISE_OF.get(likened, likened)) if like else None
                 default = as_yaml(value) if inherited is None else inherited.value
                 fields.append(self._field(place, hint, field.metadata, default, places))
         order = tuple(field.name for field in dataclasses.fields(start))
         return FormGroup(key, label, help_text, tuple(fields), tuple(groups), None, order)
-
-    def _inherited(self, key: str) -> FormField | None:
-        return self._made.get(_NOISE_OF.get(key, key))
 
     def _field(self, key: str, hint: object, metadata: Metadata, default: str, places: list[str]) -> FormField:
         optional = get_origin(hint) in {Union, UnionType}
