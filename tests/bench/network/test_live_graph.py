@@ -79,7 +79,7 @@ asyncio.run(main())
 STALL = """
 import asyncio, json, socket, sys
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
-from thbridge.wire.rosgraph.tcpros import encode_header
+from thbridge.protocols.rosgraph.tcpros import encode_header
 
 async def main():
     client, topics, sockets = XmlRpcClient(), json.loads(sys.stdin.readline()), []

@@ -39,8 +39,8 @@ STATION = """
 import asyncio, json, sys, time
 from thbridge.sockets.addresses import Address
 from thbridge.sockets.mavlink.client import open_station
-from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.station.ground_station import CommandAcked, CommandUnanswered
+from thbridge.protocols.mavlink.dialect import mav
+from thbridge.protocols.mavlink.station.ground_station import CommandAcked, CommandUnanswered
 
 async def main():
     port, robots, seconds = int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3])
