@@ -3,6 +3,8 @@
 .PHONY: help play test check test-slow bench setup peers maps pictures stress lock
 
 BIN := .venv/bin
+# Where the environment forbids Python to keep what it compiles, each program that tests start would compile all of it.
+export PYTHONDONTWRITEBYTECODE =
 
 help: ## This list.
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 20

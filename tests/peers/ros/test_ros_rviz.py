@@ -1,6 +1,7 @@
 """rviz beside a hunt, with the configuration that we write for it, on a screen that nobody sees."""
 
 import shutil
+import signal
 import subprocess
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -79,17 +80,34 @@ def sight(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sight]:
         hunt = Program(folder, *played, "--robots", str(ROBOTS), "--ros", "--ros-master", uri, "--bag", "hunt.bag")
         opened.callback(hunt.close)
         until("the hunt", lambda: "sets out" in hunt.text, [hunt])
-        rviz = opened.enter_context(ros.running("sh", "-c", f"exec rviz -d {configuration} > {log} 2>&1"))
-        opened.callback(rviz.wait)
-        opened.callback(rviz.kill)  # It takes its time to go by itself.
+        started: list[subprocess.Popen[str]] = []
+
+        def start_rviz() -> None:
+            # rviz 1.14 of Debian now and then dies of a fault of its own (SIGSEGV) before it draws anything.
+            assert [gone.poll() for gone in started] in ([], [-signal.SIGSEGV], [-signal.SIGSEGV] * 2), read_log()
+            rviz = opened.enter_context(ros.running("sh", "-c", f"exec rviz -d {configuration} > {log} 2>&1"))
+            opened.callback(rviz.wait)
+            opened.callback(rviz.kill)  # It takes its time to go by itself.
+            started.append(rviz)
+
+        def read_log() -> str:
+            return log.read_text(errors="replace")
+
         plans = [COLOURS[robot] for robot in range(ROBOTS)]
         seen: list[Sight] = []
 
         def is_drawn() -> bool:
-            seen[:] = [Sight(look(ros, folder / "rviz.png"), log.read_text(errors="replace"))]
+            if started[-1].poll() is not None:
+                start_rviz()
+            seen[:] = [Sight(look(ros, folder / "rviz.png"), read_log())]
             return seen[0].has_walls and all(seen[0].count(colour) > 300 for colour in plans)
 
-        until("the map and both robots to be drawn", is_drawn, [hunt], 150.0)
+        start_rviz()
+        try:
+            until("the map and both robots to be drawn", is_drawn, [hunt], 150.0)
+        except TimeoutError as late:
+            late.add_note(f"--- rviz\n{read_log()}")
+            raise
         yield seen[0]
 
 
