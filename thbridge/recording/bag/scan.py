@@ -167,7 +167,8 @@ class _Torn(Exception):  # noqa: N818 - it is no error of the program
 def scan(path: Path) -> Iterator[BagRecord]:
     """Yield every record in the file's order; damaged bytes become an `UnreadableSpan`.
 
-    A chunk that is cut off is read up to its end, unless it is compressed.
+    What can be read of a chunk that is cut off or damaged is yielded. After a record that makes no sense the next one
+    follows, unless it is its lengths that make none.
 
     Raises:
         BadFile: there is no such file, or it does not begin like a bag.
@@ -179,25 +180,44 @@ def scan(path: Path) -> Iterator[BagRecord]:
         while at < end:
             try:
                 fields = _fields(_read(file, end))
+                kind = _kind(fields)
                 size = _uint32(_exactly(file, 4, end))
-                left = end - file.tell()
-                data = file.read(min(size, left))
-                yield from _outer(at, fields, data, size)
             except _Torn as torn:
                 yield UnreadableSpan(at, end - at, str(torn))
                 return
+            left = end - file.tell()
             if size > left:
-                yield UnreadableSpan(at, left, f"the file ends {size - left} bytes too early")
+                yield from _cut_off(at, kind, fields, file.read(left), size)
                 return
+            try:
+                yield from _outer(at, kind, fields, file.read(size))
+            except _Torn as torn:
+                yield UnreadableSpan(at, file.tell() - at, str(torn))
             at = file.tell()
 
 
-def _outer(at: int, fields: dict[bytes, bytes], data: bytes, size: int) -> Iterator[BagRecord]:
-    match _kind(fields):
+def _cut_off(at: int, kind: int, fields: dict[bytes, bytes], data: bytes, size: int) -> Iterator[BagRecord]:
+    """The last record of a file that ends before it: what can be read of a chunk, nothing of others."""
+    lost = len(data)
+    if kind == RecordType.CHUNK:
+        lost = 0
+        try:
+            for record in _outer(at, kind, fields, data):
+                if isinstance(record, UnreadableSpan):
+                    lost = record.lost
+                else:
+                    yield record
+        except _Torn:
+            lost = len(data)
+    yield UnreadableSpan(at, lost, f"the file ends {size - len(data)} bytes too early")
+
+
+def _outer(at: int, kind: int, fields: dict[bytes, bytes], data: bytes) -> Iterator[BagRecord]:
+    match kind:
         case RecordType.BAGHEADER:
             encryptor = fields.get(b"encryptor", b"").decode(errors="replace")
             # Before each field is its length of 4 bytes, and within it a "=".
-            length = sum(len(name) + len(value) + 5 for name, value in fields.items()) + size
+            length = sum(len(name) + len(value) + 5 for name, value in fields.items()) + len(data)
             yield BagHeaderRecord(
                 _unpack(_UINT64, fields, b"index_pos"),
                 _unpack(_UINT32, fields, b"conn_count"),
@@ -209,7 +229,7 @@ def _outer(at: int, fields: dict[bytes, bytes], data: bytes, size: int) -> Itera
             compression = _word(fields, b"compression")
             unpacked = _unpack(_UINT32, fields, b"size")
             flags = data[_LZ4_FLAGS] if compression == "lz4" and len(data) > _LZ4_FLAGS else None
-            yield ChunkRecord(at, compression, size, unpacked, flags)
+            yield ChunkRecord(at, compression, len(data), unpacked, flags)
             yield from _chunk(at, compression, data, unpacked)
         case RecordType.CHUNK_INFO:
             start, end = _time(fields, b"start_time"), _time(fields, b"end_time")
@@ -221,7 +241,7 @@ def _outer(at: int, fields: dict[bytes, bytes], data: bytes, size: int) -> Itera
             yield MessageRecord(_unpack(_UINT32, fields, b"conn"), _time(fields, b"time"), data)
         case RecordType.IDXDATA:
             yield IndexDataRecord(_unpack(_UINT32, fields, b"conn"), _unpack(_UINT32, fields, b"count"))
-        case kind:
+        case _:
             raise _Torn(f"there is no kind of record {kind}")
 
 
@@ -231,7 +251,7 @@ def _chunk(at: int, compression: str, packed: bytes, size: int) -> Iterator[BagR
     except (OSError, RuntimeError, EOFError, ValueError, MemoryError) as error:
         yield UnreadableSpan(at, len(packed), f"a chunk cannot be unpacked ({error})")
         return
-    place = 0
+    place, problem = 0, "a packed chunk ends too early"
     try:
         while place < len(data):
             usual = _usual_message(data, place)
@@ -251,7 +271,11 @@ def _chunk(at: int, compression: str, packed: bytes, size: int) -> Iterator[BagR
                     raise _Torn(f"no record of kind {kind} belongs into a chunk")
             place = place_after
     except _Torn as torn:
-        yield UnreadableSpan(at, len(data) - place, str(torn))
+        problem = str(torn)
+    # A decompressor gives what it has of a stream that is cut off, without an error.
+    whole = len(data) if compression == "none" else size
+    if place < whole:
+        yield UnreadableSpan(at, whole - place, problem)
 
 
 def _usual_message(data: bytes, at: int) -> tuple[MessageRecord, int] | None:

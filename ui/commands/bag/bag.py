@@ -89,7 +89,7 @@ def bag_reindex_command(
         return
     say(f"Recovered {done.messages} messages into {done.path}; the original is {done.backup}.")
     if done.lost_bytes:
-        say(f"{done.lost_bytes} bytes at its end were half written and are lost.")
+        say(f"{done.lost_bytes} bytes could not be read and are lost.")
 
 
 @bag_app.command("cut")

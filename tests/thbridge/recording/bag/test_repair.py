@@ -2,17 +2,21 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from random import Random
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from rosbags.rosbag1 import Writer
+from rosbags.rosbag1.reader import RecordType
 from rosbags.typesys import Stores, get_typestore
 
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
+from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reader import info, messages
 from thbridge.recording.bag.repair import reindex
+from thbridge.recording.bag.scan import ChunkRecord, MessageRecord, UnreadableSpan, scan
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.ros.publisher import RosMessage, Topic
 
@@ -113,6 +117,79 @@ def test_a_foreign_bag_is_recovered(tmp_path: Path, compression: Writer.Compress
     repaired = reindex(path)
     assert 20 < repaired.messages < 100
     assert [item[2] for item in read(path)] == [item[2] for item in expected(repaired.messages)]
+
+
+def chunks(path: Path) -> list[ChunkRecord]:
+    return [record for record in scan(path) if isinstance(record, ChunkRecord)]
+
+
+def packed_bag(path: Path, compression: Compression) -> tuple[bytes, list[int]]:
+    """A bag of several chunks, and the place of the data of each."""
+    with BagWriter(path, PLAIN, compression=compression) as writer:
+        for message in said(3000):
+            writer.write(message)
+    content = path.read_bytes()
+    places = [chunk.position + 8 + content[chunk.position] for chunk in chunks(path)]
+    assert len(places) > 2
+    return content, places
+
+
+@pytest.mark.parametrize("damaged", [0, 1])
+@pytest.mark.parametrize("compression", [Compression.LZ4, Compression.BZ2])
+def test_a_chunk_that_cannot_be_unpacked_costs_only_itself(
+    tmp_path: Path, compression: Compression, damaged: int
+) -> None:
+    path = tmp_path / "a.bag"
+    whole, places = packed_bag(path, compression)
+    chunk = chunks(path)[damaged]
+    path.write_bytes(whole[: places[damaged]] + b"broken" + whole[places[damaged] + 6 :])
+    in_other_chunks = sum(isinstance(record, MessageRecord) for record in scan(path))
+    repaired = reindex(path)
+    assert repaired.lost_bytes == chunk.size
+    assert repaired.messages == in_other_chunks > 1000
+    assert set(read(path)) < set(expected(3000))
+    assert read(path)[-1] == expected(3000)[-1]
+
+
+@pytest.mark.parametrize("compression", [Compression.LZ4, Compression.BZ2])
+def test_a_packed_chunk_that_is_cut_off_loses_its_end_alone(tmp_path: Path, compression: Compression) -> None:
+    path = tmp_path / "a.bag"
+    noise = [Random(number).randbytes(280) for number in range(110)]
+    with BagWriter(path, PLAIN, compression=compression) as writer:
+        for number, data in enumerate(noise):
+            # All within one chunk.
+            writer.write(RosMessage(TOPICS[0], 1_000_000_000 + number, data * 4))
+    whole = path.read_bytes()
+    (chunk,) = chunks(path)
+    start = chunk.position + 8 + whole[chunk.position]
+    path.write_bytes(whole[: start + chunk.size - 1000])
+    repaired = reindex(path)
+    # BZ2 unpacks all of a chunk or nothing.
+    assert (repaired.messages > 20) is (compression is Compression.LZ4)
+    assert [data for _, _, data in read(path)] == [data * 4 for data in noise[: repaired.messages]]
+    assert 1000 < repaired.lost_bytes <= chunk.unpacked
+
+
+def test_what_is_lost_of_a_chunk_that_is_cut_off_counts_once(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    whole = bag(path)
+    chunk = chunks(path)[-1]
+    start = chunk.position + 8 + whole[chunk.position]
+    message = said(300)[-10].data
+    path.write_bytes(whole[: whole.index(message, start) + len(message) + 30])
+    (lost,) = [record for record in scan(path) if isinstance(record, UnreadableSpan)]
+    assert lost.lost == 30
+    assert "too early" in lost.problem
+
+
+def test_a_record_of_no_known_kind_does_not_hide_the_others(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    whole, _ = packed_bag(path, Compression.NONE)
+    at = whole.index(b"op=", chunks(path)[1].position) + len(b"op=")
+    assert whole[at] == RecordType.CHUNK
+    path.write_bytes(whole[:at] + b"\x7f" + whole[at + 1 :])
+    assert reindex(path).lost_bytes > 10_000
+    assert read(path)[-1] == expected(3000)[-1]
 
 
 def test_files_in_the_way_are_not_overwritten(tmp_path: Path) -> None:
