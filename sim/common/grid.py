@@ -71,6 +71,9 @@ class OccupancyGrid:
         cells = np.array(self.cells, dtype=np.int8, order="C")
         cells.setflags(write=False)
         object.__setattr__(self, "cells", cells)
+        # Kernels would be compiled once more for corners that are given as whole numbers.
+        origin = Pose2(float(self.origin.x), float(self.origin.y), float(self.origin.theta))
+        object.__setattr__(self, "origin", origin)
 
     def __eq__(self, other: object) -> bool:
         """Same place, same size, same cells."""
