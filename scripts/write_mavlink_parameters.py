@@ -3,7 +3,7 @@
 python scripts/write_mavlink_parameters.py [FILE]
 """
 
-import sys
+import argparse
 from collections.abc import Iterator
 from itertools import groupby
 from pathlib import Path
@@ -47,22 +47,29 @@ Three come before those of the robot, under the names that ArduPilot's rovers ha
 
 def range_of(parameter: VehicleParameter) -> str:
     """Return the values that may be set, in words."""
-    knob = parameter.declaration
-    if bool in knob.types:
+    declaration = parameter.declaration
+    if bool in declaration.types:
         return "0 or 1"
-    if knob.choices:
-        return ", ".join(f"{place}: {word}" for place, word in enumerate(knob.choices))
-    words = allowed(None, {"minimum": knob.minimum, "maximum": knob.maximum})
-    whole = "whole, " if int in knob.types else ""
-    return f"{whole}{words}{'; 0: null' if NoneType in knob.types else ''}"
+    if declaration.choices:
+        return ", ".join(f"{place}: {word}" for place, word in enumerate(declaration.choices))
+    words = allowed(None, {"minimum": declaration.minimum, "maximum": declaration.maximum})
+    whole = "whole, " if int in declaration.types else ""
+    return f"{whole}{words}{'; 0: null' if NoneType in declaration.types else ''}"
 
 
 def rows(parameters: list[tuple[VehicleParameter, float]]) -> Iterator[str]:
     """Return the lines of a table of parameters and their first values."""
     yield "| name | path | meaning | at first | unit | range |\n|---|---|---|---|---|---|"
     for parameter, told in parameters:
-        knob = parameter.declaration
-        cells = (f"`{parameter.name}`", f"`{knob.path}`", knob.help, f"{told:.7g}", knob.unit, range_of(parameter))
+        declared = parameter.declaration
+        cells = (
+            f"`{parameter.name}`",
+            f"`{declared.path}`",
+            declared.help,
+            f"{told:.7g}",
+            declared.unit,
+            range_of(parameter),
+        )
         yield "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
@@ -77,5 +84,9 @@ def document() -> str:
 
 
 if __name__ == "__main__":
-    path = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "docs" / "mavlink-parameters.md")
-    path.write_text(document(), encoding="utf-8")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    page = ROOT / "docs" / "mavlink-parameters.md"
+    parser.add_argument(
+        "file", nargs="?", type=Path, metavar="FILE", default=page, help="by default docs/mavlink-parameters.md"
+    )
+    parser.parse_args().file.write_text(document(), encoding="utf-8")

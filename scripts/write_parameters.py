@@ -3,9 +3,9 @@
 python scripts/write_parameters.py [FILE]
 """
 
+import argparse
 import dataclasses
 import re
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -80,17 +80,17 @@ def rows(standard: object, hunts: object, prefix: str = "", ours: bool = False) 
     into = type(standard)
     hints = get_type_hints(into)
     ours = ours or OURS in (into.__doc__ or "")
-    for knob in dataclasses.fields(standard):
-        own, other = getattr(standard, knob.name), getattr(hunts, knob.name)
-        name, help_text = prefix + knob.name, knob.metadata["help"]
-        live = is_live(knob)
+    for field in dataclasses.fields(standard):
+        own, other = getattr(standard, field.name), getattr(hunts, field.name)
+        name, help_text = prefix + field.name, field.metadata["help"]
+        live = is_live(field)
         state = f"ours{', live' if live else ''}" if ours or OURS in help_text else "live" if live else "yes"
         if dataclasses.is_dataclass(own):
             yield from rows(own, other, f"{name}.", ours)
             continue
-        item = next(iter(get_args(hints[knob.name])), None)
+        item = next(iter(get_args(hints[field.name])), None)
         if dataclasses.is_dataclass(item):
-            names = knob.name == sections_named_in(into)
+            names = field.name == sections_named_in(into)
             lists = [", ".join(entry.name for entry in entries) or "none" for entries in (own, other)]
             yield Row(name, state, lists[0], lists[1] if lists[1] != lists[0] else NOTHING, meaning=meaning(help_text))
             inner = f"{prefix}NAME." if names else f"{name}[]."
@@ -102,13 +102,13 @@ def rows(standard: object, hunts: object, prefix: str = "", ours: bool = False) 
                 elif not names:
                     yield dataclasses.replace(row, default=NOTHING)
             continue
-        choices = allowed(hints[knob.name], {**knob.metadata, "unit": ""})
+        choices = allowed(hints[field.name], {**field.metadata, "unit": ""})
         yield Row(
             name,
             state,
             shown(own),
             NOTHING if own == other else shown(other),
-            knob.metadata.get("unit", ""),
+            field.metadata.get("unit", ""),
             choices,
             meaning(help_text),
         )
@@ -170,4 +170,9 @@ def document() -> str:
 
 
 if __name__ == "__main__":
-    Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "docs" / "parameters.md").write_text(document(), encoding="utf-8")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    page = ROOT / "docs" / "parameters.md"
+    parser.add_argument(
+        "file", nargs="?", type=Path, metavar="FILE", default=page, help="by default docs/parameters.md"
+    )
+    parser.parse_args().file.write_text(document(), encoding="utf-8")

@@ -110,5 +110,5 @@ def test_every_parameter_of_ros_is_there(script, section: str) -> None:
 
 
 def test_every_part_of_a_robots_software_has_a_table(script) -> None:
-    parts = {knob.name for knob in dataclasses.fields(RobotParameters) if dataclasses.is_dataclass(knob.default)}
+    parts = {field.name for field in dataclasses.fields(RobotParameters) if dataclasses.is_dataclass(field.default)}
     assert parts <= {section for sections in script.TITLES for section in sections}

@@ -95,7 +95,7 @@ def test_values_and_descriptions_can_be_read_by_everybody(section: ReconfigureSe
             assert {choice["type"] for choice in choices} == {row.type}
 
 
-def test_a_description_is_the_knobs() -> None:
+def test_a_description_is_the_fields() -> None:
     described = unpacked(reconfigure.description(SECTIONS["amcl"]), types.CONFIG_DESCRIPTION)
     rows = {row.name: row for row in described.groups[0].parameters}
     assert rows["update_min_d"].type == "double"

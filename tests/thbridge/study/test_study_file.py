@@ -40,11 +40,11 @@ class TestDefaults:
         assert (planner.path_distance_bias, planner.goal_distance_bias) == (0.8, 0.6)
         assert study.robot.global_costmap.inflation_layer.inflation_radius == 0.5
 
-    def test_every_knob_tells_its_meaning(self) -> None:
+    def test_every_field_tells_its_meaning(self) -> None:
         def check(section: type) -> None:
-            for knob in dataclasses.fields(section):
-                assert knob.metadata.get("help"), f"{section.__name__}.{knob.name} has no help"
-                value = getattr(section(), knob.name)
+            for field in dataclasses.fields(section):
+                assert field.metadata.get("help"), f"{section.__name__}.{field.name} has no help"
+                value = getattr(section(), field.name)
                 if dataclasses.is_dataclass(value):
                     check(type(value))
 
@@ -52,7 +52,7 @@ class TestDefaults:
 
 
 class TestRoundTrip:
-    def test_the_commented_file_loads_to_the_defaults_and_names_every_knob(self) -> None:
+    def test_the_commented_file_loads_to_the_defaults_and_names_every_field(self) -> None:
         text = commented_study()
         assert read_study_text(STUDY, text) == Study()
         assert "  # energy of each robot at the start [0.01 to 1000000]\n  energy: 100.0\n" in text

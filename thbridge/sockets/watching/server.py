@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from thbridge.files.ros.definitions import Definitions
-from thbridge.protocols.backlog import Backlog
 from thbridge.protocols.watching import (
     STATUS,
     WatcherAdmitted,
@@ -30,6 +29,7 @@ from thbridge.ros.messages import types
 from thbridge.ros.topics import RosMessage, Topic
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
+from thbridge.sockets.watching.backlog import Backlog
 
 MAX_WATCHERS = 8
 """Most watchers at a time; further ones are turned away."""

@@ -1,7 +1,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.protocols.backlog import Backlog
+from thbridge.sockets.watching.backlog import Backlog
 
 PUTS = st.lists(st.tuples(st.integers(0, 4), st.integers(1, 40)), max_size=60)
 LATCHED = {0, 1}
