@@ -240,7 +240,7 @@ def test_rosbag_packs_our_bags_and_unpacks_them(
 
 @needs_ros
 @pytest.mark.parametrize("compression", [Compression.LZ4, Compression.BZ2])
-def test_rosbag_and_we_reindex_packed_bags_alike(
+def test_we_recover_of_a_packed_bag_all_that_rosbag_recovers(
     tmp_path: Path, packed: dict[Compression, Path], compression: Compression
 ) -> None:
     whole = packed[compression].read_bytes()
@@ -248,7 +248,9 @@ def test_rosbag_and_we_reindex_packed_bags_alike(
         (tmp_path / f"{name}.bag").write_bytes(whole[: len(whole) * 2 // 3])
     run("rosbag", "reindex", "--quiet", str(tmp_path / "theirs.bag"))
     assert reindex(tmp_path / "ours.bag").messages > 500
-    assert contents(tmp_path / "ours.bag") == contents(tmp_path / "theirs.bag")
+    # A packed chunk that is cut off is lost to rosbag, and we unpack what is there of it.
+    ours, theirs = (Counter(contents(tmp_path / f"{name}.bag")) for name in ("ours", "theirs"))
+    assert theirs <= ours <= Counter(contents(packed[compression]))
     assert f"compression: {compression}\n" in run("rosbag", "info", "--yaml", str(tmp_path / "ours.bag"))
 
 
