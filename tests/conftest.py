@@ -24,7 +24,7 @@ CHECKED = "CHECKED_SECONDS"
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add what `make bench` can be told."""
-    parser.addoption("--write-budgets", action="store_true", help="write what bench tests measure into budgets.toml")
+    parser.addoption("--write-budgets", action="store_true", help="raise budgets.toml to what bench tests measure")
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -51,6 +51,14 @@ def test_writing_keeps_the_figures_that_were_not_measured(file: Path) -> None:
     Budgets(file, write=False).ratio("a beam", 3.8)
 
 
+def test_of_several_runs_the_largest_figure_is_the_budget(file: Path) -> None:
+    for figure in (1.5, 2.5, 2.2):
+        budgets = Budgets(file, write=True)
+        budgets.ratio("a beam", figure)
+        budgets.save()
+    assert '"a beam" = 2.5' in file.read_text().splitlines()
+
+
 def test_nothing_is_written_unasked(file: Path) -> None:
     before = file.read_text()
     budgets = Budgets(file, write=False)
