@@ -29,7 +29,7 @@ test-slow: setup peers ## The tests that take their time.
 	$(BIN)/pytest -m slow
 
 # What is over its budget is measured once more: a machine has slow minutes, a slow kernel is slow in all of them.
-bench: setup ## Speed, held against tests/bench/budgets.toml; ARGS="--write-budgets" renews it.
+bench: setup ## Speed, held against tests/bench/budgets.toml; ARGS="--write-budgets" raises it.
 	$(BIN)/pytest -m bench -s $(ARGS) || $(BIN)/pytest -m bench -s --last-failed --last-failed-no-failures none
 
 stress: setup ## Play hundreds of random hunts on all cores; more with ARGS="--help".

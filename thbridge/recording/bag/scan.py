@@ -182,18 +182,19 @@ def scan(path: Path) -> Iterator[BagRecord]:
                 fields = _fields(_read(file, end))
                 kind = _kind(fields)
                 size = _uint32(_exactly(file, 4, end))
-            except _Torn as torn:
+            except (_Torn, OSError) as torn:
                 yield UnreadableSpan(at, end - at, str(torn))
                 return
             left = end - file.tell()
+            after = file.tell() + size
             if size > left:
                 yield from _cut_off(at, kind, fields, file.read(left), size)
                 return
             try:
                 yield from _outer(at, kind, fields, file.read(size))
-            except _Torn as torn:
-                yield UnreadableSpan(at, file.tell() - at, str(torn))
-            at = file.tell()
+            except (_Torn, OSError) as torn:
+                yield UnreadableSpan(at, after - at, str(torn))
+            at = file.seek(after)
 
 
 def _cut_off(at: int, kind: int, fields: dict[bytes, bytes], data: bytes, size: int) -> Iterator[BagRecord]:

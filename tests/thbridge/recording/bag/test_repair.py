@@ -1,8 +1,11 @@
+import errno
 import signal
 import subprocess
 import sys
+from io import BytesIO
 from pathlib import Path
 from random import Random
+from typing import IO, Any
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -189,6 +192,30 @@ def test_a_record_of_no_known_kind_does_not_hide_the_others(tmp_path: Path) -> N
     assert whole[at] == RecordType.CHUNK
     path.write_bytes(whole[:at] + b"\x7f" + whole[at + 1 :])
     assert reindex(path).lost_bytes > 10_000
+    assert read(path)[-1] == expected(3000)[-1]
+
+
+class BadSector(BytesIO):
+    """A file whose byte 60,000 no disk reads any more."""
+
+    def read(self, size: int | None = -1) -> bytes:
+        if size is not None and self.tell() <= 60_000 < self.tell() + size:
+            raise OSError(errno.EIO, "Input/output error")
+        return super().read(size)
+
+
+def test_a_sector_that_cannot_be_read_costs_only_its_chunk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.bag"
+    whole, _ = packed_bag(path, Compression.NONE)
+    really_open = Path.open
+
+    def open_damaged(at: Path, mode: str = "r", buffering: int = -1) -> IO[Any]:
+        return BadSector(whole) if at == path else really_open(at, mode, buffering)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "open", open_damaged)
+        assert reindex(path).lost_bytes > 10_000
+    assert set(read(path)) < set(expected(3000))
     assert read(path)[-1] == expected(3000)[-1]
 
 
