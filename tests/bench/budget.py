@@ -15,12 +15,20 @@ FILE = Path(__file__).with_name("budgets.toml")
 SLACK = 1.3
 """A figure fails that is more than so many times its budget."""
 
+REFERENCES = 27
+"""Calls of the reference before the work, and after it; a third of a second."""
+
 
 def cpu_seconds(work: Callable[[], object]) -> float:
     """Processor time of one call, all threads."""
     began = time.process_time()
     work()
     return time.process_time() - began
+
+
+def usual(work: Callable[[], object], times: int) -> float:
+    """Processor time of one call, the median of so many."""
+    return float(np.median([cpu_seconds(work) for _ in range(times)]))
 
 
 def best(work: Callable[[], object], times: int) -> float:
@@ -53,10 +61,17 @@ class Budgets:
         self._write = write
         self._budgets = _read(file)
         self._figures: dict[str, float] = {}
+        self._reference_before: float | None = None
+
+    def begin(self) -> None:
+        """Measure the reference before the work: a machine shared with others has slow seconds and slow minutes."""
+        self._reference_before = usual(reference, REFERENCES)
 
     def time(self, name: str, seconds: float) -> None:
-        """Judge processor time: its ratio to the reference, which is measured now, at its best of nine."""
-        self.ratio(name, seconds / best(reference, 9))
+        """Judge processor time: its ratio to the reference, the mean of before the work and of now."""
+        now = usual(reference, REFERENCES)
+        before = now if self._reference_before is None else self._reference_before
+        self.ratio(name, 2.0 * seconds / (before + now))
 
     def ratio(self, name: str, ratio: float) -> None:
         """Judge a ratio to something else of this run; less is better.

@@ -32,5 +32,6 @@ def budgets(_budgets: Budgets) -> Iterator[Budgets]:
     """
     gc.collect()
     gc.freeze()
+    _budgets.begin()
     yield _budgets
     gc.unfreeze()

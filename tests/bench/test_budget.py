@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.bench import budget
-from tests.bench.budget import Budgets, best, reference
+from tests.bench.budget import REFERENCES, Budgets, best, reference
 
 
 @pytest.fixture
@@ -67,15 +67,28 @@ def test_nothing_is_written_unasked(file: Path) -> None:
     assert file.read_text() == before
 
 
-def test_time_is_counted_in_references(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def timed(work: Callable[[], object], times: int) -> float:
-        assert (work, times) == (reference, 9)
-        return 0.1
+def test_time_is_counted_in_references_of_before_and_after(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    measured = iter((0.1, 0.3, 0.05, 0.15))
 
-    monkeypatch.setattr(budget, "best", timed)
-    Budgets(file, write=False).time("a beam", 0.2)
-    with pytest.raises(AssertionError, match=r"a beam: 2\.7, 1\.35 times"):
-        Budgets(file, write=False).time("a beam", 0.27)
+    def timed(work: Callable[[], object], times: int) -> float:
+        assert (work, times) == (reference, REFERENCES)
+        return next(measured)
+
+    monkeypatch.setattr(budget, "usual", timed)
+    budgets = Budgets(file, write=False)
+    budgets.begin()
+    budgets.time("a beam", 0.4)
+    budgets.begin()
+    with pytest.raises(AssertionError, match=r"a plan: 5\.4, 1\.35 times"):
+        budgets.time("a plan", 0.54)
+
+
+def test_one_slow_second_does_not_change_the_reference() -> None:
+    durations = iter([*[0.0] * 8, *[1.0] * 4])
+    clock = iter([end for each in durations for end in (0.0, each)])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(budget.time, "process_time", lambda: next(clock))
+        assert budget.usual(lambda: None, 12) == 0.0
 
 
 def test_the_work_of_the_reference_takes_time() -> None:

@@ -209,4 +209,3 @@ def test_global_localisation_and_kidnapping(
         assert found(mine) == len(tours)
         assert np.mean(sure) < 0.1
         budgets.time(f"amcl: finding itself {task}, {name}, {count} particles", float(settled(mine, "seconds").sum()))
-        budgets.time(f"amcl: longest update {task}, {name}, {count} particles", float(np.median(longest)))
