@@ -15,7 +15,7 @@ from thbridge.protocols.text.legacy import (
     TreasureImage,
 )
 from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, is_notice, parse_notice
+from thbridge.protocols.text.notice import COUNTED, Notice, decode_notice, encode_notice, is_notice, parse_notice
 from thbridge.roles.notices import KEEPER, HideRequest, HiderReady, HideTreasures, LegacyReply
 
 KEEPER_TIMEOUT = TICKS_PER_SECOND
@@ -75,7 +75,9 @@ class Hider:
 
     def _handle_notice(self, notice: Notice) -> list[TextMessage]:
         self._has_keeper = True
-        if (request := decode_notice(notice, HideRequest)) is not None and 0 < request.rooms <= MOST_ROOMS:
+        if (request := decode_notice(notice, HideRequest)) is not None:
+            if request.game not in COUNTED or not 0 < request.rooms <= MOST_ROOMS:
+                return []
             treasures = self._draw(request.game, request.rooms)
             return [encode_notice(self.name, KEEPER, HideTreasures(request.game, treasures))]
         if (reply := decode_notice(notice, LegacyReply)) is not None:

@@ -10,7 +10,7 @@ from typing import Literal
 
 from thbridge.hunt.events import Commander, Condition
 from thbridge.hunt.rules import commander_name
-from thbridge.protocols.text.notice import Notice, NoticeValue, decode_notice
+from thbridge.protocols.text.notice import COUNTED, Notice, NoticeValue, decode_notice
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,6 +208,7 @@ class View(NoticeValue, frozen=True, tag="View"):
             and all(room.robot is None or room.robot in robots for room in self.rooms)
             and all(robot in robots for robot in self.thinking)
             and all(item.robot in robots and item.room in rooms for item in matters)
+            and all(dialogue.dialogue in COUNTED for dialogue in self.dialogues)
             and all(dialogue.said or not dialogue.choices for dialogue in self.dialogues)
         )
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
+from msgspec import structs
 
 from tests.thbridge.hunt.folding import fold
 from tests.thbridge.roles.stage import Stage, templates
@@ -15,7 +16,7 @@ from thbridge.app.compose.setting import read_setting
 from thbridge.hunt.events import GameStarted
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import TextCommand, TextMessage
-from thbridge.protocols.text.notice import encode_notice, kind_of, notice
+from thbridge.protocols.text.notice import encode_notice, kind_of, notice, parse_notice
 from thbridge.roles import notices, view
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.notices import KEEPER
@@ -116,6 +117,8 @@ class Forgetful:
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.lists(st.one_of(junk(), typed), max_size=20))
 @example([TextMessage(TextCommand.FOUND, legacy.TABUI, legacy.HIDER, ("8,thing",))])
+@example([encode_notice(KEEPER, legacy.HIDER, notices.HideRequest(-1, 1))])
+@example([encode_notice(KEEPER, legacy.HIDER, notices.HideRequest(1 << 70, 1))])
 def test_the_keeper_and_its_neighbours(said):
     briefing = Briefing(names=("Blue Bottle",), pictures={"x.jpg": bytes(50_000), "rsz_t1.jpg": b"1"}, consent="Yes?")
     bot = build_bot(templates(), BotStrategy.SUGGESTION, 7)
@@ -128,6 +131,15 @@ def test_the_keeper_and_its_neighbours(said):
     stage.run(10)
     started = max(i for i, event in enumerate(stage.log.events) if isinstance(event, GameStarted))
     assert fold(stage.log.events[started], stage.log.events[started + 1 :]) == stage.session.game
+
+
+@pytest.mark.parametrize("number", [-1, 0, 1, 1 << 70])
+def test_a_view_with_a_dialogue_that_cannot_be_numbered_so_is_not_taken(number):
+    stage = Stage()
+    stage.run(8)
+    talk = view.DialogueView(number, 1, 0, "select-room", 1, ("Shall I go?",), ("Continue", "Stop"))
+    line = encode_notice(KEEPER, legacy.TABUI, structs.replace(stage.view(), dialogues=(talk,)))
+    assert (view.View.of_notice(parse_notice(line)) is None) == (number != 1)
 
 
 @pytest.fixture(scope="module")
