@@ -28,6 +28,7 @@ from thbridge.hunt.events import (
     TreasuresHidden,
 )
 from thbridge.hunt.rules import commander_name
+from thbridge.hunt.treasures import sensed_in_words
 from ui.terminal import out
 
 
@@ -95,7 +96,7 @@ def _happened(event: Event) -> str:
         case HandbackRequested(robot):
             return f"The participant asks for {robot_name(robot)} back."
         case TreasureSensed(room, colour, footprint):
-            return f"Something {colour.lower()}, {footprint.lower()}, is in {room}."
+            return f"Something {sensed_in_words(colour, footprint)}, is in {room}."
         case TreasurePictured(room, robot, image):
             return f"{robot_name(robot).capitalize()} takes a picture in {room}: {image}."
         case TreasureIdentified(room, _, name, points):

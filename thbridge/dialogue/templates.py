@@ -16,6 +16,7 @@ BESIDE_TREASURE = ("colour", "footprint")
 """Reserved words for questions about a treasure beside the robot."""
 
 _RESERVED = re.compile(r"£(\w+)£")
+_SENTENCE_START = re.compile(r"(^|[.?!…])\s*$")
 _STRAY = re.compile(r"£[^\W\d]|[^\W\d]£")
 
 
@@ -81,19 +82,28 @@ def word_fault(wording: str, scenario: Scenario) -> WordFault | None:
 
 
 def fill(wording: str, words: Mapping[str, str]) -> str:
-    """Return the wording with its reserved words replaced. Raises KeyError for a word without a value."""
-    return _RESERVED.sub(lambda found: words[found.group(1)], wording)
+    """Return the wording with its reserved words replaced, and a capital where one begins a sentence.
+
+    Raises:
+        KeyError: a word has no value.
+    """
+
+    def value(found: re.Match[str]) -> str:
+        word = words[found.group(1)]
+        return word[:1].upper() + word[1:] if _SENTENCE_START.search(wording[: found.start()]) else word
+
+    return _RESERVED.sub(value, wording)
 
 
 def words_of(topic: DialogueTopic) -> dict[str, str]:
-    """Return the values of the reserved words; room and robot are the numbers people use."""
+    """Return the values of the reserved words, as people read them within a sentence."""
     return {
         "room": str(topic.room.people),
         "cost": energy_text(topic.cost),
         "energy": energy_text(topic.energy),
         "robot": str(number_of(topic.robot)),
-        "colour": topic.colour,
-        "footprint": topic.footprint,
+        "colour": topic.colour.lower(),
+        "footprint": topic.footprint.lower(),
     }
 
 

@@ -46,3 +46,13 @@ def hide(kinds: Sequence[TreasureKind], uniforms: Sequence[float]) -> tuple[Trea
 def same_name(left: str, right: str) -> bool:
     """Return True for two equal names of treasures: case and blanks around or between words do not count."""
     return left.casefold().split() == right.casefold().split()
+
+
+def name_in_words(name: str) -> str:
+    """Return a treasure's name as people read it: `beer_bottle` of a file is `beer bottle`."""
+    return " ".join(name.replace("_", " ").split())
+
+
+def sensed_in_words(colour: str, footprint: str) -> str:
+    """Return what a robot senses as people read it within a sentence: `orange, round and large`."""
+    return f"{colour.lower()}, {footprint.lower()}"

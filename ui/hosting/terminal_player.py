@@ -7,6 +7,7 @@ from typing import Literal
 from sim.common.robot_numbers import index_of, robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
+from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import (
     AnswerDialogue,
     CallBack,
@@ -28,7 +29,7 @@ from thbridge.roles.view import (
     TakePicture,
     View,
 )
-from ui.model.playing.words import seen_words
+from ui.model.playing.words import seen_words, verdict_words
 from ui.story import CONDITIONS
 
 HELP = """\
@@ -84,7 +85,7 @@ class TerminalPlayer:
                 for state in _state_lines(view):
                     self.show(state)
             case ["names"]:
-                self.show(f"  {', '.join(view.names)}" if view.names else NO_NAMES)
+                self.show(f"  {_listed(view.names)}" if view.names else NO_NAMES)
             case ["agree"]:
                 self._wanted = (GiveConsent(),)
             case ["end"]:
@@ -116,9 +117,11 @@ class TerminalPlayer:
         self._wanted = (AnswerDialogue(dialogue.dialogue, dialogue.turn, 0 if first else len(dialogue.choices) - 1),)
 
     def _name(self, view: View, room: int, typed: str) -> None:
-        fitting = [name for name in view.names if name.casefold().startswith(typed.casefold())]
+        words = name_in_words(typed).casefold()
+        fitting = [name for name in view.names if name_in_words(name).casefold().startswith(words)]
+        fitting = [name for name in fitting if name_in_words(name).casefold() == words] or fitting
         if len(fitting) != 1:
-            self.show(f"{typed} is not one of: {', '.join(view.names)}" if view.names else NO_NAMES)
+            self.show(f"{typed} is not one of: {_listed(view.names)}" if view.names else NO_NAMES)
             return
         self._names[room] = fitting[0]
         self._discuss(view, room, "take-treasure")
@@ -139,6 +142,10 @@ class TerminalPlayer:
             case "take-treasure":
                 name = self._names.get(consent.room)
                 return None if name is None else IdentifyTreasure(consent.room, name)
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(name_in_words(name) for name in names)
 
 
 def _is_number(word: str) -> bool:
@@ -189,9 +196,9 @@ def _room_changes(old: RoomView, new: RoomView) -> list[str]:
     if new.sensed and not old.sensed:
         lines.append(_found(new))
     if new.picture is not None and old.picture is None:
-        lines.append(f"Room {new.room}: the picture is {new.picture}")
+        lines.append(f"Room {new.room}: a picture is taken. A terminal cannot show it; its file is {new.picture}")
     if new.verdict is not None and old.verdict is None:
-        lines.append(f"Room {new.room}: {new.verdict.name}, {new.verdict.points:+d} points.")
+        lines.append(f"Room {new.room}: {verdict_words(new.verdict.name, new.verdict.points)}")
     return lines
 
 

@@ -8,7 +8,12 @@ from thbridge.hunt.rooms import Room
 def test_reserved_words_become_what_people_read():
     topic = DialogueTopic(Scenario.TAKE_PICTURE, 0, Room(4), 5.0, 82.5, "Orange", "Round and Large")
     wording = "£robot£: £colour£, £footprint£ in room £room£; £cost£ of £energy£; £5 each"
-    assert fill(wording, words_of(topic)) == "1: Orange, Round and Large in room 4; 5 of 82.5; £5 each"
+    assert fill(wording, words_of(topic)) == "1: orange, round and large in room 4; 5 of 82.5; £5 each"
+
+
+@pytest.mark.parametrize("wording", ["£colour£ it is.", "Look! £colour£ it is.", "A thing. £colour£ it is."])
+def test_a_word_that_begins_a_sentence_has_a_capital(wording):
+    assert "Orange it is." in fill(wording, {"colour": "orange"})
 
 
 def test_what_fills_a_word_is_not_filled_again():

@@ -48,11 +48,25 @@ def test_a_person_hunts_by_keyboard_alone(seat):
         "Robot 1 is in room 3.",
         f"Room 3: something {treasure.colour.lower()}, {treasure.footprint.lower()}. n 3 NAME names it.",
     ]
-    assert seat.type("p 3") == [f"Room 3: the picture is {treasure.image}"]
+    assert seat.type("p 3") == [f"Room 3: a picture is taken. A terminal cannot show it; its file is {treasure.image}"]
     assert seat.type("names") == ["  Blue Bottle, Orange Bottle, Pink can, Yellow can"]
     assert seat.type("n 3 moon") == ["moon is not one of: Blue Bottle, Orange Bottle, Pink can, Yellow can"]
-    assert seat.type(f"n 3 {treasure.name.lower()}") == [f"Room 3: {treasure.name}, {treasure.points:+d} points."]
+    assert seat.type(f"n 3 {treasure.name.lower()}") == [
+        f"Room 3: {treasure.name} is right, {treasure.points} points won."
+    ]
     assert any(isinstance(event, TreasureIdentified) for event in seat.stage.log.events)
+
+
+def test_names_of_files_are_read_and_typed_as_words():
+    seat = Seat(Briefing(names=("beer_bottle", "beer_bottle_opener", "fuzzy_die")))
+    seat.type("1 3")
+    seat.type("c")
+    seat.type("c", 20)
+    assert seat.type("names") == ["  beer bottle, beer bottle opener, fuzzy die"]
+    seat.type("n 3 beer bottle")
+    assert "Room 3: beer bottle is wrong" in seat.shown[-1]
+    named = next(event for event in seat.stage.log.events if isinstance(event, TreasureIdentified))
+    assert named.name == "beer_bottle", "the journal has the name of the file"
 
 
 def test_stop_sends_nobody(seat):
@@ -119,5 +133,5 @@ def test_a_person_asks_for_a_robot_and_names_what_a_station_left(seat):
     seat.stage.run(3)
     assert any(line.startswith("  Room 3: something") for line in seat.type("?", 2))
     treasure = next(event for event in seat.stage.log.events if isinstance(event, TreasuresHidden)).treasures[2]
-    assert f"Room 3: {treasure.name}, {treasure.points:+d} points." in seat.type(f"n 3 {treasure.name}")
+    assert f"Room 3: {treasure.name} is right, {treasure.points} points won." in seat.type(f"n 3 {treasure.name}")
     assert not any(line.startswith("  Room 3") for line in seat.type("?"))

@@ -14,6 +14,7 @@ from thbridge.hunt.events import (
     TreasureLeft,
     TreasurePictured,
 )
+from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.robot_requests import WizardAdvice, WizardMode, WizardMove
 from ui.model.participant import Participant
@@ -169,7 +170,7 @@ def test_naming_needs_a_name_picked_and_is_talked_over_in_the_same_place():
     assert not events(seat, TreasureIdentified)
     seat.do(SubmitName())
     pop = seat.do(GiveAnswer(0)).popup
-    assert pop.verdict == f"{treasure.name} is right, {treasure.points} points won."
+    assert pop.verdict == f"{name_in_words(treasure.name)} is right, {treasure.points} points won."
     assert pop.points == seat.screen.score == treasure.points
     assert pop.aside.label == "Close"
     assert seat.do(ShowNext()).popup is None
@@ -187,7 +188,7 @@ def test_a_picture_is_talked_over_and_taken_once_agreed():
     assert pop.take_picture is None
     assert seat.screen.cards[0].energy == energy - 5
     assert pop.picture_note == "The picture is on its way."
-    assert seat.run(300).popup.picture_note.startswith("The picture cannot be shown here. It is called ")
+    assert seat.run(300).popup.picture_note == "The picture cannot be shown here."
 
 
 def test_a_wrong_name_costs_and_is_said_so():
@@ -197,7 +198,7 @@ def test_a_wrong_name_costs_and_is_said_so():
     wrong = next(name for name in seat.names if name != treasure.name)
     seat.press(PickName(wrong))
     pop = seat.do(SubmitName()).popup
-    assert pop.verdict == f"{wrong} is wrong, {treasure.points} points lost."
+    assert pop.verdict == f"{name_in_words(wrong)} is wrong, {treasure.points} points lost."
     assert seat.screen.tiles[2].found == f"{wrong}, −{treasure.points}"
 
 

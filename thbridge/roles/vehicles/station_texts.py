@@ -6,6 +6,7 @@ from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import Commander
 from thbridge.hunt.game import GameState, RoomState
 from thbridge.hunt.rooms import Room
+from thbridge.hunt.treasures import sensed_in_words
 
 
 def game_texts(robot: int, before: GameState | None, now: GameState) -> Iterator[str]:
@@ -32,7 +33,7 @@ def handback_texts(robot: int, before: GameState | None, now: GameState) -> Iter
 def _room_news(room: Room, was: RoomState, now: RoomState) -> Iterator[str]:
     name = str(room).capitalize()
     if now.sensed is not None and was.sensed is None:
-        yield f"{name}: something {now.sensed.colour.lower()}, {now.sensed.footprint.lower()}."
+        yield f"{name}: something {sensed_in_words(now.sensed.colour, now.sensed.footprint)}."
     if now.image is not None and was.image is None:
         yield f"{name}: a picture was taken, {now.image}."
     if now.points is not None and was.points is None:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
+from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import GiveUp, RequestSuggestion, RoomView, SelectRoom
 from ui.model.keys import keyed
 from ui.model.playing.possible import energy_warning, why_not_ask, why_not_end, why_not_go
@@ -86,7 +87,7 @@ def _price(hunt: HuntMemory, robot: int, room: int) -> str:
 
 def _found(room: RoomView) -> str:
     if room.verdict is not None:
-        return f"{room.verdict.name or 'named'}, {gained(room.verdict.points)}"
+        return f"{name_in_words(room.verdict.name) or 'named'}, {gained(room.verdict.points)}"
     if room.left:
         return "left there"
     return "" if room.colour is None else f"something {room.colour.lower()}"

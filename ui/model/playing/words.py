@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import Commander
+from thbridge.hunt.treasures import name_in_words, sensed_in_words
 
 
 def titled(robot: int) -> str:
@@ -44,7 +45,7 @@ def gained(points: int) -> str:
 
 def verdict_words(name: str, points: int) -> str:
     """The outcome of naming a treasure, as a sentence."""
-    named = name or "That"
+    named = name_in_words(name) or "That"
     if points > 0:
         return f"{named} is right, {counted(points, 'point')} won."
     if points < 0:
@@ -54,7 +55,7 @@ def verdict_words(name: str, points: int) -> str:
 
 def seen_words(colour: str, footprint: str) -> str:
     """A treasure as a robot senses it."""
-    return f"something {colour.lower()}, {footprint.lower()}"
+    return f"something {sensed_in_words(colour, footprint)}"
 
 
 def as_sentence(text: str) -> str:

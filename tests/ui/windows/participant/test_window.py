@@ -41,6 +41,7 @@ from ui.model.screen import (
     StopRobot,
     SubmitName,
     TakeThePicture,
+    TreasurePopup,
     TypeDigit,
 )
 from ui.windows.look import GAP, font
@@ -109,6 +110,16 @@ def test_a_name_is_picked_by_a_click(qtbot: QtBot, opened: Open) -> None:
     assert names.currentItem() is None and not names.selectedItems(), "nothing is picked at first"
     qtbot.mouseClick(names.viewport(), LEFT, pos=names.visualItemRect(names.item(2)).center())
     assert shown.done == [PickName("Pink can")]
+
+
+def test_a_name_of_a_file_is_shown_in_words_and_asked_for_as_it_is(qtbot: QtBot, opened: Open) -> None:
+    treasure = STATES["treasure"].popup
+    assert isinstance(treasure, TreasurePopup)
+    shown = opened(replace(STATES["treasure"], popup=replace(treasure, names=("basketball", "beer_bottle"))))
+    names = shown.window.treasure.names
+    assert names.item(1).text() == "beer bottle"
+    qtbot.mouseClick(names.viewport(), LEFT, pos=names.visualItemRect(names.item(1)).center())
+    assert shown.done == [PickName("beer_bottle")]
 
 
 def test_what_cannot_be_done_says_why_and_asks_for_nothing(qtbot: QtBot, opened: Open) -> None:

@@ -63,7 +63,7 @@ def _picture_note(hunt: HuntMemory, room: RoomView, now: float) -> str:
         return "" if hunt.robot_in_room(room.room) is not None or not room.undecided else "No picture was taken."
     if now < hunt.picture_times.get(room.room, now) + PICTURE_TIMEOUT:
         return "The picture is on its way."
-    return f"The picture cannot be shown here. It is called {room.picture}."
+    return "The picture cannot be shown here."
 
 
 def _take_picture(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> Action | None:

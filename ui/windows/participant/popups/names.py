@@ -9,6 +9,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from thbridge.hunt.treasures import name_in_words
 from ui.model.keys import typed_name
 from ui.windows.look import GAP
 from ui.windows.participant.widgets import focus
@@ -34,7 +35,7 @@ class NameList(QListWidget):
         self._names: tuple[str, ...] = ()
         self._picked: str | None = None
         self._high = 24
-        self.itemClicked.connect(lambda item: self.picked.emit(item.text()))
+        self.itemClicked.connect(lambda item: self.picked.emit(self._names[self.row(item)]))
 
     def show_names(self, names: tuple[str, ...], picked: str | None) -> None:
         """Show these names, with this one picked."""
@@ -44,7 +45,7 @@ class NameList(QListWidget):
             self._fill()
             self.updateGeometry()
         self._pick()
-        self.setAccessibleDescription(f"Picked: {picked}" if picked else "Nothing is picked")
+        self.setAccessibleDescription(f"Picked: {name_in_words(picked)}" if picked else "Nothing is picked")
 
     def sizeHint(self) -> QSize:
         """Return the size of three to eight names."""
@@ -93,7 +94,7 @@ class NameList(QListWidget):
 
     def _fill(self) -> None:
         self.clear()
-        self.addItems(list(self._names))
+        self.addItems([name_in_words(name) for name in self._names])
         self._high = max(self.sizeHintForRow(0), self._high)
 
     def _pick(self) -> None:
