@@ -17,6 +17,7 @@ from ui.first_start import announce_compiling
 from ui.hosting.lobby import GameVisit, PlayGame, host
 from ui.hosting.window_process import WINDOW, WindowProcess
 from ui.model.lobby import Offer
+from ui.model.rules_sheet import rules_lines
 from ui.outcome import show_outcome, usual_bag
 from ui.outputs import make_ready
 from ui.report import write_report
@@ -29,16 +30,23 @@ PRACTICE = Study(map="practice", templates="practice", robots=1)
 
 
 def offer_of(study: Study, given: bool) -> Offer:
-    """Return the numbers of robots that a participant may choose.
+    """Return the numbers of robots that a participant may choose, and the rules of the game.
 
     Args:
         study: gives them, as `participant: robots`.
         given: True when the admin has given a number, which then is the only one.
     """
+    game = study.game
+    rules = rules_lines(
+        picture_cost=game.picture_cost,
+        identify_cost=game.identify_cost,
+        energy=game.energy,
+        wrong_share=game.wrong_share,
+    )
     if study.participant.robots is None or given:
-        return Offer(study.robots, study.robots, study.robots)
+        return Offer(study.robots, study.robots, study.robots, rules)
     least, most = study.participant.robots
-    return Offer(least, most, min(max(study.robots, least), most))
+    return Offer(least, most, min(max(study.robots, least), most), rules)
 
 
 @dataclass(frozen=True, slots=True)

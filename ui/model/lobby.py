@@ -16,11 +16,13 @@ class Offer(msgspec.Struct, frozen=True, tag=True):
         least: smallest number of robots that may be chosen.
         most: largest number.
         usual: number in the study.
+        rules: of the game, in sentences.
     """
 
     least: int
     most: int
     usual: int
+    rules: tuple[str, ...] = ()
 
 
 class Preparing(msgspec.Struct, frozen=True, tag=True):

@@ -159,7 +159,7 @@ class AnotherGame(Act):
 
 @dataclass(frozen=True, slots=True)
 class ShowHelp(Act):
-    """Open or close the sheet of keys."""
+    """Open or close the sheet of rules and keys."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -414,6 +414,7 @@ class Screen:
         history: oldest first.
         ending: page after the game; None before its end.
         help: the sheet of keys as (key, effect); empty while closed.
+        rules: of the game in sentences, above the keys on the sheet; empty while closed, and before the game is there.
         typed: the digits of a room number typed so far.
         announcement: last sentence for a screen reader.
         announcement_number: its number, so that the same sentence twice is read out twice.
@@ -440,3 +441,4 @@ class Screen:
     typed: str
     announcement: str
     announcement_number: int
+    rules: tuple[str, ...] = ()

@@ -227,7 +227,7 @@ class ParticipantMainWindow(QMainWindow):
         box.open()
 
     def _show_start(self, offer: Offer) -> None:
-        page = StartPage(offer.least, offer.most, offer.usual)
+        page = StartPage(offer.least, offer.most, offer.usual, offer.rules)
         page.start.connect(lambda robots: self._send(Begin(robots)))
         page.tutorial.connect(lambda: self._send(Practise()))
         self._show(page)

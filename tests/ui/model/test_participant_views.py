@@ -497,6 +497,13 @@ def test_robots_are_followed_until_the_whole_map_is_wanted():
     assert model.followed is None
 
 
+def test_the_help_sheet_has_the_rules_with_the_numbers_of_the_game():
+    model = model_of(structs.replace(view(), picture_cost=7.0, identify_cost=2.5))
+    assert model.screen(0.0).rules == ()
+    model.do(ShowHelp(), 0.0)
+    assert "a picture 7, naming 2.5." in " ".join(model.screen(0.0).rules)
+
+
 def test_the_help_sheet_opens_at_any_time():
     model = Participant()
     model.do(ShowHelp(), 0.0)

@@ -13,6 +13,7 @@ from ui.model.playing.popups.treasures import PICTURE_TIMEOUT, treasure_popup
 from ui.model.playing.state import HuntMemory, ParticipantMemory
 from ui.model.playing.tiles import dont_know, end, tiles
 from ui.model.playing.words import titled, verdict_words
+from ui.model.rules_sheet import rules_lines
 from ui.model.screen import (
     Action,
     AgreeToTakePart,
@@ -61,6 +62,18 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         typed=memory.typed,
         announcement="",
         announcement_number=0,
+        rules=_rules(hunt) if hunt is not None and memory.help_open else (),
+    )
+
+
+def _rules(hunt: HuntMemory) -> tuple[str, ...]:
+    """The rules with the numbers of this game."""
+    view = hunt.view
+    moves = [cost for row in view.costs for cost in row if cost]
+    return rules_lines(
+        picture_cost=view.picture_cost,
+        identify_cost=view.identify_cost,
+        moves=(min(moves), max(moves)) if moves else None,
     )
 
 
@@ -123,7 +136,7 @@ def _not_now(act: AgreeToTakePart | AskAdvice | EndGame, label: str) -> Action:
 
 def _tools(memory: ParticipantMemory, phase: Phase) -> tuple[Action, ...]:
     sheet = Action(
-        ShowHelp(), "Close help" if memory.help_open else "Help", HELP.keys[0], hint="All keys on one sheet."
+        ShowHelp(), "Close help" if memory.help_open else "Help", HELP.keys[0], hint="Rules and keys on one sheet."
     )
     if phase is not Phase.PLAYING:
         return (sheet,)

@@ -230,7 +230,7 @@ class ParticipantWindow(QWidget):
             self.question.show_question(screen.confirmation)
             self.overlay.show_panel(self.question)
         elif screen.help:
-            self.help.show_help(screen.help, HELP.keys[0])
+            self.help.show_help(screen.rules, screen.help, HELP.keys[0])
             self.overlay.show_panel(self.help, 720)
         else:
             self.overlay.show_panel(None)

@@ -123,35 +123,37 @@ class KeyCap(QWidget):
 
 
 class HelpSheet(TitledPanel):
-    """Sheet of all keys and their meanings."""
+    """Sheet of the rules, and of all keys and their meanings."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
-        super().__init__("Keys", parent)
-        self.entitle("Keys")
+        super().__init__("Rules and keys", parent)
+        self.entitle("Rules and keys")
         self.close_button = ActionButton()
         self.close_button.requested.connect(self.requested)
         self.top.addWidget(self.close_button)
         self._area = QScrollArea(widgetResizable=True)
         self._area.setFrameShape(QFrame.Shape.NoFrame)
         self._area.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self._area.setAccessibleName("Keys and what they do")
+        self._area.setAccessibleName("The rules, the keys and what they do")
         self._area.viewport().setAutoFillBackground(False)
         self.rows.addWidget(self._area, 1)
-        self._shown: tuple[tuple[str, str], ...] = ()
+        self._shown: tuple[tuple[str, ...], tuple[tuple[str, str], ...]] | None = None
 
-    def show_help(self, lines: tuple[tuple[str, str], ...], key: str) -> None:
-        """Show these lines; `key` closes the sheet."""
+    def show_help(self, rules: tuple[str, ...], lines: tuple[tuple[str, str], ...], key: str) -> None:
+        """Show these rules and keys; `key` closes the sheet."""
         self.close_button.show_action(Action(ShowHelp(), "Close", key))
-        if lines == self._shown:
+        if (rules, lines) == self._shown:
             return
-        self._shown = lines
+        self._shown = rules, lines
         inside = QWidget()
         grid = QGridLayout(inside)
         grid.setContentsMargins(0, 0, GAP, 0)
         grid.setHorizontalSpacing(2 * GAP)
         grid.setVerticalSpacing(int(0.75 * GAP))
         grid.setColumnStretch(1, 1)
-        for row, (keys, does) in enumerate((*lines, *WINDOW_KEYS)):
+        for row, rule in enumerate(rules):
+            grid.addWidget(look.label(rule), row, 0, 1, 2)
+        for row, (keys, does) in enumerate((*lines, *WINDOW_KEYS), len(rules)):
             grid.addWidget(KeyCap(keys), row, 0, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
             grid.addWidget(look.label(does), row, 1)
         self._area.setWidget(inside)

@@ -1,20 +1,30 @@
 """The page before a game: an introduction, the number of robots, and a practice game."""
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QKeySequence, QShortcut
+from PySide6.QtGui import QKeySequence, QResizeEvent, QShortcut
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QWidget
 
+from ui.model.keys import HELP
 from ui.windows import look
 from ui.windows.look import GAP, spaced
+from ui.windows.participant.pages.pages import HelpSheet
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
 from ui.windows.participant.widgets.focus import make_region
-from ui.windows.participant.widgets.panels import page_column
+from ui.windows.participant.widgets.panels import ModalOverlay, page_column
 
 INTRODUCTION = (
     "Treasures are hidden in the rooms of this house. Your robots find them, and you decide together where each robot "
     "goes, and what it has found. Every move costs energy, and so does every picture. Name a treasure right to win its "
     "points; a wrong name loses some."
 )
+
+START_KEYS = (
+    ("1 to 9", "Choose how many robots, where there is a choice"),
+    ("T", "Try it out first: a short practice game"),
+    ("Enter", "Start"),
+    (" or ".join(HELP.keys), HELP.does),
+)
+"""Keys of this page, for the sheet."""
 
 _IN_A_ROW = 5
 """Most choices side by side."""
@@ -31,7 +41,9 @@ class StartPage(QWidget):
     start = Signal(int)
     tutorial = Signal()
 
-    def __init__(self, least: int, most: int, usual: int, parent: QWidget | None = None) -> None:
+    def __init__(
+        self, least: int, most: int, usual: int, rules: tuple[str, ...] = (), parent: QWidget | None = None
+    ) -> None:
         super().__init__(parent)
         make_region(self, "Start")
         self._number = usual
@@ -53,15 +65,26 @@ class StartPage(QWidget):
         for button in self.choices.values():
             button.setVisible(asks)
         rows.addSpacing(2 * GAP)
-        self.practise, self.begin = ActionButton(), ActionButton("main")
+        self.sheet, self.practise, self.begin = ActionButton(), ActionButton(), ActionButton("main")
+        self.sheet.show_face(ButtonFace("Rules and keys", HELP.keys[0]), "Rules and keys")
+        self.sheet.clicked.connect(self._toggle_help)
         self.practise.show_face(ButtonFace("Try it out first", "T"), "Try it out first: a short practice game")
         self.practise.clicked.connect(self.tutorial)
         self.begin.clicked.connect(lambda: self.start.emit(self._number))
         foot = spaced(QHBoxLayout(), GAP)
+        foot.addWidget(self.sheet, 1)
         foot.addWidget(self.practise, 1)
         foot.addWidget(self.begin, 1)
         rows.addLayout(foot)
         rows.addStretch(3)
+        self._rules = rules
+        self.overlay, self.help = ModalOverlay(self), HelpSheet()
+        self.help.requested.connect(self._toggle_help)
+        for help_key in HELP.keys:
+            self._shortcut(help_key).activated.connect(self._toggle_help)
+        self._closing = self._shortcut("Esc")
+        self._closing.activated.connect(self._toggle_help)
+        self._closing.setEnabled(False)
         for number, button in self.choices.items():
             if number < 10:
                 self._key(str(number), button)
@@ -80,6 +103,20 @@ class StartPage(QWidget):
         words = f"Start with {_robots(number)}"
         self.begin.show_face(ButtonFace(words, "Enter"), words)
 
+    def _toggle_help(self) -> None:
+        """Open the sheet of rules and keys, or close it."""
+        opens = not self.overlay.isVisible()
+        if opens:
+            self.help.show_help(self._rules, START_KEYS, HELP.keys[0])
+        self.overlay.show_panel(self.help if opens else None, 720)
+        self._closing.setEnabled(opens)
+        (self.help.close_button if opens else self).setFocus()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Let the overlay cover all."""
+        super().resizeEvent(event)
+        self.overlay.setGeometry(self.rect())
+
     def _choice(self, number: int) -> ActionButton:
         button = ActionButton("large")
         button.setCheckable(True)
@@ -89,10 +126,13 @@ class StartPage(QWidget):
         return button
 
     def _key(self, key: str, button: ActionButton) -> None:
+        self._shortcut(key).activated.connect(lambda: None if self.overlay.isVisible() else button.click())
+
+    def _shortcut(self, key: str) -> QShortcut:
         shortcut = QShortcut(QKeySequence(key), self)
         shortcut.setContext(Qt.ShortcutContext.WidgetWithChildrenShortcut)
         shortcut.setAutoRepeat(False)
-        shortcut.activated.connect(button.click)
+        return shortcut
 
 
 def _robots(number: int) -> str:

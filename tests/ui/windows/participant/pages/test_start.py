@@ -5,12 +5,13 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel
 from pytestqt.qtbot import QtBot
 
+from ui.model.rules_sheet import rules_lines
 from ui.windows.participant import StartPage
 
 
 @pytest.fixture
 def page(qtbot: QtBot) -> StartPage:
-    made = StartPage(2, 6, 3)
+    made = StartPage(2, 6, 3, rules_lines(picture_cost=7.0, identify_cost=2.0))
     qtbot.addWidget(made)
     made.show()
     made.activateWindow()
@@ -38,6 +39,23 @@ def test_a_game_by_keyboard(page: StartPage, qtbot: QtBot) -> None:
     assert started.args == [4]
     qtbot.keyClick(page, Qt.Key.Key_9)
     assert page.choices[4].isChecked(), "a number that is not offered changes nothing"
+
+
+def test_rules_and_keys_are_there_before_a_game(page: StartPage, qtbot: QtBot) -> None:
+    qtbot.keyClick(page, Qt.Key.Key_F1)
+    assert page.help.isVisible()
+    shown = [label.text() for label in page.help.findChildren(QLabel)]
+    assert any("a picture 7, naming 2" in text for text in shown)
+    with qtbot.assertNotEmitted(page.start), qtbot.assertNotEmitted(page.tutorial):
+        qtbot.keyClick(page.help.close_button, Qt.Key.Key_T)
+    qtbot.keyClick(page.help.close_button, Qt.Key.Key_Escape)
+    assert not page.help.isVisible()
+    qtbot.mouseClick(page.sheet, Qt.MouseButton.LeftButton)
+    assert page.help.isVisible()
+    qtbot.mouseClick(page.help.close_button, Qt.MouseButton.LeftButton)
+    assert not page.help.isVisible()
+    with qtbot.waitSignal(page.tutorial):
+        qtbot.keyClick(page, Qt.Key.Key_T)
 
 
 def test_trying_it_out(page: StartPage, qtbot: QtBot) -> None:
