@@ -361,7 +361,10 @@ class Comparison:
             return None
         if topic.msgtype != was.msgtype or types.plain_definition(topic.msgtype).md5 != was.md5:
             return self._difference(was.topic, was.stamp_ns, f"it was a {was.msgtype} of another release")
-        fields = differences(topic.msgtype, was.data, data)
+        try:
+            fields = differences(topic.msgtype, was.data, data)
+        except ValueError as error:
+            return self._difference(was.topic, was.stamp_ns, f"its content is another; {error}")
         return self._difference(was.topic, was.stamp_ns, "its content is another", fields)
 
     def _difference(self, topic: str, stamp_ns: int, what: str, fields: tuple[FieldDifference, ...] = ()) -> Difference:

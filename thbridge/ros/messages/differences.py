@@ -1,10 +1,12 @@
 """The fields in which two messages of one type differ."""
 
+import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, is_dataclass
 from itertools import islice, zip_longest
 
 import numpy as np
+from rosbags.serde.errors import SerdeError
 from rosbags.typesys.msg import normalize_msgtype
 
 from thbridge.ros.messages.types import typestore
@@ -37,9 +39,15 @@ def differences(msgtype: str, was: bytes, now: bytes) -> tuple[FieldDifference, 
         msgtype: a type that sessions publish, for example "nav_msgs/Odometry".
         was: the first message.
         now: the other one.
+
+    Raises:
+        ValueError: one of them cannot be read as a message of the type.
     """
     store, name = typestore(), normalize_msgtype(msgtype)
-    before, after = (store.deserialize_ros1(data, name) for data in (was, now))
+    try:
+        before, after = (store.deserialize_ros1(data, name) for data in (was, now))
+    except (SerdeError, UnicodeDecodeError, struct.error) as error:
+        raise ValueError(f"it cannot be read as a {msgtype}: {error}") from None
     return tuple(islice(_between("", before, after), MOST))
 
 

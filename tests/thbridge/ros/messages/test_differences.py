@@ -1,7 +1,7 @@
 import math
 
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
@@ -56,3 +56,17 @@ def test_any_two_numbers_that_differ_read_differently(one: float, other: float) 
     same = one == other and math.copysign(1, one) == math.copysign(1, other)
     assert bool(found) != (same or (math.isnan(one) and math.isnan(other)))
     assert all(difference.was != difference.now for difference in found)
+
+
+@settings(deadline=None, max_examples=300)
+@given(
+    st.sampled_from(
+        [types.ODOMETRY, types.LASER_SCAN, types.MARKER_ARRAY, types.STRING, types.GOAL_STATUS_ARRAY, types.UTTERANCE]
+    ),
+    st.binary(max_size=200),
+)
+def test_bytes_that_are_no_such_message_are_refused(msgtype: str, data: bytes) -> None:
+    try:
+        differences(msgtype, data, data)
+    except ValueError as error:
+        assert f"it cannot be read as a {msgtype}" in str(error)
