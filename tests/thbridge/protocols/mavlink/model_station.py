@@ -15,6 +15,9 @@ ITEM, OTHER = 13, 75
 
 RETRIES = 5
 
+# The vehicle says the last of these when an item comes after its word that it had given up was lost.
+GIVEN_UP = ("timeout", mav.MAV_MISSION_OPERATION_CANCELLED, mav.MAV_MISSION_ERROR)
+
 
 def waypoint(
     latitude, longitude, command=mav.MAV_CMD_NAV_WAYPOINT, params=(0.0, 0.0, 0.0, float("nan")), frame=6, z=0.0
@@ -78,7 +81,7 @@ class ModelStation:
 
     def _end(self, result):
         self._last = None
-        if result in ("timeout", mav.MAV_MISSION_OPERATION_CANCELLED) and self._left > 1:
+        if result in GIVEN_UP and self._left > 1:
             self._left -= 1
             self._count, self.downloaded = None, []
             self._expect(self._begin(), OTHER)
