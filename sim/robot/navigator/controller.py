@@ -14,11 +14,11 @@ from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbou
 from sim.parameters import RobotParameters
 from sim.robot.costmap.costmap_2d import CostmapObservation
 from sim.robot.costmap.costs import CostFrame
-from sim.robot.local_planning.braking import LATENCY, Surroundings, beside_obstacles, surroundings
+from sim.robot.local_planning.braking import LATENCY, WALL_MARGIN, Surroundings, beside_obstacles, surroundings
 from sim.robot.local_planning.local_planner import LocalPlanner, PlannedCommand
 from sim.robot.local_planning.planners import local_planner
 from sim.robot.navigator.costmaps import Costmaps
-from sim.robot.navigator.scan_obstacles import may_turn, seen_around
+from sim.robot.navigator.scan_obstacles import may_turn, room_ahead, seen_around
 
 LOOK_AHEAD = 1.75
 """Metres of path given to the local planner at most."""
@@ -140,8 +140,14 @@ class Controller:
             drive = self.planner.turn(IDENTITY, twist, SEARCH_TURN, around)
             if not drive.stuck:
                 return drive.command
+        # All scans are taken from the same place as far as the planner knows: what barred a turn in this one must not
+        # bar it for good.
+        self.planner.reset()
         ahead = Twist(SEARCH_SPEED, 0.0)
-        return ahead if self.planner.safe(IDENTITY, twist, ahead, around) else STANDSTILL
+        # What `safe` grants a robot that is near a wall adds up to a collision, as noise lets the wall seem farther off
+        # in some of the scans. So here the whole margin is to be free ahead.
+        free = room_ahead(scan, self.costmap.footprint) > WALL_MARGIN
+        return ahead if free and self.planner.safe(IDENTITY, twist, ahead, around) else STANDSTILL
 
 
 def _ticks(frequency: float) -> int:

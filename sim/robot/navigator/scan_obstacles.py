@@ -62,3 +62,16 @@ def may_turn(scan: Scan, radius: float) -> bool:
     length = float(along @ along)
     share = min(1.0, max(0.0, float(-first @ along) / length)) if length > 0.0 else 0.0
     return math.hypot(*(first + share * along)) > radius + WALL_MARGIN
+
+
+def room_ahead(scan: Scan, footprint: FloatArray) -> float:
+    """Metres straight on from the robot to the first obstacle that a scan shows; inf where it shows none.
+
+    Args:
+        scan: the latest.
+        footprint: (n, 2) of the robot, padded.
+    """
+    points = _end_points(scan)
+    right, left, front = footprint[:, 1].min(), footprint[:, 1].max(), footprint[:, 0].max()
+    before = points[(points[:, 1] > right) & (points[:, 1] < left) & (points[:, 0] > 0.0)]
+    return float(before[:, 0].min(initial=np.inf) - front)

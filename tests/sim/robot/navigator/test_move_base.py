@@ -484,6 +484,41 @@ def test_a_lost_robot_with_a_goal_turns_on_the_spot_whatever_it_believes():
     assert rig.poses[0].distance(Pose2(0, -4, 0)) < 0.01
 
 
+@pytest.mark.parametrize("heading", [0.0, 0.6, 0.95, 1.2])
+def test_a_lost_robot_with_no_room_to_turn_stays_off_the_wall_ahead_however_noisy_its_scans(heading):
+    rig = Rig([(0, -4, heading)])
+    mount = LaserMount(Pose2(0.1, 0.0, 0.0), -2.35619449, 4.71238898 / 180, 181, 0.05, 8.0)
+    along, chance = np.cos(mount.angles()), np.random.default_rng(4)
+
+    def beside_a_wall(pose):
+        """A wall at x = 1 m, and something right behind the robot wherever it goes."""
+        laser = pose.transform(np.array([[0.1, 0.0]]))[0]
+        to_wall = np.cos(pose.theta + mount.angles())
+        ranges = np.where(to_wall > 0.0, (1.0 - laser[0]) / np.maximum(to_wall, 1e-9), np.inf)
+        ranges = np.minimum(ranges, np.where(along < 0.0, 0.5 / np.maximum(-along, 1e-9), 8.0))
+        return Scan(0, mount, (ranges + chance.normal(0.0, 0.02, 181)).astype(np.float32))
+
+    rig.scans, rig.lost = beside_a_wall, {0}
+    rig.go(0, 0, 6, 0.5 * math.pi)
+    rig.run(150, lambda rig: rig.tick * TICK >= 100)
+    left = 1.0 - placed_at(STUDY, *rig.poses[0].array())[:, 0].max()
+    assert 0.04 < left < 0.2
+
+
+def test_a_lost_robot_turns_on_when_what_barred_its_turn_was_seen_once_only():
+    rig = Rig([(0, -4, 0.5 * math.pi)])
+    mount = LaserMount(Pose2(0.1, 0.0, 0.0), -2.3, 0.05, 93, 0.05, 8.0)
+    free = np.full(93, 2.0, np.float32)
+    # Something beside each corner in front, where a turn either way would bring it.
+    crowded = np.where(abs(abs(mount.angles()) - 1.18) < 0.06, np.float32(0.32), free)
+    rig.scans, rig.lost = lambda pose: Scan(0, mount, crowded if 50 <= rig.tick < 80 else free), {0}
+    rig.go(0, 0, 6, 0.5 * math.pi)
+    rig.run(5, lambda rig: rig.tick == 100)
+    before = rig.poses[0].theta
+    rig.run(5, lambda rig: rig.tick == 200)
+    assert wrap_angle(rig.poses[0].theta - before) > 0.5
+
+
 @pytest.mark.parametrize(("frequency", "plans"), [(0.0, (1, 1)), (2.0, (8, 11))])
 def test_planner_frequency_makes_new_plans_under_way(frequency, plans):
     parameters = RobotParameters()

@@ -3,7 +3,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.observations import LaserMount, Scan
-from sim.robot.navigator.scan_obstacles import may_turn, seen_around
+from sim.robot.navigator.scan_obstacles import may_turn, room_ahead, seen_around
 
 MOUNT = LaserMount(Pose2(0.1, 0.0, 0.0), -2.35619449, 4.71238898 / 180, 181, 0.05, 8.0)
 
@@ -34,3 +34,16 @@ def test_what_is_seen_lies_where_it_is_seen_from_the_base():
     row, col = np.unravel_index(np.argmin(around.clearance), around.clearance.shape)
     assert around.frame.x + (col + 0.5) * around.frame.resolution == pytest.approx(0.7, abs=0.03)
     assert around.frame.y + (row + 0.5) * around.frame.resolution == pytest.approx(0.0, abs=0.03)
+
+
+def test_room_ahead_counts_what_stands_in_the_way_of_the_robots_width():
+    ranges = np.full(181, np.inf, np.float32)
+    footprint = np.array([(0.2, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.2, -0.3)])
+    assert room_ahead(Scan(0, MOUNT, ranges), footprint) > 7.0
+    ranges[90] = 0.6
+    assert room_ahead(Scan(0, MOUNT, ranges), footprint) == pytest.approx(0.5, abs=0.01)
+    # 34 degrees to the left and 0.45 m away: 0.25 m aside; and 0.31 m aside, where it passes.
+    ranges[90 + 23] = 0.45
+    assert room_ahead(Scan(0, MOUNT, ranges), footprint) == pytest.approx(0.1 + 0.45 * np.cos(0.602) - 0.2, abs=0.01)
+    ranges[90 + 23] = 0.56
+    assert room_ahead(Scan(0, MOUNT, ranges), footprint) == pytest.approx(0.5, abs=0.01)
