@@ -65,13 +65,13 @@ def best_tour(
     if refused is not None:
         return refused
     step = np.array([[costs.cost(start, goal) for goal in rooms] for start in (*rooms, at)])
-    to_go, sizes = _cost_to_go(step)
+    to_go, sizes = cost_to_go(step)
     from_start = to_go[:, -1]
     spent = from_start + visit * np.maximum(sizes - 1, 0)
     sizes[~np.isfinite(spent) | (spent > energy)] = 0
     most = np.flatnonzero(sizes == sizes.max())
     cheapest = most[from_start[most] == from_start[most].min()]
-    order = _first_order(step, to_go, cheapest)
+    order = first_order(step, to_go, len(rooms), cheapest)
     return Tour(tuple(rooms[room] for room in order), float(from_start[cheapest[0]]))
 
 
@@ -107,22 +107,22 @@ def suggest(
     return tour if isinstance(tour, RequestRefused) else tour.rooms[0]
 
 
-def _cost_to_go(step: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def cost_to_go(step: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Compute the cost-to-go of all subsets.
 
     Args:
-        step: (n + 1, n) energy from place to room; the last row is the start.
+        step: (n + s, n) energy from place to room; the rows after the rooms' own are starts.
 
     Returns:
-        (2^n, n + 1) least energy to visit all of subset S from place j, infinite when impossible (bit k of S is
+        (2^n, n + s) least energy to visit all of subset S from place j, infinite when impossible (bit k of S is
         room k), and (2^n,) the sizes of the subsets. Entries where j is in S are not used.
     """
-    count = step.shape[1]
+    places, count = step.shape
     subsets = np.arange(1 << count)
     sizes = np.zeros(1 << count, dtype=np.int64)
     for room in range(count):
         sizes += (subsets >> room) & 1
-    to_go = np.full((1 << count, count + 1), np.inf)
+    to_go = np.full((1 << count, places), np.inf)
     to_go[0] = 0.0
     for size in range(1, count + 1):
         of_size = subsets[sizes == size]
@@ -133,10 +133,11 @@ def _cost_to_go(step: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray
     return to_go, sizes
 
 
-def _first_order(step: NDArray[np.float64], to_go: NDArray[np.float64], subsets: NDArray[np.int64]) -> tuple[int, ...]:
-    """Return the cheapest order of any of these subsets (all of one size) from the start; of equals the lowest."""
+def first_order(
+    step: NDArray[np.float64], to_go: NDArray[np.float64], place: int, subsets: NDArray[np.int64]
+) -> tuple[int, ...]:
+    """Return the cheapest order of any of these subsets (all of one size) from this place; of equals the lowest."""
     order: list[int] = []
-    place = step.shape[1]
     while subsets.any():
         for room in range(step.shape[1]):
             having = subsets[(subsets >> room) & 1 == 1]
