@@ -64,6 +64,7 @@ class DialogueTopic:
         energy: of the robot.
         colour: of the treasure as sensed; empty when the robot has not been there.
         footprint: likewise.
+        reason: of the robot's suggestion, as part of a sentence; empty for what it did not suggest.
     """
 
     scenario: Scenario
@@ -73,6 +74,7 @@ class DialogueTopic:
     energy: float
     colour: str = ""
     footprint: str = ""
+    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True)

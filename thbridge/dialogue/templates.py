@@ -14,6 +14,8 @@ EVERYWHERE = ("room", "cost", "energy", "robot")
 """Reserved words that any question may use."""
 BESIDE_TREASURE = ("colour", "footprint")
 """Reserved words for questions about a treasure beside the robot."""
+OF_A_SUGGESTION = ("reason",)
+"""Reserved words for questions about a room that the robot suggests."""
 
 _RESERVED = re.compile(r"£(\w+)£")
 _SENTENCE_START = re.compile(r"(^|[.?!…])\s*$")
@@ -54,8 +56,13 @@ class WordFault:
 
 def reserved_words(scenario: Scenario) -> tuple[str, ...]:
     """Return the reserved words that questions of this scenario may have between pound signs."""
-    by_a_treasure = scenario in (Scenario.TAKE_PICTURE, Scenario.TAKE_TREASURE)
-    return EVERYWHERE + BESIDE_TREASURE if by_a_treasure else EVERYWHERE
+    match scenario:
+        case Scenario.TAKE_PICTURE | Scenario.TAKE_TREASURE:
+            return EVERYWHERE + BESIDE_TREASURE
+        case Scenario.DONT_KNOW:
+            return EVERYWHERE + OF_A_SUGGESTION
+        case Scenario.SPECIFIC_ROOM:
+            return EVERYWHERE
 
 
 def word_fault(wording: str, scenario: Scenario) -> WordFault | None:
@@ -69,6 +76,11 @@ def word_fault(wording: str, scenario: Scenario) -> WordFault | None:
             return WordFault(
                 f"£{word}£ is known only beside a treasure",
                 "use it in the sections TakePicture: and TakeTreasure: only",
+            )
+        if word in OF_A_SUGGESTION:
+            return WordFault(
+                f"£{word}£ is known only where the robot suggests a room",
+                "use it in the first questions, those for a person who does not know, only",
             )
         near = difflib.get_close_matches(word.casefold(), allowed, n=1)
         choice = f"write £{near[0]}£" if near else "use one of " + ", ".join(f"£{name}£" for name in allowed)
@@ -104,6 +116,7 @@ def words_of(topic: DialogueTopic) -> dict[str, str]:
         "robot": str(number_of(topic.robot)),
         "colour": topic.colour.lower(),
         "footprint": topic.footprint.lower(),
+        "reason": topic.reason,
     }
 
 

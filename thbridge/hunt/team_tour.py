@@ -1,10 +1,9 @@
 """Joint plan of a team: which robot visits which of the rooms that are left, and in which order.
 
-An assignment of rooms to robots that visits most rooms within the robots' energies, and of those the one with the least
-energy for all moves. Each robot's cheapest tour of every subset comes from the subset dynamic programme of
-`thbridge.hunt.tour`; robots are then joined one by one, each taking any subset of the rooms that the ones before it have
-left: 3^n pairs of a set and a subset of it (the partition step of set covering; Bjoerklund, Husfeldt and Koivisto 2009
-have the general form). Exact, and a matter of milliseconds below twelve rooms.
+An assignment of rooms to robots that visits most rooms within the robots' energies, and of those the one with the
+least energy for all moves. Each robot's cheapest tour of every subset comes from the subset dynamic programme of
+`thbridge.hunt.tour`; robots are then joined one by one, each taking any subset of what those before it leave. That
+compares 3^n pairs of a set and a subset of it: exact, and a matter of milliseconds below twelve rooms.
 """
 
 import math
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.rooms import Room
-from thbridge.hunt.tour import Tour, cost_to_go, first_order
+from thbridge.hunt.tour import MOST_ROOMS, Tour, cost_to_go, first_order
 
 MOST_ROOMS_OF_A_TEAM = 12
 """Greatest number of rooms of a joint plan: 3^12 pairs of subsets take 13 MB, and some 50 ms for three robots."""
@@ -25,7 +24,7 @@ MOST_ROOMS_OF_A_TEAM = 12
 
 @dataclass(frozen=True, slots=True)
 class TourStart:
-    """Where one robot's tour begins, and what it may spend.
+    """Start of one robot's tour, and the energy it may spend.
 
     Attributes:
         costs: energy from there to every place, by the number people use, as a row of `CostMatrix`.
@@ -46,7 +45,7 @@ def best_team_tours(
     Args:
         costs: energy from room to room.
         starts: one a robot.
-        unvisited: rooms still to visit, at most `MOST_ROOMS_OF_A_TEAM`, in any order.
+        unvisited: rooms still to visit, at most `MOST_ROOMS_OF_A_TEAM`, or `MOST_ROOMS` for one robot; in any order.
         visit: energy that a robot spends in each room before its next move; counted against its energy, and not part
             of a tour's cost.
         sent: index of the robot that is about to be sent: its tour has at least one room, if it can pay for any.
@@ -58,8 +57,9 @@ def best_team_tours(
         ValueError: more rooms than can be compared.
     """
     rooms = sorted(set(unvisited))
-    if len(rooms) > MOST_ROOMS_OF_A_TEAM:
-        raise ValueError(f"at most {MOST_ROOMS_OF_A_TEAM} rooms can be shared out, and there are {len(rooms)}")
+    limit = MOST_ROOMS if len(starts) == 1 else MOST_ROOMS_OF_A_TEAM
+    if len(rooms) > limit:
+        raise ValueError(f"at most {limit} rooms can be shared out, and there are {len(rooms)}")
     between = [[costs.cost(start, goal) for goal in rooms] for start in rooms]
     step = np.array([*between, *([start.costs[goal.people] for goal in rooms] for start in starts)], dtype=np.float64)
     to_go, sizes = cost_to_go(step.reshape(-1, len(rooms)))
@@ -73,9 +73,7 @@ def best_team_tours(
     return tuple(tours)
 
 
-def _payable(
-    to_go: NDArray[np.float64], sizes: NDArray[np.int64], energy: float, visit: float
-) -> NDArray[np.float64]:
+def _payable(to_go: NDArray[np.float64], sizes: NDArray[np.int64], energy: float, visit: float) -> NDArray[np.float64]:
     """Return the energy for the moves of one robot's cheapest tour, by subset; infinite where it cannot pay for it."""
     spent = to_go + visit * np.maximum(sizes - 1, 0)
     return np.where(spent <= energy, to_go, np.inf)
@@ -87,25 +85,28 @@ def _shared_out(spent: Sequence[NDArray[np.float64]], sizes: NDArray[np.int64]) 
     `most[U]` and `least[U]` are the number of rooms, and the energy, of the best plan of the robots so far within the
     set U. Both are sums over robots and compared in this order, so a part of a best plan is a best plan of its part.
     """
-    whole, part, begins = _subsets_of_sets(int(sizes[-1]))
-    rest = whole ^ part
-    most = np.zeros(len(sizes), dtype=np.int64)
-    least = np.zeros(len(sizes))
-    chosen: list[NDArray[np.int64]] = []
-    for of_robot in spent:
-        energy = least[rest] + of_robot[part]
-        number = np.where(np.isfinite(energy), most[rest] + sizes[part], -1)
-        most = np.maximum.reduceat(number, begins)
-        energy[number < most[whole]] = np.inf
-        least = np.minimum.reduceat(energy, begins)
-        # Of equals the first: its position is the least one among those that are as good.
-        position = np.where((number == most[whole]) & (energy == least[whole]), np.arange(len(whole)), len(whole))
-        chosen.append(part[np.minimum.reduceat(position, begins)])
+    every = np.arange(len(sizes))
     left = len(sizes) - 1
-    taken = [0] * len(spent)
-    for robot in reversed(range(len(spent))):
-        taken[robot] = int(chosen[robot][left])
-        left ^= taken[robot]
+    most, least = np.zeros(len(sizes), dtype=np.int64), np.zeros(len(sizes))
+    chosen: list[NDArray[np.int64]] = []
+    # The first robot comes last and so chooses first, among equals the rooms with the lowest numbers.
+    for joined, of_robot in enumerate(reversed(spent), start=1):
+        # Then only the set of all rooms counts.
+        alone = np.full(len(sizes), left), every, np.zeros(1, dtype=np.int64)
+        whole, part, begins = alone if joined == len(spent) else _subsets_of_sets(int(sizes[-1]))
+        energy = least[whole ^ part] + of_robot[part]
+        number = np.where(np.isfinite(energy), most[whole ^ part] + sizes[part], -1)
+        most = np.maximum.reduceat(number, begins)
+        lengths = np.diff(begins, append=len(whole))
+        energy[number < np.repeat(most, lengths)] = np.inf
+        least = np.minimum.reduceat(energy, begins)
+        # Of equals the first: its position is the least among those that are as good.
+        position = np.where(energy == np.repeat(least, lengths), np.arange(len(whole)), len(whole))
+        chosen.append(part[np.minimum.reduceat(position, begins)])
+    taken: list[int] = []
+    for subsets in reversed(chosen):
+        taken.append(int(subsets[left] if len(subsets) > 1 else subsets[0]))
+        left ^= taken[-1]
     return taken
 
 

@@ -1,4 +1,4 @@
-"""Suggestion of the next room: the exact cheapest open tour of the rooms that are left.
+"""The exact cheapest open tour of the rooms that are left.
 
 The subset dynamic programme of Bellman (1962) and Held and Karp (1962), in its cost-to-go form: `to_go[S, j]` is the
 least energy that visits every room of the set S starting at place j. It is filled by the size of S, so that all sets of
@@ -97,14 +97,6 @@ def why_no_tour(
             f"but only {energy_text(energy)} is left.",
         )
     return None
-
-
-def suggest(
-    costs: CostMatrix, at: Room, unvisited: Collection[Room], energy: float, visit: float = 0.0
-) -> Room | RequestRefused:
-    """Return the first room of `best_tour`; same arguments, same refusals."""
-    tour = best_tour(costs, at, unvisited, energy, visit)
-    return tour if isinstance(tour, RequestRefused) else tour.rooms[0]
 
 
 def cost_to_go(step: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

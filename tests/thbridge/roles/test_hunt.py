@@ -146,7 +146,7 @@ def test_nothing_moves_before_consensus(scripted):
 
 def test_a_stop_ends_the_dialogue_without_consent(scripted):
     dialogue = scripted.say(RequestSuggestion(0)).dialogues[0]
-    assert dialogue.said == ("Do you want me to go to room 3",)
+    assert dialogue.said == ("Do you want me to go to room 2",)
     view = scripted.say(AnswerDialogue(dialogue.dialogue, dialogue.turn, 1))
     assert view.dialogues == ()
     assert view.consents == ()

@@ -67,10 +67,18 @@ class GameDialogues:
         utterances, self._utterances = self._utterances, []
         return utterances
 
-    def open(self, state: GameState, scenario: Scenario, robot: int, room: Room) -> None:
-        """Open a dialogue; an earlier one with this robot is withdrawn, and an agreement on the same matter too."""
+    def open(self, state: GameState, scenario: Scenario, robot: int, room: Room, reason: str = "") -> None:
+        """Open a dialogue; an earlier one with this robot is withdrawn, and an agreement on the same matter too.
+
+        Args:
+            state: of the game.
+            scenario: the decision.
+            robot: index in the team.
+            room: the room that it is about.
+            reason: of a suggestion, as part of a sentence.
+        """
         self._forget(robot, MATTERS[scenario])
-        topic = _topic(state, scenario, robot, room)
+        topic = _topic(state, scenario, robot, room, reason)
         self._opened += 1
         self._follow(self._engine.open(self._opened, topic, held=robot in self.puppets))
 
@@ -209,7 +217,7 @@ class GameDialogues:
         self.asked_for_advice = tuple(asked for asked in self.asked_for_advice if asked != robot)
 
 
-def _topic(state: GameState, scenario: Scenario, robot: int, room: Room) -> DialogueTopic:
+def _topic(state: GameState, scenario: Scenario, robot: int, room: Room, reason: str) -> DialogueTopic:
     here = state.robots[robot]
     match scenario:
         case Scenario.TAKE_PICTURE:
@@ -220,8 +228,8 @@ def _topic(state: GameState, scenario: Scenario, robot: int, room: Room) -> Dial
             cost = state.started.costs.cost(here.at, room)
     sensed = state.room(room).sensed
     if sensed is None:
-        return DialogueTopic(scenario, robot, room, cost, here.energy)
-    return DialogueTopic(scenario, robot, room, cost, here.energy, sensed.colour, sensed.footprint)
+        return DialogueTopic(scenario, robot, room, cost, here.energy, reason=reason)
+    return DialogueTopic(scenario, robot, room, cost, here.energy, sensed.colour, sensed.footprint, reason)
 
 
 def _still_open(state: GameState, robot: int, matter: DialogueMatter, room: Room) -> bool:

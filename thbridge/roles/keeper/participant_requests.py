@@ -7,11 +7,11 @@ from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.hunt.tour import suggest
 from thbridge.protocols.text.notice import Notice, decode_notice, kind_of
+from thbridge.roles.keeper.advice import advise
 from thbridge.roles.keeper.dialogues import MATTERS
 from thbridge.roles.keeper.open_game import OpenGame
-from thbridge.roles.participant_rules import Situation, free_to_discuss, judge, place
+from thbridge.roles.participant_rules import Situation, judge, place
 from thbridge.roles.view import (
     AnswerDialogue,
     CallBack,
@@ -60,20 +60,13 @@ def handle_participant_request(game: OpenGame, state: GameState, notice: Notice,
 
 def suggest_or_await(game: OpenGame, state: GameState, number: int) -> None:
     """Let a robot suggest a room, or wait for the person who speaks in its place."""
-    room = suggested_room(game, state, number)
-    if isinstance(room, RequestRefused):
-        game.refuse(kind_of(RequestSuggestion), room)
+    advice = advise(state, game.dialogues.discussed, number)
+    if isinstance(advice, RequestRefused):
+        game.refuse(kind_of(RequestSuggestion), advice)
     elif number in game.dialogues.puppets:
         game.dialogues.await_advice(number)
     else:
-        game.dialogues.open(state, Scenario.DONT_KNOW, number, room)
-
-
-def suggested_room(game: OpenGame, state: GameState, number: int) -> Room | RequestRefused:
-    """Return the room that a robot itself suggests; rooms that other robots have dialogues about are left out."""
-    robot = state.robots[number]
-    free = free_to_discuss(Situation(state, game.dialogues.discussed), number)
-    return suggest(state.started.costs, robot.at, free, robot.energy, state.started.identify_cost)
+        game.dialogues.open(state, Scenario.DONT_KNOW, number, advice.room, advice.reason)
 
 
 def _open(game: OpenGame, state: GameState, ruling: rules.Ruling, scenario: Scenario, robot: int, room: Room) -> None:

@@ -13,9 +13,10 @@ from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
+from thbridge.roles.keeper.advice import advise, reason_by_cost
 from thbridge.roles.keeper.dialogues import HeldTurn
 from thbridge.roles.keeper.open_game import OpenGame
-from thbridge.roles.keeper.participant_requests import suggest_or_await, suggested_room
+from thbridge.roles.keeper.participant_requests import suggest_or_await
 from thbridge.roles.participant_rules import Situation, free_to_discuss
 from thbridge.roles.robot_requests import WizardAdvice, WizardMode, WizardMove, WizardRequest
 
@@ -70,14 +71,22 @@ def handle_wizard_request(game: OpenGame, state: GameState | None, request: Wiza
         case WizardAdvice(robot, number):
             waits = state is not None and robot in game.dialogues.asked_for_advice
             if state is not None and waits and Room(max(number, 0)) in _rooms(game, state, robot):
-                game.dialogues.open(state, Scenario.DONT_KNOW, robot, Room(number))
+                game.dialogues.open(state, Scenario.DONT_KNOW, robot, Room(number), _reason(game, state, robot, number))
 
 
 def _advice(game: OpenGame, state: GameState, robot: int) -> HeldAdvice:
     at = state.robots[robot].at
     costs = tuple((room.people, state.started.costs.cost(at, room)) for room in _rooms(game, state, robot))
-    own = suggested_room(game, state, robot)
-    return HeldAdvice(robot, costs, None if isinstance(own, RequestRefused) else own.people)
+    own = advise(state, game.dialogues.discussed, robot)
+    return HeldAdvice(robot, costs, None if isinstance(own, RequestRefused) else own.room.people)
+
+
+def _reason(game: OpenGame, state: GameState, robot: int, number: int) -> str:
+    """Return the robot's own reason where the wizard advises what it would, and else what the room costs."""
+    own = advise(state, game.dialogues.discussed, robot)
+    if not isinstance(own, RequestRefused) and own.room == Room(number):
+        return own.reason
+    return reason_by_cost(state.started.costs.cost(state.robots[robot].at, Room(number)))
 
 
 def _rooms(game: OpenGame, state: GameState, robot: int) -> list[Room]:
