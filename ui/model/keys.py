@@ -1,7 +1,9 @@
 """Table of keys: buttons get their labels from it, and the help sheet its lines.
 
-Keys are named as on the keyboard: "Tab", "Shift+Tab", "Enter", "Esc", "Up", "Down", "F1", a digit, a capital letter,
-"?". Letters are free while a list has the focus; see `typed_name`.
+Keys are named as on the keyboard: "Tab", "Shift+Tab", "Enter", "Esc", "Space", "Up", "Down", "Home", "End", "F1", a
+digit, a capital letter, "Ctrl+" and a capital letter, "?".
+
+While a pop-up asks for the name of a treasure, letters belong to its list, wherever the focus is; see `is_for_list`.
 """
 
 import string
@@ -34,6 +36,7 @@ from ui.model.screen import (
     TakeThePicture,
     TreasurePopup,
     TypeDigit,
+    TypeLetter,
 )
 
 
@@ -58,15 +61,15 @@ PLAYING = (
     KeyBinding(("D", "?"), AskAdvice(), "Don't know: ask the robot where to go"),
     KeyBinding(("X",), StopRobot(), "Stop the robot"),
     KeyBinding(("B",), AskForRobot(), "Ask for the robot back, if somebody else commands it"),
-    KeyBinding(("P",), TakeThePicture(), "Take a picture of what was found"),
-    KeyBinding(("N", "Enter"), SubmitName(), "Name what was found, as picked from the list"),
-    KeyBinding(("L",), LeaveTreasure(), "Leave what was found, for good"),
+    KeyBinding(("Ctrl+P",), TakeThePicture(), "Take a picture of what was found"),
+    KeyBinding(("Enter", "Ctrl+N"), SubmitName(), "Name what was found, as picked from the list"),
+    KeyBinding(("Ctrl+L",), LeaveTreasure(), "Leave what was found, for good"),
     KeyBinding(("Esc", "W"), ShowNext(), "Put the pop-up aside, or show what waits"),
     KeyBinding(("F",), FollowRobot(), "Keep the robot in the middle of the map, or stop doing so"),
     KeyBinding(("M",), FitMap(), "Show the whole map"),
     KeyBinding(("E",), EndGame(), "End the game"),
 )
-"""Keys while the game goes on."""
+"""Keys while the game goes on. While letters belong to a list, Ctrl and the letter does what the letter does."""
 
 CONSENT = (KeyBinding(("A",), AgreeToTakePart(), "Agree to take part"),)
 OVER = (KeyBinding(("A",), AnotherGame(), "Play another game"),)
@@ -79,7 +82,9 @@ QUESTION = (
 HELP = KeyBinding(("F1", "H"), ShowHelp(), "Open or close this sheet")
 
 _TABLES = (PLAYING, CONSENT, OVER, QUESTION, (HELP,))
-_TAKEN = frozenset(key for binding in (*PLAYING, HELP) for key in binding.keys)
+_CTRL = "Ctrl+"
+_TAKEN = frozenset(key.removeprefix(_CTRL) for binding in (*PLAYING, HELP) for key in binding.keys)
+_STEPS = ("Up", "Down", "Home", "End")
 
 
 def key_of(act: Act) -> str:
@@ -111,6 +116,8 @@ def act_for(key: str, screen: Screen) -> Act | None:
         key: as the module names keys.
         screen: the screen that the participant sees.
     """
+    if is_for_list(key, screen):
+        return TypeLetter(" " if key == "Space" else key.casefold())
     if key in HELP.keys or (screen.help and key == "Esc"):
         return HELP.act
     if screen.help:
@@ -129,15 +136,17 @@ def act_for(key: str, screen: Screen) -> Act | None:
             return None
 
 
-def typed_name(letter: str, names: Sequence[str], picked: str | None) -> str | None:
-    """The next name, after the one picked, that begins with this letter; None if none does.
+def is_for_list(key: str, screen: Screen) -> bool:
+    """Return True when a key is a letter of a name in the list shown, or a blank within one."""
+    pop = screen.popup
+    if not isinstance(pop, TreasurePopup) or not pop.asks_for_name or screen.confirmation is not None or screen.help:
+        return False
+    return is_letter(key) or (key == "Space" and bool(pop.typed))
 
-    For a list that has the focus: only a letter with which no name begins is looked up in the table of keys.
-    """
-    fitting = [name for name in names if name.casefold().startswith(letter.casefold())] if letter else []
-    if not fitting:
-        return None
-    return fitting[(fitting.index(picked) + 1) % len(fitting)] if picked in fitting else fitting[0]
+
+def is_letter(key: str) -> bool:
+    """Return True for the key of a letter alone."""
+    return len(key) == 1 and key.isalpha()
 
 
 def help_lines(rooms: int) -> tuple[tuple[str, str], ...]:
@@ -146,7 +155,9 @@ def help_lines(rooms: int) -> tuple[tuple[str, str], ...]:
     lines = [(f"1 to {rooms}", number)]
     lines += [(" or ".join(binding.keys), binding.does) for binding in PLAYING]
     lines.append(("Enter", "The first of the answers to a robot; each answer's own letter is on its button"))
-    lines.append(("Up, Down", "Pick a name from the list; in the list, also the first letter of the name"))
+    lines.append(("Letters", "While a name is asked for: pick the name that begins so"))
+    lines.append((", ".join(_STEPS), "While a name is asked for: pick the name before or after, the first or last"))
+    lines.append(("Ctrl and a letter", "While a name is asked for: what the letter does otherwise"))
     lines += [(" or ".join(binding.keys), binding.does) for binding in (*QUESTION, HELP)]
     return tuple(lines)
 
@@ -167,19 +178,21 @@ def _playing(key: str, screen: Screen) -> Act | None:
             answer = next((choice.act for choice in choices if choice.key == key), None)
             if answer is not None:
                 return answer
-        case TreasurePopup(verdict=verdict) as pop:
-            if key in ("Up", "Down"):
-                return _neighbour(pop, 1 if key == "Down" else -1)
-            if key == "Enter" and verdict is not None:
-                return ShowNext()
-        case None:
+        case TreasurePopup() as pop if pop.asks_for_name:
+            if key in _STEPS:
+                return _step(key, pop)
+            return _bound(key, PLAYING) or _bound(key.removeprefix(_CTRL), (*PLAYING, HELP))
+        case TreasurePopup() if key == "Enter":
+            return ShowNext()
+        case _:
             pass
     return _bound(key, PLAYING)
 
 
-def _neighbour(pop: TreasurePopup, step: int) -> Act | None:
-    if not pop.names or pop.verdict is not None:
+def _step(key: str, pop: TreasurePopup) -> Act | None:
+    if not pop.names:
         return None
-    if pop.picked not in pop.names:
-        return PickName(pop.names[0 if step > 0 else -1])
+    if key in ("Home", "End") or pop.picked not in pop.names:
+        return PickName(pop.names[0 if key in ("Home", "Down") else -1])
+    step = 1 if key == "Down" else -1
     return PickName(pop.names[(pop.names.index(pop.picked) + step) % len(pop.names)])

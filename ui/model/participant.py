@@ -108,7 +108,7 @@ class Participant:
         fresh = compose(memory, now)
         if fresh.confirmation is not None and drawn.pending_step != memory.last_drawn.pending_step:
             memory.history.announce(f"{fresh.confirmation.title} {fresh.confirmation.text}")
-        elif fresh.popup is not None and drawn.item != memory.last_drawn.item:
+        elif fresh.popup is not None and drawn.subject != memory.last_drawn.subject:
             memory.history.announce(fresh.popup.title)
         memory.last_drawn = drawn
         fresh = self._announcing(fresh)
@@ -174,7 +174,7 @@ class Participant:
             case None:
                 dialogue = None
         turn = None if dialogue is None else (dialogue.dialogue, dialogue.turn)
-        return DrawnState(item, turn, hunt.pending_step, hunt.view.game)
+        return DrawnState(item, turn, hunt.pending_step, hunt.view.game, hunt.picked)
 
 
 def _shown(motions: tuple[RobotMotion, ...]) -> tuple[tuple[str, int | None, float], ...]:

@@ -41,5 +41,5 @@ def _about_treasure(pop: TreasurePopup) -> str:
             "Colour and shape do not always tell what it is. Take a picture: it costs energy, and shows the treasure."
         )
     if pop.picked is None:
-        return "Choose from the list what you see. Nothing counts before you name it."
+        return "Choose from the list what you see, or type how it begins. Nothing counts before you name it."
     return "Name it when you are sure: the right name wins points, a wrong one loses them. Or leave it."

@@ -112,6 +112,13 @@ class PickName(Act):
 
 
 @dataclass(frozen=True, slots=True)
+class TypeLetter(Act):
+    """Type a letter of a name in the list shown: letters typed soon after each other are the beginning of the name."""
+
+    letter: str
+
+
+@dataclass(frozen=True, slots=True)
 class SubmitName(Act):
     """Name the treasure shown as picked; this counts for the score."""
 
@@ -310,6 +317,7 @@ class TreasurePopup:
         points: points of the verdict.
         aside: puts the pop-up aside, or closes it when all is decided.
         picture_note: text in the picture's place: that it is on its way, or why it cannot be shown.
+        typed: the letters of a name typed so far.
     """
 
     robot: int
@@ -327,6 +335,12 @@ class TreasurePopup:
     points: int | None
     aside: Action
     picture_note: str = ""
+    typed: str = ""
+
+    @property
+    def asks_for_name(self) -> bool:
+        """True while the list of names is open."""
+        return self.verdict is None
 
 
 @dataclass(frozen=True, slots=True)

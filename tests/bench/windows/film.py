@@ -89,11 +89,11 @@ def key_for(screen: Screen) -> str:
         case TreasurePopup(verdict=str()):
             return "Enter"
         case TreasurePopup() as found if found.take_picture is not None and found.take_picture.enabled:
-            return "P"
+            return "Ctrl+P"
         case TreasurePopup() as found if found.picked is None and found.names:
             return "Down"
         case TreasurePopup() as found:
-            return "N" if found.name_it.enabled else "L"
+            return "Ctrl+N" if found.name_it.enabled else "Ctrl+L"
     return "D" if screen.ask_advice.enabled else "Tab"
 
 

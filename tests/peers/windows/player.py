@@ -246,13 +246,13 @@ class Keys(Player):
         if sight.button("Close") is not None:
             return "Escape"
         if sight.button("Take a picture") is not None:
-            return "p"
+            return "ctrl+p"
         if sight.names and sight.picked != sight.treasure:
             return "Down"
         if sight.button("Name it") is not None:
-            return "n"
+            return "Return"
         if sight.button("Leave it") is not None:
-            return "l"
+            return "ctrl+l"
         if sight.pop is not None:
             return None
         if sight.waiting:

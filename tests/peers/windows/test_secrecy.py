@@ -187,7 +187,7 @@ def test_nothing_of_a_treasure_is_in_the_participants_process_before_it_is_told(
             assert secret.encode() not in hunt.heard
 
         screen.do("sleep", "0.5")
-        press_until("p", lambda: hunt.turns() or hunt.view()["rooms"][0]["picture"])
+        press_until("ctrl+p", lambda: hunt.turns() or hunt.view()["rooms"][0]["picture"])
         screen.do("sleep", "0.5")
         press_until("Return", lambda: hunt.view()["rooms"][0]["picture"] == file)
         screen.do("sleep", "1")

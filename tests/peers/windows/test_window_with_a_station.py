@@ -83,7 +83,7 @@ def test_a_participant_asks_for_a_robot_names_what_it_left_and_has_it_back(
     player.until("it to be sent on", lambda seen: seen.named("Robot 1 found something in room 2 and was sent on"))
     screen.picture(tmp_path / "sent-on.png")
     player.insist("a name", lambda: screen.press("Down"), lambda seen: seen.picked)
-    screen.press("n")
+    screen.press("Return")
     named = player.insist("the verdict", lambda: screen.press("Return"), lambda seen: seen.button("Close"))
     assert named.score != 0 and "commanded by ground station 255" in named.robot(1)
     screen.picture(tmp_path / "named.png")

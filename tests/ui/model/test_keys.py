@@ -1,9 +1,10 @@
+import string
 from dataclasses import replace
 
 import pytest
 
 from tests.ui.model.seat import Seat
-from ui.model.keys import PLAYING, QUESTION, act_for, choice_keys, help_lines, key_of, typed_name
+from ui.model.keys import PLAYING, QUESTION, act_for, choice_keys, help_lines, key_of
 from ui.model.participant import Participant
 from ui.model.screen import (
     AnotherGame,
@@ -14,7 +15,9 @@ from ui.model.screen import (
     DialoguePopup,
     EndGame,
     FinishNumber,
+    FollowRobot,
     GiveAnswer,
+    LeaveTreasure,
     NextRobot,
     Phase,
     PickName,
@@ -25,6 +28,7 @@ from ui.model.screen import (
     TakeThePicture,
     TreasurePopup,
     TypeDigit,
+    TypeLetter,
 )
 
 
@@ -54,11 +58,12 @@ def test_a_whole_hunt_by_keys_alone():
         elif isinstance(pop, TreasurePopup) and pop.verdict is not None:
             press("Enter")
         elif isinstance(pop, TreasurePopup) and pop.take_picture is not None and pop.take_picture.enabled:
-            press("P")
+            press("Ctrl+P")
         elif isinstance(pop, TreasurePopup) and not pop.leave.enabled:
             seat.run()
         elif isinstance(pop, TreasurePopup):
-            press("Down", "N" if pop.robot == 0 else "Enter") if pop.name_it.hint.startswith("Pick") else press("L")
+            naming = ("Down", "Ctrl+N" if pop.robot == 0 else "Enter")
+            press(*naming) if pop.name_it.hint.startswith("Pick") else press("Ctrl+L")
         elif screen.ask_advice.enabled:
             press("D")
         else:
@@ -124,7 +129,27 @@ def test_names_are_picked_by_arrows():
     assert act_for("Up", screen) == PickName(screen.popup.names[-1])
     screen = seat.press(act_for("Up", screen))
     assert act_for("Down", screen) == PickName(screen.popup.names[0])
-    assert [act_for(key, screen) for key in ("Enter", "N", "P")] == [SubmitName(), SubmitName(), TakeThePicture()]
+    assert [act_for(key, screen) for key in ("Home", "End")] == [
+        PickName(screen.popup.names[0]),
+        PickName(screen.popup.names[-1]),
+    ]
+
+
+def test_letters_belong_to_the_open_list_and_ctrl_stands_before_those_of_buttons():
+    seat = Seat()
+    seat.do(ChooseRoom(3))
+    seat.do(GiveAnswer(0))
+    screen = seat.do(GiveAnswer(0), 40)
+    letters = string.ascii_uppercase
+    assert [act_for(letter, screen) for letter in letters] == [TypeLetter(letter.lower()) for letter in letters]
+    keys = ("Enter", "Ctrl+N", "Ctrl+P", "Ctrl+L", "Esc", "Ctrl+X", "Ctrl+F", "Ctrl+H", "?", "Space", "3", "Ctrl+Q")
+    acts = [SubmitName(), SubmitName(), TakeThePicture(), LeaveTreasure(), ShowNext(), StopRobot(), FollowRobot()]
+    acts += [ShowHelp(), AskAdvice(), None, TypeDigit(3), None]
+    assert [act_for(key, screen) for key in keys] == acts
+    printed = {action.key for action in seat.offers()}
+    assert {"Enter", "Ctrl+P", "Ctrl+L", "Esc", "F1"} <= printed
+    assert not printed & set(letters), "no button says that a letter presses it"
+    assert act_for("Space", seat.press(TypeLetter("b"), 1)) == TypeLetter(" ")
 
 
 def test_enter_and_esc_are_for_the_digits_while_some_are_typed():
@@ -142,15 +167,6 @@ def test_answers_get_letters_of_their_own():
     assert choice_keys(("Continue", "Stop")) == ("C", "S")
     assert choice_keys(("Don't go", "Yes", "Yes, but")) == ("O", "Y", "S")
     assert len(set(choice_keys(("?",) * 8))) == 8
-
-
-def test_letters_in_the_list_go_round_the_names():
-    names = ("ball", "bottle", "can")
-    assert typed_name("b", names, None) == "ball"
-    assert typed_name("B", names, "ball") == "bottle"
-    assert typed_name("B", names, "bottle") == "ball"
-    assert typed_name("x", names, "ball") is None
-    assert typed_name("", names, "ball") is None
 
 
 def test_every_binding_is_on_the_help_sheet():

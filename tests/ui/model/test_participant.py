@@ -158,16 +158,21 @@ def test_naming_needs_a_name_picked_and_is_talked_over_in_the_same_place():
     assert pop.names == seat.names
     assert pop.picked is None
     assert not pop.name_it.enabled
-    assert pop.name_it.hint == "Pick a name from the list first."
+    assert pop.name_it.hint == "Pick a name first."
     treasure = seat.stage.session.game.treasures[2]
     assert (pop.colour, pop.footprint) == (treasure.colour, treasure.footprint)
     seat.press(PickName(treasure.name))
     pop = seat.do(SubmitName()).popup
     assert isinstance(pop, DialoguePopup)
-    assert pop.title == f"Robot 1: name it {treasure.name}?"
+    words = name_in_words(treasure.name)
+    assert pop.title == f"Robot 1: name it {words}?"
+    assert pop.sentences[0] == ("you", f"Name it {words}.")
+    assert pop.title in seat.screen.announcement
     pop = seat.do(GiveAnswer(1)).popup
-    assert (pop.picked, pop.verdict, pop.name_it.enabled) == (treasure.name, None, True)
+    assert (pop.picked, pop.verdict, pop.name_it.enabled) == (None, None, False), "a name not confirmed is gone"
     assert not events(seat, TreasureIdentified)
+    pop = seat.press(PickName(treasure.name)).popup
+    assert pop.name_it.label == f"Name it {words}"
     seat.do(SubmitName())
     pop = seat.do(GiveAnswer(0)).popup
     assert pop.verdict == f"{name_in_words(treasure.name)} is right, {treasure.points} points won."
@@ -379,8 +384,7 @@ def test_what_was_asked_and_lost_on_its_way_is_asked_again(monkeypatch):
 def test_a_server_that_comes_back_goes_on_where_it_was():
     seat = Seat()
     go(seat, 3)
-    name = seat.names[0]
-    seat.press(PickName(name))
+    seat.press(PickName(seat.names[0]))
     seat.do(ShowNext())
     seat.model.lost("The server has gone.", seat.now)
     screen = seat.screen
@@ -389,7 +393,7 @@ def test_a_server_that_comes_back_goes_on_where_it_was():
     seat.now += 5.0
     assert "lost for 5 seconds." in seat.screen.banner.text
     seat.model.do(ShowWaiting(0), seat.now)
-    assert seat.screen.popup.picked == name
+    assert seat.screen.popup.picked is None
     seat.model.do(LeaveTreasure(), seat.now)
     assert seat.screen.popup.leave.pending
     seat.model.connected(seat.now)
@@ -441,7 +445,8 @@ def test_a_server_that_is_killed_in_the_middle_goes_on_by_its_journal():
     assert [event.at.people for event in events(seat, MoveFailed)] == [0]
     assert len(screen.history) > lines
     assert [waiting.text for waiting in screen.waiting] == ["Robot 1 is in room 3 and found something"]
-    assert seat.do(ShowWaiting(0)).popup.picked == name
+    assert seat.do(ShowWaiting(0)).popup.picked is None
+    seat.press(PickName(name))
     assert seat.do(SubmitName()).popup.verdict is not None
 
 

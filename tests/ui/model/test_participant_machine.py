@@ -51,9 +51,11 @@ from ui.model.screen import (
     TakeThePicture,
     TreasurePopup,
     TypeDigit,
+    TypeLetter,
 )
 
-KEYS = ("Tab", "Shift+Tab", "Enter", "Esc", "Up", "Down", "F1", "?", *"0123456789", *"ABCDEFHLMNPSWXY")
+KEYS = ("Tab", "Shift+Tab", "Enter", "Esc", "Up", "Down", "F1", "?", *"0123456789", *"ABCDEFHMNSWXY")
+KEYS += ("Space", "Home", "End", "Ctrl+P", "Ctrl+L", "Ctrl+N", "Ctrl+X")
 
 ACTS = st.one_of(
     st.builds(ChooseRobot, st.integers(-1, 3)),
@@ -65,6 +67,7 @@ ACTS = st.one_of(
     st.builds(AskForRobot, st.one_of(st.none(), st.integers(-1, 3))),
     st.builds(GiveAnswer, st.integers(-1, 2)),
     st.builds(PickName, st.one_of(st.none(), st.sampled_from(("Orange Bottle", "Pink can", "nothing")))),
+    st.builds(TypeLetter, st.sampled_from("bcop ")),
     st.builds(ShowWaiting, st.integers(0, 3)),
     st.sampled_from(
         (

@@ -28,11 +28,11 @@ def key_for(screen: Screen) -> str | None:
         case TreasurePopup() as found if found.verdict is not None:
             return "Enter"
         case TreasurePopup() as found if found.take_picture is not None and found.take_picture.enabled:
-            return "P"
+            return "Ctrl+P"
         case TreasurePopup() as found if found.picked is None and found.names:
             return "Down"
         case TreasurePopup() as found:
-            return "N" if found.name_it.enabled else "L" if found.name_it.hint.startswith("Naming") else None
+            return "Enter" if found.name_it.enabled else "Ctrl+L" if found.name_it.hint.startswith("Naming") else None
     return "D" if screen.ask_advice.enabled else "Tab"
 
 

@@ -1,6 +1,7 @@
 """Effects of the participant's acts. Each act is judged against the screen that the participant saw."""
 
 from sim.common.robot_numbers import robot_name
+from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import (
     AnswerDialogue,
     CallBack,
@@ -14,6 +15,7 @@ from thbridge.roles.view import (
     SelectRoom,
 )
 from ui.model.playing.cards import card_sentence
+from ui.model.playing.name_choice import NameChoice
 from ui.model.playing.popup_queue import DestinationItem, TreasureItem
 from ui.model.playing.possible import (
     undecided_beside,
@@ -26,6 +28,7 @@ from ui.model.playing.possible import (
 )
 from ui.model.playing.state import EndGameEarly, HuntMemory, LeaveUndecided, ParticipantMemory, PendingStep, Reroute
 from ui.model.playing.view_update import is_open, note, settle
+from ui.model.playing.words import name_request
 from ui.model.screen import (
     Act,
     AgreeToTakePart,
@@ -52,6 +55,7 @@ from ui.model.screen import (
     SubmitName,
     TakeThePicture,
     TypeDigit,
+    TypeLetter,
 )
 
 TYPING = 4.0
@@ -141,27 +145,39 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
         case PickName(name):
             if room in hunt.submitted_names:
                 return
-            if name is None:
-                hunt.picked_names.pop(room, None)
-            elif name in view.names:
-                hunt.picked_names[room] = name
-                memory.history.announce(f"{name} is picked.")
+            if name is None or name in view.names:
+                _pick(memory, hunt, NameChoice(item, name))
+        case TypeLetter(letter):
+            if room not in hunt.submitted_names and view.names:
+                choice = (hunt.choice or NameChoice(item)).typing(letter, view.names, now)
+                _pick(memory, hunt, choice)
+                if choice.name is None:
+                    note(memory, f"No name begins with \u201c{choice.letters}\u201d.", now)
         case TakeThePicture():
             if view.room(room).picture is None and not _refused(
                 memory, why_not_picture(hunt.known, item.robot, room), now
             ):
                 _discuss(hunt, OpenDialogue(item.robot, "take-picture", room))
         case SubmitName():
-            name = hunt.picked_names.get(room)
+            name = hunt.picked
             if name is None:
-                note(memory, "Pick a name from the list first.", now)
+                note(memory, "Pick a name first.", now)
+            elif name != memory.last_drawn.picked:
+                return
             elif not _refused(memory, why_not_name(hunt.known, item.robot, room), now):
                 hunt.submitted_names[room] = name
+                memory.history.add_request(item.robot, name_request(name))
                 _discuss(hunt, OpenDialogue(item.robot, "take-treasure", room))
         case LeaveTreasure():
             hunt.pending.ask(GiveUpTreasure(room), view)
         case _:
             pass
+
+
+def _pick(memory: ParticipantMemory, hunt: HuntMemory, choice: NameChoice) -> None:
+    if choice.name is not None and choice.name != hunt.picked:
+        memory.history.announce(f"{name_in_words(choice.name)} is picked.")
+    hunt.choice = choice
 
 
 def _discuss(hunt: HuntMemory, request: OpenDialogue) -> None:

@@ -1,9 +1,11 @@
 """The whole screen, made from the participant's memory."""
 
+from dataclasses import replace
+
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import Condition
 from thbridge.roles.view import GiveConsent
-from ui.model.keys import HELP, help_lines, keyed
+from ui.model.keys import HELP, help_lines, is_letter, keyed
 from ui.model.playing.cards import cards
 from ui.model.playing.popup_queue import DestinationItem, PopupItem, TreasureItem
 from ui.model.playing.popups.confirmations import confirmation
@@ -40,7 +42,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
     hunt = memory.hunt
     phase = phase_of(memory)
     playing = hunt if phase is Phase.PLAYING else None
-    return Screen(
+    screen = Screen(
         phase=phase,
         waiting_for=_waiting_for(memory) if phase is Phase.CONNECTING else "",
         consent="" if hunt is None or hunt.view.consent is None else hunt.view.consent,
@@ -63,6 +65,27 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         announcement="",
         announcement_number=0,
         rules=_rules(hunt) if hunt is not None and memory.help_open else (),
+    )
+    asks = isinstance(screen.popup, TreasurePopup) and screen.popup.asks_for_name
+    return _without_letters(screen) if asks else screen
+
+
+def _without_letters(screen: Screen) -> Screen:
+    """The screen without letters printed beside its pop-up, which has the letters for its list of names."""
+
+    def bare(action: Action) -> Action:
+        return replace(action, key="") if is_letter(action.key) else action
+
+    return replace(
+        screen,
+        cards=tuple(
+            replace(card, stop=card.stop and bare(card.stop), ask_back=card.ask_back and bare(card.ask_back))
+            for card in screen.cards
+        ),
+        ask_advice=bare(screen.ask_advice),
+        end=bare(screen.end),
+        tools=tuple(bare(tool) for tool in screen.tools),
+        waiting=tuple(replace(item, show=bare(item.show)) for item in screen.waiting),
     )
 
 
@@ -93,6 +116,7 @@ def next_change(memory: ParticipantMemory, now: float) -> float:
         due.append(memory.note[1])
     if memory.hunt is not None:
         due += [since + PICTURE_TIMEOUT for since in memory.hunt.picture_times.values()]
+        due += [memory.hunt.choice.until] if memory.hunt.choice is not None else []
     return min((time for time in due if time > now), default=float("inf"))
 
 

@@ -9,6 +9,7 @@ from thbridge.roles.participant_rules import Situation, revealed
 from thbridge.roles.view import DialogueView, RequestSuggestion, SelectRoom, View
 from ui.model.playing.connection import ConnectionStatus
 from ui.model.playing.history import GameHistory
+from ui.model.playing.name_choice import NameChoice
 from ui.model.playing.pending import PendingRequests
 from ui.model.playing.pictures import Pictures
 from ui.model.playing.popup_queue import DestinationItem, PopupItem, PopupQueue, TreasureItem
@@ -49,7 +50,7 @@ class HuntMemory:
         pending: requests without an outcome yet.
         opening_sentences: by robot, the sentence with which the participant opened the current dialogue.
         reroutes: by robot that is called back, the room where it is to go then.
-        picked_names: by room, the name picked for its treasure.
+        choice: the name picked in the pop-up shown, not confirmed yet.
         submitted_names: by room, the name that the participant has chosen to submit, while it is discussed.
         verdicts: rooms whose verdict is not closed yet, and the robot that stands there.
         popups: the pop-up shown, and those that wait.
@@ -63,7 +64,7 @@ class HuntMemory:
     pending: PendingRequests = field(default_factory=PendingRequests)
     opening_sentences: dict[int, str] = field(default_factory=dict)
     reroutes: dict[int, int] = field(default_factory=dict)
-    picked_names: dict[int, str] = field(default_factory=dict)
+    choice: NameChoice | None = None
     submitted_names: dict[int, str] = field(default_factory=dict)
     verdicts: dict[int, int] = field(default_factory=dict)
     popups: PopupQueue = field(default_factory=PopupQueue)
@@ -77,6 +78,11 @@ class HuntMemory:
     def receive(self, view: View) -> None:
         """Take a new view of this game."""
         self.view, self.known = view, revealed(view)
+
+    @property
+    def picked(self) -> str | None:
+        """The name picked in the pop-up shown."""
+        return None if self.choice is None else self.choice.name
 
     def robot_in_room(self, room: int) -> int | None:
         """The robot that stands in a room and is not driving."""
@@ -130,12 +136,19 @@ class DrawnState:
         dialogue: number and turn of the dialogue in it.
         pending_step: the step to be confirmed.
         game: the game's number.
+        picked: the name picked in it.
     """
 
     item: PopupItem | None = None
     dialogue: tuple[int, int] | None = None
     pending_step: PendingStep | None = None
     game: int = 0
+    picked: str | None = None
+
+    @property
+    def subject(self) -> tuple[PopupItem | None, int | None]:
+        """The pop-up, and the number of the dialogue that has come in the place of a treasure."""
+        return self.item, self.dialogue[0] if self.dialogue and isinstance(self.item, TreasureItem) else None
 
 
 @dataclass(slots=True)

@@ -68,6 +68,8 @@ def settle(hunt: HuntMemory) -> None:
         if hunt.destination_dialogue(robot) is not None or hunt.pending.destination_request(robot) is not None
     }
     hunt.popups.update(tuple(_items(hunt)) if view.over is None else ())
+    if hunt.choice is not None and not _asks_for_name(hunt, hunt.choice.item):
+        hunt.choice = None
 
 
 def open_requests(hunt: HuntMemory) -> tuple[ParticipantRequest, ...]:
@@ -141,6 +143,8 @@ def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, fo
         finder = former.standing_in(place)
         gone = state.standing_in(place) is None and state.decider(place) == finder
         if finder is not None and gone and hunt.view.over is None:
+            if hunt.choice is not None and hunt.choice.item.room == new.room:
+                hunt.choice = None
             yours = why_not_name(hunt.known, finder, new.room) or "You may still say what it is."
             sentence = f"{titled(finder)} was sent on, and what it found stays in room {new.room}. {yours}"
             _announce(memory, sentence, hunt.view.robots[finder], now)
@@ -236,6 +240,12 @@ def _is_talked_over(hunt: HuntMemory, room: int) -> bool:
         for request in hunt.pending.requests
     )
     return asked or any((about.matter, about.room) == ("take-treasure", room) for about in hunt.known.discussed)
+
+
+def _asks_for_name(hunt: HuntMemory, item: TreasureItem) -> bool:
+    """Return True while this pop-up is shown and asks for a name that was not submitted yet."""
+    open_ = hunt.popups.shown == item and hunt.treasure_dialogue(item) is None
+    return open_ and hunt.view.room(item.room).undecided and item.room not in hunt.submitted_names
 
 
 def _items(hunt: HuntMemory) -> Iterator[PopupItem]:

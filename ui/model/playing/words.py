@@ -43,6 +43,11 @@ def gained(points: int) -> str:
     return f"{points:+d}".replace("-", "−")
 
 
+def name_request(name: str) -> str:
+    """The sentence with which the participant asks for a treasure to be named."""
+    return f"Name it {name_in_words(name)}."
+
+
 def verdict_words(name: str, points: int) -> str:
     """The outcome of naming a treasure, as a sentence."""
     named = name_in_words(name) or "That"

@@ -1,16 +1,18 @@
 """Keys of the window: one shortcut each, so that the widget with the focus takes none, and none counts twice."""
 
+import string
 from collections.abc import Callable
 
-from PySide6.QtGui import QKeySequence, QShortcut
+from PySide6.QtGui import QKeyEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import QWidget
 
-from ui.model.keys import act_for
+from ui.model.keys import act_for, is_letter
 from ui.model.screen import Act, Screen
 
 _NAMES = {
-    **{key: key for key in "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ?"},
-    **{key: key for key in ("Tab", "Shift+Tab", "Enter", "Esc", "Up", "Down", "F1")},
+    **{key: key for key in f"{string.digits}{string.ascii_uppercase}?"},
+    **{f"Ctrl+{letter}": f"Ctrl+{letter}" for letter in string.ascii_uppercase},
+    **{key: key for key in ("Tab", "Shift+Tab", "Enter", "Esc", "Space", "Up", "Down", "Home", "End", "F1")},
     "Return": "Enter",
 }
 """Name of a key in `ui.model.keys`, by Qt's name of it."""
@@ -31,15 +33,25 @@ class KeyboardShortcuts:
 
     def __init__(self, window: QWidget, do: Callable[[Act], None]) -> None:
         self._do = do
+        self._screen: Screen | None = None
         self._acts: dict[str, Act | None] = {}
         self._shortcuts = {key: self._shortcut(window, key) for key in _NAMES}
 
     def show_screen(self, screen: Screen) -> None:
         """Give the keys the meanings that they have on this screen."""
+        self._screen = screen
         for key, shortcut in self._shortcuts.items():
             act = act_for(_NAMES[key], screen)
             self._acts[key] = act
             shortcut.setEnabled(act is not None)
+
+    def type(self, event: QKeyEvent) -> None:
+        """Do the act of a letter that has no shortcut: one of another alphabet."""
+        letter = event.text().upper()
+        if is_letter(letter) and letter not in _NAMES and self._screen is not None and not event.isAutoRepeat():
+            act = act_for(letter, self._screen)
+            if act is not None:
+                self._do(act)
 
     def _shortcut(self, window: QWidget, key: str) -> QShortcut:
         shortcut = QShortcut(QKeySequence(key), window)

@@ -2,11 +2,12 @@
 
 from collections.abc import Callable
 
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import QEvent, Qt, QTimer
 from PySide6.QtGui import (
     QAccessible,
     QAccessibleAnnouncementEvent,
     QHideEvent,
+    QKeyEvent,
     QKeySequence,
     QResizeEvent,
     QShortcut,
@@ -31,9 +32,12 @@ from ui.model.screen import (
     DialoguePopup,
     FitMap,
     Phase,
+    PickName,
     RoomTile,
     Screen,
+    TakeThePicture,
     TreasurePopup,
+    TypeLetter,
 )
 from ui.model.theme import Palette
 from ui.windows.look import GAP, spaced
@@ -55,7 +59,8 @@ FRAME = 16
 
 ANSWER_DELAY = 0.3
 """Seconds for which a new pop-up cannot be answered: nobody has read it, so a press was meant for what was there
-before. That holds for the next turn of the same dialogue too: the second half of a double click is no answer."""
+before. That holds for the next turn of the same dialogue too: the second half of a double click is no answer; and a
+name is submitted only once it can have been read."""
 
 
 class ParticipantWindow(QWidget):
@@ -76,7 +81,9 @@ class ParticipantWindow(QWidget):
         self._floor_plan: FloorPlan | None = None
         self._announced: int | None = None
         self._popped: tuple[Act, ...] = ()
-        self._popped_at = -ANSWER_DELAY
+        self._popped_at = self._opened_at = -ANSWER_DELAY
+        # Time at which the pop-up had come that was there when the key held now was pressed.
+        self._pressed_since = self._opened_at
         self.setWindowTitle("Treasure hunt")
         self.setMinimumSize(860, 540)
         self.resize(1200, 800)
@@ -165,7 +172,9 @@ class ParticipantWindow(QWidget):
     def do(self, act: Act) -> None:
         """Have the model carry this out, unless it was meant for what was there a moment ago."""
         now = self._clock()
-        if act in self._popped and now - self._popped_at < ANSWER_DELAY:
+        picks = isinstance(act, PickName | TypeLetter)
+        since = self._opened_at if picks else self._popped_at
+        if (picks or act in self._popped) and now - since < ANSWER_DELAY:
             return
         self._model.do(act, now)
         if isinstance(act, FitMap):
@@ -237,8 +246,24 @@ class ParticipantWindow(QWidget):
         offered = _offered(screen)
         if before is None or offered != self._popped or _subject(screen) != _subject(before):
             self._popped, self._popped_at = offered, now
+        if before is None or _listed(screen) != _listed(before):
+            self._opened_at = now
 
     # Keys and focus ---------------------------------------------------------------------------------------------------
+
+    def event(self, event: QEvent) -> bool:
+        """Take arrows that are held since before a pop-up came from its list: they were meant for something else."""
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
+            if not event.isAutoRepeat():
+                self._pressed_since = self._opened_at
+            elif event.key() in focus.ARROWS and self._pressed_since != self._opened_at:
+                event.accept()
+                return True
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Take a letter that has no shortcut."""
+        self._keyboard.type(event)
 
     def _stepper(self, step: int) -> Callable[[], None]:
         return lambda: focus.next_region(self.regions, step)
@@ -287,8 +312,7 @@ def _offered(screen: Screen) -> tuple[Act, ...]:
         case DialoguePopup(choices=choices):
             acts += [choice.act for choice in choices]
         case TreasurePopup() as pop:
-            acts += [pop.name_it.act, pop.leave.act]
-            acts += [pop.take_picture.act] if pop.take_picture is not None else []
+            acts += [pop.name_it.act, pop.leave.act, TakeThePicture()]
         case None:
             pass
     if screen.ending is not None:
@@ -299,8 +323,20 @@ def _offered(screen: Screen) -> tuple[Act, ...]:
 def _subject(screen: Screen) -> tuple[object, ...]:
     """Return what a person has to read before answering."""
     pop = screen.popup
-    about = (pop.robot, pop.sentences) if isinstance(pop, DialoguePopup) else (pop.room,) if pop is not None else ()
-    return screen.confirmation, *about
+    match pop:
+        case DialoguePopup():
+            return screen.confirmation, pop.robot, pop.sentences
+        case TreasurePopup():
+            return screen.confirmation, pop.room, pop.picked
+        case None:
+            return (screen.confirmation,)
+
+
+def _listed(screen: Screen) -> tuple[object, ...]:
+    """Return what letters and arrows are for."""
+    pop = screen.popup
+    subject = (pop.robot, pop.room) if isinstance(pop, TreasurePopup) else None
+    return subject, screen.confirmation, bool(screen.help)
 
 
 def _hint(screen: Screen) -> str:

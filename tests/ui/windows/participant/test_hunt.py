@@ -100,11 +100,11 @@ def by_keyboard(player: Player, right: str) -> None:
     elif isinstance(pop, TreasurePopup) and pop.verdict is not None:
         player.key("Esc")
     elif isinstance(pop, TreasurePopup) and pop.take_picture is not None and pop.take_picture.enabled:
-        player.key("P")
+        player.key("Ctrl+P")
     elif isinstance(pop, TreasurePopup) and pop.names and pop.picked != right and pop.verdict is None:
         player.key("Down")
     elif isinstance(pop, TreasurePopup) and (pop.name_it.enabled or pop.leave.enabled):
-        player.key("N" if pop.name_it.enabled else "L")
+        player.key("Return" if pop.name_it.enabled else "Ctrl+L")
     elif pop is None and screen.ask_advice.enabled:
         player.key("D")
     elif pop is None and len(screen.cards) > 1:

@@ -10,6 +10,7 @@ from itertools import combinations
 import pytest
 from PySide6.QtCore import QEvent, QObject, QPoint, Qt
 from PySide6.QtGui import QAccessible, QFontMetricsF
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
 
@@ -43,6 +44,7 @@ from ui.model.screen import (
     TakeThePicture,
     TreasurePopup,
     TypeDigit,
+    TypeLetter,
 )
 from ui.windows.look import GAP, font
 from ui.windows.map import MapView
@@ -158,10 +160,13 @@ KEYS: list[tuple[str, str, Act]] = [
     ("dialogue", "Return", GiveAnswer(0)),
     ("dialogue", "S", GiveAnswer(1)),
     ("dialogue", "Esc", ShowNext()),
-    ("treasure", "P", TakeThePicture()),
-    ("treasure", "L", LeaveTreasure()),
+    ("treasure", "Ctrl+P", TakeThePicture()),
+    ("treasure", "Ctrl+L", LeaveTreasure()),
+    ("treasure", "Ctrl+F", FollowRobot()),
+    ("treasure", "F", TypeLetter("f")),
     ("treasure", "Down", PickName("Blue bottle")),
-    ("picture", "N", SubmitName()),
+    ("treasure", "End", PickName("Yellow can")),
+    ("picture", "Return", SubmitName()),
     ("question", "Y", Confirm()),
     ("question", "N", Cancel()),
     ("consent", "A", AgreeToTakePart()),
@@ -191,6 +196,7 @@ def press(qtbot: QtBot, window: QWidget, key: str) -> None:
         "Return": Qt.Key.Key_Return,
         "Space": Qt.Key.Key_Space,
         "Down": Qt.Key.Key_Down,
+        "End": Qt.Key.Key_End,
         "Right": Qt.Key.Key_Right,
         "F1": Qt.Key.Key_F1,
         "F6": Qt.Key.Key_F6,
@@ -204,13 +210,70 @@ def test_a_digit_of_the_number_pad_counts(qtbot: QtBot, opened: Open) -> None:
     assert shown.done == [TypeDigit(5)]
 
 
-def test_letters_pick_names_while_the_list_has_the_focus(qtbot: QtBot, opened: Open) -> None:
+def test_letters_go_to_the_list_wherever_the_focus_is(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["treasure"])
-    shown.window.treasure.names.setFocus()
-    assert shown.window.treasure.names.currentItem() is None, "the focus alone picks nothing"
-    press(qtbot, shown.window, "P")  # would take a picture otherwise
-    press(qtbot, shown.window, "Down")
-    assert shown.done == [PickName("Pink can"), PickName("Blue bottle")]
+    treasure = shown.window.treasure
+    shown.window.waiting.history.click()
+    for focused in (shown.window, treasure.names, treasure.leave, treasure.name_it, shown.window.history):
+        focused.setFocus()
+        for key in "FPN":
+            press(qtbot, shown.window, key)
+        qtbot.keyClick(focused, Qt.Key.Key_Odiaeresis)
+        assert shown.done == [TypeLetter("f"), TypeLetter("p"), TypeLetter("n"), TypeLetter("\u00f6")], focused
+        assert treasure.names.currentItem() is None, "neither letters nor the focus pick anything by themselves"
+        shown.done.clear()
+
+
+def test_a_blank_within_a_name_presses_no_button(qtbot: QtBot, opened: Open) -> None:
+    pop = samples.treasure()
+    shown = opened(replace(STATES["treasure"], popup=replace(pop, typed="pink")))
+    shown.window.treasure.leave.setFocus()
+    press(qtbot, shown.window, "Space")
+    assert shown.done == [TypeLetter(" ")]
+    shown.show(replace(STATES["treasure"], popup=pop))
+    press(qtbot, shown.window, "Space")
+    assert shown.done == [TypeLetter(" "), LeaveTreasure()]
+
+
+def test_nothing_is_picked_by_keys_pressed_before_the_question_came(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["dialogue"])
+    shown.window.setFocus()
+    hold(shown.window, Qt.Key.Key_Down)
+    shown.model.shown = STATES["treasure"]
+    shown.window.refresh()
+    press(qtbot, shown.window, "F")
+    hold(shown.window, Qt.Key.Key_Down)
+    names = shown.window.treasure.names
+    qtbot.mouseClick(names.viewport(), LEFT, pos=names.visualItemRect(names.item(2)).center())
+    assert shown.done == [], "nobody has seen the list yet"
+    shown.now += 1.0
+    for _ in range(3):
+        hold(shown.window, Qt.Key.Key_Down, repeated=True)
+    press(qtbot, shown.window, "F")
+    assert shown.done == [PickName("Blue bottle")] * 3 + [TypeLetter("f")]
+    shown.show(replace(STATES["treasure"], popup=replace(samples.treasure(), room=5)))
+    shown.done.clear()
+    shown.now += 1.0
+    hold(shown.window, Qt.Key.Key_Down, repeated=True)
+    assert shown.done == [], "held since the question before"
+
+
+def test_a_name_is_submitted_only_once_it_can_have_been_read(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["treasure"])
+    named = replace(STATES["treasure"], popup=samples.treasure(picked="Pink can"))
+    shown.show(named)
+    press(qtbot, shown.window, "Return")
+    assert shown.done == []
+    assert shown.window.treasure.name_it.accessibleName() == "Name it Pink can"
+    shown.now += 0.31
+    press(qtbot, shown.window, "Return")
+    assert shown.done == [SubmitName()]
+
+
+def hold(window: QWidget, key: Qt.Key, *, repeated: bool = False) -> None:
+    """Press a key without letting it go, or have it repeat."""
+    target = QApplication.focusWidget() or window
+    QTest.simulateEvent(target, True, key, Qt.KeyboardModifier.NoModifier, "", repeated)
 
 
 def test_a_focused_button_is_pressed_by_enter_and_space_once(qtbot: QtBot, opened: Open) -> None:

@@ -3,13 +3,14 @@
 from typing import Literal
 
 from sim.common.robot_numbers import robot_name
+from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import DialogueView, SelectRoom
 from ui.model.keys import choice_keys, keyed
 from ui.model.playing.history import speaker_of
 from ui.model.playing.popup_queue import DestinationItem
 from ui.model.playing.possible import energy_warning
 from ui.model.playing.state import HuntMemory
-from ui.model.playing.words import titled
+from ui.model.playing.words import name_request, titled
 from ui.model.screen import Action, DialoguePopup, GiveAnswer, ShowNext
 
 SpokenLine = tuple[Literal["robot", "you"], str]
@@ -32,8 +33,11 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
     """A dialogue that waits for the participant, or for the robot once they have answered."""
     answered = hunt.pending.answer(dialogue.dialogue, dialogue.turn)
     sentences: list[SpokenLine] = [(speaker_of(index), sentence) for index, sentence in enumerate(dialogue.said)]
+    named = hunt.submitted_names.get(dialogue.room)
     if dialogue.matter == "select-room":
         sentences = [*_request(hunt, dialogue.robot), *sentences]
+    elif dialogue.matter == "take-treasure" and named:
+        sentences.insert(0, ("you", name_request(named)))
     if answered is not None and answered < len(dialogue.choices):
         sentences.append(("you", dialogue.choices[answered]))
     choices = tuple(
@@ -55,7 +59,8 @@ def dialogue_title(hunt: HuntMemory, dialogue: DialogueView) -> str:
             return f"{name}: take a picture in room {dialogue.room}?"
         case "take-treasure":
             named = hunt.submitted_names.get(dialogue.room)
-            return f"{name}: name it {named}?" if named else f"{name}: name what is in room {dialogue.room}?"
+            what = f"it {name_in_words(named)}" if named else f"what is in room {dialogue.room}"
+            return f"{name}: name {what}?"
 
 
 def _request(hunt: HuntMemory, robot: int) -> tuple[SpokenLine, ...]:

@@ -2,6 +2,7 @@
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
+from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import GiveUpTreasure, OpenDialogue, RoomView
 from ui.model.keys import keyed
 from ui.model.playing.pictures import Pictures
@@ -38,13 +39,14 @@ def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: flo
         take_picture=_take_picture(hunt, item, room),
         picture=picture,
         names=view.names,
-        picked=hunt.submitted_names.get(item.room) or hunt.picked_names.get(item.room),
+        picked=hunt.submitted_names.get(item.room) or hunt.picked,
         name_it=_name_it(hunt, item),
         leave=_leave(hunt, item),
         verdict=None if room.verdict is None else verdict_words(room.verdict.name, room.verdict.points),
         points=None if room.verdict is None else room.verdict.points,
         aside=later if room.undecided else close,
         picture_note=_picture_note(hunt, room, now) if picture is None else "",
+        typed="" if hunt.choice is None else hunt.choice.typed(now),
     )
 
 
@@ -82,19 +84,20 @@ def _take_picture(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> Actio
 
 def _name_it(hunt: HuntMemory, item: TreasureItem) -> Action:
     view = hunt.view
-    picked = hunt.picked_names.get(item.room)
+    picked = hunt.submitted_names.get(item.room) or hunt.picked
     busy = item.room in hunt.submitted_names
     refused = why_not_name(hunt.known, item.robot, item.room)
     if refused is None and picked is None:
-        refused = "Pick a name from the list first." if view.names else "Wait until it is known what it may be called."
+        refused = "Pick a name first." if view.names else "Wait until it is known what it may be called."
     cost = f"Costs {energy_text(view.identify_cost)} energy. A right name wins points, a wrong one loses some."
-    return keyed(SubmitName(), "Name it", refused is None and not busy, refused or cost, busy)
+    label = "Name it" if picked is None else f"Name it {name_in_words(picked)}"
+    return keyed(SubmitName(), label, refused is None and not busy, refused or cost, busy)
 
 
 def _leave(hunt: HuntMemory, item: TreasureItem) -> Action:
     busy = GiveUpTreasure(item.room) in hunt.pending
     possible = is_allowed(hunt.known, GiveUpTreasure(item.room))
     silent = why_not_work(hunt.known, item.robot)
-    hint = "For good; it costs nothing." if possible else "This is decided."
+    hint = "Free, but for good." if possible else "This is decided."
     told = f"{silent} {hint}" if silent else hint
     return keyed(LeaveTreasure(), "Leave it", possible and not busy, told, busy)

@@ -1,6 +1,6 @@
 """The list of names that a treasure may have."""
 
-from PySide6.QtCore import QEvent, QModelIndex, QSize, Qt, Signal
+from PySide6.QtCore import QModelIndex, QSize, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent, QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
@@ -10,7 +10,6 @@ from PySide6.QtWidgets import (
 )
 
 from thbridge.hunt.treasures import name_in_words
-from ui.model.keys import typed_name
 from ui.windows.look import GAP
 from ui.windows.participant.widgets import focus
 
@@ -67,19 +66,9 @@ class NameList(QListWidget):
         super().hideEvent(event)
         self.clear()
 
-    def event(self, event: QEvent) -> bool:
-        """Keep the keys that pick a name, which the window's shortcuts would take."""
-        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and self._wanted(event):
-            event.accept()
-            return True
-        return super().event(event)
-
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Move up and down the list by arrows, leave it sideways, and go by a letter to the next name with it."""
-        name = self._wanted(event)
-        if name is not None:
-            self.picked.emit(name)
-        elif event.key() in focus.ARROWS:
+        """Leave the list sideways by arrows; the window's shortcuts pick its names."""
+        if event.key() in focus.ARROWS:
             focus.move_focus(self, event.key())
         else:
             event.ignore()
@@ -106,25 +95,3 @@ class NameList(QListWidget):
             self.clearSelection()
         else:
             self.setCurrentRow(row)
-
-    def _wanted(self, event: QKeyEvent) -> str | None:
-        """Return the name that a key picks."""
-        if not self._names or event.modifiers() not in (
-            Qt.KeyboardModifier.NoModifier,
-            Qt.KeyboardModifier.ShiftModifier,
-        ):
-            return None
-        row = self.currentRow()
-        last = len(self._names) - 1
-        rows: dict[int, int] = {
-            Qt.Key.Key_Up: max(row - 1, 0) if row >= 0 else last,
-            Qt.Key.Key_Down: min(row + 1, last),
-            Qt.Key.Key_Home: 0,
-            Qt.Key.Key_End: last,
-        }
-        if event.key() in rows:
-            return self._names[rows[event.key()]]
-        letter = event.text().strip()
-        if not letter.isalpha():
-            return None
-        return typed_name(letter, self._names, self._names[row] if row >= 0 else None)

@@ -12,7 +12,7 @@ from ui.windows.look import GAP, spaced
 from ui.windows.participant.popups.finding import NamingResult, SensedFacts, TreasurePicture
 from ui.windows.participant.popups.names import NameList
 from ui.windows.participant.widgets.buttons import ActionButton
-from ui.windows.participant.widgets.panels import TitledPanel
+from ui.windows.participant.widgets.panels import TitledPanel, set_text
 
 
 class TreasurePanel(TitledPanel):
@@ -73,6 +73,7 @@ class TreasurePanel(TitledPanel):
         decided = pop.verdict is not None
         self.names.show_names(() if decided else pop.names, pop.picked)
         self.names.setVisible(not decided)
+        set_text(self._asking, f"What is it? {pop.typed}…" if pop.typed else "What is it?")
         self._asking.setVisible(not decided)
         self.verdict.setVisible(decided)
         if pop.verdict is not None:

@@ -28,7 +28,7 @@ class ButtonFace:
     busy: bool = False
 
 
-_PRESSING = (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Space)
+_ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
 class ParticipantButton(QPushButton):
@@ -79,8 +79,11 @@ class ParticipantButton(QPushButton):
         self.focused.emit(self)
 
     def event(self, event: QEvent) -> bool:
-        """Keep the keys that press a button, which the window's own shortcuts would take."""
-        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and _presses(event):
+        """Keep Enter, which the window's own shortcuts would take, to press the button.
+
+        Space is left to them: while a name is typed, it is a blank.
+        """
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and _is_enter(event):
             event.accept()
             return True
         return super().event(event)
@@ -89,7 +92,7 @@ class ParticipantButton(QPushButton):
         """Press by Enter as by Space; go to a neighbour by arrows."""
         if event.key() in focus.ARROWS:
             focus.move_focus(self, event.key())
-        elif event.key() in _PRESSING[:2]:
+        elif event.key() in _ENTER:
             if not event.isAutoRepeat():
                 self.click()
         else:
@@ -220,8 +223,8 @@ class ActionButton(ParticipantButton):
         return QFontMetricsF(type_).boundingRect(frame, int(Qt.TextFlag.TextWordWrap), text).height()
 
 
-def _presses(event: QKeyEvent) -> bool:
-    return event.key() in _PRESSING and event.modifiers() in (
+def _is_enter(event: QKeyEvent) -> bool:
+    return event.key() in _ENTER and event.modifiers() in (
         Qt.KeyboardModifier.NoModifier,
         Qt.KeyboardModifier.KeypadModifier,
     )
