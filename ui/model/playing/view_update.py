@@ -105,7 +105,7 @@ def _begin(memory: ParticipantMemory, view: View) -> None:
         if memory.hunt.view.game == view.game:
             memory.pictures.forget()
     memory.hunt = hunt
-    memory.typed, memory.hovered, memory.note = "", None, None
+    memory.typed, memory.note = "", None
     memory.selected = min(memory.selected, max(len(view.robots) - 1, 0))
     memory.followed = None if memory.followed is None else memory.selected
     memory.motions = ()

@@ -20,6 +20,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from thbridge.roles.notices import FloorPlan
 from ui.model.scene import RobotMark, RoomMark
 from ui.model.theme import Palette
+from ui.windows import pointer
 from ui.windows.map.background import MapBackground
 from ui.windows.map.camera import Camera
 from ui.windows.map.changes import same_robots, same_rooms
@@ -71,11 +72,12 @@ class MapView(QWidget):
         camera: the current view, in logical pixels of this widget.
         colours: the palette it is drawn in.
         followed: index of the robot that is kept in the middle, or None.
+        hovered: number of the room that the pointer was moved onto, or None.
 
     Signals:
         room_clicked: number of the room, counted from 1.
         robot_clicked: index of the robot.
-        room_hovered: number of the room under the pointer, or None.
+        room_hovered: `hovered`, when it is another.
         point_pressed, point_dragged, point_released: x, y in map metres, while a tool has the left button.
     """
 
@@ -99,7 +101,7 @@ class MapView(QWidget):
         self._fitted = True
         self.followed: int | None = None
         self._tool: Qt.CursorShape | None = None
-        self._hovered: int | None = None
+        self.hovered: int | None = None
         self._pressed: QPointF | None = None
         self._last = QPointF()
         self._dragging = False
@@ -309,7 +311,7 @@ class MapView(QWidget):
 
     def leaveEvent(self, event: QEvent) -> None:
         """Report that no room is hovered any more."""
-        self._hover(None)
+        self.hover(None)
 
     def _tools(self, event: QMouseEvent) -> bool:
         return self._tool is not None and event.button() == Qt.MouseButton.LeftButton
@@ -329,15 +331,18 @@ class MapView(QWidget):
             self.room_clicked.emit(room)
 
     def _point_at(self, position: QPointF) -> None:
+        """Show what can be clicked at a pixel, and hover its room if the pointer was moved there."""
         robot, room = self.robot_at(position), self.room_at(position)
         choosable = any(mark.room == room and mark.choosable for mark in self._rooms)
         shape = Qt.CursorShape.PointingHandCursor if robot is not None or choosable else Qt.CursorShape.ArrowCursor
         self.setCursor(shape if self._tool is None else self._tool)
-        self._hover(room if robot is None else None)
+        if pointer.has_moved(self, position):
+            self.hover(room if robot is None else None)
 
-    def _hover(self, room: int | None) -> None:
-        if room != self._hovered:
-            self._hovered = room
+    def hover(self, room: int | None) -> None:
+        """Take a room for hovered, or none."""
+        if room != self.hovered:
+            self.hovered = room
             self.room_hovered.emit(room)
 
     # In words ---------------------------------------------------------------------------------------------------------

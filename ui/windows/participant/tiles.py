@@ -1,12 +1,12 @@
 """The rooms' buttons."""
 
-from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Signal
-from PySide6.QtGui import QEnterEvent, QFocusEvent, QFontMetricsF, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtCore import QPointF, QRectF, QSize, Signal
+from PySide6.QtGui import QFocusEvent, QFontMetricsF, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
-from ui.model.screen import ConsiderRoom, RoomTile
+from ui.model.screen import RoomTile
 from ui.windows.look import GAP, RADIUS, colours, font, smooth_painter
 from ui.windows.participant.widgets.buttons import ActionWidget, ParticipantButton
 from ui.windows.participant.widgets.painting import Sign, box, chip, chip_size, elided, ring, sign, write
@@ -22,7 +22,13 @@ _NARROW, _WIDE = 76, 140
 
 
 class Tile(ParticipantButton):
-    """One room: its number, which is its key too, a sign of its state, and what it costs or what was found in it."""
+    """One room: its number, which is its key too, a sign of its state, and what it costs or what was found in it.
+
+    Attributes:
+        looked_at: the pointer was moved onto it or away, or it got or lost the focus.
+    """
+
+    looked_at = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -46,29 +52,32 @@ class Tile(ParticipantButton):
         """Return the size hint: a tile does not get smaller."""
         return self.sizeHint()
 
-    def enterEvent(self, event: QEnterEvent) -> None:
-        """Consider the room while the pointer is on it."""
-        super().enterEvent(event)
-        self._consider()
+    @property
+    def pointed_room(self) -> int | None:
+        """Its room while the pointer is on it."""
+        return self._tile.room if self._pointed and self._tile is not None else None
 
-    def leaveEvent(self, event: QEvent) -> None:
-        """Stop considering the room when the pointer has left it."""
-        super().leaveEvent(event)
-        self.requested.emit(ConsiderRoom(None))
+    @property
+    def focused_room(self) -> int | None:
+        """Its room while it has the focus."""
+        return self._tile.room if self.hasFocus() and self._tile is not None else None
+
+    def set_pointed(self, pointed: bool) -> None:
+        """Keep it, and report that the room is looked at, or not any more."""
+        before = self._pointed
+        super().set_pointed(pointed)
+        if pointed != before:
+            self.looked_at.emit()
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Consider the room while it has the focus."""
+        """Report that the room is looked at."""
         super().focusInEvent(event)
-        self._consider()
+        self.looked_at.emit()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Stop considering the room when it has lost the focus."""
+        """Report that the room is not looked at any more."""
         super().focusOutEvent(event)
-        self.requested.emit(ConsiderRoom(None))
-
-    def _consider(self) -> None:
-        if self._tile is not None:
-            self.requested.emit(ConsiderRoom(self._tile.room))
+        self.looked_at.emit()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the background of the state, the number, the sign, and the line below."""
@@ -136,15 +145,24 @@ class Tiles(ActionWidget):
 
     Attributes:
         reveal: the tile that should be seen.
+        looked_at: another room may be looked at.
     """
 
     reveal = Signal(QWidget)
+    looked_at = Signal()
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._shown: tuple[RoomTile, ...] = ()
         self.tiles: list[Tile] = []
         self._columns = 1
+
+    @property
+    def considered(self) -> int | None:
+        """The room that the pointer was moved onto, or else the one with the focus."""
+        pointed = (tile.pointed_room for tile in self.tiles)
+        focused = (tile.focused_room for tile in self.tiles)
+        return next((room for room in (*pointed, *focused) if room is not None), None)
 
     def show_tiles(self, tiles: tuple[RoomTile, ...]) -> None:
         """Show these; does nothing when they are shown already."""
@@ -187,6 +205,7 @@ class Tiles(ActionWidget):
             tile = Tile(self)
             tile.requested.connect(self.requested)
             tile.focused.connect(self.reveal)
+            tile.looked_at.connect(self.looked_at)
             tile.show()
             self.tiles.append(tile)
         while len(self.tiles) > number:

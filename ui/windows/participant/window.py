@@ -40,6 +40,7 @@ from ui.model.screen import (
     TypeLetter,
 )
 from ui.model.theme import Palette
+from ui.windows import pointer
 from ui.windows.look import GAP, spaced
 from ui.windows.map import MapView
 from ui.windows.participant.column import SideColumn
@@ -52,6 +53,7 @@ from ui.windows.participant.popups.treasure import TreasurePanel
 from ui.windows.participant.top import TopStrip
 from ui.windows.participant.waiting import WaitingStrip
 from ui.windows.participant.widgets import focus
+from ui.windows.participant.widgets.buttons import ParticipantButton
 from ui.windows.participant.widgets.panels import ModalOverlay, TitledPanel, set_text
 
 FRAME = 16
@@ -79,6 +81,8 @@ class ParticipantWindow(QWidget):
         self._clock = clock
         self._screen: Screen | None = None
         self._floor_plan: FloorPlan | None = None
+        self._showing = False
+        self._considered: int | None = None
         self._announced: int | None = None
         self._popped: tuple[Act, ...] = ()
         self._popped_at = self._opened_at = -ANSWER_DELAY
@@ -139,11 +143,13 @@ class ParticipantWindow(QWidget):
     def _connect(self) -> None:
         for part in (self.consent, self.top, self.column, self.waiting):
             part.requested.connect(self.do)
-        for panel in (self.dialogue, self.treasure, self.ending, self.question, self.help):
+        self._panels: tuple[TitledPanel, ...] = (self.dialogue, self.treasure, self.ending, self.question, self.help)
+        for panel in self._panels:
             panel.requested.connect(self.do)
         self.map.room_clicked.connect(lambda room: self.do(ChooseRoom(room)))
         self.map.robot_clicked.connect(lambda robot: self.do(ChooseRobot(robot)))
-        self.map.room_hovered.connect(lambda room: self.do(ConsiderRoom(room)))
+        self.map.room_hovered.connect(lambda _room: self._consider())
+        self.column.tiles.looked_at.connect(self._consider)
 
     @property
     def regions(self) -> list[QWidget]:
@@ -164,7 +170,11 @@ class ParticipantWindow(QWidget):
         if screen is not self._screen:
             before, self._screen = self._screen, screen
             if screen != before:
+                pointer.note_rest(self)
+                self._showing = True
                 self._show(screen, before, now)
+                self._showing = False
+                self._consider()
         if self.window().isMinimized():
             return
         self._show_map(now)
@@ -180,6 +190,13 @@ class ParticipantWindow(QWidget):
         if isinstance(act, FitMap):
             self.map.fit()
         self.refresh()
+
+    def _consider(self) -> None:
+        """Have the model consider the room looked at on the map or among the tiles, if it is another than before."""
+        room = self.map.hovered or self.column.tiles.considered
+        if room != self._considered and not self._showing:
+            self._considered = room
+            self.do(ConsiderRoom(room))
 
     def set_palette(self, palette: Palette) -> None:
         """Use other colours for the map and the history; all else follows from the application's palette."""
@@ -246,6 +263,10 @@ class ParticipantWindow(QWidget):
         offered = _offered(screen)
         if before is None or offered != self._popped or _subject(screen) != _subject(before):
             self._popped, self._popped_at = offered, now
+            self.map.hover(None)
+            for shown in self._panels:
+                for button in shown.findChildren(ParticipantButton):
+                    button.let_go()
         if before is None or _listed(screen) != _listed(before):
             self._opened_at = now
 

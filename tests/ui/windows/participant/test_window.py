@@ -9,7 +9,7 @@ from itertools import combinations
 
 import pytest
 from PySide6.QtCore import QEvent, QObject, QPoint, Qt
-from PySide6.QtGui import QAccessible, QFontMetricsF
+from PySide6.QtGui import QAccessible, QCursor, QFontMetricsF
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
@@ -133,12 +133,80 @@ def test_what_cannot_be_done_says_why_and_asks_for_nothing(qtbot: QtBot, opened:
     assert "not enough energy" in button.accessibleDescription()
 
 
-def test_the_map_takes_clicks_and_pointing(opened: Open) -> None:
+def test_the_map_takes_clicks(opened: Open) -> None:
     shown = opened(STATES["playing"])
-    shown.window.map.room_hovered.emit(3)
     shown.window.map.room_clicked.emit(3)
     shown.window.map.robot_clicked.emit(2)
-    assert shown.done == [ConsiderRoom(3), ChooseRoom(3), ChooseRobot(2)]
+    assert shown.done == [ChooseRoom(3), ChooseRobot(2)]
+
+
+def test_rooms_are_considered_while_the_pointer_or_else_the_focus_is_on_them(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["playing"])
+    point(qtbot, that_asks(shown.window, ChooseRoom(5)))
+    that_asks(shown.window, ChooseRoom(7)).setFocus()
+    assert shown.done == [ConsiderRoom(5)], "the pointer comes before the focus"
+    place = room_on_map(shown, 3)
+    point(qtbot, shown.window.map, place)
+    assert shown.done[1:] == [ConsiderRoom(7), ConsiderRoom(3)]
+    point(qtbot, shown.window.column.hint)
+    assert shown.done[3:] == [ConsiderRoom(7)]
+    shown.window.setFocus()
+    assert shown.done[4:] == [ConsiderRoom(None)]
+
+
+def test_a_pop_up_that_comes_below_the_resting_pointer_is_not_pointed_at(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["treasure"])
+    leave = shown.window.treasure.leave
+    place = leave.mapTo(shown.window, leave.rect().center())
+    shown.show(STATES["playing"])
+    point(qtbot, shown.window, place)
+    for room in (4, 5):
+        shown.show(replace(STATES["treasure"], popup=replace(samples.treasure(), room=room)))
+        qtbot.waitUntil(leave.underMouse)
+        assert not leave.pointed_at(), "it has come there by itself"
+        assert shown.window.map.hovered is None
+        point(qtbot, shown.window, place + QPoint(room, 0))
+        assert leave.pointed_at(), "the pointer was moved on it"
+        shown.show(replace(shown.model.shown, score=room))
+        assert leave.pointed_at(), "what changes elsewhere changes nothing here"
+
+
+def test_the_map_below_a_pop_up_that_has_gone_is_not_pointed_at(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["playing"])
+    place = room_on_map(shown, 3)
+    shown.show(STATES["dialogue"])
+    shown.window.dialogue.setGeometry(shown.window.map.rect())
+    point(qtbot, shown.window.dialogue, place)
+    shown.done.clear()
+    shown.show(STATES["playing"])
+    qtbot.waitUntil(shown.window.map.underMouse)
+    assert shown.done == [] and shown.window.map.hovered is None
+    point(qtbot, shown.window.map, place + QPoint(3, 0))
+    assert shown.done == [ConsiderRoom(3)]
+
+
+def test_a_press_begun_on_one_find_does_not_leave_the_next(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["treasure"])
+    qtbot.mousePress(shown.window.treasure.leave, LEFT)
+    shown.show(replace(STATES["treasure"], popup=replace(samples.treasure(), room=5)))
+    shown.now += 1.0
+    qtbot.mouseRelease(shown.window.treasure.leave, LEFT)
+    assert shown.done == []
+
+
+def point(qtbot: QtBot, widget: QWidget, place: QPoint | None = None) -> None:
+    """Move the pointer onto a widget."""
+    target = widget.mapToGlobal(widget.rect().center() if place is None else place)
+    QCursor.setPos(target)
+    qtbot.waitUntil(lambda: QCursor.pos() == target)
+    QApplication.processEvents()
+
+
+def room_on_map(shown: Opened, room: int) -> QPoint:
+    """The middle of a room on the map."""
+    corners = next(mark.region for mark in shown.model.rooms(0.0) if mark.room == room)
+    x, y = shown.window.map.camera.pixel(*corners.mean(axis=0))
+    return QPoint(round(x), round(y))
 
 
 # Keys -----------------------------------------------------------------------------------------------------------------

@@ -4,10 +4,11 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from PySide6.QtCore import QEvent, QRectF, QSize, Qt, Signal, SignalInstance
-from PySide6.QtGui import QFocusEvent, QFont, QFontMetricsF, QKeyEvent, QPainter, QPaintEvent
+from PySide6.QtGui import QFocusEvent, QFont, QFontMetricsF, QHideEvent, QHoverEvent, QKeyEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import QBoxLayout, QPushButton, QSizePolicy, QToolTip, QWidget
 
 from ui.model.screen import Act, Action
+from ui.windows import pointer
 from ui.windows.look import GAP, Size, colours, font, smooth_painter
 from ui.windows.participant.widgets import focus
 from ui.windows.participant.widgets.painting import WRAPPED, box, key_cap, key_size, ring, sign, write
@@ -49,6 +50,7 @@ class ParticipantButton(QPushButton):
         super().__init__(parent)
         self.face: ButtonFace | None = None
         self.act: Act | None = None
+        self._pointed = False
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setAttribute(Qt.WidgetAttribute.WA_Hover)
         self.clicked.connect(self._pressed)
@@ -56,7 +58,7 @@ class ParticipantButton(QPushButton):
     def bind(self, action: Action, name: str) -> None:
         """Keep the action; `name` is how screen readers say the button."""
         if action.act != self.act:
-            self.setDown(False)  # a press begun on what was shown before must not end as one on this
+            self.let_go()
         self.act = action.act
         self.show_face(ButtonFace(action.label, action.key, action.enabled, action.hint, action.pending), name)
 
@@ -70,8 +72,24 @@ class ParticipantButton(QPushButton):
         self.setToolTip(face.hint)
 
     def pointed_at(self) -> bool:
-        """Return True when the pointer is on it and it can be pressed."""
-        return self.face is not None and self.face.enabled and (self.underMouse() or self.isDown())
+        """Return True when the pointer was moved onto it and it can be pressed."""
+        return self.face is not None and self.face.enabled and (self._pointed or self.isDown())
+
+    def let_go(self) -> None:
+        """Forget the pointer and a press begun: both were meant for what was shown before."""
+        self.setDown(False)
+        self.set_pointed(False)
+
+    def set_pointed(self, pointed: bool) -> None:
+        """Keep that the pointer was moved onto it, or that it points at nothing any more."""
+        if pointed != self._pointed:
+            self._pointed = pointed
+            self.update()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Forget the pointer."""
+        super().hideEvent(event)
+        self.set_pointed(False)
 
     def focusInEvent(self, event: QFocusEvent) -> None:
         """Report the focus, so that a scroll area can show the button."""
@@ -79,10 +97,14 @@ class ParticipantButton(QPushButton):
         self.focused.emit(self)
 
     def event(self, event: QEvent) -> bool:
-        """Keep Enter, which the window's own shortcuts would take, to press the button.
+        """Follow the pointer; keep Enter, which the window's own shortcuts would take, to press the button.
 
         Space is left to them: while a name is typed, it is a blank.
         """
+        if event.type() == QEvent.Type.HoverLeave:
+            self.set_pointed(False)
+        elif isinstance(event, QHoverEvent) and pointer.has_moved(self, event.position()):
+            self.set_pointed(True)
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and _is_enter(event):
             event.accept()
             return True
@@ -234,7 +256,7 @@ class ActionWidget(QWidget):
     """A part of the window with buttons in it.
 
     Attributes:
-        requested: carries the `Act` of the pressed button, or of the room looked at.
+        requested: carries the `Act` of the pressed button.
     """
 
     requested = Signal(object)
