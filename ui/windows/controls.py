@@ -7,7 +7,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QCheckBox, QComboBox, QStyle, QStyleOptionButton
 
-from ui.windows.look import GAP, colours
+from ui.windows.look import GAP, colours, px
 
 
 class ChoiceBox(QComboBox):
@@ -18,7 +18,9 @@ class ChoiceBox(QComboBox):
         super().paintEvent(event)
         x, y = self.width() - 2.0 * GAP, self.height() / 2.0
         colour = self.palette().text().color() if self.isEnabled() else QColor(colours().muted)
-        _stroke(QPainter(self), colour, 1.5, [QPointF(x - 4, y - 2), QPointF(x, y + 2), QPointF(x + 4, y - 2)])
+        side = px(4)
+        arrow = [QPointF(x - side, y - side / 2), QPointF(x, y + side / 2), QPointF(x + side, y - side / 2)]
+        _stroke(QPainter(self), colour, 1.5, arrow)
 
 
 class CheckBox(QCheckBox):
@@ -33,7 +35,7 @@ class CheckBox(QCheckBox):
         self.initStyleOption(option)
         box = self.style().subElementRect(QStyle.SubElement.SE_CheckBoxIndicator, option, self)
         middle = QPointF(box.center()) + QPointF(0.5, 0.5)
-        tick = [middle + QPointF(-4, 0), middle + QPointF(-1, 3), middle + QPointF(4, -3)]
+        tick = [middle + QPointF(px(x), px(y)) for x, y in ((-4, 0), (-1, 3), (4, -3))]
         _stroke(QPainter(self), QColor(colours().on_accent if self.isEnabled() else colours().panel), 2.0, tick)
 
 

@@ -2,17 +2,27 @@
 
 `apply_palette` gives the whole application a palette, as `QApplication.setPalette` does; `colours()` returns it for
 widgets that paint themselves. Everything else follows from Qt's own roles, so plain widgets need no styling.
+
+`apply_text_size` makes all text larger or smaller. Lengths that words need are `px` of what they are at the usual size;
+widgets keep to them by `follow_text`.
 """
 
-from typing import Literal, TypeVar
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+from typing import ClassVar, Literal, TypeVar, cast
+from weakref import WeakKeyDictionary
 
-from PySide6.QtCore import QObject, Qt, Signal
-from PySide6.QtGui import QColor, QFont, QPaintDevice, QPainter, QPalette
+from PySide6.QtCore import QFileSystemWatcher, QObject, QSettings, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QFont, QKeySequence, QPaintDevice, QPainter, QPalette, QShortcut
 from PySide6.QtWidgets import QApplication, QLabel, QLayout, QWidget
+from shiboken6 import Shiboken
 
 from ui.model.theme import DARK, LIGHT, Palette, contrast
 
 L = TypeVar("L", bound=QLayout)
+W = TypeVar("W", bound=QWidget)
 
 Choice = Literal["light", "dark", "system"]
 Size = Literal["small", "body", "title", "hero"]
@@ -26,15 +36,24 @@ RADIUS = 8
 RING = 2
 """Width of the ring around the widget with the focus, logical pixels."""
 
+TEXT_SIZES = (80, 90, 100, 110, 125, 150, 175, 200)
+"""Sizes of text that may be chosen, percent of the usual one."""
+
+_TEXT_KEY = "text/percent"
 _SCALE: dict[Size, float] = {"small": 0.88, "body": 1.0, "title": 1.24, "hero": 1.9}
 _SMALLEST_BODY = 10.5
+_USUAL_WINDOW = QSize(1200, 800)
+_FRAME = QSize(16, 48)
+"""Width and height that a window's frame and title bar take at most, logical pixels; they are not known before."""
 
 
 class _Current:
     """The style in force; there is one application in a process."""
 
     palette: Palette = LIGHT
+    usual: float = _SMALLEST_BODY
     body: float = _SMALLEST_BODY
+    following: ClassVar[WeakKeyDictionary[QWidget, list[Callable[[QWidget], object]]]] = WeakKeyDictionary()
 
 
 def colours() -> Palette:
@@ -58,7 +77,7 @@ def apply_palette(app: QApplication, palette: Palette) -> None:
     A larger typeface of the system is kept; a smaller one is raised to what reads well.
     """
     if not app.property("dressed"):
-        _Current.body = max(_SMALLEST_BODY, app.font().pointSizeF())
+        _Current.usual = _Current.body = max(_SMALLEST_BODY, app.font().pointSizeF())
         app.setProperty("dressed", True)
         app.setStyle("Fusion")
     elif palette is _Current.palette:
@@ -67,6 +86,52 @@ def apply_palette(app: QApplication, palette: Palette) -> None:
     app.setFont(font())
     app.setPalette(qt_palette(palette))
     app.setStyleSheet(_sheet(palette))
+
+
+def apply_text_size(app: QApplication, factor: float) -> None:
+    """Give all text another size, that of open windows included: a multiple of the usual one."""
+    _Current.body = _Current.usual * factor
+    app.setFont(font())
+    app.setStyleSheet(_sheet(_Current.palette))
+    for widget, fits in list(_Current.following.items()):
+        if Shiboken.isValid(widget):
+            for fit in fits:
+                fit(widget)
+    for widget in app.allWidgets():
+        widget.updateGeometry()
+        widget.update()
+
+
+def px(length: float) -> int:
+    """A length for words: so many logical pixels with text of 10.5 points, and more or less as the text in force."""
+    return round(length * _Current.body / _SMALLEST_BODY)
+
+
+def follow_text(widget: W, fit: Callable[[W], object]) -> W:
+    """Give a widget a font or lengths that depend on the size of text: now, and whenever that changes.
+
+    Args:
+        widget: it is returned.
+        fit: a function of the widget that holds it by nothing else; otherwise the widget would be kept for ever.
+    """
+    fit(widget)
+    _Current.following.setdefault(widget, []).append(cast("Callable[[QWidget], object]", fit))
+    return widget
+
+
+def usual_growth(screen: QSize) -> float:
+    """Factor by which text is larger than 10.5 points on a screen by itself, 1 to 1.5.
+
+    It grows by half of what the screen has beyond 1200 x 800 logical pixels, in width or height, whichever is less:
+    nothing on a small screen, about 17 % on 1920 x 1080, 40 % on 2560 x 1440.
+    """
+    beyond = min(screen.width() / _USUAL_WINDOW.width(), screen.height() / _USUAL_WINDOW.height()) - 1.0
+    return min(max(1.0 + beyond / 2.0, 1.0), 1.5)
+
+
+def open_within_screen(window: QWidget, wanted: QSize = _USUAL_WINDOW) -> None:
+    """Give a window the size it opens with: with its frame it lies within what the screen has free."""
+    window.resize((wanted * _Current.body / _SMALLEST_BODY).boundedTo(window.screen().availableSize() - _FRAME))
 
 
 def qt_palette(palette: Palette) -> QPalette:
@@ -121,10 +186,62 @@ class Appearance(QObject):
         self.changed.emit(palette)
 
 
+class TextSize(QObject):
+    """The size of all text, chosen by Ctrl +, Ctrl - and Ctrl 0 in any of the user's windows, and followed by all.
+
+    Args:
+        app: the application.
+        settings: where the size is kept; another program that writes the same file is followed at once.
+
+    Attributes:
+        percent: of the usual size; see `usual_growth` for what is usual.
+    """
+
+    def __init__(self, app: QApplication, settings: QSettings) -> None:
+        super().__init__(app)
+        self._app = app
+        self._settings = settings
+        self._growth = usual_growth(app.primaryScreen().availableSize())
+        self.percent = 0
+        folder = Path(settings.fileName()).parent
+        with suppress(OSError):  # then it is as usual, and not kept
+            folder.mkdir(parents=True, exist_ok=True)
+        # The folder is watched and not the file, because each writing puts another file in its place.
+        self._watcher = QFileSystemWatcher([str(folder)], self)
+        self._watcher.directoryChanged.connect(self._read)
+        self._read()
+
+    def add_keys(self, window: QWidget) -> None:
+        """Let a window's keys choose the size."""
+        for keys, step in ((("Ctrl++", "Ctrl+="), 1), (("Ctrl+-",), -1), (("Ctrl+0",), 0)):
+            shortcut = QShortcut(window)
+            shortcut.setKeys([QKeySequence(key) for key in keys])
+            shortcut.activated.connect(partial(self.step, step))
+
+    def step(self, by: int) -> None:
+        """Choose the next larger size (1), the next smaller one (-1), or the usual one (0)."""
+        at = TEXT_SIZES.index(self.percent if by else 100) + by
+        self._settings.setValue(_TEXT_KEY, TEXT_SIZES[min(max(at, 0), len(TEXT_SIZES) - 1)])
+        self._settings.sync()
+        self._read()
+
+    def _read(self) -> None:
+        self._settings.sync()
+        kept = str(self._settings.value(_TEXT_KEY, 100))
+        percent = min(TEXT_SIZES, key=lambda size: abs(size - int(kept))) if kept.isdecimal() else 100
+        if percent != self.percent:
+            self.percent = percent
+            apply_text_size(self._app, self._growth * percent / 100.0)
+
+
+def user_settings() -> QSettings:
+    """The settings of the user for all windows; a file in the user's own folder for settings."""
+    return QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "thbridge", "windows")
+
+
 def label(text: str = "", size: Size = "body", *, bold: bool = False, muted: bool = False) -> QLabel:
     """A plain label that wraps."""
-    made = QLabel(text)
-    made.setFont(font(size, bold=bold))
+    made = follow_text(QLabel(text), lambda it: it.setFont(font(size, bold=bold)))
     made.setTextFormat(Qt.TextFormat.PlainText)
     made.setWordWrap(True)
     if muted:
@@ -196,10 +313,13 @@ def _sheet(palette: Palette) -> str:
     QSlider[fine="true"]::handle:focus {{ border: {RING}px solid {palette.accent}; width: 10px; }}
     QCheckBox {{ spacing: {GAP}px; }}
     QCheckBox::indicator {{
-        width: 14px; height: 14px; border: 1px solid {palette.line}; border-radius: 3px; background: {palette.panel};
+        width: {px(14)}px; height: {px(14)}px;
+        border: 1px solid {palette.line}; border-radius: 3px; background: {palette.panel};
     }}
     QCheckBox::indicator:checked {{ background: {palette.accent}; border-color: {palette.accent}; }}
-    QCheckBox::indicator:focus {{ border: {RING}px solid {palette.text}; width: 12px; height: 12px; }}
+    QCheckBox::indicator:focus {{
+        border: {RING}px solid {palette.text}; width: {px(14) - 2}px; height: {px(14) - 2}px;
+    }}
     QCheckBox::indicator:checked:disabled {{ background: {palette.muted}; border-color: {palette.muted}; }}
     QListView[roomy="true"] {{
         border: 1px solid {palette.line}; border-radius: {RADIUS - 2}px; padding: {GAP // 2}px;

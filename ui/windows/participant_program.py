@@ -158,8 +158,8 @@ class ParticipantMainWindow(QMainWindow):
         self._offer: Offer | None = None
         self.game: GamePage | None = None
         self.setWindowTitle("Treasure hunt")
-        self.setMinimumSize(900, 600)
-        self.resize(1200, 800)
+        self.setMinimumSize(800, 480)
+        look.open_within_screen(self)
         self._pages = QStackedWidget()
         self.setCentralWidget(self._pages)
         QShortcut(QKeySequence.StandardKey.Quit, self, self.close)
@@ -295,7 +295,7 @@ def play_at(host: str, port: int, token: str, choice: look.Choice) -> int:
     app = QApplication(sys.argv[:1])
     # Without this, Ctrl-C raises an exception in whatever slot runs just then, which Qt only prints.
     signal.signal(signal.SIGINT, lambda _number, _frame: app.quit())
-    table = ParticipantMainWindow(look.Appearance(app, choice), None)
+    table = _table(app, choice, None)
     table.join(ParticipantLink(host, port, token))
     table.show()
     return app.exec()
@@ -304,7 +304,15 @@ def play_at(host: str, port: int, token: str, choice: look.Choice) -> int:
 def play_hosted(choice: look.Choice) -> int:
     """Open the window for the host at standard input and output; returns when it is closed."""
     app = QApplication(sys.argv[:1])
-    table = ParticipantMainWindow(look.Appearance(app, choice), HostPipe.send)
+    table = _table(app, choice, HostPipe.send)
     HostPipe(table)
     table.show()
     return app.exec()
+
+
+def _table(app: QApplication, choice: look.Choice, send: Callable[[FromWindow], None] | None) -> ParticipantMainWindow:
+    """Return the main window in the style and the size of text that the user wants."""
+    appearance, text_size = look.Appearance(app, choice), look.TextSize(app, look.user_settings())
+    table = ParticipantMainWindow(appearance, send)
+    text_size.add_keys(table)
+    return table

@@ -89,7 +89,7 @@ class ParticipantWindow(QWidget):
         # Time at which the pop-up had come that was there when the key held now was pressed.
         self._pressed_since = self._opened_at
         self.setWindowTitle("Treasure hunt")
-        self.setMinimumSize(860, 540)
+        self.setMinimumSize(480, 320)
         self.resize(1200, 800)
         self.map = MapView(palette)
         self._build()

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
 
-from PySide6.QtCore import QEvent, QObject, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
 from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent, QAction, QActionGroup, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -25,6 +25,7 @@ from ui.model.theme import Palette
 from ui.model.watching.scene import EntryKind
 from ui.model.watching.tools import Shape
 from ui.windows.controls import ChoiceBox
+from ui.windows.look import open_within_screen
 from ui.windows.researcher.docks.displays import SWITCHES, DisplaysPanel
 from ui.windows.researcher.docks.log import LogView
 from ui.windows.researcher.docks.playback import PlaybackBar
@@ -83,7 +84,7 @@ class DockedWindow(QMainWindow):
         super().__init__()
         self.setWindowTitle(f"{title} - thbridge watch")
         self.setDockNestingEnabled(True)
-        self.resize(1480, 940)
+        open_within_screen(self, QSize(1480, 940))
         self.canvas = canvas
         self.playback = PlaybackBar(live)
         self.displays = DisplaysPanel()

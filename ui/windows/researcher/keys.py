@@ -44,6 +44,7 @@ GROUPS: tuple[tuple[str, KeyLines], ...] = (
             ("F6", "to the next part of the window; with Shift the one before"),
             ("Ctrl+F", "filter the list on view"),
             ("Ctrl+C", "copy the rows selected"),
+            ("Ctrl +, Ctrl -", "larger text, smaller text; Ctrl 0: the usual size"),
             ("F1", "this sheet"),
         ),
     ),

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QApplication
 from thbridge.study.noise import NoiseSection
 from thbridge.study.study_file import Study
 from ui.model.study_form.noise import preview_of
-from ui.windows.look import Appearance, Choice
+from ui.windows.look import Appearance, Choice, TextSize, user_settings
 from ui.windows.study.window import StudyWindow
 
 
@@ -33,8 +33,9 @@ def edit(path: Path, choice: Choice = "system") -> int:
     app = QApplication(sys.argv[:1])
     # Without this, Ctrl-C raises an exception in whatever slot runs just then, which Qt only prints.
     signal.signal(signal.SIGINT, lambda _number, _frame: app.quit())
-    look = Appearance(app, choice)
+    look, text_size = Appearance(app, choice), TextSize(app, user_settings())
     window = study_window(path)
     look.changed.connect(window.repaint_all)
+    text_size.add_keys(window)
     window.show()
     return app.exec()

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from ui.model.study_form.form import FieldKind, RepeatKind
-from ui.windows.look import GAP, label, spaced, style_as_panel
+from ui.windows.look import GAP, label, open_within_screen, spaced, style_as_panel
 from ui.windows.study.editor import StudyEditor
 from ui.windows.study.faults import FaultList
 from ui.windows.study.noise_page import NoiseView
@@ -73,7 +73,7 @@ class StudyWindow(QMainWindow):
         if self.editor.draft.tree is None:
             self.show_text()
         self.setWindowTitle(f"{path.name}[*] — study")
-        self.resize(QSize(1240, 860).boundedTo(self.screen().availableSize()))
+        open_within_screen(self, QSize(1240, 860))
         self.sections.setFocus()
 
     # Contents ---------------------------------------------------------------------------------------------------------

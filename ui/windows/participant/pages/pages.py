@@ -15,6 +15,7 @@ from ui.windows.participant.widgets.panels import TitledPanel, page_column, set_
 WINDOW_KEYS = (
     ("F6 or Ctrl+Tab", "Go to the next part of the window"),
     ("Arrows", "Go to the neighbouring button; Space or Enter presses it"),
+    ("Ctrl +, Ctrl -", "Larger text, smaller text; Ctrl 0: the usual size"),
     ("Ctrl+Q", "Close the window"),
 )
 """Keys of the window itself, for people who use it button by button."""
