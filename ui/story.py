@@ -26,6 +26,7 @@ from thbridge.hunt.events import (
     TreasurePictured,
     TreasureSensed,
     TreasuresHidden,
+    TreasureTakenUp,
 )
 from thbridge.hunt.rules import commander_name
 from thbridge.hunt.treasures import sensed_in_words
@@ -104,5 +105,7 @@ def _happened(event: Event) -> str:
             return f"The treasure{place} is named {name}: {points:+d} points."
         case TreasureLeft(room):
             return f"The treasure in {room} is left alone."
+        case TreasureTakenUp(room):
+            return f"The treasure in {room} is taken up again."
         case GameEnded(reason, score):
             return f"The game is over: {ENDS[reason]}. Score {score}."

@@ -194,6 +194,12 @@ class TreasureLeft(_Event, frozen=True, tag="left"):
     room: Room
 
 
+class TreasureTakenUp(_Event, frozen=True, tag="taken-up"):
+    """The participant took back that the treasure in a room was given up."""
+
+    room: Room
+
+
 class GameEnded(_Event, frozen=True, tag="ended"):
     """The game is over, with this score."""
 
@@ -215,5 +221,6 @@ Event = (
     | TreasurePictured
     | TreasureIdentified
     | TreasureLeft
+    | TreasureTakenUp
     | GameEnded
 )

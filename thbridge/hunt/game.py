@@ -35,6 +35,7 @@ from thbridge.hunt.events import (
     TreasurePictured,
     TreasureSensed,
     TreasuresHidden,
+    TreasureTakenUp,
 )
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.treasures import TreasureKind
@@ -100,7 +101,7 @@ class RoomState:
         image: file name of the picture taken, or None.
         points: won or lost by identifying; None before.
         name: given at identification; None before, or if only the points are known.
-        left: True when the treasure was given up.
+        left: True when the treasure was given up, and not taken up again.
         finder: the robot that arrived there last, or None.
     """
 
@@ -257,6 +258,8 @@ def apply(state: GameState, event: Event) -> GameState:
             return replace(state, score=state.score + event.points)
         case TreasureLeft():
             return _with_room(state, event.room, replace(_room(state, event.room), left=True))
+        case TreasureTakenUp():
+            return _with_room(state, event.room, replace(_room(state, event.room), left=False))
         case GameEnded():
             return replace(state, ended=event)
         case _:

@@ -26,6 +26,7 @@ from thbridge.hunt.events import (
     TreasureLeft,
     TreasurePictured,
     TreasureSensed,
+    TreasureTakenUp,
 )
 from thbridge.hunt.game import CommandHolder, GameState
 from thbridge.hunt.refusals import RequestRefused
@@ -300,6 +301,24 @@ def leave(state: GameState, room: Room) -> Ruling:
     if not state.room(room).visited:
         return RequestRefused(RuleReason.NOBODY_THERE, f"No robot has been in {room} yet.")
     return _decided(room) if state.room(room).is_decided else (TreasureLeft(room),)
+
+
+def take_up(state: GameState, room: Room) -> Ruling:
+    """Take back that the treasure in a room was given up, while a robot still stands there.
+
+    One that was not given up gives no event.
+    """
+    refused = _over(state) or _no_room(state, room)
+    if refused:
+        return refused
+    known = state.room(room)
+    if known.points is not None:
+        return _decided(room)
+    if not known.left:
+        return ()
+    if state.standing_in(room) is None:
+        return RequestRefused(RuleReason.NOBODY_THERE, f"No robot stands in {room} any more.")
+    return (TreasureTakenUp(room),)
 
 
 def give_up(state: GameState) -> Ruling:

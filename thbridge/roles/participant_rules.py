@@ -34,11 +34,20 @@ from thbridge.roles.view import (
     RobotView,
     RoomView,
     SelectRoom,
+    TakeUpTreasure,
     View,
 )
 
 JudgedRequest: TypeAlias = (
-    GiveConsent | SelectRoom | RequestSuggestion | OpenDialogue | GiveUpTreasure | GiveUp | CallBack | RequestHandback
+    GiveConsent
+    | SelectRoom
+    | RequestSuggestion
+    | OpenDialogue
+    | GiveUpTreasure
+    | TakeUpTreasure
+    | GiveUp
+    | CallBack
+    | RequestHandback
 )
 
 
@@ -90,6 +99,8 @@ def judge(now: Situation, request: JudgedRequest) -> rules.Ruling:
             return _discuss(state, robot, matter, place(room))
         case GiveUpTreasure(room):
             return rules.leave(state, place(room))
+        case TakeUpTreasure(room):
+            return rules.take_up(state, place(room))
         case GiveUp():
             return rules.give_up(state)
         case CallBack(robot):

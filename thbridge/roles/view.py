@@ -67,7 +67,7 @@ class RoomView:
         footprint: of the treasure, once sensed.
         picture: file name of its picture, once taken.
         verdict: once identified.
-        left: True when the treasure was given up.
+        left: True when the treasure was given up, and not taken up again.
     """
 
     room: int
@@ -286,6 +286,12 @@ class GiveUpTreasure(NoticeValue, frozen=True, tag="Leave"):
     room: int
 
 
+class TakeUpTreasure(NoticeValue, frozen=True, tag="TakeUp"):
+    """Take back that the treasure in a room was given up, while its robot still stands there."""
+
+    room: int
+
+
 class GiveUp(NoticeValue, frozen=True, tag="GiveUp"):
     """End this game although robots could still do something."""
 
@@ -315,6 +321,7 @@ ParticipantRequest = (
     | TakePicture
     | IdentifyTreasure
     | GiveUpTreasure
+    | TakeUpTreasure
     | GiveUp
     | PlayAgain
 )

@@ -27,6 +27,7 @@ from thbridge.roles.view import (
     SendRobot,
     SenseTreasure,
     TakePicture,
+    TakeUpTreasure,
     View,
 )
 from ui.model.playing.words import seen_words, verdict_words
@@ -39,6 +40,7 @@ HELP = """\
   p 4        take a picture of what is in room 4
   n 4 NAME   name the treasure in room 4 (the list: names)
   l 4        leave the treasure in room 4
+  u 4        take it up again, while the robot stands there
   b 1        call robot 1 back
   a 1        ask for robot 1, which somebody else commands, to be given back
   end        end the game
@@ -98,6 +100,8 @@ class TerminalPlayer:
                 self._name(view, int(room), " ".join(words))
             case ["l", room] if _is_number(room):
                 self._wanted = (GiveUpTreasure(int(room)),)
+            case ["u", room] if _is_number(room):
+                self._wanted = (TakeUpTreasure(int(room)),)
             case ["b", robot] if _is_number(robot):
                 self._wanted = (CallBack(index_of(int(robot))),)
             case ["a", robot] if _is_number(robot):
@@ -193,8 +197,11 @@ def _robot_changes(was: RobotView, now: RobotView) -> list[str]:
 
 def _room_changes(old: RoomView, new: RoomView) -> list[str]:
     lines = []
-    if new.sensed and not old.sensed:
+    if new.sensed and (not old.sensed or (old.left and not new.left)):
         lines.append(_found(new))
+    if new.left and not old.left:
+        again = f" u {new.room} takes it up again, until its robot sets out." if new.robot is not None else ""
+        lines.append(f"Room {new.room}: what is there is left there.{again}")
     if new.picture is not None and old.picture is None:
         lines.append(f"Room {new.room}: a picture is taken. A terminal cannot show it; its file is {new.picture}")
     if new.verdict is not None and old.verdict is None:

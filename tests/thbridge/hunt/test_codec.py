@@ -28,6 +28,7 @@ from thbridge.hunt.events import (
     TreasurePictured,
     TreasureSensed,
     TreasuresHidden,
+    TreasureTakenUp,
 )
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
@@ -60,6 +61,7 @@ events = st.one_of(
     st.builds(TreasurePictured, rooms, robots, texts, numbers),
     st.builds(TreasureIdentified, st.none() | rooms, st.none() | robots, st.none() | texts, st.integers(), numbers),
     st.builds(TreasureLeft, rooms),
+    st.builds(TreasureTakenUp, rooms),
     st.builds(GameEnded, st.sampled_from(EndReason), st.integers()),
 )
 

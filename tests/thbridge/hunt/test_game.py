@@ -25,6 +25,7 @@ from thbridge.hunt.events import (
     TreasurePictured,
     TreasureSensed,
     TreasuresHidden,
+    TreasureTakenUp,
 )
 from thbridge.hunt.game import apply, begin
 from thbridge.hunt.refusals import RequestRefused
@@ -248,6 +249,31 @@ def test_going_on_leaves_an_undecided_treasure():
     assert rules.move(decided, 0, ROOM_1) == (RobotDeparted(0, ROOM_1, 18.0),)
 
 
+def test_what_was_left_is_taken_up_again_until_its_robot_sets_out():
+    state = in_room_4()
+    assert rules.take_up(state, ROOM_4) == (), "it was not left"
+    left = after(state, rules.leave(state, ROOM_4))
+    assert rules.take_up(left, ROOM_4) == (TreasureTakenUp(ROOM_4),)
+    again = after(left, rules.take_up(left, ROOM_4))
+    assert again == state
+    named = after(again, rules.identify(again, ROOM_4, "Orange Bottle"))
+    assert rules.take_up(named, ROOM_4).reason == RuleReason.ALREADY_DECIDED
+    away = after(left, rules.move(left, 0, ROOM_1))
+    assert rules.take_up(away, ROOM_4).reason == RuleReason.NOBODY_THERE
+    back = after(away, rules.fail(away, 0, "called back", 0.0))
+    assert rules.take_up(back, ROOM_4) == (TreasureTakenUp(ROOM_4),), "it had not left the room yet"
+    over = after(left, rules.give_up(left))
+    assert rules.take_up(over, ROOM_4).reason == RuleReason.GAME_OVER
+    assert rules.take_up(left, Room(9)).reason == RuleReason.UNKNOWN_ROOM
+
+
+def test_the_game_waits_again_for_what_was_taken_up():
+    state = visit(small_game(energy=9.0, identify_cost=4.0), 0, ROOM_1)
+    left = after(state, rules.leave(state, ROOM_1))
+    assert rules.ending(state) == () and rules.ending(left) != ()
+    assert rules.ending(after(left, rules.take_up(left, ROOM_1))) == ()
+
+
 def test_nothing_can_be_left_where_nobody_has_been():
     assert rules.leave(new_game(), ROOM_1).reason == RuleReason.NOBODY_THERE
 
@@ -413,6 +439,7 @@ RULES = (
     st.tuples(st.just(rules.picture), st.integers(0, 9).map(Room)),
     st.tuples(st.just(rules.identify), st.integers(0, 9).map(Room), st.sampled_from(["Pink can", "Orange Bottle"])),
     st.tuples(st.just(rules.leave), st.integers(0, 9).map(Room)),
+    st.tuples(st.just(rules.take_up), st.integers(0, 9).map(Room)),
     st.tuples(st.just(rules.report), st.integers(-1, 3), st.sampled_from(Condition)),
 )
 ARRIVALS = st.tuples(st.just("arrive"), st.integers(0, 2))

@@ -25,6 +25,7 @@ from thbridge.roles.view import (
     RequestSuggestion,
     SelectRoom,
     SendRobot,
+    TakeUpTreasure,
 )
 
 robots = st.integers(0, 1)
@@ -46,6 +47,7 @@ wishes = st.one_of(
     st.builds(CallBack, robots),
     st.builds(RequestHandback, robots),
     st.builds(GiveUpTreasure, rooms),
+    st.builds(TakeUpTreasure, rooms),
 )
 researchers = st.tuples(st.sampled_from([None, "/rviz"]), st.sampled_from([None, "/teleop"]))
 steps = st.tuples(st.just("station"), requests) | st.tuples(st.just("wish"), wishes)

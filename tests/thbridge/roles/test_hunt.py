@@ -20,6 +20,7 @@ from thbridge.hunt.events import (
     TreasureIdentified,
     TreasureLeft,
     TreasuresHidden,
+    TreasureTakenUp,
 )
 from thbridge.protocols.text import legacy
 from thbridge.roles.keeper.keeper import Keeper
@@ -39,6 +40,7 @@ from thbridge.roles.view import (
     SendRobot,
     SenseTreasure,
     TakePicture,
+    TakeUpTreasure,
     View,
 )
 
@@ -228,6 +230,19 @@ def test_a_treasure_can_be_left(scripted):
     view = scripted.say(GiveUpTreasure(3))
     assert view.room(3).left
     assert any(isinstance(event, TreasureLeft) for event in scripted.log.events)
+
+
+def test_a_treasure_that_was_left_can_be_taken_up_again_and_named(scripted):
+    go(scripted, 0, 3)
+    scripted.say(GiveUpTreasure(3))
+    view = scripted.say(TakeUpTreasure(3))
+    assert view.room(3).undecided and not view.room(3).left
+    told = [event for event in scripted.log.events if isinstance(event, TreasureLeft | TreasureTakenUp)]
+    assert [type(event) for event in told] == [TreasureLeft, TreasureTakenUp], "the record tells both"
+    scripted.say(OpenDialogue(0, "take-treasure", 3))
+    assert scripted.say(IdentifyTreasure(3, "can")).room(3).verdict is not None
+    scripted.say(SelectRoom(0, 5))
+    assert scripted.say(TakeUpTreasure(3)).refusal.reason == "already-decided"
 
 
 def test_a_robot_called_back_gives_back_the_energy_of_the_way_not_driven(scripted):

@@ -29,6 +29,7 @@ from thbridge.roles.view import (
     SendRobot,
     SenseTreasure,
     TakePicture,
+    TakeUpTreasure,
     View,
 )
 
@@ -45,7 +46,7 @@ def any_request(chance, view):
         (
             *(SelectRoom(robot, room), OpenDialogue(robot, matter, room)) * 2,
             *(RequestSuggestion(robot), CallBack(robot), RequestHandback(robot)),
-            *(GiveUpTreasure(room), GiveUp(1), GiveConsent()),
+            *(GiveUpTreasure(room), TakeUpTreasure(room), GiveUp(1), GiveConsent()),
         )
     )
 

@@ -69,6 +69,15 @@ def test_names_of_files_are_read_and_typed_as_words():
     assert named.name == "beer_bottle", "the journal has the name of the file"
 
 
+def test_what_is_left_can_be_taken_up_again(seat):
+    for line in ("1 3", "c"):
+        seat.type(line)
+    found = seat.type("c", 40)[-1]
+    assert seat.type("l 3") == ["Room 3: what is there is left there. u 3 takes it up again, until its robot sets out."]
+    assert seat.type("u 3") == [found]
+    assert found.endswith("n 3 NAME names it.")
+
+
 def test_stop_sends_nobody(seat):
     seat.type("2 ?")
     seat.type("s")

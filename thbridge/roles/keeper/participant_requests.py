@@ -1,4 +1,4 @@
-"""The participant's requests beyond the lines of 2016: dialogues, giving up a treasure, calling a robot back."""
+"""The participant's requests beyond the lines of 2016: dialogues, leaving treasures, calling a robot back."""
 
 from typing import get_args
 
@@ -23,6 +23,7 @@ from thbridge.roles.view import (
     RequestHandback,
     RequestSuggestion,
     SelectRoom,
+    TakeUpTreasure,
 )
 
 
@@ -37,7 +38,7 @@ def handle_participant_request(game: OpenGame, state: GameState, notice: Notice,
     """
     now = Situation(state, game.dialogues.discussed, awaits_treasures)
     match _decode_request(notice):
-        case GiveConsent() | GiveUpTreasure() as request:
+        case GiveConsent() | GiveUpTreasure() | TakeUpTreasure() as request:
             game.apply_ruling(notice.kind, judge(now, request))
         case GiveUp() as request if request.game == state.started.game:
             game.apply_ruling(notice.kind, judge(now, request))

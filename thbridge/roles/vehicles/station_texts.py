@@ -40,3 +40,5 @@ def _room_news(room: Room, was: RoomState, now: RoomState) -> Iterator[str]:
         yield f"{name}: {now.name or 'named'}, {now.points:+d} points."
     if now.left and not was.left:
         yield f"{name}: what is there is left there."
+    if was.left and not now.left:
+        yield f"{name}: what is there is taken up again."

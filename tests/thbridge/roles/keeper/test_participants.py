@@ -46,6 +46,7 @@ from thbridge.roles.view import (
     SendRobot,
     SenseTreasure,
     TakePicture,
+    TakeUpTreasure,
     View,
 )
 from thbridge.study.study_file import Study
@@ -182,6 +183,7 @@ EVERY_WISH = [
     TakePicture(3),
     IdentifyTreasure(3, "moon"),
     GiveUpTreasure(3),
+    TakeUpTreasure(3),
     GiveUp(1),
     PlayAgain(1),
 ]

@@ -41,7 +41,7 @@ from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
 from thbridge.roles.simr.simr import SimR
 from thbridge.roles.vehicles.pilot import Pilot
 from thbridge.roles.vehicles.speed_limit import SpeedLimit
-from thbridge.roles.vehicles.station_texts import handback_texts
+from thbridge.roles.vehicles.station_texts import game_texts, handback_texts
 from thbridge.roles.view import AnswerDialogue, ParticipantRequest, RequestHandback, SelectRoom, SendRobot
 from thbridge.ros.messages.records import SimpleGoal
 from thbridge.study.study_file import Study
@@ -434,6 +434,16 @@ def test_what_a_participant_asks_of_a_researcher_alone_is_told_to_no_station() -
     assert asks(apply(state, researcher)) == []
     station = CommanderChanged(0, Commander.GROUND_STATION, "ground station 255")
     assert asks(apply(apply(state, station), researcher)) == ["The participant asks for robot 1 back."]
+
+
+def test_a_station_is_told_that_the_participant_leaves_a_find_and_takes_it_up_again() -> None:
+    costs = CostMatrix(((0.0, 1.0), (1.0, 0.0)))
+    state = begin(GameStarted(1, 1, 1, 10.0, 1.0, 1.0, 1.0, costs))
+    for event in (CommanderChanged(0, Commander.GROUND_STATION, "ground station 255"), RobotArrived(0, Room(1))):
+        state = apply(state, event)
+    left = apply(state, TreasureLeft(Room(1)))
+    assert [*game_texts(0, state, left)] == ["Room 1: what is there is left there."]
+    assert [*game_texts(0, left, state)] == ["Room 1: what is there is taken up again."]
 
 
 def test_speed_is_limited_and_as_the_study_says_again(taken: Flight) -> None:
