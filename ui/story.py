@@ -13,6 +13,7 @@ from thbridge.hunt.events import (
     Condition,
     ConditionChanged,
     ConsentGiven,
+    CostsEstimated,
     EndReason,
     Event,
     GameEnded,
@@ -91,6 +92,8 @@ def _happened(event: Event) -> str:
             return f"{robot_name(robot).capitalize()} does not get to {room}: {reason}{back}"
         case ConditionChanged(robot, condition):
             return f"{robot_name(robot).capitalize()} {CONDITIONS[condition]}"
+        case CostsEstimated(robot):
+            return f"{robot_name(robot).capitalize()} has reckoned what its moves cost from where it stands."
         case CommanderChanged(robot, by, name):
             who = name if by is Commander.RESEARCHER and name else commander_name(by, name)
             return f"{robot_name(robot).capitalize()} is commanded by {who} from now on."

@@ -1,8 +1,9 @@
-"""Reads template folders: the files of 2016 with the travel costs, treasures and dialogue of a game.
+"""Reads template folders: the files of 2016 with the treasures and dialogue of a game, and perhaps its travel costs.
 
-A folder has `mapTimes`, `treasures`, `DialogueText` and `pictures/`, and for the participant's machine, which must not
-know which picture belongs to which treasure, `treasures.participant`: the same lines without their last field. All are
-UTF-8 text; Windows line ends, a byte order mark and blank lines are accepted.
+A folder has `treasures`, `DialogueText` and `pictures/`, and for the participant's machine, which must not know which
+picture belongs to which treasure, `treasures.participant`: the same lines without their last field. It may have a
+`mapTimes` for maps without one, and a `set.yaml` that names the one map whose moves `mapTimes` prices. All are UTF-8
+text; Windows line ends, a byte order mark and blank lines are accepted.
 """
 
 import difflib
@@ -16,12 +17,14 @@ from thbridge.dialogue.templates import ScriptedQuestion, Template, word_fault
 from thbridge.files.errors import BadFile
 from thbridge.files.map_times import MAP_TIMES, read_map_times
 from thbridge.files.template_lines import count_in, first_line, numbered_lines
+from thbridge.files.yaml.load import load
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.treasures import TreasureKind, same_name
 
 TREASURES = "treasures"
 PARTICIPANT_TREASURES = "treasures.participant"
 DIALOGUE_TEXT = "DialogueText"
+SET = "set.yaml"
 PICTURES = "pictures"
 LARGEST_PICTURE = 2_000_000
 """Largest size of an image file in bytes."""
@@ -49,17 +52,26 @@ class TreasureList:
 
 
 @dataclass(frozen=True, slots=True)
+class _SetYaml:
+    map: str
+
+
+@dataclass(frozen=True, slots=True)
 class TemplateSet:
     """The contents of a checked template folder: all files have the same rooms, and no picture is missing.
 
     Attributes:
-        costs: energy of every move.
+        rooms: number of rooms that the list of treasures is for.
+        costs: energy of every move on maps that have no costs of their own; None without a `mapTimes`.
+        map: name of the map on which `costs` count although it has its own; None: no map.
         kinds: treasures with their images.
         dialogue: the scripted questions.
         pictures: the treasures' image files, by name.
     """
 
-    costs: CostMatrix
+    rooms: int
+    costs: CostMatrix | None
+    map: str | None
     kinds: tuple[TreasureKind, ...]
     dialogue: Template
     pictures: Mapping[str, bytes]
@@ -76,10 +88,10 @@ def read_template_set(folder: Path) -> TemplateSet:
     """
     if not folder.is_dir():
         raise BadFile(folder, "there is no such template folder", "name a folder that has DialogueText in it")
-    costs = read_map_times(folder / MAP_TIMES)
+    costs = read_map_times(folder / MAP_TIMES) if (folder / MAP_TIMES).exists() else None
     path = folder / TREASURES
     treasures = read_treasures(path)
-    if treasures.rooms != len(costs.rooms):
+    if costs is not None and treasures.rooms != len(costs.rooms):
         raise BadFile(
             path,
             f"{treasures.rooms} rooms, but {MAP_TIMES} has {len(costs.rooms) + 1} nodes, "
@@ -101,7 +113,20 @@ def read_template_set(folder: Path) -> TemplateSet:
     copy = folder / PARTICIPANT_TREASURES
     if copy.exists():
         _check_copy(copy, treasures)
-    return TemplateSet(costs, treasures.kinds, read_dialogue_text(folder / DIALOGUE_TEXT), pictures)
+    place = _priced_map(folder / SET, has_costs=costs is not None)
+    dialogue = read_dialogue_text(folder / DIALOGUE_TEXT)
+    return TemplateSet(treasures.rooms, costs, place, treasures.kinds, dialogue, pictures)
+
+
+def _priced_map(path: Path, *, has_costs: bool) -> str | None:
+    """The map that `set.yaml` names, if there is such a file."""
+    if not path.exists():
+        return None
+    loaded = load(path, _SetYaml)
+    if not has_costs:
+        problem = f"it names the map of {MAP_TIMES}, which is not in this folder"
+        raise loaded.fault("map", problem, f"put {MAP_TIMES} into the folder, or take {SET} away")
+    return loaded.value.map
 
 
 def _picture(treasures: Path, name: str, file: Path) -> bytes:

@@ -133,6 +133,18 @@ class ConditionChanged(_Event, frozen=True, tag="reported"):
     condition: Condition
 
 
+class CostsEstimated(_Event, frozen=True, tag="priced"):
+    """The costs of a robot's moves were estimated anew from where it stands, which is none of the game's places.
+
+    Attributes:
+        robot: index in the team, from 0.
+        costs: energy to each place, by the number people use; None where there is no move.
+    """
+
+    robot: int
+    costs: tuple[Number | None, ...]
+
+
 class CommanderChanged(_Event, frozen=True, tag="commanded"):
     """The commander of a robot has changed.
 
@@ -215,6 +227,7 @@ Event = (
     | RobotArrived
     | MoveFailed
     | ConditionChanged
+    | CostsEstimated
     | CommanderChanged
     | HandbackRequested
     | TreasureSensed

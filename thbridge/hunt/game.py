@@ -14,6 +14,7 @@ events that programs of 2016 cause without asking the rules:
 - Energy may become negative by such events; the robot is then blocked as at 0.
 """
 
+import math
 from dataclasses import dataclass, replace
 from typing import assert_never
 
@@ -23,6 +24,7 @@ from thbridge.hunt.events import (
     Condition,
     ConditionChanged,
     ConsentGiven,
+    CostsEstimated,
     Event,
     GameEnded,
     GameStarted,
@@ -63,6 +65,8 @@ class RobotState:
         intervention: the researcher who intervenes now, or None.
         asked_back: number of times the participant has asked its present commander to give it back.
         failure: reason for which the last move that ended did not arrive, for people; empty when it arrived.
+        costs: energy to each place from where it stands, by the number people use; during a move, from where it set
+            out. None: those of the game's matrix.
     """
 
     at: Room
@@ -74,6 +78,7 @@ class RobotState:
     intervention: CommandHolder | None = None
     asked_back: int = 0
     failure: str = ""
+    costs: tuple[float, ...] | None = None
 
     @property
     def command(self) -> CommandHolder:
@@ -177,6 +182,15 @@ class GameState:
         known = self.room(room)
         return known.finder if known.sensed is not None and not known.is_decided else None
 
+    def costs_from(self, robot: int) -> tuple[float, ...]:
+        """Return the energy of a robot's moves from where it stands, by the number people use; infinite without one."""
+        mover = self.robots[robot]
+        return self.started.costs.rows[mover.at.people] if mover.costs is None else mover.costs
+
+    def cost(self, robot: int, room: Room) -> float:
+        """Return the energy of a robot's move to a room; infinite when there is no way."""
+        return self.costs_from(robot)[room.people]
+
     @property
     def free_rooms(self) -> tuple[Room, ...]:
         """Rooms that are neither visited nor reserved, in counting order: where a robot may be sent."""
@@ -230,6 +244,11 @@ def apply(state: GameState, event: Event) -> GameState:
         case ConditionChanged():
             robot = _robot(state, event.robot)
             return _with_robot(state, event.robot, replace(robot, condition=event.condition))
+        case CostsEstimated():
+            if len(event.costs) != len(state.rooms) + 1:
+                raise ValueError(f"{len(event.costs)} costs are given for {len(state.rooms) + 1} places")
+            costs = tuple(math.inf if cost is None else cost for cost in event.costs)
+            return _with_robot(state, event.robot, replace(_robot(state, event.robot), costs=costs))
         case CommanderChanged():
             robot = _robot(state, event.robot)
             command = CommandHolder(event.by, event.name)
@@ -267,7 +286,7 @@ def apply(state: GameState, event: Event) -> GameState:
 
 
 def _standing(robot: RobotState, at: Room, failure: str = "") -> RobotState:
-    return replace(robot, at=at, bound_for=None, paid=0.0, failure=failure)
+    return replace(robot, at=at, bound_for=None, paid=0.0, failure=failure, costs=None)
 
 
 def _robot(state: GameState, number: int) -> RobotState:

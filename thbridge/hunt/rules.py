@@ -4,7 +4,7 @@ No rule changes the state; the caller applies the events (`game.apply`), journal
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from enum import StrEnum
 
 from sim.common.robot_numbers import robot_name
@@ -15,6 +15,7 @@ from thbridge.hunt.events import (
     Condition,
     ConditionChanged,
     ConsentGiven,
+    CostsEstimated,
     EndReason,
     Event,
     GameEnded,
@@ -28,7 +29,7 @@ from thbridge.hunt.events import (
     TreasureSensed,
     TreasureTakenUp,
 )
-from thbridge.hunt.game import CommandHolder, GameState
+from thbridge.hunt.game import CommandHolder, GameState, apply
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.treasures import same_name
@@ -154,7 +155,7 @@ def move(state: GameState, robot: int, room: Room, asker: Commander = Commander.
     other = state.reserved_by(room)
     if other is not None:
         return RequestRefused(RuleReason.RESERVED, f"{_name(other)} is already under way to {room}.")
-    cost = state.started.costs.cost(mover.at, room)
+    cost = state.cost(robot, room)
     if math.isinf(cost):
         return RequestRefused(RuleReason.NOT_A_MOVE, f"There is no way from {mover.at} to {room}.")
     if cost > mover.energy:
@@ -180,7 +181,7 @@ def arrive(state: GameState, robot: int, room: Room) -> Ruling:
         return (RobotArrived(robot, room),)
     if mover.bound_for is not None:
         return (MoveFailed(robot, mover.bound_for, f"arrived in {room} instead", 0.0, room), RobotArrived(robot, room))
-    cost = state.started.costs.cost(mover.at, room)
+    cost = state.cost(robot, room)
     return (RobotDeparted(robot, room, 0.0 if math.isinf(cost) else cost), RobotArrived(robot, room))
 
 
@@ -216,6 +217,26 @@ def report(state: GameState, robot: int, condition: Condition) -> Ruling:
     if not state.has_robot(robot):
         return _no_robot(state, robot)
     return () if state.robots[robot].condition is condition else (ConditionChanged(robot, condition),)
+
+
+def price(state: GameState, robot: int, costs: Sequence[float | None]) -> Ruling:
+    """Record the costs of a standing robot's moves from where it stands. Costs that are known give no event."""
+    refused = _over(state)
+    if refused:
+        return refused
+    if not state.has_robot(robot):
+        return _no_robot(state, robot)
+    mover = state.robots[robot]
+    if mover.bound_for is not None:
+        return RequestRefused(RuleReason.UNDER_WAY, f"{_name(robot)} is under way, at the price of its departure.")
+    if len(costs) != len(state.rooms) + 1 or any(cost is not None and not cost >= 0.0 for cost in costs):
+        return RequestRefused(
+            RuleReason.UNKNOWN_ROOM, f"{len(state.rooms) + 1} costs that are not negative are needed."
+        )
+    # In a room that it was sent to there is no move to this room itself, whatever that would cost from beside its goal.
+    row = tuple(None if place == mover.at.people else cost for place, cost in enumerate(costs))
+    estimated = CostsEstimated(robot, row)
+    return () if apply(state, estimated).costs_from(robot) == state.costs_from(robot) else (estimated,)
 
 
 def sense(state: GameState, room: Room, reported: tuple[str, str] | None = None) -> Ruling:
@@ -362,7 +383,7 @@ def affordable(state: GameState, robot: int) -> tuple[Room, ...]:
     mover = state.robots[robot]
     if mover.is_blocked or mover.is_silent:
         return ()
-    return tuple(room for room in state.free_rooms if state.started.costs.cost(mover.at, room) <= mover.energy)
+    return tuple(room for room in state.free_rooms if state.cost(robot, room) <= mover.energy)
 
 
 def _intervenes(robot: int, researcher: str) -> CommanderChanged:

@@ -6,7 +6,7 @@ one size are one array operation, and it also answers for every subset what a ro
 """
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -61,7 +61,7 @@ def best_tour(
         IndexError: a place that the matrix does not know.
     """
     rooms = sorted(set(unvisited) - {at})
-    refused = why_no_tour(costs, at, rooms, energy)
+    refused = why_no_tour(costs.rows[at.people], at, rooms, energy)
     if refused is not None:
         return refused
     step = np.array([[costs.cost(start, goal) for goal in rooms] for start in (*rooms, at)])
@@ -76,9 +76,16 @@ def best_tour(
 
 
 def why_no_tour(
-    costs: CostMatrix, at: Room, unvisited: Collection[Room], energy: float = math.inf
+    row: Sequence[float], at: Room, unvisited: Collection[Room], energy: float = math.inf
 ) -> RequestRefused | None:
-    """Return the refusal of `best_tour`, or None, without comparing any tours; same arguments."""
+    """Return the refusal of `best_tour`, or None, without comparing any tours.
+
+    Args:
+        row: energy from where the robot stands to each place, as a row of `CostMatrix`.
+        at: as for `best_tour`, and so the others.
+        unvisited: rooms still to visit.
+        energy: of the robot.
+    """
     rooms = sorted(set(unvisited) - {at})
     if not rooms:
         return RequestRefused(NoTour.NOTHING_LEFT, "Every room has been visited.")
@@ -86,8 +93,8 @@ def why_no_tour(
         return RequestRefused(
             NoTour.TOO_MANY_ROOMS, f"I can compare tours of at most {MOST_ROOMS} rooms, and {len(rooms)} are left."
         )
-    nearest = min(rooms, key=lambda room: costs.cost(at, room))
-    least = costs.cost(at, nearest)
+    nearest = min(rooms, key=lambda room: row[room.people])
+    least = row[nearest.people]
     if math.isinf(least):
         return RequestRefused(NoTour.NOT_REACHABLE, f"There is no way from {at} to any room that is left.")
     if energy < least:

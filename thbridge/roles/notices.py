@@ -21,11 +21,13 @@ class RobotsReady(NoticeValue, frozen=True, tag="RobotsReady"):
         map: name of the map.
         robots: size of the team.
         costs: energy from place to place as people count them, None where there is no move.
+        from_starts: energy from the start of each robot to each place; empty: `costs` holds there.
     """
 
     map: str
     robots: int
     costs: tuple[tuple[float | None, ...], ...]
+    from_starts: tuple[tuple[float | None, ...], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +92,19 @@ class TeamStatus(NoticeValue, frozen=True, tag="Status"):
     results: tuple[MoveResult | None, ...]
     conditions: tuple[Condition, ...]
     researchers: tuple[str | None, ...] = ()
+
+
+class MoveCosts(NoticeValue, frozen=True, tag="MoveCosts"):
+    """SimR to keeper: what moves cost from where the robots stand.
+
+    Attributes:
+        game: as in `TeamStatus`.
+        costs: one entry a robot, the energy to each place as people count them, None where there is no move; an empty
+            entry for a robot whose costs are not known.
+    """
+
+    game: int
+    costs: tuple[tuple[float | None, ...], ...]
 
 
 class HiderReady(NoticeValue, frozen=True, tag="HiderReady"):

@@ -6,6 +6,7 @@ part has all that these rules read, except two facts of a few ticks or of progra
 about to hide the treasures, and whether a Hider of 2016 keeps them to itself.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -173,7 +174,7 @@ def _immovable(now: Situation, robot: int) -> RequestRefused | None:
 def _no_advice(now: Situation, robot: int) -> RequestRefused | None:
     """Return the reason why there is no room that this robot could suggest, or None."""
     adviser = now.state.robots[robot]
-    return why_no_tour(now.state.started.costs, adviser.at, free_to_discuss(now, robot), adviser.energy)
+    return why_no_tour(now.state.costs_from(robot), adviser.at, free_to_discuss(now, robot), adviser.energy)
 
 
 def _discuss(state: GameState, robot: int, matter: str, room: Room) -> rules.Ruling:
@@ -199,7 +200,8 @@ def _robot(view: View, robot: RobotView) -> RobotState:
         at=Room(robot.place),
         energy=robot.energy,
         bound_for=None if going is None else Room(going),
-        paid=0.0 if going is None else view.costs[robot.place][going] or 0.0,
+        paid=0.0 if going is None else view.costs_from(robot)[going] or 0.0,
+        costs=tuple(math.inf if cost is None else cost for cost in robot.costs) or None,
         condition=robot.condition,
         holder=CommandHolder() if intervenes else command,
         intervention=command if intervenes else None,

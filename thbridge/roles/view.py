@@ -27,6 +27,7 @@ class RobotView:
         commander: while this is not the participant, the robot can be neither sent nor called back.
         commander_name: name of the ground station, for people; else empty.
         asked_back: the participant has asked for it back recently, and can ask again once this is False.
+        costs: energy to each place from where it stands, as a row of the view's costs; empty: that of its place.
     """
 
     robot: int
@@ -38,6 +39,7 @@ class RobotView:
     commander: Commander = Commander.PARTICIPANT
     commander_name: str = ""
     asked_back: bool = False
+    costs: tuple[float | None, ...] = ()
 
     @property
     def other_commander(self) -> str:
@@ -184,6 +186,14 @@ class View(NoticeValue, frozen=True, tag="View"):
         """Return the room with this number, from 1."""
         return self.rooms[number - 1]
 
+    def costs_from(self, robot: RobotView) -> tuple[float | None, ...]:
+        """Return the energy of a robot's moves, by the number of the room; while it moves, from where it set out."""
+        return robot.costs or self.costs[robot.place]
+
+    def costs_when_stopped(self) -> tuple[float | None, ...] | None:
+        """Return the energy of moves of a robot stopped on its way; None where that depends on where it will stand."""
+        return None if any(robot.costs for robot in self.robots) else self.costs[0]
+
     @classmethod
     def of_notice(cls, notice: Notice) -> "View | None":
         """Return the view in a notice, or None when there is none or it is malformed, as from another release."""
@@ -201,7 +211,12 @@ class View(NoticeValue, frozen=True, tag="View"):
             and [robot.robot for robot in self.robots] == list(robots)
             and len(self.costs) == len(places)
             and all(len(row) == len(places) for row in self.costs)
-            and all(cost is None or cost >= 0.0 for row in self.costs for cost in row)
+            and all(len(robot.costs) in (0, len(places)) for robot in self.robots)
+            and all(
+                cost is None or cost >= 0.0
+                for row in (*self.costs, *(robot.costs for robot in self.robots))
+                for cost in row
+            )
             and min(self.picture_cost, self.identify_cost) >= 0.0
             and all(robot.place in places for robot in self.robots)
             and all(robot.moving_to is None or robot.moving_to in rooms for robot in self.robots)

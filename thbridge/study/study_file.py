@@ -40,6 +40,13 @@ from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.things import MishapEntry, ThingEntry, faults_of_mishaps, faults_of_things
 
 
+class CostModel(StrEnum):
+    """Price of a robot's moves: from where it stands, or by the places of a cost file alone."""
+
+    POSITION = "position"
+    MATRIX = "matrix"
+
+
 @dataclass(frozen=True, slots=True)
 class GameSection:
     """Rules and energy of the game."""
@@ -49,7 +56,14 @@ class GameSection:
     identify_cost: float = param(1.0, "energy of naming a treasure", "", 0, 1e6)
     wrong_share: float = param(1.0, "share of a treasure's points that a wrong name costs", "", 0, 10)
     costs: Path | None = param(
-        None, "path of a mapTimes file of travel costs; null: the map's own, or else the templates'"
+        None,
+        "path of a mapTimes file of travel costs, or a template set's name for its file (`original-2016`); null: that "
+        "of the templates where their `set.yaml` names the map, or else the map's own, or else the templates'",
+    )
+    cost_model: CostModel | None = param(
+        None,
+        "how moves are priced: `position`, from where each robot stands, or `matrix`, all places outside rooms alike; "
+        "null: by position where the map's own costs count",
     )
 
 

@@ -258,7 +258,8 @@ class RoomTile:
         name: name for people.
         state: "unvisited", "reserved" or "visited".
         robot: index of the robot that visited it or drives to it.
-        cost: energy for the selected robot; None where it has no path, or the room is visited or reserved.
+        cost: energy for the selected robot; None where it has no path, or the room is visited or reserved, or while it
+            drives and nobody knows where it would be stopped.
         considered: True when the participant looks at it.
         found: its treasure as far as it is known, in a word or two.
         choose: sends the selected robot.

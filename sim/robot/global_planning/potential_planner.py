@@ -61,15 +61,31 @@ class PotentialPlanner:
 
     def reached(self, costs: Costs, frame: CostFrame, start: Pose2) -> NDArray[np.bool_]:
         """(rows, cols) True in the cells where a path from a start may end; arguments as for `plan`."""
+        return self.potential(costs, frame, start) < UNREACHED
+
+    def potential(self, costs: Costs, frame: CostFrame, start: Pose2) -> Potential:
+        """(rows, cols) potential from a start, UNREACHED where no path from there may end; arguments as for `plan`."""
         rows, cols = costs.shape
         x, y = _position(frame, start)
         if not (0 <= round(y) < rows and 0 <= round(x) < cols) or costs[round(y), round(x)] == LETHAL:
-            return np.zeros(costs.shape, dtype=np.bool_)
+            return np.full(costs.shape, UNREACHED, dtype=np.float32)
         if not self._method.exact:
             x, y = float(round(x)), float(round(y))
         space = self._prepared(costs)
         self._method.spread(space, x, y, -1)
-        return space.potential.reshape(rows, cols) < UNREACHED
+        return space.potential.reshape(rows, cols).copy()
+
+    def descend(self, potential: Potential, frame: CostFrame, place: Pose2, start: Pose2) -> FloatArray | None:
+        """(m, 2) points from a place down to the start of a `potential`, metres in its frame; None where unreached."""
+        rows, cols = potential.shape
+        (x, y), (end_x, end_y) = _position(frame, place), _position(frame, start)
+        if not (0 <= round(y) < rows and 0 <= round(x) < cols) or potential[round(y), round(x)] >= UNREACHED:
+            return None
+        if not self._method.exact:
+            x, y, end_x, end_y = (float(round(at)) for at in (x, y, end_x, end_y))
+        down = self._method.trace(potential.ravel(), cols, x, y, end_x, end_y)
+        points: FloatArray = (down + 0.5) * frame.resolution + np.array([frame.x, frame.y])
+        return points
 
     def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | PlanRefusal:
         """Plan a path from start to goal that keeps off obstacles as their costs ask for.

@@ -1,4 +1,5 @@
 import dataclasses
+import shutil
 from pathlib import Path
 
 import pytest
@@ -7,9 +8,11 @@ from sim.team import Team
 from thbridge.app.compose.game import build_briefing
 from thbridge.app.compose.robots import REHEARSERS, build_simr, rehearse
 from thbridge.app.compose.setting import StudySetting, read_setting
+from thbridge.files.errors import BadFile
+from thbridge.files.resources import shipped
 from thbridge.protocols.text.notice import encode_notice
 from thbridge.roles.notices import Subscribe
-from thbridge.study.study_file import ParticipantSection, ShowsSection, Study
+from thbridge.study.study_file import CostModel, GameSection, ParticipantSection, ShowsSection, Study
 
 
 @pytest.mark.parametrize("name", ["arena8", "office", "warehouse12"])
@@ -68,3 +71,35 @@ def test_the_truth_about_robots_is_told_only_where_the_study_says_so(truth: bool
     assert told
     for word in ('truth":[', 'ellipses":[', "Ways"):
         assert any(word in line for line in told) == truth
+
+
+OF_2016, MEASURED = (17.0, 14.0, 17.0), (20.0, 16.0, 19.0)
+"""Energy from the corridor of arena8 to its first rooms: the matrix of 2016, and the map's own."""
+
+
+@pytest.mark.parametrize(
+    ("templates", "game", "costs", "by_position"),
+    [
+        ("original-2016", GameSection(), OF_2016, False),
+        ("original-2016", GameSection(cost_model=CostModel.POSITION), MEASURED, True),
+        ("original-2016", GameSection(cost_model=CostModel.MATRIX), OF_2016, False),
+        ("sklar-azhar-2015", GameSection(), MEASURED, True),
+        ("sklar-azhar-2015", GameSection(cost_model=CostModel.MATRIX), MEASURED, False),
+        ("sklar-azhar-2015", GameSection(costs=Path("original-2016")), OF_2016, False),
+        ("sklar-azhar-2015", GameSection(costs=Path("my.times"), cost_model=CostModel.POSITION), OF_2016, True),
+    ],
+)
+def test_the_matrix_of_2016_is_the_default_of_its_templates_alone_and_one_key_away(
+    templates: str, game: GameSection, costs: tuple[float, ...], by_position: bool, tmp_path: Path
+) -> None:
+    shutil.copy(shipped().root / "templates" / "original-2016" / "mapTimes", tmp_path / "my.times")
+    setting = read_setting(Study(templates=templates, game=game), tmp_path)
+    assert setting.costs.rows[0][1:4] == costs
+    assert setting.by_position is by_position
+
+
+def test_moves_without_any_costs_are_told_with_the_folder_and_the_remedy(tmp_path: Path) -> None:
+    shutil.copytree(shipped().root / "maps" / "arena8", tmp_path / "map")
+    (tmp_path / "map" / "mapTimes").unlink()
+    with pytest.raises(BadFile, match=r"sklar-azhar-2015/mapTimes: neither .*`thbridge maps measure`"):
+        read_setting(Study(map="./map", templates="sklar-azhar-2015"), tmp_path)

@@ -71,8 +71,8 @@ class TestShippedMaps:
             (-2.671, 4.692), (-2.735, 1.442), (-2.869, -2.970), (3.110, 4.857),
             (2.612, -2.758), (8.744, 5.440), (9.002, 1.457), (9.084, -2.518),
         ]  # fmt: skip
-        # Its costs are those of the templates.
-        assert arena.costs is None
+        # Measured; those of 2016 are in the templates of 2016.
+        assert arena.costs is not None
         # Door of room 4, between the posts of the wall at x = 1.
         assert arena.grid.value_at(1.0, 6.0) == FREE
         assert arena.grid.value_at(1.0, 4.0) == OCCUPIED

@@ -141,7 +141,9 @@ class Stage:
         self.briefing = briefing or Briefing(names=tuple(sorted(kind.name for kind in self.templates.kinds)))
         last_game = 1 if history else 0
         self.keeper = Keeper(rules, lambda game: engine(self.templates, seed), history, last_game, self.briefing)
-        self.puppets = Puppets(robots, plain_costs(self.templates.costs))
+        costs = self.templates.costs or templates("original-2016").costs
+        assert costs is not None
+        self.puppets = Puppets(robots, plain_costs(costs))
         self.tabui: Role = participant or TabUI(build_bot(self.templates, strategy, seed))
         roles: list[Role] = [self.puppets, self.tabui]
         if hider:

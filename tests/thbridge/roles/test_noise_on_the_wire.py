@@ -79,7 +79,7 @@ costs = st.lists(st.lists(st.one_of(st.none(), real), max_size=3).map(tuple), ma
 order = st.builds(notices.MoveOrder, small, small)
 result = st.builds(notices.MoveResult, small, st.booleans(), word, real)
 well_formed = st.one_of(
-    st.builds(notices.RobotsReady, word, small, costs),
+    st.builds(notices.RobotsReady, word, small, costs, costs),
     st.builds(
         notices.Orders,
         small,

@@ -16,8 +16,8 @@ STATES = [
 ]
 VALUES = (*STATES, View, *get_args(ParticipantRequest))
 ON_THE_WIRE = """
-    RobotsReady Orders Status HiderReady HidePlease HideTreasures Reply ParticipantReady Subscribe Whereabouts Ways
-    House Picture Unfit
+    RobotsReady Orders Status MoveCosts HiderReady HidePlease HideTreasures Reply ParticipantReady Subscribe Whereabouts
+    Ways House Picture Unfit
     View Agree Select Unsure Answer SendRobot CallBack AskBack Sense Discuss TakePicture Identify Leave GiveUp PlayAgain
 """
 

@@ -59,7 +59,7 @@ def treasure_names(setting: StudySetting) -> tuple[str, ...]:
 
 def build_hider(templates: TemplateSet, seed: int) -> Hider:
     """Return the treasures' role."""
-    return Hider(templates.kinds, seed, len(templates.costs.rooms))
+    return Hider(templates.kinds, seed, templates.rooms)
 
 
 def build_bot(templates: TemplateSet, strategy: BotStrategy, seed: int) -> Bot:

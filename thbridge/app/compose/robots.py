@@ -2,17 +2,22 @@
 
 from collections.abc import Callable, Sequence
 
+import numpy as np
+
 from sim.common.observations import TICKS_PER_SECOND
 from sim.common.robot_numbers import number_of
 from sim.inputs import ScheduledInput, SendGoal
+from sim.robot.costmap.footprint import radii
 from sim.robot.navigator.goals import Goal
 from sim.team import Team
 from thbridge.app.compose.game import room_outlines, treasure_names
 from thbridge.app.compose.setting import StudySetting
+from thbridge.offline.plan import costmap
 from thbridge.roles.keeper.disclosure import plain_costs
 from thbridge.roles.simr.pose_telemetry import TelemetryOptions
 from thbridge.roles.simr.simr import RESPONSE_TIMEOUT, GameMap, SimR
 from thbridge.roles.simr.team import RobotTeam
+from thbridge.roles.simr.travel_times import TravelTimes
 from thbridge.roles.vehicles.parameters import VehicleParameters
 from thbridge.roles.vehicles.pilot import GameSetup, Pilot
 from thbridge.roles.vehicles.speed_limit import SpeedLimit
@@ -61,10 +66,25 @@ def build_simr(
         goals=tuple(room.goal for room in setting.map.rooms),
         starts=setting.map.starts[: setting.study.robots],
         costs=plain_costs(setting.costs),
+        travel=build_travel_times(setting) if setting.by_position else None,
     )
     shown = setting.study.participant.shows
     shows = TelemetryOptions(shown.way, shown.uncertainty, shown.truth)
     return SimR(robots or build_team(setting), field, setting.study.server.dialect, response_timeout, shows)
+
+
+def build_travel_times(setting: StudySetting) -> TravelTimes:
+    """Return the travel times of the study's robots from any place of its map."""
+    place, study = setting.map, setting.study
+    inscribed, _ = radii(np.array(study.world.footprint))
+    inflation = study.software(number_of(0)).global_costmap.inflation_layer.inflation_radius
+    return TravelTimes(
+        place.grid,
+        costmap(place.grid, inscribed, inflation),
+        [room.goal for room in place.rooms],
+        place.starts[: study.robots],
+        plain_costs(setting.costs),
+    )
 
 
 def build_game_setup(setting: StudySetting) -> GameSetup:

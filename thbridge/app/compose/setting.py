@@ -16,7 +16,7 @@ from thbridge.files.resources import Resources, shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.files.yaml.tree import read_text
 from thbridge.hunt.costs import CostMatrix
-from thbridge.study.study_file import Study
+from thbridge.study.study_file import CostModel, Study
 
 LARGEST_CONSENT = 8000
 """Bytes of the text that participants agree to; it must fit into one line with the rest of a view."""
@@ -30,7 +30,8 @@ class StudySetting:
         study: the study.
         map: its map.
         templates: its set of templates.
-        costs: energy of every move.
+        costs: energy of every move between places of the game.
+        by_position: moves from elsewhere are priced by where the robot stands; else they cost what `costs` says.
         consent: text that participants have to agree to; None: nothing.
     """
 
@@ -38,6 +39,7 @@ class StudySetting:
     map: Map
     templates: TemplateSet
     costs: CostMatrix
+    by_position: bool
     consent: str | None = None
 
     def floor(self) -> TraversabilityMap:
@@ -71,7 +73,10 @@ def read_setting(study: Study, beside: Path, resources: Resources | None = None)
     faults = tuple(_misplaced(study, place, resources.find("maps", study.map, beside) / "map.yaml"))
     if faults:
         raise BadFiles(faults)
-    return StudySetting(study, place, templates, _costs(study, beside, place, folder), _consent(study, beside))
+    path = _costs_file(study, beside, place, folder, templates, resources)
+    costs, model = _costs(path, place), study.game.cost_model
+    by_position = path == place.costs if model is None else model is CostModel.POSITION
+    return StudySetting(study, place, templates, costs, by_position, _consent(study, beside))
 
 
 def _consent(study: Study, beside: Path) -> str | None:
@@ -101,14 +106,25 @@ def _misplaced(study: Study, place: Map, map_yaml: Path) -> Iterator[BadFile]:
             yield BadFile(map_yaml, problem, f"mend mishaps[{index}].to in the study")
 
 
-def _costs(study: Study, beside: Path, place: Map, folder: Path) -> CostMatrix:
-    """Return the costs of the study's own file, or else the map's, or else the templates'; they must fit the map."""
+def _costs_file(
+    study: Study, beside: Path, place: Map, folder: Path, templates: TemplateSet, resources: Resources
+) -> Path:
+    """Return the study's own cost file, or the one that the templates have for this map, or the map's, or any."""
     if study.game.costs is not None:
-        path = beside / study.game.costs
-    elif place.costs is not None:
-        path = place.costs
-    else:
-        path = folder / MAP_TIMES
+        of_a_set = str(study.game.costs) in resources.names("templates")
+        return resources.root / "templates" / study.game.costs / MAP_TIMES if of_a_set else beside / study.game.costs
+    of_templates = templates.map == place.name and study.game.cost_model is not CostModel.POSITION
+    if place.costs is not None and not of_templates:
+        return place.costs
+    if templates.costs is None:
+        problem = f"neither this folder nor that of the map {place.name} has a {MAP_TIMES}, so moves have no costs"
+        remedy = "let `thbridge maps measure` write one into the map's folder, or name one in the study's game.costs"
+        raise BadFile(folder / MAP_TIMES, problem, remedy)
+    return folder / MAP_TIMES
+
+
+def _costs(path: Path, place: Map) -> CostMatrix:
+    """Return the costs in a file, which must fit the map."""
     costs = read_map_times(path)
     if len(costs.rooms) != len(place.rooms):
         raise BadFile(

@@ -33,10 +33,10 @@ def advise(state: GameState, discussed: Sequence[Discussed], robot: int) -> Advi
     """
     adviser, costs = state.robots[robot], state.started.costs
     free = tuple(free_to_discuss(Situation(state, tuple(discussed)), robot))
-    refused = why_no_tour(costs, adviser.at, free, adviser.energy)
+    refused = why_no_tour(state.costs_from(robot), adviser.at, free, adviser.energy)
     if refused is not None:
         return refused
-    starts = {robot: TourStart(costs.rows[adviser.at.people], adviser.energy)}
+    starts = {robot: TourStart(state.costs_from(robot), adviser.energy)}
     if len(free) <= MOST_ROOMS_OF_A_TEAM:
         others = {number: _start(state, discussed, number) for number in range(len(state.robots)) if number != robot}
         starts |= {number: start for number, start in others.items() if start is not None}
@@ -76,15 +76,15 @@ def _start(state: GameState, discussed: Sequence[Discussed], number: int) -> Tou
     robot, costs, visit = state.robots[number], state.started.costs, state.started.identify_cost
     if rules.unable(state, number) or rules.commanded_by_other(state, number, Commander.PARTICIPANT):
         return None
-    at, energy = robot.at, robot.energy
+    row, energy = state.costs_from(number), robot.energy
     talk = next((about.room for about in discussed if (about.robot, about.matter) == (number, "select-room")), None)
     if robot.bound_for is not None:
-        at, energy = robot.bound_for, energy - visit
+        row, energy = costs.rows[robot.bound_for.people], energy - visit
     elif talk is not None:
-        at, energy = Room(talk), energy - costs.cost(at, Room(talk)) - visit
-    elif state.has_room(at) and state.decider(at) == number and not state.room(at).is_decided:
+        row, energy = costs.rows[talk], energy - row[talk] - visit
+    elif state.has_room(robot.at) and state.decider(robot.at) == number and not state.room(robot.at).is_decided:
         energy -= visit
-    return TourStart(costs.rows[at.people], max(energy, 0.0))
+    return TourStart(row, max(energy, 0.0))
 
 
 @lru_cache(maxsize=16)

@@ -225,7 +225,7 @@ def _topic(state: GameState, scenario: Scenario, robot: int, room: Room, reason:
         case Scenario.TAKE_TREASURE:
             cost = state.started.identify_cost
         case _:
-            cost = state.started.costs.cost(here.at, room)
+            cost = state.cost(robot, room)
     sensed = state.room(room).sensed
     if sensed is None:
         return DialogueTopic(scenario, robot, room, cost, here.energy, reason=reason)

@@ -1,7 +1,7 @@
 """The participant's view, made from the state of a game."""
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Commander
@@ -43,7 +43,12 @@ def view_of(
 
 def plain_costs(costs: CostMatrix) -> tuple[tuple[float | None, ...], ...]:
     """Return a cost matrix as JSON can hold it: None where there is no move."""
-    return tuple(tuple(None if math.isinf(cost) else cost for cost in row) for row in costs.rows)
+    return tuple(plain_row(row) for row in costs.rows)
+
+
+def plain_row(row: Sequence[float]) -> tuple[float | None, ...]:
+    """Return a row of a cost matrix as JSON can hold it."""
+    return tuple(None if math.isinf(cost) else cost for cost in row)
 
 
 def _robot(state: GameState, number: int, asked_back: bool) -> RobotView:
@@ -61,6 +66,7 @@ def _robot(state: GameState, number: int, asked_back: bool) -> RobotView:
         # Participants do not see the names of researchers' programs.
         commander_name=command.name if command.by is Commander.GROUND_STATION else "",
         asked_back=asked_back,
+        costs=() if robot.costs is None else plain_row(robot.costs),
     )
 
 

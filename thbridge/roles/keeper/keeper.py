@@ -49,6 +49,7 @@ from thbridge.roles.notices import (
     HiderReady,
     HideTreasures,
     LegacyReply,
+    MoveCosts,
     Orders,
     ParticipantReady,
     RobotsReady,
@@ -203,6 +204,8 @@ class Keeper:
             self._robots(notice.sender, robots)
         elif (status := decode_notice(notice, TeamStatus)) is not None:
             self._status(status)
+        elif (priced := decode_notice(notice, MoveCosts)) is not None:
+            self._price(priced)
         elif decode_notice(notice, HiderReady) is not None:
             self._hider_ready = True
             self._ask_to_hide()
@@ -262,6 +265,8 @@ class Keeper:
         agreed = (ConsentGiven(),) if former is not None and former.agreed else ()
         kept = () if former is None else kept_commands(former, robots)
         self._game.record((started, *agreed, *kept))
+        if self._team is not None:
+            self._price(MoveCosts(started.game, self._team.from_starts))
         self._poses = None
         self._ask_to_hide()
 
@@ -308,6 +313,14 @@ class Keeper:
         for robot, researcher in enumerate(status.researchers):
             if self.state is not None:
                 self._game.apply_ruling("Commanded", rules.intervene(self.state, robot, researcher))
+
+    def _price(self, priced: MoveCosts) -> None:
+        state = self.state
+        if state is None or priced.game != state.started.game or len(priced.costs) != len(state.robots):
+            return
+        for robot, costs in enumerate(priced.costs):
+            if costs and state.robots[robot].bound_for is None:
+                self._game.apply_ruling("Priced", rules.price(state, robot, costs))
 
     def _end_if_over(self) -> None:
         """End the game when it is over; no decision of 2016's programs, which never give a treasure up, is awaited."""

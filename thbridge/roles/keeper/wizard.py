@@ -75,8 +75,7 @@ def handle_wizard_request(game: OpenGame, state: GameState | None, request: Wiza
 
 
 def _advice(game: OpenGame, state: GameState, robot: int) -> HeldAdvice:
-    at = state.robots[robot].at
-    costs = tuple((room.people, state.started.costs.cost(at, room)) for room in _rooms(game, state, robot))
+    costs = tuple((room.people, state.cost(robot, room)) for room in _rooms(game, state, robot))
     own = advise(state, game.dialogues.discussed, robot)
     return HeldAdvice(robot, costs, None if isinstance(own, RequestRefused) else own.room.people)
 
@@ -86,7 +85,7 @@ def _reason(game: OpenGame, state: GameState, robot: int, number: int) -> str:
     own = advise(state, game.dialogues.discussed, robot)
     if not isinstance(own, RequestRefused) and own.room == Room(number):
         return own.reason
-    return reason_by_cost(state.started.costs.cost(state.robots[robot].at, Room(number)))
+    return reason_by_cost(state.cost(robot, Room(number)))
 
 
 def _rooms(game: OpenGame, state: GameState, robot: int) -> list[Room]:

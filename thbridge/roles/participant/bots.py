@@ -136,7 +136,7 @@ class Bot:
             yield SelectRoom(robot.robot, self._choice(view, robot, open_to_it))
 
     def _affordable(self, view: View, robot: RobotView, taken: set[int]) -> list[int]:
-        row = view.costs[robot.place]
+        row = view.costs_from(robot)
         rooms = [room.room for room in view.rooms if room.state == "unvisited" and room.room not in taken]
         return [room for room in rooms if (cost := row[room]) is not None and cost <= robot.energy]
 
@@ -145,7 +145,7 @@ class Bot:
             # The same choice while nothing happened to this robot, another one after each dialogue broken off.
             turn = (len(self._stopped) * len(view.costs) + robot.place) * len(view.robots) + robot.robot
             return rooms[int(noise.uniform(self._choices, turn, 0) * len(rooms))]
-        costs = view.costs[robot.place]
+        costs = view.costs_from(robot)
         return min(rooms, key=lambda room: (costs[room] or 0.0, room))
 
     def _answer(self, dialogue: DialogueView) -> ParticipantRequest:

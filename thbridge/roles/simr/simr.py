@@ -19,6 +19,7 @@ from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice,
 from thbridge.roles import failure_reasons as reasons
 from thbridge.roles.notices import (
     KEEPER,
+    MoveCosts,
     MoveOrder,
     MoveResult,
     Orders,
@@ -32,6 +33,7 @@ from thbridge.roles.robots_role import RobotsRole
 from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS, RobotControls
 from thbridge.roles.simr.pose_telemetry import TelemetryOptions, TelemetryPublisher
 from thbridge.roles.simr.team import RobotTeam
+from thbridge.roles.simr.travel_times import TravelTimes
 
 STATUS_PERIOD = TICKS_PER_SECOND
 """Ticks from one status to the next; one is also sent whenever a move, a condition or a researcher changes."""
@@ -41,6 +43,9 @@ KEEPER_TIMEOUT = TICKS_PER_SECOND
 
 RESPONSE_TIMEOUT = 5 * TICKS_PER_SECOND
 """Default ticks without observations after which a robot counts as silent."""
+
+PRICED_DISTANCE = 0.5
+"""Metres that a robot moves before its moves are priced anew: an estimate at rest wanders a little."""
 
 MANUAL_SPEEDS = {
     canonical.MoveDirection.FORWARD: (1.0, 0.0),
@@ -62,12 +67,14 @@ class GameMap:
         goals: goal pose of each room, room 1 first.
         starts: start pose of each robot.
         costs: energy from place to place as people count them, None where there is no move.
+        travel: travel times from any other place; None: the costs of the corridor count there.
     """
 
     name: str
     goals: tuple[Pose2, ...]
     starts: tuple[Pose2, ...]
     costs: tuple[tuple[float | None, ...], ...]
+    travel: TravelTimes | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,6 +133,8 @@ class SimR(RobotsRole):
         self._orders: Orders | None = None
         self._waiting: list[tuple[int, legacy.GotoRoom]] = []
         self._without_keeper = 0
+        # Where each robot stood when its moves were priced, and their costs.
+        self._priced: list[tuple[Pose2, tuple[float | None, ...]] | None] = [None] * robots.size
         self._telemetry = TelemetryPublisher(self.name, telemetry or TelemetryOptions())
         self.rejection: str | None = None
 
@@ -148,7 +157,9 @@ class SimR(RobotsRole):
         resumed, self._inputs = self._inputs, []
         if self._introduce:
             self._introduce = False
-            ready = RobotsReady(self._game_map.name, self._team.size, self._game_map.costs)
+            place, travel = self._game_map, self._game_map.travel
+            from_starts = () if travel is None else tuple(travel.costs_from(start) for start in place.starts)
+            ready = RobotsReady(place.name, self._team.size, place.costs, from_starts)
             outgoing.append(encode_notice(self.name, KEEPER, ready))
         for message in messages:
             outgoing += self._handle_message(tick, message)
@@ -163,6 +174,8 @@ class SimR(RobotsRole):
         changed = before != (self._conditions, self._researchers, tuple(self._results))
         if changed or tick % STATUS_PERIOD == 0:
             outgoing.append(encode_notice(self.name, KEEPER, self._status(self.snapshot)))
+        if self._price(self.snapshot) or changed or tick % STATUS_PERIOD == 0:
+            outgoing += self._move_costs()
         progress = {robot: move.share() for robot, move in self._moves.items()}
         return outgoing + self._telemetry.messages(tick, self.snapshot, self._conditions, progress)
 
@@ -232,6 +245,7 @@ class SimR(RobotsRole):
         self._waiting.clear()
         self._moves.clear()
         self._results = [None] * self._team.size
+        self._priced = [None] * self._team.size
         if orders.poses is not None:
             places = [Pose2(*pose) for pose in orders.poses]
         elif again or any(orders.at):
@@ -312,6 +326,28 @@ class SimR(RobotsRole):
                     # It was dead for a while, or sent elsewhere or driven by hand: its navigator has lost the goal.
                     self._inputs.append(SendGoal(robot, goal))
         return outgoing
+
+    def _price(self, snapshot: TeamSnapshot) -> bool:
+        """Price the moves of robots that have come to rest elsewhere; return True if any was priced anew."""
+        travel = self._game_map.travel
+        if travel is None:
+            return False
+        anew = False
+        for robot, output in enumerate(snapshot.robots):
+            here, priced = output.estimate.base_in_map, self._priced[robot]
+            moving = robot in self._moves or output.navigation.goal is not None or self._controls.is_driven(robot)
+            if moving or output.estimate.lost or self._is_silent(snapshot, output):
+                continue
+            if priced is None or math.hypot(here.x - priced[0].x, here.y - priced[0].y) > PRICED_DISTANCE:
+                self._priced[robot] = here, travel.costs_from(here)
+                anew = True
+        return anew
+
+    def _move_costs(self) -> list[TextMessage]:
+        if self._orders is None or not any(self._priced):
+            return []
+        costs = tuple(() if priced is None else priced[1] for priced in self._priced)
+        return [encode_notice(self.name, KEEPER, MoveCosts(self._orders.game, costs))]
 
     def _fail(self, robot: int, move: _Move, sentence: str) -> None:
         del self._moves[robot]

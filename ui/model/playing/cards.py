@@ -38,7 +38,7 @@ def _card(memory: ParticipantMemory, hunt: HuntMemory, robot: RobotView) -> Robo
         considered = hunt.destination_considered(number)
     cost = None
     if considered is not None and robot.moving_to is None and hunt.view.room(considered).state == "unvisited":
-        cost = hunt.view.costs[robot.place][considered]
+        cost = hunt.view.costs_from(robot)[considered]
     motion = memory.motion(number)
     place = place_name(robot.place)
     stranded = _is_stranded(hunt, robot)
@@ -157,4 +157,4 @@ def _is_stranded(hunt: HuntMemory, robot: RobotView) -> bool:
         return False
     if undecided_beside(hunt.known, robot.robot) is not None or affordable(state, robot.robot):
         return False
-    return any(view.costs[robot.place][room.people] is not None for room in state.free_rooms)
+    return any(view.costs_from(robot)[room.people] is not None for room in state.free_rooms)

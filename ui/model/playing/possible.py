@@ -9,7 +9,7 @@ from dataclasses import replace
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
 from thbridge.hunt.costs import energy_text
-from thbridge.hunt.events import Commander, RobotArrived
+from thbridge.hunt.events import Commander, CostsEstimated, RobotArrived
 from thbridge.hunt.game import apply
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room
@@ -65,7 +65,7 @@ def why_not_go(known: Situation, robot: int, room: int) -> str | None:
         case RuleReason.NOT_A_MOVE:
             return f"There is no way there from {mover.at}."
         case RuleReason.NOT_ENOUGH_ENERGY:
-            cost = then.state.started.costs.cost(mover.at, Room(room))
+            cost = then.state.cost(robot, Room(room))
             return f"This costs {energy_text(cost)}; {robot_name(robot)} has {energy_text(mover.energy)} energy."
     return _hint(known, robot, refused)
 
@@ -134,9 +134,17 @@ def energy_warning(known: Situation, robot: int, room: int) -> str:
 
 
 def _called_back(known: Situation, robot: int) -> Situation:
-    """Return the known when a driving robot is stopped at once: to the game, it stands in the corridor then."""
+    """Return the known when a driving robot is stopped at once: to the game, it stands in the corridor then.
+
+    Where moves are priced by position, nobody knows yet what they will cost from there: it may be nothing.
+    """
     events = rules.fail(known.state, robot, "", 0.0, CORRIDOR)
-    return known if isinstance(events, RequestRefused) else replace(known, state=apply(known.state, events[0]))
+    if isinstance(events, RequestRefused):
+        return known
+    state = apply(known.state, events[0])
+    if any(mover.costs is not None for mover in known.state.robots):
+        state = apply(state, CostsEstimated(robot, (None, *(0.0 for _ in state.rooms))))
+    return replace(known, state=state)
 
 
 def _why_not_discuss(known: Situation, request: OpenDialogue, what: str, cost: float) -> str | None:

@@ -39,13 +39,13 @@ def end(hunt: HuntMemory) -> Action:
 def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Mapping[int, str]) -> RoomTile:
     robot = memory.selected
     mover = hunt.view.robots[robot]
-    costs = hunt.view.costs[mover.place if mover.moving_to is None else 0]
+    costs = hunt.view.costs_from(mover) if mover.moving_to is None else hunt.view.costs_when_stopped()
     return RoomTile(
         room=room.room,
         name=names.get(room.room) or f"Room {room.room}",
         state=room.state,
         robot=room.robot,
-        cost=costs[room.room] if room.state == "unvisited" else None,
+        cost=costs[room.room] if costs is not None and room.state == "unvisited" else None,
         considered=room.room == (memory.considered() or hunt.destination_considered(robot)),
         found=_found(room),
         choose=_choose(memory, hunt, room),
@@ -74,7 +74,7 @@ def _price(hunt: HuntMemory, robot: int, room: int) -> str:
     view, mover = hunt.view, hunt.view.robots[robot]
     if mover.moving_to is not None:
         return f"{titled(robot)} is on its way to {place_name(mover.moving_to)} and would be called back first."
-    cost = view.costs[mover.place][room] or 0.0
+    cost = view.costs_from(mover)[room] or 0.0
     left = mover.energy - cost
     hint = f"Costs {energy_text(cost)}; {robot_name(robot)} keeps {energy_text(left)}."
     concern = energy_warning(hunt.known, robot, room)

@@ -231,7 +231,7 @@ def below(tile: RoomTile) -> tuple[str, ...]:
     if tile.state != "unvisited":
         return ("on the way", "taken") if tile.state == "reserved" else ("",)
     if tile.cost is None:
-        return ("no way",)
+        return ("",) if tile.choose.enabled else ("no way",)
     cost = energy_text(tile.cost)
     return f"costs {cost}", cost
 

@@ -1,0 +1,129 @@
+"""Travel times from any place of a map to its rooms: planned on the static map, in the seconds of the map's own times.
+
+A wave of navfn from each room's goal gives a way to it from every place. Its seconds are a part that every move has,
+one for its length, and one for the turns on the spot at its beginning and its end, which take a robot as long as metres
+do. The three weights are fitted to the times that are known between places (least squares, none negative), so that a
+room costs about the same from where a robot stands as from the place next to it that has a row in the matrix.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import nnls
+
+from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.grid import OccupancyGrid
+from sim.parameters import NavfnParameters
+from sim.robot.costmap.costs import CostFrame, Costs
+from sim.robot.global_planning.navfn import Navfn
+from sim.robot.global_planning.potential_planner import PotentialPlanner
+from sim.robot.global_planning.wave import UNREACHED
+
+AT_GOAL = 1.0
+"""Metres from a room's goal within which the row of that room counts."""
+
+_NEAR = 0.5
+"""Metres to the nearest place with a way, for a robot that an estimate puts into a wall."""
+_FIRST_STRETCH = 0.5
+"""Metres of a way that give its direction at an end."""
+
+
+class _Way(NamedTuple):
+    """Weighed parts of a way: 1, metres, and radians turned on the spot at both ends."""
+
+    one: float
+    length: float
+    turned: float
+
+
+class TravelTimes:
+    """Energy of moves from any place of a map.
+
+    Args:
+        grid: the map.
+        costs: (rows, cols) its costs for a robot, inflated.
+        goals: goal pose of each room, room 1 first.
+        starts: start poses, to which the row of the corridor belongs; at least one.
+        matrix: known times between places as people count them, seconds; None where there is no move.
+    """
+
+    def __init__(
+        self,
+        grid: OccupancyGrid,
+        costs: Costs,
+        goals: Sequence[Pose2],
+        starts: Sequence[Pose2],
+        matrix: Sequence[Sequence[float | None]],
+    ) -> None:
+        self._to_grid = grid.origin.inverse()
+        self._frame = CostFrame(0.0, 0.0, grid.resolution)
+        self._goals = tuple(self._to_grid.compose(goal) for goal in goals)
+        self._matrix = tuple(tuple(row) for row in matrix)
+        self._planner = PotentialPlanner(Navfn(NavfnParameters()))
+        self._potentials = [self._planner.potential(costs, self._frame, goal) for goal in self._goals]
+        places = [[self._to_grid.compose(start) for start in starts], *([goal] for goal in self._goals)]
+        self._weights = _fitted(
+            [
+                ([way for start in places[place] if (way := self._way(room, start)) is not None], time)
+                for place, row in enumerate(self._matrix)
+                for room, time in enumerate(row[1:])
+                if time is not None and place != room + 1
+            ]
+        )
+
+    def costs_from(self, pose: Pose2) -> tuple[float | None, ...]:
+        """Return the energy to each place from a pose, by the number people use; whole, and None without a way."""
+        here = self._to_grid.compose(pose)
+        away = [math.hypot(goal.x - here.x, goal.y - here.y) for goal in self._goals]
+        nearest = min(range(len(away)), key=lambda room: away[room])
+        estimated = [self._seconds(room, here) for room in range(len(self._goals))]
+        if away[nearest] > AT_GOAL:
+            return None, *estimated
+        row = list(self._matrix[nearest + 1])
+        # From a room to itself the matrix has no move, but a robot may stand there that has not visited it.
+        row[nearest + 1] = estimated[nearest]
+        return tuple(row)
+
+    def _seconds(self, room: int, here: Pose2) -> float | None:
+        way = self._way(room, here)
+        return None if way is None else max(1.0, round(float(np.array(way) @ self._weights)))
+
+    def _way(self, room: int, here: Pose2) -> _Way | None:
+        """Return the way from a pose in the grid, or from the nearest place that has one; None without any."""
+        goal, potential = self._goals[room], self._potentials[room]
+        resolution = self._frame.resolution
+        col, row, reach = here.x / resolution, here.y / resolution, _NEAR / resolution
+        top, left = max(0, math.floor(row - reach)), max(0, math.floor(col - reach))
+        reached = np.argwhere(potential[top : math.ceil(row + reach), left : math.ceil(col + reach)] < UNREACHED)
+        if not len(reached):
+            return None
+        centres = reached + np.array([top, left]) + 0.5
+        y, x = (centres[int(np.hypot(*(centres - np.array([row, col])).T).argmin())] * resolution).tolist()
+        points = self._planner.descend(potential, self._frame, Pose2(x, y, 0.0), goal)
+        if points is None or len(points) < 2:
+            return _Way(1.0, 0.0, abs(wrap_angle(goal.theta - here.theta)))
+        steps = np.hypot(*np.diff(points, axis=0).T)
+        return _Way(
+            1.0,
+            float(steps.sum()),
+            abs(wrap_angle(_direction(points, steps) - here.theta))
+            + abs(wrap_angle(goal.theta - _direction(points[::-1], steps[::-1]) - math.pi)),
+        )
+
+
+def _direction(points: FloatArray, steps: FloatArray) -> float:
+    """Return the direction of the first stretch of (m, 2) points with (m - 1,) metres between them, radians."""
+    end = min(int(np.searchsorted(steps.cumsum(), _FIRST_STRETCH)) + 1, len(points) - 1)
+    along = points[end] - points[0]
+    return math.atan2(along[1], along[0])
+
+
+def _fitted(known: Sequence[tuple[Sequence[_Way], float]]) -> FloatArray:
+    """(3,) seconds of each part of a way, from ways (the mean of several counts) whose seconds are known."""
+    rows = [(np.mean(ways, axis=0), seconds) for ways, seconds in known if ways]
+    if not rows:
+        return np.zeros(3)
+    weights: FloatArray = nnls(np.array([way for way, _ in rows]), np.array([seconds for _, seconds in rows]))[0]
+    return weights
