@@ -1,5 +1,7 @@
 """Pop-up of a treasure that a robot found, with the acts that are possible on it."""
 
+from dataclasses import replace
+
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.treasures import name_in_words
@@ -91,7 +93,9 @@ def _name_it(hunt: HuntMemory, item: TreasureItem) -> Action:
         refused = "Pick a name first." if view.names else "Wait until it is known what it may be called."
     cost = f"Costs {energy_text(view.identify_cost)} energy. A right name wins points, a wrong one loses some."
     label = "Name it" if picked is None else f"Name it {name_in_words(picked)}"
-    return keyed(SubmitName(), label, refused is None and not busy, refused or cost, busy)
+    act = keyed(SubmitName(), label, refused is None and not busy, refused or cost, busy)
+    # Of what was named, Enter closes the pop-up.
+    return act if view.room(item.room).verdict is None else replace(act, key="")
 
 
 def _leave(hunt: HuntMemory, item: TreasureItem) -> Action:
