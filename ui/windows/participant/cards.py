@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QSizePolicy, QVBoxLayout, QWidget
 
 from thbridge.hunt.costs import energy_text
 from ui.model.screen import Action, RobotCard
-from ui.windows.look import GAP, RADIUS, colours, font, smooth_painter, spaced
+from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ParticipantButton
 from ui.windows.participant.widgets.painting import (
     Sign,
@@ -57,11 +57,11 @@ class CardFace(ParticipantButton):
 
     def sizeHint(self) -> QSize:
         """Return the size of the lines and the bar with comfortable distances."""
-        return QSize(300, int(self._high(FAR)))
+        return QSize(px(300), int(self._high(FAR)))
 
     def minimumSizeHint(self) -> QSize:
         """Return the size of the lines and the bar with small distances."""
-        return QSize(220, int(self._high(CLOSE)))
+        return QSize(px(200), int(self._high(CLOSE)))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw name and energy; the bar; another commander; what the robot does and where; its progress."""
@@ -179,6 +179,7 @@ class Card(ActionWidget):
             part.requested.connect(self.requested)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
         self._card: RobotCard | None = None
+        follow_text(self, Card._fit)
 
     def show_card(self, card: RobotCard) -> None:
         """Show this robot; does nothing when it is shown so already."""
@@ -186,6 +187,13 @@ class Card(ActionWidget):
             return
         self._card = card
         self.setAccessibleName(card.name)
+        self._fit()
+
+    def _fit(self) -> None:
+        """Lay out the face and its button, by their words."""
+        card = self._card
+        if card is None:
+            return
         wide = self._offer(self.stop, card.stop, f"Stop {card.name}")
         wide += self._offer(self.ask_back, card.ask_back, f"Ask for {card.name} back")
         self.face.show_card(card, wide)

@@ -1,11 +1,13 @@
 """The column beside the map: robots above, rooms below them."""
 
+import math
+
 from PySide6.QtCore import QEvent, QObject, QSize, Qt
-from PySide6.QtGui import QResizeEvent
+from PySide6.QtGui import QFontMetricsF, QResizeEvent
 from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
 
 from ui.windows import look
-from ui.windows.look import GAP
+from ui.windows.look import GAP, px
 from ui.windows.participant.cards import Cards
 from ui.windows.participant.tiles import Tiles
 from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget
@@ -36,7 +38,7 @@ class SideColumn(ActionWidget):
 
     def sizeHint(self) -> QSize:
         """Return a usual size; the window sets the width."""
-        return QSize(336, 480)
+        return QSize(px(336), 480)
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
         """Divide the height."""
@@ -51,7 +53,8 @@ class SideColumn(ActionWidget):
     def _place(self) -> None:
         wide, high = self.width(), self.height()
         button = self.dont_know.heightForWidth(wide)
-        hint = 2 * self.hint.fontMetrics().lineSpacing()
+        lines = 2 if wide >= px(300) else 3
+        hint = lines * math.ceil(QFontMetricsF(self.hint.font()).lineSpacing())
         below = button + hint + 2 * (GAP - 2)
         room = high - below - _SECTION
         least, most = self.cards.minimumSizeHint().height(), self.cards.sizeHint().height()

@@ -1,12 +1,13 @@
 """The game's history as text."""
 
+from PySide6.QtCore import QSize
 from PySide6.QtGui import QColor, QFont, QTextCharFormat, QTextCursor
 from PySide6.QtWidgets import QFrame, QPlainTextEdit, QWidget
 
 from sim.common.robot_numbers import robot_name
 from ui.model.screen import HistoryLine
 from ui.windows import look
-from ui.windows.look import GAP, colours, font
+from ui.windows.look import GAP, colours, follow_text, font, px
 
 MAX_LINES = 500
 """Most lines that are shown."""
@@ -21,12 +22,20 @@ class HistoryView(QPlainTextEdit):
         self.setAccessibleName("History")
         self.setReadOnly(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setFont(font("small"))
+        follow_text(self, HistoryView._fit)
         self.setMaximumBlockCount(MAX_LINES)
         self.setTabChangesFocus(True)
         self.document().setDocumentMargin(GAP)
-        self.setFixedHeight(20 * GAP)
         self._shown: tuple[HistoryLine, ...] = ()
+
+    def _fit(self) -> None:
+        self.setFont(font("small"))
+        self.setMinimumHeight(px(64))
+        self.setMaximumHeight(px(160))
+
+    def sizeHint(self) -> QSize:
+        """Return a size of some lines, which goes down to two where there is little space."""
+        return QSize(px(300), px(160))
 
     def show_history(self, history: tuple[HistoryLine, ...]) -> None:
         """Show this; only new lines are written."""

@@ -9,13 +9,13 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from ui.windows.look import GAP
+from ui.windows.look import GAP, px
 from ui.windows.map import MapView
 from ui.windows.participant.top import BannerLine
 from ui.windows.participant.widgets.panels import TitledPanel
 
 MAX_PANEL_WIDTH = 620
-"""Greatest width of a panel, logical pixels."""
+"""Greatest width of a panel, `px`."""
 
 
 class MapArea(QWidget):
@@ -28,7 +28,7 @@ class MapArea(QWidget):
         self.banner = BannerLine(self)
         self._panel: TitledPanel | None = None
         self._foot: int | None = None
-        self.setMinimumSize(360, 300)
+        self.setMinimumSize(240, 160)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
 
     def show_panel(self, panel: TitledPanel | None) -> None:
@@ -63,7 +63,7 @@ class MapArea(QWidget):
         if panel is None:
             return
         top = high + 2 * GAP if high else GAP
-        size = panel.wanted(min(MAX_PANEL_WIDTH, self.width() - 2 * GAP), self.height() - top - GAP)
+        size = panel.wanted(min(px(MAX_PANEL_WIDTH), self.width() - 2 * GAP), self.height() - top - GAP)
         if self._foot is None:
             self._foot = (top + self.height() - GAP + size.height()) // 2
         # It grows upwards as the dialogue goes on, so that the answers stay where they are, as far as that is possible.

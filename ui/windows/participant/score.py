@@ -21,7 +21,7 @@ class ScoreLabel(QWidget):
         self._counting = QVariantAnimation(self, startValue=0.0, endValue=1.0, duration=COUNT_DURATION)
         self._counting.setEasingCurve(QEasingCurve.Type.OutCubic)
         self._counting.valueChanged.connect(lambda _value: self.update())
-        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
 
     def show_score(self, score: int, *, moving: bool) -> None:
         """Show this score, with an animation when `moving`."""
@@ -42,6 +42,11 @@ class ScoreLabel(QWidget):
         return QSize(
             int(small.horizontalAdvance("Score") + hero.horizontalAdvance("−0000  +00")) + 3 * GAP, int(hero.height())
         )
+
+    def minimumSizeHint(self) -> QSize:
+        """Return the size without the gain."""
+        gain = QFontMetricsF(font("hero", bold=True)).horizontalAdvance("  +00")
+        return self.sizeHint() - QSize(int(gain) + 2 * GAP, 0)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the word, the score and the gain."""

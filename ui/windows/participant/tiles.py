@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from ui.model.screen import RoomTile
-from ui.windows.look import GAP, RADIUS, colours, font, smooth_painter
+from ui.windows.look import GAP, RADIUS, colours, font, px, smooth_painter
 from ui.windows.participant.widgets.buttons import ActionWidget, ParticipantButton
 from ui.windows.participant.widgets.painting import Sign, box, chip, chip_size, elided, ring, sign, write
 
@@ -18,7 +18,7 @@ SPACE = GAP - 2
 """Distance between tiles, logical pixels."""
 
 _NARROW, _WIDE = 76, 140
-"""Least width of a tile, and the width from which it shows the room's name; logical pixels."""
+"""Least width of a tile, and the width from which it shows the room's name; `px`."""
 
 
 class Tile(ParticipantButton):
@@ -46,7 +46,7 @@ class Tile(ParticipantButton):
     def sizeHint(self) -> QSize:
         """Return the size of two lines."""
         high = QFontMetricsF(font("title", bold=True)).height() + QFontMetricsF(font("small")).height()
-        return QSize(_NARROW, int(high + 1.5 * GAP))
+        return QSize(px(_NARROW), int(high + 1.5 * GAP))
 
     def minimumSizeHint(self) -> QSize:
         """Return the size hint: a tile does not get smaller."""
@@ -118,7 +118,7 @@ class Tile(ParticipantButton):
         sign(painter, mark, kind, palette.text if tile.choose.enabled or kind != "open" else palette.muted)
         if tile.robot is not None:
             chip(painter, QPointF(mark.left() - chip_size() / 2 - 3, line.center().y()), tile.robot)
-        if self.width() >= _WIDE:
+        if self.width() >= px(_WIDE):
             at = line.left() + metrics.horizontalAdvance(number) + GAP
             room = mark.left() - at - (chip_size() + GAP if tile.robot is not None else GAP / 2)
             name = elided(tile.name, room, QFontMetricsF(font("small")))
@@ -177,7 +177,7 @@ class Tiles(ActionWidget):
     def fit(self, width: int, height: int) -> int:
         """Take the fewest columns, from two on, that fit this space, or the most there may be; return the height."""
         number = max(1, len(self.tiles))
-        most = min(number, max(1, (width + SPACE) // (_NARROW + SPACE)))
+        most = min(number, max(1, (width + SPACE) // (px(_NARROW) + SPACE)))
         self._columns = next((few for few in range(min(2, most), most) if self._high(few) <= height), most)
         # So many rows may need fewer columns, which are wider then.
         self._columns = -(-number // -(-number // self._columns))
@@ -186,11 +186,11 @@ class Tiles(ActionWidget):
 
     def sizeHint(self) -> QSize:
         """Return the height of all rows."""
-        return QSize(4 * _NARROW, self._high(self._columns))
+        return QSize(4 * px(_NARROW), self._high(self._columns))
 
     def minimumSizeHint(self) -> QSize:
         """Return the height of all rows in one column's width: rows do not get lower."""
-        return QSize(_NARROW, self._high(self._columns))
+        return QSize(px(_NARROW), self._high(self._columns))
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
         """Set the tiles into their grid."""

@@ -1,8 +1,8 @@
 """Strip along the top with score and tools, and the banner across the map."""
 
-from PySide6.QtCore import QRectF, Qt
-from PySide6.QtGui import QFontMetricsF, QPaintEvent
-from PySide6.QtWidgets import QHBoxLayout, QWidget
+from PySide6.QtCore import QEvent, QRectF, Qt
+from PySide6.QtGui import QFontMetricsF, QPaintEvent, QResizeEvent
+from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QWidget
 
 from ui.model.screen import Action, Banner
 from ui.windows import look
@@ -14,21 +14,38 @@ from ui.windows.participant.widgets.panels import set_text
 
 
 class TopStrip(ActionWidget):
-    """Score at the left, tools at the right."""
+    """Score at the left, tools at the right, or below it where the window is too narrow for both."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        row = spaced(QHBoxLayout(self), GAP, 2 * GAP, GAP, 2 * GAP, GAP)
+        self._rows = spaced(QBoxLayout(QBoxLayout.Direction.LeftToRight, self), GAP, 2 * GAP, GAP, 2 * GAP, GAP)
         self._game = look.label(size="small", muted=True)
         self._game.setWordWrap(False)
         self.score = ScoreLabel()
-        row.addWidget(self._game)
-        row.addSpacing(GAP)
-        row.addWidget(self.score)
-        row.addStretch(1)
-        tools = spaced(QHBoxLayout(), GAP // 2)
-        row.addLayout(tools)
-        self.tools = ActionRow(tools, self.requested, "quiet")
+        self._left, self._right = spaced(QHBoxLayout(), 2 * GAP), spaced(QHBoxLayout(), GAP // 2)
+        self._rows.addLayout(self._left, 1)
+        self._rows.addLayout(self._right)
+        self._rows.setAlignment(self._right, Qt.AlignmentFlag.AlignRight)
+        self._left.addWidget(self._game)
+        self._left.addWidget(self.score)
+        self._left.addStretch(1)
+        self.tools = ActionRow(self._right, self.requested, "quiet")
+
+    def resizeEvent(self, _event: QResizeEvent) -> None:
+        """Put the tools where they have room."""
+        self._turn()
+
+    def event(self, event: QEvent) -> bool:
+        """Look anew when words have changed, or their size."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self._turn()
+        return super().event(event)
+
+    def _turn(self) -> None:
+        margins = self._rows.contentsMargins()
+        wide = self._left.minimumSize().width() + self._right.minimumSize().width() + GAP
+        fits = wide <= self.width() - margins.left() - margins.right()
+        self._rows.setDirection(QBoxLayout.Direction.LeftToRight if fits else QBoxLayout.Direction.TopToBottom)
 
     def show_strip(self, game: int, score: int, *, moving: bool, tools: tuple[Action, ...]) -> None:
         """Show this."""

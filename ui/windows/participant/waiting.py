@@ -1,12 +1,12 @@
 """Strip along the bottom with all that waits for the participant."""
 
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt
-from PySide6.QtGui import QFontMetricsF, QPaintEvent, QWheelEvent
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt
+from PySide6.QtGui import QFontMetricsF, QPaintEvent, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QSizePolicy, QWidget
 
 from ui.model.screen import WaitingItem
 from ui.windows import look
-from ui.windows.look import GAP, RADIUS, colours, font, smooth_painter, spaced
+from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ButtonFace, ParticipantButton
 from ui.windows.participant.widgets.painting import WRAPPED, box, chip, chip_size, key_cap, key_size, ring, write
 from ui.windows.participant.widgets.panels import set_text
@@ -34,8 +34,13 @@ class WaitingChip(ParticipantButton):
         """Return the size of two lines of words."""
         metrics = QFontMetricsF(font("small"))
         text = self._waiting.text if self._waiting is not None else ""
-        wide = min(190.0, max(90.0, metrics.horizontalAdvance(text) / 2.0 + 2 * GAP))
-        return QSize(int(wide + chip_size() + 3 * GAP + self._key_room()), int(2 * metrics.height() + GAP))
+        wide = min(px(190), max(px(90), metrics.horizontalAdvance(text) / 2.0 + 2 * GAP))
+        return QSize(int(wide + chip_size() + 3 * GAP + self._key_room()), self.height_of_two_lines())
+
+    @staticmethod
+    def height_of_two_lines() -> int:
+        """Return the height of two lines of words, logical pixels."""
+        return int(2 * QFontMetricsF(font("small")).height() + GAP)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the chip and the words."""
@@ -106,9 +111,23 @@ class WaitingStrip(ActionWidget):
         row.addWidget(self.history)
         self.chips: list[WaitingChip] = []
         self._shown: tuple[WaitingItem, ...] | None = None
-        probe = WaitingChip()
-        self.setFixedHeight(probe.sizeHint().height() + 2)
-        probe.deleteLater()
+        follow_text(self, lambda it: it.setFixedHeight(WaitingChip.height_of_two_lines() + 2))
+
+    def resizeEvent(self, _event: QResizeEvent) -> None:
+        """Leave the chips as much room as there is."""
+        self._make_room()
+
+    def event(self, event: QEvent) -> bool:
+        """Leave room anew when words have changed, or their size."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self._make_room()
+        return super().event(event)
+
+    def _make_room(self) -> None:
+        """Hide the number of chips where it would leave too little room for one of them."""
+        widest = max((chip.sizeHint().width() for chip in self.chips if not chip.isHidden()), default=0)
+        others = self._count.sizeHint().width() + self.history.sizeHint().width() + 2 * GAP
+        self._count.setVisible(not widest or widest + others <= self.width())
 
     def show_waiting(self, waiting: tuple[WaitingItem, ...]) -> None:
         """Show these; does nothing when they are shown already."""

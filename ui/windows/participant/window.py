@@ -41,7 +41,7 @@ from ui.model.screen import (
 )
 from ui.model.theme import Palette
 from ui.windows import pointer
-from ui.windows.look import GAP, spaced
+from ui.windows.look import GAP, follow_text, px, spaced
 from ui.windows.map import MapView
 from ui.windows.participant.column import SideColumn
 from ui.windows.participant.history import HistoryView
@@ -89,7 +89,7 @@ class ParticipantWindow(QWidget):
         # Time at which the pop-up had come that was there when the key held now was pressed.
         self._pressed_since = self._opened_at
         self.setWindowTitle("Treasure hunt")
-        self.setMinimumSize(480, 320)
+        self.setMinimumSize(760, 420)
         self.resize(1200, 800)
         self.map = MapView(palette)
         self._build()
@@ -104,6 +104,7 @@ class ParticipantWindow(QWidget):
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setFocus()
         self.refresh()
+        follow_text(self, ParticipantWindow._divide)
 
     # Layout -----------------------------------------------------------------------------------------------------------
 
@@ -318,10 +319,15 @@ class ParticipantWindow(QWidget):
         self._ticking.stop()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Give the column beside the map three tenths of the width, within limits; the overlay covers all."""
+        """Divide the width anew; the overlay covers all."""
         super().resizeEvent(event)
-        self.column.setFixedWidth(min(max(336, int(self.width() * 0.3)), 480))
+        self._divide()
         self.overlay.setGeometry(self.rect())
+
+    def _divide(self) -> None:
+        """Give the column beside the map three tenths of the width, or what its words need, but not half of it."""
+        wide = min(max(px(336), int(self.width() * 0.3)), px(480))
+        self.column.setFixedWidth(min(wide, int(self.width() * 0.45)))
 
 
 def _offered(screen: Screen) -> tuple[Act, ...]:

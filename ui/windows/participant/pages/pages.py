@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QPlainTextEdit, 
 
 from ui.model.screen import Action, Confirmation, GameOverPage, ShowHelp
 from ui.windows import look
-from ui.windows.look import GAP, colours, smooth_painter, spaced
+from ui.windows.look import GAP, colours, follow_text, smooth_painter, spaced
 from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget
 from ui.windows.participant.widgets.focus import make_region
 from ui.windows.participant.widgets.painting import key_cap, key_size
@@ -76,7 +76,7 @@ class QuestionPanel(TitledPanel):
         self._text = look.label()
         self.rows.addWidget(self._text, 1)
         foot = _foot(self.rows)
-        self.no, self.yes = ActionButton(), ActionButton("main")
+        self.no, self.yes = ActionButton(hints=True), ActionButton("main", hints=True)
         for button in (self.no, self.yes):
             button.requested.connect(self.requested)
             foot.addWidget(button)
@@ -114,7 +114,10 @@ class KeyCap(QWidget):
         super().__init__(parent)
         self._keys = keys
         self.setAccessibleName(keys)
-        wide, high = key_size(keys)
+        follow_text(self, KeyCap._fit)
+
+    def _fit(self) -> None:
+        wide, high = key_size(self._keys)
         self.setFixedSize(QSize(int(wide) + 2, int(high) + 2))
 
     def paintEvent(self, _event: QPaintEvent) -> None:

@@ -7,11 +7,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from ui.windows.look import GAP, RADIUS, colours, font, smooth_painter
-from ui.windows.participant.widgets.painting import sign, write
+from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter
+from ui.windows.participant.widgets.painting import WRAPPED, sign, write
 
 _PICTURE = QSize(224, 168)
-"""Usual size of a picture, logical pixels."""
+"""Usual size of a picture, `px`."""
 
 
 class TreasurePicture(QWidget):
@@ -23,13 +23,17 @@ class TreasurePicture(QWidget):
         self._note = ""
         self.setAccessibleName("Picture of what was found")
         self._pixmap = QPixmap()
-        self.setMinimumSize(_PICTURE.width() // 2, _PICTURE.height() // 3)
-        self.setMaximumSize(_PICTURE * 2)
+        follow_text(self, TreasurePicture._fit)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
 
     def sizeHint(self) -> QSize:
         """Return the size of a small photograph."""
-        return _PICTURE
+        return QSize(px(_PICTURE.width()), px(_PICTURE.height()))
+
+    def _fit(self) -> None:
+        usual = self.sizeHint()
+        self.setMinimumSize(usual.width() // 2, usual.height() // 3)
+        self.setMaximumSize(usual * 2)
 
     def show_picture(self, data: bytes | None, note: str) -> None:
         """Show the picture in these bytes of an image file, or a note that says why there is none."""
@@ -70,12 +74,18 @@ class SensedFacts(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._colour = self._footprint = ""
-        self.setMinimumWidth(_PICTURE.width() // 2)
-        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
+        follow_text(self, lambda it: it.setMinimumWidth(px(_PICTURE.width() // 2)))
+        policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
+        policy.setHeightForWidth(True)
+        self.setSizePolicy(policy)
 
     def sizeHint(self) -> QSize:
         """Return the size of two lines."""
-        return QSize(_PICTURE.width(), int(2 * self._line()) + GAP)
+        return QSize(px(_PICTURE.width()), int(2 * self._line()) + GAP)
+
+    def heightForWidth(self, width: int) -> int:
+        """Return the height of the broken lines."""
+        return int(sum(self._height(words, width) for words in (self._colour, self._footprint))) + GAP
 
     def show_facts(self, colour: str, footprint: str) -> None:
         """Show these words; empty ones are not known yet."""
@@ -84,10 +94,20 @@ class SensedFacts(QWidget):
         self._colour, self._footprint = colour, footprint
         known = f"Colour: {colour}. Footprint: {footprint}." if colour else "The robot is still looking."
         self.setAccessibleName(known)
+        self.updateGeometry()
         self.update()
 
     def _line(self) -> float:
         return QFontMetricsF(font()).height() + GAP
+
+    def _height(self, words: str, width: float) -> float:
+        """Return the height of words beside their patch."""
+        frame = QRectF(0.0, 0.0, max(width - self._beside(), 1.0), 10000.0)
+        return QFontMetricsF(font()).boundingRect(frame, int(Qt.TextFlag.TextWordWrap), words or " ").height() + GAP
+
+    def _beside(self) -> float:
+        """Return the width of a patch and of the gap beside it."""
+        return self._line() - 4.0 + 1.5 * GAP
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the two lines."""
@@ -96,9 +116,11 @@ class SensedFacts(QWidget):
         if not self._colour:
             write(painter, QRectF(self.rect()), "Looking at it …", font(), palette.muted)
             return
+        top = 0.0
         for row, words in enumerate((self._colour, self._footprint)):
-            line = QRectF(0.0, row * (self._line() + GAP / 2), self.width(), self._line())
-            side = line.height() - 4.0
+            line = QRectF(0.0, top, self.width(), self._height(words, self.width()))
+            top = line.bottom() + GAP / 2
+            side = self._line() - 4.0
             patch = QRectF(line.left() + 1, line.top() + 2, side, side)
             painter.setPen(QColor(palette.line))
             if row == 0:
@@ -107,7 +129,7 @@ class SensedFacts(QWidget):
                 painter.drawRoundedRect(patch, 4, 4)
             else:
                 self._shape(painter, patch, words.casefold())
-            write(painter, line.adjusted(side + 1.5 * GAP, 0, 0, 0), words, font(), palette.text)
+            write(painter, line.adjusted(self._beside(), 0, 0, 0), words, font(), palette.text, WRAPPED)
 
     @staticmethod
     def _shape(painter: QPainter, patch: QRectF, words: str) -> None:
@@ -133,7 +155,7 @@ class NamingResult(QWidget):
 
     def sizeHint(self) -> QSize:
         """Return the size of a sign, the points and some lines."""
-        return QSize(220, 150)
+        return QSize(px(220), px(150))
 
     def show_verdict(self, text: str, points: int | None) -> None:
         """Show this."""

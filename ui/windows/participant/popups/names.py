@@ -10,7 +10,7 @@ from PySide6.QtWidgets import (
 )
 
 from thbridge.hunt.treasures import name_in_words
-from ui.windows.look import GAP
+from ui.windows.look import GAP, px
 from ui.windows.participant.widgets import focus
 
 
@@ -48,11 +48,11 @@ class NameList(QListWidget):
 
     def sizeHint(self) -> QSize:
         """Return the size of three to eight names."""
-        return QSize(220, self._high * min(max(len(self._names), 3), 8) + 2 * GAP)
+        return QSize(px(220), self._high * min(max(len(self._names), 3), 8) + 2 * GAP)
 
     def minimumSizeHint(self) -> QSize:
         """Return the size of two names."""
-        return QSize(150, self._high * 2 + 2 * GAP)
+        return QSize(px(150), self._high * 2 + 2 * GAP)
 
     def showEvent(self, event: QShowEvent) -> None:
         """Fill the list again."""

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QBoxLayout, QPushButton, QSizePolicy, QToolTip, QW
 
 from ui.model.screen import Act, Action
 from ui.windows import pointer
-from ui.windows.look import GAP, Size, colours, font, smooth_painter
+from ui.windows.look import GAP, Size, colours, font, px, smooth_painter
 from ui.windows.participant.widgets import focus
 from ui.windows.participant.widgets.painting import WRAPPED, box, key_cap, key_size, ring, sign, write
 
@@ -139,9 +139,9 @@ class ActionButton(ParticipantButton):
         self._weight = weight
         self._hints = hints
         # A label that breaks into lines needs more than the usual height.
-        policy = QSizePolicy(
-            QSizePolicy.Policy.Minimum, QSizePolicy.Policy.Minimum if hints else QSizePolicy.Policy.Fixed
-        )
+        policy = QSizePolicy(QSizePolicy.Policy.Minimum, QSizePolicy.Policy.Fixed)
+        if hints:
+            policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
         policy.setHeightForWidth(True)
         self.setSizePolicy(policy)
 
@@ -166,14 +166,14 @@ class ActionButton(ParticipantButton):
             return QSize(0, 0)
         wide = QFontMetricsF(self._font()).horizontalAdvance(face.label)
         if self._hints and face.hint:
-            wide = max(wide, min(260.0, QFontMetricsF(font("small")).horizontalAdvance(face.hint)))
+            wide = max(wide, min(px(260), QFontMetricsF(font("small")).horizontalAdvance(face.hint)))
         width = int(wide + self._beside(face)) + 2
         return QSize(width, self.heightForWidth(width))
 
     def minimumSizeHint(self) -> QSize:
         """Return the least size: labels may break into lines where there are hints."""
         hint = self.sizeHint()
-        return QSize(min(hint.width(), 96), hint.height()) if self._hints else hint
+        return QSize(min(hint.width(), px(96)), hint.height()) if self._hints else hint
 
     def heightForWidth(self, width: int) -> int:
         """Return the height that the broken lines need."""

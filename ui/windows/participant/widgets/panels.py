@@ -4,11 +4,21 @@ from typing import Literal
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFontMetricsF, QMouseEvent, QPainter, QPaintEvent, QResizeEvent
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QApplication,
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QLayout,
+    QScrollArea,
+    QSizePolicy,
+    QVBoxLayout,
+    QWidget,
+)
 
 from sim.common.robot_numbers import robot_name
 from ui.windows import look
-from ui.windows.look import GAP, colours, font, smooth_painter, spaced
+from ui.windows.look import GAP, colours, follow_text, font, px, smooth_painter, spaced
 from ui.windows.participant.widgets.focus import make_region
 from ui.windows.participant.widgets.painting import WRAPPED, chip, chip_size, write
 
@@ -22,8 +32,7 @@ class RobotChip(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._robot: int | None = None
-        side = int(chip_size()) + 2
-        self.setFixedSize(side, side)
+        follow_text(self, lambda it: it.setFixedSize(int(chip_size()) + 2, int(chip_size()) + 2))
         self.hide()
 
     def show_robot(self, robot: int | None) -> None:
@@ -58,10 +67,10 @@ class TitledPanel(QFrame):
         look.style_as_panel(self)
         make_region(self, name)
         inside = OpaqueBackground()
-        self._around = QVBoxLayout(self)
-        self._around.setContentsMargins(GAP, GAP, GAP, GAP)
-        self._around.addWidget(inside)
         self.rows = spaced(QVBoxLayout(inside), int(1.5 * GAP), GAP)
+        self._around = spaced(QVBoxLayout(self), 0, GAP)
+        self._inside = inside
+        self._around.addWidget(PanelScrollArea(inside, self.rows))
         self._chip = RobotChip()
         self._title = look.label(size="title", bold=True)
         self.top = spaced(QHBoxLayout(), GAP)
@@ -77,9 +86,50 @@ class TitledPanel(QFrame):
 
     def wanted(self, width: int, height: int) -> QSize:
         """Return its size when there is at most so much space."""
-        around = self._around
-        needed = around.totalHeightForWidth(width) if around.hasHeightForWidth() else around.totalSizeHint().height()
-        return QSize(width, min(max(needed, around.totalMinimumSize().height()), height))
+        around = self.size() - self.contentsRect().size() + QSize(2 * GAP, 2 * GAP)
+        wide = width - around.width()
+        self._inside.resize(wide, self._inside.height())
+        self.rows.activate()
+        needed = self.rows.heightForWidth(wide) if self.rows.hasHeightForWidth() else self.rows.sizeHint().height()
+        return QSize(width, min(max(needed, least_height(self.rows, wide)) + around.height(), height))
+
+
+class PanelScrollArea(QScrollArea):
+    """Scrolls what a panel holds, where there is less space than even its least size."""
+
+    def __init__(self, inside: QWidget, rows: QVBoxLayout) -> None:
+        super().__init__()
+        self._inside, self._rows = inside, rows
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setWidget(inside)
+        QApplication.instance().focusChanged.connect(self._reveal)  # type: ignore[union-attr]  # there is one
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Fit what is inside."""
+        super().resizeEvent(event)
+        self._fit()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Fit what is inside anew when it needs another size, and report that to the layout."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self._fit()
+            self.updateGeometry()
+        return super().eventFilter(watched, event)
+
+    def _fit(self) -> None:
+        wide, high = self.viewport().width(), self.viewport().height()
+        self._inside.resize(wide, max(high, least_height(self._rows, wide)))
+
+    def _reveal(self, _before: QWidget | None, now: QWidget | None) -> None:
+        if now is not None and self._inside.isAncestorOf(now):
+            self.ensureWidgetVisible(now, 0, GAP)
+
+
+def least_height(rows: QLayout, width: int) -> int:
+    """Return the height that a layout needs at least in a width, logical pixels."""
+    return rows.minimumHeightForWidth(width) if rows.hasHeightForWidth() else rows.minimumSize().height()
 
 
 class OpaqueBackground(QWidget):
@@ -110,11 +160,11 @@ class SpeechBubble(QWidget):
 
     def sizeHint(self) -> QSize:
         """Return the size with lines of a readable length."""
-        return QSize(320, self.heightForWidth(320))
+        return QSize(px(320), self.heightForWidth(px(320)))
 
     def minimumSizeHint(self) -> QSize:
         """Return the size on one line, should the width allow it."""
-        return QSize(120, self.heightForWidth(10000))
+        return QSize(px(120), self.heightForWidth(10000))
 
     def heightForWidth(self, width: int) -> int:
         """Return the height of the broken lines."""
@@ -152,9 +202,7 @@ class Transcript(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setFrameShape(QFrame.Shape.NoFrame)
-        policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
-        policy.setHeightForWidth(True)
-        self.setSizePolicy(policy)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
         inside = OpaqueBackground()
         self._lines = spaced(QVBoxLayout(inside), GAP, 0)
         self._lines.addStretch(1)
@@ -186,12 +234,18 @@ class Transcript(QScrollArea):
         return self._lines.heightForWidth(width) if self._sentences else 0
 
     def sizeHint(self) -> QSize:
-        """Return the size with lines of a readable length."""
-        return QSize(320, self.heightForWidth(320))
+        """Return the size of all sentences in the width it has."""
+        return QSize(px(320), self.heightForWidth(self.width()))
 
     def minimumSizeHint(self) -> QSize:
         """Return the size of the last sentence or two."""
-        return QSize(200, min(self.heightForWidth(max(self.width(), 320)), 84))
+        return QSize(px(120), min(self.sizeHint().height(), px(84)))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Report another height when the width is another."""
+        super().resizeEvent(event)
+        if event.size().width() != event.oldSize().width():
+            self.updateGeometry()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Report another size to the layout, since bubbles are shown a moment after they were added."""
@@ -247,17 +301,17 @@ class ModalOverlay(QWidget):
 
     def _place(self) -> None:
         if self._panel is not None:
-            size = self._panel.wanted(min(self._widest, self.width() - 4 * GAP), self.height() - 4 * GAP)
+            size = self._panel.wanted(min(px(self._widest), self.width() - 4 * GAP), self.height() - 4 * GAP)
             corner = QPoint((self.width() - size.width()) // 2, (self.height() - size.height()) // 2)
             self._panel.setGeometry(QRect(corner, size))
 
 
 def page_column(page: QWidget, width: int) -> QVBoxLayout:
-    """Return a column in the middle of a page, at most so wide, logical pixels."""
+    """Return a column in the middle of a page, at most so wide, `px`."""
     outer = QHBoxLayout(page)
     outer.setContentsMargins(4 * GAP, 4 * GAP, 4 * GAP, 4 * GAP)
     column = QWidget()
-    column.setMaximumWidth(width)
+    follow_text(column, lambda it: it.setMaximumWidth(px(width)))
     outer.addStretch(1)
     outer.addWidget(column, 20)
     outer.addStretch(1)

@@ -1,0 +1,108 @@
+"""Faults of a window's layout: what is cut off, what cannot be reached, what lies over something else."""
+
+from collections.abc import Iterator
+from itertools import combinations
+
+from PySide6.QtCore import QEvent, QPoint, QRect
+from PySide6.QtWidgets import QAbstractButton, QApplication, QLabel, QLayout, QLineEdit, QScrollArea, QTabBar, QWidget
+
+from ui.windows.participant.widgets.buttons import ActionButton, ParticipantButton
+
+SIZES = ((1000, 560), (1024, 600), (1200, 800), (1920, 1080))
+"""Sizes of windows, logical pixels."""
+
+TEXTS = (0.8, 1.0, 1.5, 2.0)
+"""Sizes of text, multiples of the usual one."""
+
+
+def settle() -> None:
+    """Let layouts come to rest; each may cause another."""
+    for _ in range(6):
+        QApplication.processEvents()
+        QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+
+
+def misfits(window: QWidget) -> list[str]:
+    """Return what is wrong with the layout of a window as it is shown; it is scrolled meanwhile."""
+    return [*_cut_off(window), *_words_cut(window), *_overlapping(window)]
+
+
+def _cut_off(window: QWidget) -> Iterator[str]:
+    """Yield the buttons that are not wholly in sight, and cannot be scrolled into it."""
+    for button in window.findChildren(QAbstractButton):
+        if not button.isVisible() or not _is_own(button):
+            continue
+        _scroll_to(button)
+        at: QWidget = button
+        while at is not window and at.parentWidget() is not None:
+            parent = at.parentWidget()
+            place = QRect(button.mapTo(parent, QPoint(0, 0)), button.size())
+            if not parent.rect().contains(place):
+                yield f"{_name(button)} is cut off by {type(parent).__name__}: {place} in {parent.rect()}"
+                break
+            at = parent
+
+
+def _words_cut(window: QWidget) -> Iterator[str]:
+    """Yield the buttons and labels that are too small for their words."""
+    for button in window.findChildren(QAbstractButton):
+        if not button.isVisible() or not _is_own(button):
+            continue
+        least = button.minimumSizeHint()
+        if isinstance(button, ActionButton):
+            least.setHeight(button.heightForWidth(button.width()))
+        if isinstance(button, ParticipantButton) and not isinstance(button, ActionButton):
+            least.setWidth(0)
+        if button.width() < least.width() or button.height() < least.height():
+            yield f"{_name(button)} has {button.size()} and needs {least}"
+    for label in window.findChildren(QLabel):
+        if not label.isVisible() or not label.text():
+            continue
+        high = label.heightForWidth(label.width()) if label.wordWrap() else label.sizeHint().height()
+        wide = 0 if label.wordWrap() else label.sizeHint().width()
+        if label.width() < wide or label.height() < high:
+            yield f"label '{label.text()[:40]}' has {label.size()} and needs {wide} x {high}"
+
+
+def _overlapping(window: QWidget) -> Iterator[str]:
+    """Yield parts of one layout that lie over each other."""
+    for home in (window, *window.findChildren(QWidget)):
+        layout = home.layout()
+        if not home.isVisible() or layout is None:
+            continue
+        parts = [part for part in _widgets(layout) if part.isVisible()]
+        for one, other in combinations(parts, 2):
+            if one.geometry().intersects(other.geometry()):
+                yield f"{_name(one)} and {_name(other)} overlap: {one.geometry()}, {other.geometry()}"
+        for part in parts:
+            if not home.rect().contains(part.geometry()):
+                yield f"{_name(part)} sticks out of {type(home).__name__}: {part.geometry()} in {home.rect()}"
+
+
+def _widgets(layout: QLayout) -> Iterator[QWidget]:
+    for number in range(layout.count()):
+        item = layout.itemAt(number)
+        widget, inner = item.widget(), item.layout()
+        if widget is not None:
+            yield widget
+        elif inner is not None:
+            yield from _widgets(inner)
+
+
+def _scroll_to(widget: QWidget) -> None:
+    """Have all scroll areas around a widget show it."""
+    at = widget.parentWidget()
+    while at is not None:
+        if isinstance(at, QScrollArea):
+            at.ensureWidgetVisible(widget, 0, 0)
+        at = at.parentWidget()
+
+
+def _is_own(button: QAbstractButton) -> bool:
+    """Return False for buttons that Qt itself puts into tab bars, title bars and lines of text."""
+    return not button.objectName().startswith("qt_") and not isinstance(button.parentWidget(), QTabBar | QLineEdit)
+
+
+def _name(widget: QWidget) -> str:
+    words = widget.accessibleName() or (widget.text() if isinstance(widget, QAbstractButton) else "")
+    return f"{type(widget).__name__} '{words}'"
