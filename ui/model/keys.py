@@ -34,6 +34,7 @@ from ui.model.screen import (
     StopRobot,
     SubmitName,
     TakeThePicture,
+    TakeUpAgain,
     TreasurePopup,
     TypeDigit,
     TypeLetter,
@@ -63,7 +64,8 @@ PLAYING = (
     KeyBinding(("B",), AskForRobot(), "Ask for the robot back, if somebody else commands it"),
     KeyBinding(("Ctrl+P",), TakeThePicture(), "Take a picture of what was found"),
     KeyBinding(("Enter", "Ctrl+N"), SubmitName(), "Name what was found, as picked from the list"),
-    KeyBinding(("Ctrl+L",), LeaveTreasure(), "Leave what was found, for good"),
+    KeyBinding(("Ctrl+L",), LeaveTreasure(), "Leave what was found"),
+    KeyBinding(("Ctrl+Z",), TakeUpAgain(), "Take up again what was left, until the robot sets out"),
     KeyBinding(("Esc", "W"), ShowNext(), "Put the pop-up aside, or show what waits"),
     KeyBinding(("F",), FollowRobot(), "Keep the robot in the middle of the map, or stop doing so"),
     KeyBinding(("M",), FitMap(), "Show the whole map"),
@@ -83,7 +85,8 @@ HELP = KeyBinding(("F1", "H"), ShowHelp(), "Open or close this sheet")
 
 _TABLES = (PLAYING, CONSENT, OVER, QUESTION, (HELP,))
 _CTRL = "Ctrl+"
-_TAKEN = frozenset(key.removeprefix(_CTRL) for binding in (*PLAYING, HELP) for key in binding.keys)
+_TAKEN = frozenset((*(key for binding in (*PLAYING, HELP) for key in binding.keys), "L", "N", "P"))
+"""Keys that no answer gets: with Ctrl, L, N and P are keys of the pop-up that dialogues take the place of."""
 _STEPS = ("Up", "Down", "Home", "End")
 
 

@@ -125,7 +125,14 @@ class SubmitName(Act):
 
 @dataclass(frozen=True, slots=True)
 class LeaveTreasure(Act):
-    """Leave the treasure shown where it is, for good."""
+    """Leave the treasure shown where it is; `TakeUpAgain` takes that back until its robot sets out."""
+
+
+@dataclass(frozen=True, slots=True)
+class TakeUpAgain(Act):
+    """Take up the treasure again that was left where a robot stands; None: the selected one."""
+
+    robot: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,6 +231,7 @@ class RobotCard:
         stop: calls it back; None at rest, and where somebody else commands it.
         commander: the other party that commands it, "ground station 255"; empty where the participant does.
         ask_back: asks the commander to give it back; None where the participant commands it, and once the game is over.
+        take_up: takes up again what was left where it stands; None where nothing was, and beside `ask_back`.
     """
 
     robot: int
@@ -242,6 +250,7 @@ class RobotCard:
     stop: Action | None
     commander: str = ""
     ask_back: Action | None = None
+    take_up: Action | None = None
 
     @property
     def commanded(self) -> str:

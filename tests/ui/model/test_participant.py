@@ -13,6 +13,7 @@ from thbridge.hunt.events import (
     TreasureIdentified,
     TreasureLeft,
     TreasurePictured,
+    TreasureTakenUp,
 )
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.keeper.briefing import Briefing
@@ -39,6 +40,7 @@ from ui.model.screen import (
     StopRobot,
     SubmitName,
     TakeThePicture,
+    TakeUpAgain,
     TreasurePopup,
     TypeDigit,
 )
@@ -399,7 +401,61 @@ def test_a_server_that_comes_back_goes_on_where_it_was():
     seat.model.connected(seat.now)
     seat.tabui.connected()
     screen = seat.run()
-    assert screen.banner is None
+    assert screen.banner.kind == "note"
+    assert events(seat, TreasureLeft)
+
+
+def test_what_was_left_is_taken_up_again_until_the_robot_sets_out():
+    seat = Seat()
+    assert go(seat, 3).popup.leave.hint == "Free; can be undone."
+    assert seat.screen.cards[0].take_up is None
+    screen = seat.do(LeaveTreasure())
+    assert screen.popup is None and screen.waiting == ()
+    assert screen.banner.text == ("What is in room 3 is left there; until robot 1 sets out, you can take it up again.")
+    assert (screen.cards[0].take_up.key, screen.cards[1].take_up) == ("Ctrl+Z", None)
+    seat.model.do(TakeUpAgain(), seat.now)
+    assert seat.screen.cards[0].take_up.pending
+    screen = seat.run()
+    assert (screen.popup.room, screen.popup.picked, screen.cards[0].take_up) == (3, None, None)
+    assert [line.text for line in screen.history][-2:] == [
+        "What is in room 3 is left there.",
+        "What is in room 3 is taken up again.",
+    ]
+    seat.do(LeaveTreasure())
+    assert go(seat, 5).cards[0].take_up is None
+    assert seat.press(TakeUpAgain()).banner.text == "Robot 1 does not stand where something was left."
+    assert [type(event) for event in events(seat, TreasureLeft | TreasureTakenUp)] == [
+        TreasureLeft,
+        TreasureTakenUp,
+        TreasureLeft,
+    ]
+
+
+def test_what_is_taken_up_again_comes_before_what_is_shown():
+    seat = Seat(robots=2)
+    for robot, room in ((0, 3), (1, 4)):
+        seat.do(ChooseRobot(robot))
+        go(seat, room)
+    assert seat.screen.popup.room == 3
+    seat.do(LeaveTreasure())
+    assert seat.screen.popup.room == 4
+    screen = seat.do(TakeUpAgain(0))
+    assert screen.popup.room == 3
+    assert [waiting.robot for waiting in screen.waiting] == [1]
+
+
+def test_leaving_the_last_find_says_that_it_ends_the_game():
+    seat = Seat(robots=1, rules=replace(RULES, energy=20.0))
+    pop = go(seat, 3).popup
+    assert pop.leave.hint == "Ends the game."
+    assert seat.press(PickName(seat.names[0])).popup.name_it.hint.endswith("Then the game ends.")
+    screen = seat.do(LeaveTreasure())
+    assert screen.confirmation.title == "Leave it, and end the game?"
+    assert not events(seat, TreasureLeft)
+    screen = seat.do(Cancel())
+    assert screen.phase is Phase.PLAYING and screen.popup.room == 3
+    seat.do(LeaveTreasure())
+    assert seat.do(Confirm()).phase is Phase.OVER
     assert events(seat, TreasureLeft)
 
 

@@ -49,13 +49,14 @@ from ui.model.screen import (
     StopRobot,
     SubmitName,
     TakeThePicture,
+    TakeUpAgain,
     TreasurePopup,
     TypeDigit,
     TypeLetter,
 )
 
 KEYS = ("Tab", "Shift+Tab", "Enter", "Esc", "Up", "Down", "F1", "?", *"0123456789", *"ABCDEFHMNSWXY")
-KEYS += ("Space", "Home", "End", "Ctrl+P", "Ctrl+L", "Ctrl+N", "Ctrl+X")
+KEYS += ("Ctrl+Z", "Space", "Home", "End", "Ctrl+P", "Ctrl+L", "Ctrl+N", "Ctrl+X")
 
 ACTS = st.one_of(
     st.builds(ChooseRobot, st.integers(-1, 3)),
@@ -73,6 +74,7 @@ ACTS = st.one_of(
         (
             AskAdvice(),
             TakeThePicture(),
+            TakeUpAgain(),
             SubmitName(),
             LeaveTreasure(),
             ShowNext(),
@@ -100,7 +102,7 @@ def check_offers(screen):
     for action in offers(screen):
         if action.key and not action.key.isdigit() and not isinstance(action.act, ChooseRobot | ShowWaiting):
             done = act_for(action.key, screen)
-            assert done == action.act or isinstance(done, StopRobot), (action, done)
+            assert done == action.act or isinstance(done, StopRobot | TakeUpAgain), (action, done)
 
 
 class Game(RuleBasedStateMachine):

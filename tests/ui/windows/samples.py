@@ -45,6 +45,7 @@ from ui.model.screen import (
     StopRobot,
     SubmitName,
     TakeThePicture,
+    TakeUpAgain,
     TreasurePopup,
     WaitingItem,
 )
@@ -122,6 +123,13 @@ def commanded(robot: int, *, selected: bool = False, asked: bool = False, state:
     ask = Action(AskForRobot(robot), label, key, not asked, hint="The ground station commands it.")
     shown = card(robot, selected=selected, state=state)
     return replace(shown, stop=None, commander="ground station 255", ask_back=ask)
+
+
+def left(robot: int, *, selected: bool = False) -> RobotCard:
+    """One that stands where something was left."""
+    key = "Ctrl+Z" if selected else ""
+    again = Action(TakeUpAgain(robot), "Take it up again", key, hint="You left what is in room 3.")
+    return replace(card(robot, selected=selected), take_up=again)
 
 
 def tile(number: int, rooms: int, *, considered: bool = False) -> RoomTile:
@@ -233,7 +241,7 @@ def treasure(
             picked is not None,
             "Costs 5 energy." if picked is not None else "Pick a name first.",
         ),
-        leave=Action(LeaveTreasure(), "Leave it", "Ctrl+L", hint="Free, but for good."),
+        leave=Action(LeaveTreasure(), "Leave it", "Ctrl+L", hint="Free; can be undone."),
         verdict=verdict,
         points=points,
         aside=LATER if verdict is None else Action(ShowNext(), "Close", "Esc"),
@@ -305,6 +313,7 @@ def states() -> Mapping[str, Screen]:
         "commanded": replace(
             usual, cards=(commanded(0, selected=True), commanded(1, state="lost"), commanded(2, asked=True), card(3))
         ),
+        "left": replace(usual, cards=(card(0), left(1, selected=True), left(2), card(3))),
         "over": replace(usual, phase=Phase.OVER, ending=ENDING, cards=tuple(card(robot) for robot in range(3))),
         "six": replace(playing(6, 12, 5), waiting=waiting(5)),
     }

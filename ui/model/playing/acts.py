@@ -1,6 +1,8 @@
 """Effects of the participant's acts. Each act is judged against the screen that the participant saw."""
 
 from sim.common.robot_numbers import robot_name
+from thbridge.hunt.events import TreasureLeft
+from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import (
     AnswerDialogue,
@@ -13,11 +15,14 @@ from thbridge.roles.view import (
     RequestHandback,
     RequestSuggestion,
     SelectRoom,
+    TakeUpTreasure,
 )
 from ui.model.playing.cards import card_sentence
 from ui.model.playing.name_choice import NameChoice
 from ui.model.playing.popup_queue import DestinationItem, TreasureItem
 from ui.model.playing.possible import (
+    ends_game,
+    left_beside,
     undecided_beside,
     why_not_ask,
     why_not_end,
@@ -26,9 +31,17 @@ from ui.model.playing.possible import (
     why_not_picture,
     why_not_stop,
 )
-from ui.model.playing.state import EndGameEarly, HuntMemory, LeaveUndecided, ParticipantMemory, PendingStep, Reroute
+from ui.model.playing.state import (
+    EndGameEarly,
+    HuntMemory,
+    LeaveLast,
+    LeaveUndecided,
+    ParticipantMemory,
+    PendingStep,
+    Reroute,
+)
 from ui.model.playing.view_update import is_open, note, settle
-from ui.model.playing.words import name_request
+from ui.model.playing.words import name_request, titled
 from ui.model.screen import (
     Act,
     AgreeToTakePart,
@@ -54,6 +67,7 @@ from ui.model.screen import (
     StopRobot,
     SubmitName,
     TakeThePicture,
+    TakeUpAgain,
     TypeDigit,
     TypeLetter,
 )
@@ -115,6 +129,8 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
             _stop(memory, hunt, memory.selected if robot is None else robot, now)
         case AskForRobot(robot):
             _ask_back(memory, hunt, memory.selected if robot is None else robot, now)
+        case TakeUpAgain(robot):
+            _take_up(memory, hunt, memory.selected if robot is None else robot, now)
         case ShowNext():
             _put_aside(memory, hunt)
         case ShowWaiting(robot, room):
@@ -169,7 +185,10 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
                 memory.history.add_request(item.robot, name_request(name))
                 _discuss(hunt, OpenDialogue(item.robot, "take-treasure", room))
         case LeaveTreasure():
-            hunt.pending.ask(GiveUpTreasure(room), view)
+            if ends_game(hunt.known, TreasureLeft(Room(room))):
+                hunt.pending_step = LeaveLast(room)
+            else:
+                hunt.pending.ask(GiveUpTreasure(room), view)
         case _:
             pass
 
@@ -249,6 +268,8 @@ def _carry_out(memory: ParticipantMemory, hunt: HuntMemory, step: PendingStep) -
             memory.history.add_request(request.robot, hunt.ask_to_go(request))
         case EndGameEarly():
             hunt.pending.ask(GiveUp(hunt.view.game), hunt.view)
+        case LeaveLast(room):
+            hunt.pending.ask(GiveUpTreasure(room), hunt.view)
 
 
 def _cancel(memory: ParticipantMemory, hunt: HuntMemory) -> None:
@@ -290,6 +311,14 @@ def _ask_back(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: floa
         note(memory, f"You have just asked for {robot_name(robot)}. You can ask again in some seconds.", now)
     else:
         hunt.pending.ask(RequestHandback(robot), hunt.view)
+
+
+def _take_up(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: float) -> None:
+    room = left_beside(hunt.known, robot)
+    if room is None:
+        note(memory, f"{titled(robot)} does not stand where something was left.", now)
+    else:
+        hunt.pending.ask(TakeUpTreasure(room), hunt.view)
 
 
 def _put_aside(memory: ParticipantMemory, hunt: HuntMemory) -> None:

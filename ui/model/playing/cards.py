@@ -5,12 +5,12 @@ from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rules import affordable
 from thbridge.roles.notices import RobotMotion
-from thbridge.roles.view import CallBack, RequestHandback, RobotView
+from thbridge.roles.view import CallBack, RequestHandback, RobotView, TakeUpTreasure
 from ui.model.keys import key_of
-from ui.model.playing.possible import is_allowed, undecided_beside, why_not_command
+from ui.model.playing.possible import is_allowed, left_beside, undecided_beside, why_not_command
 from ui.model.playing.state import HuntMemory, ParticipantMemory
 from ui.model.playing.words import as_sentence, how_it_comes_back, place_name, titled
-from ui.model.screen import Action, AskForRobot, ChooseRobot, NextRobot, RobotCard, StopRobot
+from ui.model.screen import Action, AskForRobot, ChooseRobot, NextRobot, RobotCard, StopRobot, TakeUpAgain
 
 
 def cards(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RobotCard, ...]:
@@ -59,6 +59,7 @@ def _card(memory: ParticipantMemory, hunt: HuntMemory, robot: RobotView) -> Robo
         stop=_stop(hunt, robot, selected),
         commander=robot.other_commander,
         ask_back=_ask_back(hunt, robot, selected),
+        take_up=_take_up(hunt, robot, selected),
     )
 
 
@@ -98,6 +99,16 @@ def _ask_back(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | No
         hint,
         busy,
     )
+
+
+def _take_up(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
+    room = left_beside(hunt.known, robot.robot)
+    if room is None or robot.other_commander:
+        return None
+    busy = TakeUpTreasure(room) in hunt.pending
+    key = key_of(TakeUpAgain()) if selected else ""
+    hint = f"You left what is in room {room}. Until {robot_name(robot.robot)} sets out, you can take it up again."
+    return Action(TakeUpAgain(robot.robot), "Take it up again", key, not busy, hint, busy)
 
 
 def _state(hunt: HuntMemory, robot: RobotView, motion: RobotMotion) -> str:

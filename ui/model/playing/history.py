@@ -132,3 +132,5 @@ def _room_changes(old: RoomView, new: RoomView) -> Iterator[str]:
         yield f"Room {new.room}: {verdict_words(new.verdict.name, new.verdict.points)}"
     if new.left and not old.left:
         yield f"What is in room {new.room} is left there."
+    if old.left and not new.left:
+        yield f"What is in room {new.room} is taken up again."

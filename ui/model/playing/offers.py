@@ -11,6 +11,7 @@ from ui.model.screen import (
     Screen,
     ShowWaiting,
     StopRobot,
+    TakeUpAgain,
     TreasurePopup,
 )
 
@@ -32,7 +33,7 @@ def offers(screen: Screen) -> Iterator[Action]:
 
 
 def offer(screen: Screen, act: Act) -> Action | None:
-    """The action that offers this act, if any. Acts that stop a robot, or ask for it, mean the selected one by default.
+    """The action that offers this act, if any. Acts on a robot mean the selected one by default.
 
     A request for the pop-ups of a robot need not name a room.
     """
@@ -40,6 +41,8 @@ def offer(screen: Screen, act: Act) -> Action | None:
         return next((card.stop for card in screen.cards if card.selected), None)
     if act == AskForRobot():
         return next((card.ask_back for card in screen.cards if card.selected), None)
+    if act == TakeUpAgain():
+        return next((card.take_up for card in screen.cards if card.selected), None)
     if isinstance(act, ShowWaiting) and act.room is None:
         return next((waiting.show for waiting in screen.waiting if waiting.robot == act.robot), None)
     return next((action for action in offers(screen) if action.act == act), None)
@@ -58,6 +61,8 @@ def _playing(screen: Screen) -> Iterator[Action]:
             yield card.stop
         if card.ask_back is not None:
             yield card.ask_back
+        if card.take_up is not None:
+            yield card.take_up
     yield from (tile.choose for tile in screen.tiles)
     yield from (waiting.show for waiting in screen.waiting)
     match screen.popup:

@@ -1,9 +1,10 @@
 """Requests of the participant that the view does not show as granted yet."""
 
 from thbridge.hunt.game import GameState
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.protocols.text.notice import kind_of
-from thbridge.roles.participant_rules import Situation, revealed
+from thbridge.roles.participant_rules import Situation, judge, revealed
 from thbridge.roles.view import (
     AnswerDialogue,
     CallBack,
@@ -17,6 +18,7 @@ from thbridge.roles.view import (
     RequestHandback,
     RequestSuggestion,
     SelectRoom,
+    TakeUpTreasure,
     View,
 )
 from ui.model.playing.possible import why_not_command, why_not_go, why_not_work
@@ -121,6 +123,8 @@ def _granted(request: ParticipantRequest, view: View, known: Situation, before: 
             return done or (robot, matter, room) in known.discussed
         case GiveUpTreasure(room):
             return not view.room(room).undecided
+        case TakeUpTreasure(room):
+            return not view.room(room).left
         case GiveUp(game):
             return view.over is not None or view.game != game
         case PlayAgain(game):
@@ -143,6 +147,9 @@ def _moot(request: ParticipantRequest, view: View, known: Situation) -> str | No
         case RequestHandback(robot):
             # A robot that came back is announced anyway.
             return None if view.robots[robot].other_commander else ""
+        case TakeUpTreasure():
+            refused = judge(known, request)
+            return refused.sentence if isinstance(refused, RequestRefused) else None
         case OpenDialogue(robot, matter, room) if robot != _worker(known.state, matter, room):
             return why_not_work(known, robot) or ""
         case _:

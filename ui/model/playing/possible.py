@@ -9,7 +9,7 @@ from dataclasses import replace
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
 from thbridge.hunt.costs import energy_text
-from thbridge.hunt.events import Commander, CostsEstimated, RobotArrived
+from thbridge.hunt.events import Commander, CostsEstimated, Event, RobotArrived
 from thbridge.hunt.game import apply
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room
@@ -31,6 +31,21 @@ def undecided_beside(known: Situation, robot: int) -> int | None:
         return None
     room = state.room(place)
     return place.people if room.visited and not room.is_decided else None
+
+
+def left_beside(known: Situation, robot: int) -> int | None:
+    """The room in which this robot stands beside a treasure that was left and can be taken up again."""
+    state = known.state
+    if not state.has_robot(robot) or not state.has_room(state.robots[robot].at):
+        return None
+    place = state.robots[robot].at
+    again = rules.take_up(state, place)
+    return place.people if state.standing_in(place) == robot and isinstance(again, tuple) and again else None
+
+
+def ends_game(known: Situation, event: Event) -> bool:
+    """Return True when nothing is left to do after an event, so that the game ends by itself."""
+    return bool(rules.ending(apply(known.state, event)))
 
 
 def why_not_work(known: Situation, robot: int) -> str | None:

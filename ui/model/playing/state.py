@@ -36,7 +36,14 @@ class EndGameEarly:
     """The game is to end although robots could still do something."""
 
 
-PendingStep = Reroute | LeaveUndecided | EndGameEarly
+@dataclass(frozen=True, slots=True)
+class LeaveLast:
+    """A treasure is to be left, after which nothing is left to do and the game ends."""
+
+    room: int
+
+
+PendingStep = Reroute | LeaveUndecided | EndGameEarly | LeaveLast
 """A step that waits for the participant's confirmation."""
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
+from thbridge.hunt.events import TreasureLeft
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.protocols.text.notice import kind_of
@@ -19,13 +20,14 @@ from thbridge.roles.view import (
     SendRobot,
     SenseTreasure,
     TakePicture,
+    TakeUpTreasure,
     View,
 )
 from ui.model.playing.history import GameHistory
 from ui.model.playing.popup_queue import DestinationItem, PopupItem, TreasureItem
-from ui.model.playing.possible import why_not_command, why_not_end, why_not_go, why_not_name
-from ui.model.playing.state import EndGameEarly, HuntMemory, LeaveUndecided, ParticipantMemory, Reroute
-from ui.model.playing.words import how_it_comes_back, place_name, titled
+from ui.model.playing.possible import ends_game, why_not_command, why_not_end, why_not_go, why_not_name
+from ui.model.playing.state import EndGameEarly, HuntMemory, LeaveLast, LeaveUndecided, ParticipantMemory, Reroute
+from ui.model.playing.words import as_sentence, how_it_comes_back, place_name, titled
 
 NOTE = 6.0
 """Seconds for which a sentence is shown."""
@@ -133,13 +135,15 @@ def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, fo
     state = hunt.known.state
     for old, new in zip(before.rooms, hunt.view.rooms, strict=True):
         place = Room(new.room)
+        stander = state.standing_in(place)
         if new.picture is not None and old.picture is None:
             hunt.picture_times[new.room] = now
         if new.verdict is not None and old.verdict is None:
-            stander = state.standing_in(place)
             worker = former.decider(place) if stander is None else stander
             if worker is not None:
                 hunt.verdicts[new.room] = worker
+        if stander is not None and old.left != new.left and hunt.view.over is None:
+            _receive_left(memory, hunt, TreasureItem(stander, new.room), new.left, now)
         finder = former.standing_in(place)
         gone = state.standing_in(place) is None and state.decider(place) == finder
         if finder is not None and gone and hunt.view.over is None:
@@ -148,6 +152,16 @@ def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, fo
             yours = why_not_name(hunt.known, finder, new.room) or "You may still say what it is."
             sentence = f"{titled(finder)} was sent on, and what it found stays in room {new.room}. {yours}"
             _announce(memory, sentence, hunt.view.robots[finder], now)
+
+
+def _receive_left(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureItem, left: bool, now: float) -> None:
+    """Say how a treasure that was left can be taken up again; show it when the participant has asked for that."""
+    if left:
+        until = f"until {robot_name(item.robot)} sets out, you can take it up again."
+        memory.note = (f"What is in room {item.room} is left there; {until}", now + NOTE)
+        memory.history.announce(as_sentence(until))
+    elif TakeUpTreasure(item.room) in hunt.pending:
+        hunt.popups.show(item)
 
 
 def _receive_commanders(
@@ -224,6 +238,12 @@ def _drop_obsolete_step(memory: ParticipantMemory, hunt: HuntMemory, now: float)
             reason = why_not_command(hunt.known, request.robot) or ("That is decided by now." if decided else None)
         case EndGameEarly():
             reason = why_not_end(hunt.known)
+        case LeaveLast(room):
+            if not hunt.view.room(room).undecided:
+                reason = "That is decided by now."
+            else:
+                goes_on = not ends_game(hunt.known, TreasureLeft(Room(room)))
+                reason = "There is something left to do again." if goes_on else None
         case None:
             return
     if reason is not None:

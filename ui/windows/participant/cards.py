@@ -168,14 +168,17 @@ class CardFace(ParticipantButton):
 
 
 class Card(ActionWidget):
-    """A robot: its face, and a button that stops it while it drives, or asks another commander to give it back."""
+    """A robot: its face, and a button that stops it while it drives, asks another commander to give it back, or takes
+    up again what was left where it stands.
+    """
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.face = CardFace(self)
         self.stop = ActionButton("small", parent=self)
         self.ask_back = ActionButton("small", parent=self)
-        for part in (self.face, self.stop, self.ask_back):
+        self.take_up = ActionButton("small", parent=self)
+        for part in (self.face, self.stop, self.ask_back, self.take_up):
             part.requested.connect(self.requested)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
         self._card: RobotCard | None = None
@@ -196,6 +199,7 @@ class Card(ActionWidget):
             return
         wide = self._offer(self.stop, card.stop, f"Stop {card.name}")
         wide += self._offer(self.ask_back, card.ask_back, f"Ask for {card.name} back")
+        wide += self._offer(self.take_up, card.take_up, f"Take up again what {card.name} left")
         self.face.show_card(card, wide)
         self.setMaximumHeight(self.sizeHint().height())
         self._place()
@@ -224,7 +228,7 @@ class Card(ActionWidget):
 
     def _place(self) -> None:
         self.face.setGeometry(self.rect())
-        for button in (self.stop, self.ask_back):
+        for button in (self.stop, self.ask_back, self.take_up):
             button.setGeometry(self.face.button_place(button.sizeHint()))
 
 

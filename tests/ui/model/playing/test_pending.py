@@ -13,6 +13,7 @@ from thbridge.roles.view import (
     PlayAgain,
     RequestSuggestion,
     SelectRoom,
+    TakeUpTreasure,
 )
 from ui.model.playing.pending import PendingRequests
 
@@ -34,6 +35,7 @@ UNDER_WAY = with_room(with_robot(view(), 0, moving_to=3), 3, state="reserved", r
         (AnswerDialogue(1, 1, 0), view(dialogues=(asking(0, 3),)), view()),
         (CallBack(0), UNDER_WAY, view()),
         (GiveUpTreasure(3), STANDING, with_room(STANDING, 3, left=True)),
+        (TakeUpTreasure(3), with_room(STANDING, 3, left=True), STANDING),
         (OpenDialogue(0, "take-picture", 3), STANDING, with_room(STANDING, 3, picture="a.jpg")),
         (
             OpenDialogue(0, "take-picture", 3),
@@ -78,6 +80,9 @@ def test_what_can_not_come_true_any_more_is_dropped_with_its_reason():
     pending.ask(SelectRoom(0, 3), view())
     taken = with_room(with_robot(view(), 1, moving_to=3), 3, state="reserved", robot=1)
     assert pending.receive(taken) == ("Robot 2 is on its way there.",)
+    pending.ask(TakeUpTreasure(3), with_room(STANDING, 3, left=True))
+    gone = with_robot(with_room(STANDING, 3, left=True), 0, moving_to=2)
+    assert pending.receive(gone) == ("No robot stands in room 3 any more.",)
     assert pending.requests == ()
 
 

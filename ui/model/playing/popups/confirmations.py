@@ -3,7 +3,7 @@
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from ui.model.keys import keyed
-from ui.model.playing.state import EndGameEarly, HuntMemory, LeaveUndecided, ParticipantMemory, Reroute
+from ui.model.playing.state import EndGameEarly, HuntMemory, LeaveLast, LeaveUndecided, ParticipantMemory, Reroute
 from ui.model.playing.words import as_sentence, counted, place_name, scored, titled
 from ui.model.screen import Cancel, Confirm, Confirmation
 
@@ -33,6 +33,14 @@ def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | 
                 as_sentence(f"{counted(left, 'room')} left to visit. The score stays {scored(hunt.view.score)}."),
                 keyed(Confirm(), "End the game"),
                 keyed(Cancel(), "Play on"),
+            )
+        case LeaveLast(room):
+            return Confirmation(
+                "Leave it, and end the game?",
+                f"Nothing is left to do but to decide about room {room}: if you leave what is there, the game ends. "
+                f"The score stays {scored(hunt.view.score)}.",
+                keyed(Confirm(), "Leave it"),
+                keyed(Cancel(), "Not yet"),
             )
         case None:
             return None

@@ -4,13 +4,15 @@ from dataclasses import replace
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
+from thbridge.hunt.events import TreasureIdentified, TreasureLeft
+from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import GiveUpTreasure, OpenDialogue, RoomView
 from ui.model.keys import keyed
 from ui.model.playing.pictures import Pictures
 from ui.model.playing.popup_queue import TreasureItem
 from ui.model.playing.popups.dialogues import dialogue_popup
-from ui.model.playing.possible import is_allowed, why_not_name, why_not_picture, why_not_work
+from ui.model.playing.possible import ends_game, is_allowed, why_not_name, why_not_picture, why_not_work
 from ui.model.playing.state import HuntMemory
 from ui.model.playing.words import titled, verdict_words
 from ui.model.screen import Action, DialoguePopup, LeaveTreasure, ShowNext, SubmitName, TakeThePicture, TreasurePopup
@@ -92,6 +94,8 @@ def _name_it(hunt: HuntMemory, item: TreasureItem) -> Action:
     if refused is None and picked is None:
         refused = "Pick a name first." if view.names else "Wait until it is known what it may be called."
     cost = f"Costs {energy_text(view.identify_cost)} energy. A right name wins points, a wrong one loses some."
+    if ends_game(hunt.known, TreasureIdentified(Room(item.room), item.robot, "", 0, view.identify_cost)):
+        cost += " Then the game ends."
     label = "Name it" if picked is None else f"Name it {name_in_words(picked)}"
     act = keyed(SubmitName(), label, refused is None and not busy, refused or cost, busy)
     # Of what was named, Enter closes the pop-up.
@@ -102,6 +106,11 @@ def _leave(hunt: HuntMemory, item: TreasureItem) -> Action:
     busy = GiveUpTreasure(item.room) in hunt.pending
     possible = is_allowed(hunt.known, GiveUpTreasure(item.room))
     silent = why_not_work(hunt.known, item.robot)
-    hint = "Free, but for good." if possible else "This is decided."
+    if not possible:
+        hint = "This is decided."
+    elif ends_game(hunt.known, TreasureLeft(Room(item.room))):
+        hint = "Ends the game."
+    else:
+        hint = "Free, but for good." if hunt.robot_in_room(item.room) is None else "Free; can be undone."
     told = f"{silent} {hint}" if silent else hint
     return keyed(LeaveTreasure(), "Leave it", possible and not busy, told, busy)
