@@ -72,6 +72,8 @@ def _playing(screen: Screen) -> Iterator[Action]:
         case TreasurePopup() as treasure:
             if treasure.take_picture is not None:
                 yield treasure.take_picture
-            yield from (treasure.name_it, treasure.leave, treasure.aside)
+            if treasure.asks_for_name:
+                yield from (treasure.name_it, treasure.leave)
+            yield treasure.aside
         case None:
             pass
