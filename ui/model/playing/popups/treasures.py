@@ -1,7 +1,5 @@
 """Pop-up of a treasure that a robot found, with the acts that are possible on it."""
 
-from dataclasses import replace
-
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import TreasureIdentified, TreasureLeft
@@ -97,9 +95,7 @@ def _name_it(hunt: HuntMemory, item: TreasureItem) -> Action:
     if ends_game(hunt.known, TreasureIdentified(Room(item.room), item.robot, "", 0, view.identify_cost)):
         cost += " Then the game ends."
     label = "Name it" if picked is None else f"Name it {name_in_words(picked)}"
-    act = keyed(SubmitName(), label, refused is None and not busy, refused or cost, busy)
-    # Of what was named, Enter closes the pop-up.
-    return act if view.room(item.room).verdict is None else replace(act, key="")
+    return keyed(SubmitName(), label, refused is None and not busy, refused or cost, busy)
 
 
 def _leave(hunt: HuntMemory, item: TreasureItem) -> Action:
