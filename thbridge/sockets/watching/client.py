@@ -20,7 +20,7 @@ _TIMEOUT = 10.0
 
 @dataclass(frozen=True, slots=True)
 class WatchConnected:
-    """Connection to the session; its latched messages come next."""
+    """Connection to the session; what it has said before comes next."""
 
 
 WatchEvent: TypeAlias = WatchConnected | SessionMessage | ConnectionLost
@@ -87,7 +87,7 @@ class WatchClient(ReconnectingClient):
                 if status is not None and status.refused is not None:
                     refused = status.refused.reason
                 elif self._writer is None:
-                    # An admitted watcher first gets a latched message; a rejected one gets only a refusal.
+                    # An admitted watcher first gets what was said before; a rejected one gets only a refusal.
                     self._accepted(writer)
                     self._events.append(WatchConnected())
                 if self._writer is not None:

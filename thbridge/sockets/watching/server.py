@@ -30,6 +30,7 @@ from thbridge.ros.topics import RosMessage, Topic
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.watching.backlog import Backlog
+from thbridge.sockets.watching.history import MessageHistory
 
 MAX_WATCHERS = 8
 """Most watchers at a time; further ones are turned away."""
@@ -84,7 +85,7 @@ class WatchServer:
         self._session = session
         self._key = key
         self._stream = BagStream(definitions or Definitions())
-        self._levels: dict[Topic, RosMessage] = {}
+        self._history = MessageHistory()
         self._latest: Sequence[RosMessage] = ()
         self._stamp_ns = 0
         self._watchers: list[_Watcher] = []
@@ -123,8 +124,7 @@ class WatchServer:
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
         """Send the messages of a tick; see `thbridge.app.session.broadcast.Listener`."""
         for message in self._latest:
-            if message.topic.latched:
-                self._levels[message.topic] = message
+            self._history.take(message)
         self._latest = tuple(messages)
         for message in self._latest:
             self._stamp_ns = message.stamp_ns
@@ -149,16 +149,14 @@ class WatchServer:
         return self._connection_count
 
     def admit(self, watcher: _Watcher) -> None:
-        """Add a watcher: it gets the latched messages, then all messages of the last tick."""
+        """Add a watcher: it gets the messages of the history, then all messages of the last tick."""
         if len(self._watchers) >= MAX_WATCHERS:
             self.turn_away(watcher, WatchRefusal("", f"{MAX_WATCHERS} others watch already"))
             return
         self._watchers.append(watcher)
         _log.info("watcher %d has come", watcher.number)
         watcher.write(BEGINNING)
-        repeated = {message.topic for message in self._latest if message.topic.latched}
-        levels = [level for topic, level in self._levels.items() if topic not in repeated]
-        self._send([watcher], [*sorted(levels, key=lambda level: level.stamp_ns), *self._latest])
+        self._send([watcher], [*self._history.before(self._latest), *self._latest])
         self.tell_status()
 
     def turn_away(self, watcher: _Watcher, why: WatchRefusal) -> None:

@@ -86,6 +86,7 @@ class LiveSource:
         self.series = Series(0)
         self.start_ns = 0
         self._tf_ns = 0
+        self._logged_ns = -1
         self._snapshot = _Snapshot()
         self._discovery = RobotDiscovery()
         self._robots = self._discovery.robots()
@@ -125,6 +126,8 @@ class LiveSource:
     def _take(self, message: WatchedMessage) -> None:
         if message.topic == names.SESSION:
             self._opening = []
+            # The same session met again repeats what the log has.
+            self._logged_ns = self._snapshot.at_ns if self.messages else -1
         if message.msgtype in TF_TYPES and not message.topic.endswith("tf_static"):
             opening, self._opening = self._opening, None
             if message.stamp_ns < self._tf_ns - BACK_NS:
@@ -147,7 +150,7 @@ class LiveSource:
             self._snapshot.take(message)
         except ValueError:
             return
-        if is_logged(message.topic, message.msgtype):
+        if message.stamp_ns > self._logged_ns and is_logged(message.topic, message.msgtype):
             self.log.take(message)
         if new:
             self._discovery.take(message)

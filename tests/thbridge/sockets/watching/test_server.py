@@ -10,12 +10,16 @@ import pytest
 
 from thbridge.files.ros.definitions import Definitions
 from thbridge.protocols.watching import MISTAKES, STATUS, BagStreamReader, SessionMessage, WatchStatus, parse_status
-from thbridge.ros.messages import pack, types
-from thbridge.ros.topics import RosMessage, Topic
+from thbridge.ros.messages import pack, types, unpack
+from thbridge.ros.messages.records import Record, SendRobots, Success
+from thbridge.ros.messages.session_records import GameEvent
+from thbridge.ros.publisher import messages_of
+from thbridge.ros.topics import GAME_EVENTS, SEND_ROBOTS, SUCCESS, RosMessage, Topic
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason
 from thbridge.sockets.watching.client import WatchClient, WatchConnected, WatchEvent
+from thbridge.sockets.watching.history import MAX_BYTES, MAX_MESSAGES, MessageHistory
 from thbridge.sockets.watching.server import MAX_CONNECTIONS, MAX_WATCHERS, SessionPace, WatchServer
 
 PATIENCE = 30
@@ -25,6 +29,10 @@ OTHER = Topic("/other", types.STRING, latched=True)
 EVENT = Topic("/event", types.STRING)
 HEAVY = Topic("/heavy", types.STRING)
 SOON = Backoff(initial=0.01, maximum=0.05, timeout=10.0)
+
+
+def event(kind: str, room: int | None = None) -> GameEvent:
+    return GameEvent(kind, None, room, "{}")
 
 
 class House:
@@ -59,6 +67,11 @@ class Door:
     def say(self, *said: tuple[Topic, str]) -> None:
         self.tick += 1
         self.server.take(self.tick, [RosMessage(topic, self.tick * SECOND, pack.string(text)) for topic, text in said])
+
+    def tell(self, *records: Record) -> None:
+        self.tick += 1
+        stamp = self.tick * SECOND
+        self.server.take(self.tick, [said for record in records for said in messages_of(stamp, self.tick, record)])
 
     def enter(self, key: str | None = None) -> "Visitor":
         visitor = Visitor(WatchClient(self.where.host, self.where.port, key, SOON))
@@ -148,6 +161,44 @@ async def test_who_comes_late_hears_what_is_in_force_then_the_latest_tick_then_a
         stamps = [event.stamp_ns for event in visitor.events if isinstance(event, SessionMessage)]
         assert stamps == sorted(stamps)
         assert isinstance(visitor.events[0], WatchConnected)
+
+
+@run
+async def test_who_comes_late_hears_the_game_so_far_and_how_things_are() -> None:
+    async with serving() as door:
+        door.say((LEVEL, "level"), (EVENT, "how it is"))
+        door.tell(event("started"), event("arrived", 5), SendRobots("of the game before"))
+        door.tell(event("ended"))
+        door.tell(event("started"), SendRobots("go to 3"), event("departed", 3))
+        door.tell(Success("there"), event("arrived", 3))
+        door.tell(event("departed", 1))
+        visitor = door.enter()
+        await visitor.until_status(lambda status: True)
+        heard = [message for message in visitor.events if isinstance(message, SessionMessage)]
+        events = [unpack.game_event(each.data) for each in heard if each.topic == GAME_EVENTS.name]
+        assert [(each.kind, each.room) for each in events] == [
+            ("started", None), ("departed", 3), ("arrived", 3), ("departed", 1)
+        ]  # fmt: skip
+        lines = [unpack.string(each.data) for each in heard if each.topic in {SEND_ROBOTS.name, SUCCESS.name}]
+        assert lines == ["of the game before", "go to 3", "there"]
+        levels = [unpack.string(each.data) for each in heard if each.topic in {LEVEL.name, EVENT.name}]
+        assert levels == ["level", "how it is"]
+        stamps = [each.stamp_ns for each in heard if each.topic != STATUS]
+        assert stamps == sorted(stamps)
+
+
+def test_what_is_kept_for_latecomers_is_bounded_and_what_is_frequent_pushes_out_nothing_else() -> None:
+    history = MessageHistory()
+    for record in (event("started"), event("arrived", 3), *[event("collision")] * (2 * MAX_MESSAGES)):
+        for message in messages_of(0, 0, record):
+            history.take(message)
+    for _ in range(40):
+        for message in messages_of(0, 0, SendRobots("x" * (MAX_BYTES // 10))):
+            history.take(message)
+    kept = history.before(())
+    events = [unpack.game_event(each.data).kind for each in kept if each.topic == GAME_EVENTS]
+    assert events == ["started", "arrived", *["collision"] * MAX_MESSAGES]
+    assert sum(each.topic == SEND_ROBOTS for each in kept) == 9
 
 
 @run

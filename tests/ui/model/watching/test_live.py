@@ -8,6 +8,7 @@ from tests.ui.model.watching.messages import SECOND, StampedMessage, odometry, t
 from thbridge.ros.publisher import RosMessage, TeamPublisher
 from ui.model.watching.live import LiveSource
 from ui.model.watching.scene import ShownLayers
+from ui.model.watching.session_log import is_logged
 
 
 def stamped(messages: list[RosMessage]) -> list[StampedMessage]:
@@ -81,6 +82,18 @@ def test_the_same_session_met_again_goes_on(source: LiveSource) -> None:
     source.take([*opening(), *ticks(120, 50)], 20.0)
     assert source.sessions == 0
     assert len(source.series.of(0).truth) > samples
+
+
+def test_of_what_the_same_session_repeats_only_what_was_missed_is_listed(source: LiveSource) -> None:
+    seen = len(source.log.entries("event")), len(source.log.entries("line"))
+    missed = [each for each in ticks(100, 100) if is_logged(each.topic, each.msgtype)]
+    repeated = [each for each in ticks(0, 100) if is_logged(each.topic, each.msgtype)]
+    source.take([*opening(), *repeated, *missed, *ticks(200, 1)], 20.0)
+    fresh = LiveSource()
+    fresh.take([*opening(), *repeated, *missed, *ticks(200, 1)], 20.0)
+    for kind, before in zip(("event", "line"), seen, strict=True):
+        assert len(source.log.entries(kind)) > before > 0
+        assert source.log.entries(kind) == fresh.log.entries(kind)
 
 
 def test_frames_of_a_while_ago_are_those_that_held_then() -> None:

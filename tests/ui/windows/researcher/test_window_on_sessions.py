@@ -28,13 +28,18 @@ def window_on(port: int) -> ResearcherWindow:
 
 
 @pytest.fixture(scope="module")
-def opened(tmp_path_factory: pytest.TempPathFactory, qapp: QApplication) -> Iterator[ResearcherWindow]:
+def port(tmp_path_factory: pytest.TempPathFactory) -> Iterator[int]:
     """One session for all tests: to begin one takes its time."""
     with watched_hunt(tmp_path_factory.mktemp("watched") / "hunt.bag") as port:
-        made = window_on(port)
-        made.show()
-        yield made
-        made.close()
+        yield port
+
+
+@pytest.fixture(scope="module")
+def opened(port: int, qapp: QApplication) -> Iterator[ResearcherWindow]:
+    made = window_on(port)
+    made.show()
+    yield made
+    made.close()
 
 
 @pytest.fixture
@@ -143,6 +148,32 @@ def test_a_robot_is_killed_only_when_that_is_meant_and_revived(window: Researche
     assert "Revive it first" in window.statusBar().currentMessage()
     QTest.keyClick(window.canvas, "r")
     waits(qtbot, lambda: not robot(window, 1).dead)
+
+
+def test_who_comes_late_to_a_paused_session_sees_what_those_see_who_were_there(
+    window: ResearcherWindow, port: int, qtbot: QtBot
+) -> None:
+    def known(window: ResearcherWindow) -> list[object]:
+        models = [window.logs[kind].model for kind in ("line", "event", "said", "input")]
+        rows = [[model.row(number) for number in range(model.rowCount())] for model in models]
+        robots = () if window.scene is None else window.scene.robots
+        rooms = () if window.scene is None else window.scene.rooms
+        return [
+            *rows,
+            [(room.room, room.state, room.found, room.robot) for room in rooms],
+            [(robot.state, robot.energy, robot.goal, robot.dead, len(robot.scan)) for robot in robots],
+        ]
+
+    waits(qtbot, lambda: window.scene is not None and {room.state for room in window.scene.rooms} > {"unvisited"})
+    window.playback.play_toggled.emit()
+    waits(qtbot, lambda: "paused" in window.playback.state.text())
+    late = window_on(port)
+    late.show()
+    try:
+        waits(qtbot, lambda: known(late)[0] != [] and known(late) == known(window))
+    finally:
+        late.close()
+        window.playback.play_toggled.emit()
 
 
 def test_costmaps_are_cleared_by_a_key(window: ResearcherWindow, qtbot: QtBot) -> None:

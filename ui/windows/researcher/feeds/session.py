@@ -99,7 +99,7 @@ class SessionFeed:
 
     @property
     def log(self) -> SessionLog:
-        """Log of what happened since it is watched."""
+        """Log of what happened, as far as the session tells of what was before it is watched."""
         return self._source.log
 
     @property

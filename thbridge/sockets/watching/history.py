@@ -1,0 +1,69 @@
+"""History of a session for watchers that come late: they then see what those see who were there from the start."""
+
+from collections import defaultdict, deque
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from thbridge.ros.messages import unpack
+from thbridge.ros.topics import GAME_EVENTS, INPUTS, ROSOUT, SEND_ROBOTS, SUCCESS, UTTERANCES, RosMessage, Topic
+
+LISTED = frozenset({GAME_EVENTS, UTTERANCES, SEND_ROBOTS, SUCCESS, INPUTS, ROSOUT})
+"""Topics whose messages add up; of all others the newest message tells how things are."""
+
+MAX_MESSAGES = 1000
+"""Most messages that are kept of one listed topic; of the game's events, of one kind."""
+MAX_BYTES = 2**20
+"""Most bytes of these messages."""
+
+
+class _Numbered(NamedTuple):
+    number: int
+    message: RosMessage
+
+
+class MessageHistory:
+    """The newest message of each topic, and of the listed ones the recent messages, in bounded memory.
+
+    The events are those of the present game. Each kind of event is bounded by itself: frequent ones, such as
+    collisions, do not push out those that tell the state of the rooms.
+    """
+
+    def __init__(self) -> None:
+        self._levels: dict[Topic, RosMessage] = {}
+        self._recent: defaultdict[tuple[Topic, str], _Recent] = defaultdict(_Recent)
+        self._count = 0
+
+    def take(self, message: RosMessage) -> None:
+        """Take a message; they come in order of time."""
+        topic = message.topic
+        if topic not in LISTED:
+            self._levels[topic] = message
+            return
+        kind = unpack.game_event(message.data).kind if topic == GAME_EVENTS else ""
+        if kind == "started":
+            for game_topic, earlier in tuple(self._recent):
+                if game_topic == GAME_EVENTS:
+                    del self._recent[game_topic, earlier]
+        self._count += 1
+        self._recent[topic, kind].add(_Numbered(self._count, message))
+
+    def before(self, latest: Sequence[RosMessage]) -> list[RosMessage]:
+        """Return what was before these latest messages and is not replaced by them, oldest first."""
+        replaced = {message.topic for message in latest}
+        levels = [level for topic, level in self._levels.items() if topic not in replaced]
+        listed = sorted(each for recent in self._recent.values() for each in recent.messages)
+        return sorted([*levels, *(each.message for each in listed)], key=lambda message: message.stamp_ns)
+
+
+class _Recent:
+    """Recent messages of one kind."""
+
+    def __init__(self) -> None:
+        self.messages: deque[_Numbered] = deque()
+        self._size = 0
+
+    def add(self, added: _Numbered) -> None:
+        self.messages.append(added)
+        self._size += len(added.message.data)
+        while len(self.messages) > MAX_MESSAGES or self._size > MAX_BYTES:
+            self._size -= len(self.messages.popleft().message.data)
