@@ -136,6 +136,8 @@ class GameState:
         score: sum of all identifications.
         ended: the end of the game, or None.
         agreed: the participant agreed to take part, where the study asks for it.
+        by_position: moves from outside rooms are priced by where the robot stands: the matrix's row of the corridor
+            holds nowhere.
     """
 
     started: GameStarted
@@ -145,6 +147,7 @@ class GameState:
     score: int = 0
     ended: GameEnded | None = None
     agreed: bool = False
+    by_position: bool = False
 
     def has_robot(self, robot: int) -> bool:
         """Return True when the team has a robot with this index."""
@@ -248,7 +251,8 @@ def apply(state: GameState, event: Event) -> GameState:
             if len(event.costs) != len(state.rooms) + 1:
                 raise ValueError(f"{len(event.costs)} costs are given for {len(state.rooms) + 1} places")
             costs = tuple(math.inf if cost is None else cost for cost in event.costs)
-            return _with_robot(state, event.robot, replace(_robot(state, event.robot), costs=costs))
+            priced = replace(state, by_position=True)
+            return _with_robot(priced, event.robot, replace(_robot(state, event.robot), costs=costs))
         case CommanderChanged():
             robot = _robot(state, event.robot)
             command = CommandHolder(event.by, event.name)

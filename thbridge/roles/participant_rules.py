@@ -150,6 +150,7 @@ def revealed(view: View) -> Situation:
         # Rules read only whether a game has ended; a view of a later release may give a reason unknown here.
         ended=None if view.over is None else GameEnded(EndReason.GIVEN_UP, view.score),
         agreed=view.consent is None,
+        by_position=view.by_position,
     )
     return Situation(state, tuple(Discussed(about.robot, about.matter, about.room) for about in matters))
 

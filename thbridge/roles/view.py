@@ -164,6 +164,8 @@ class View(NoticeValue, frozen=True, tag="View"):
         names: possible names of treasures, in alphabetical order; empty until one was sensed.
         consent: text that the participant has to agree to before anything else; None when that is done, or not needed.
         thinking: robots that were asked where to go and have not answered yet.
+        by_position: moves from outside rooms are priced by where the robot stands: the row of the corridor holds
+            nowhere.
     """
 
     game: int
@@ -181,6 +183,7 @@ class View(NoticeValue, frozen=True, tag="View"):
     names: tuple[str, ...] = ()
     consent: str | None = None
     thinking: tuple[int, ...] = ()
+    by_position: bool = False
 
     def room(self, number: int) -> RoomView:
         """Return the room with this number, from 1."""
@@ -192,7 +195,7 @@ class View(NoticeValue, frozen=True, tag="View"):
 
     def costs_when_stopped(self) -> tuple[float | None, ...] | None:
         """Return the energy of moves of a robot stopped on its way; None where that depends on where it will stand."""
-        return None if any(robot.costs for robot in self.robots) else self.costs[0]
+        return None if self.by_position else self.costs[0]
 
     @classmethod
     def of_notice(cls, notice: Notice) -> "View | None":

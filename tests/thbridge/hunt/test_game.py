@@ -63,6 +63,48 @@ def in_room_4(**options):
 
 # --- moves
 
+PRICED = (None, 9.0, 8.0, 7.0, 6.0, 5.0, None, 3.0, 2.0)
+"""Energy from some place outside the rooms; there is no way to room 6."""
+
+
+def test_a_robot_priced_where_it_stands_pays_that_and_in_a_room_what_the_matrix_says():
+    state = after(new_game(), rules.price(new_game(), 0, PRICED))
+    assert state.by_position
+    assert state.cost(0, ROOM_4) == 6.0
+    assert state.cost(1, ROOM_4) == 13.0, "of the others nothing is known yet"
+    assert rules.move(state, 0, ROOM_4) == (RobotDeparted(0, ROOM_4, 6.0),)
+    assert rules.move(state, 0, Room(6)).reason is RuleReason.NOT_A_MOVE
+    assert rules.affordable(state, 0) == tuple(room for room in ARENA.rooms if room != Room(6))
+    state = visit(state, 0, ROOM_4)
+    assert state.cost(0, ROOM_1) == ARENA.cost(ROOM_4, ROOM_1)
+
+
+def test_a_robot_under_way_keeps_the_price_of_its_departure_and_is_priced_anew_where_it_stops():
+    state = after(new_game(), rules.price(new_game(), 0, PRICED))
+    state = after(state, rules.move(state, 0, ROOM_4))
+    assert rules.price(state, 0, PRICED).reason is RuleReason.UNDER_WAY
+    state = after(state, rules.fail(state, 0, "A door is shut.", 0.5, CORRIDOR))
+    assert state.robots[0].energy == 97.0
+    state = after(state, rules.price(state, 0, (None, *(4.0 for _ in ARENA.rooms))))
+    assert state.costs_from(0)[1:] == (4.0,) * 8
+
+
+def test_prices_that_are_known_are_no_event():
+    state = after(new_game(), rules.price(new_game(), 0, PRICED))
+    assert rules.price(state, 0, PRICED) == ()
+    state = visit(state, 0, ROOM_4)
+    row = [None if cost == float("inf") else cost for cost in ARENA.rows[4]]
+    # The room's own entry means nothing there: a robot is not sent to where it stands.
+    assert rules.price(state, 0, (*row[:4], 2.0, *row[5:])) == ()
+
+
+@pytest.mark.parametrize(
+    "costs", [PRICED[:-1], (*PRICED, 1.0), (None, -1.0, *PRICED[2:]), (None, float("nan"), *PRICED[2:])]
+)
+def test_prices_that_fit_no_game_are_refused(costs):
+    assert isinstance(rules.price(new_game(), 0, costs), RequestRefused)
+    assert isinstance(rules.price(new_game(), 5, PRICED), RequestRefused)
+
 
 def test_a_move_costs_the_matrix_entry_at_departure_and_reserves_the_room():
     state = new_game()

@@ -218,6 +218,12 @@ def test_what_a_robot_under_way_could_do_is_counted_from_where_it_would_stop():
     assert tiles[0].choose.hint == "Robot 1 is on its way to room 3 and would be called back first."
 
 
+def test_a_driving_robot_s_rooms_have_no_price_where_moves_are_priced_by_where_it_would_stop():
+    tiles = model_of(structs.replace(with_robot(UNDER_WAY, 0, energy=1.0), by_position=True)).screen(0.0).tiles
+    assert [tile.cost for tile in tiles] == [None, None, None]
+    assert tiles[1].choose.enabled
+
+
 def test_a_robot_may_spend_all_it_has():
     spent = with_robot(view(identify_cost=0.0), 0, energy=5.0)
     tile = model_of(spent).screen(0.0).tiles[0]

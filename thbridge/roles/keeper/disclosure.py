@@ -38,6 +38,7 @@ def view_of(
         names=briefing.names if any(room.sensed is not None for room in state.rooms) else (),
         consent=None if state.agreed else briefing.consent,
         thinking=dialogues.asked_for_advice,
+        by_position=state.by_position,
     )
 
 

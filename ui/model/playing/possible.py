@@ -157,7 +157,7 @@ def _called_back(known: Situation, robot: int) -> Situation:
     if isinstance(events, RequestRefused):
         return known
     state = apply(known.state, events[0])
-    if any(mover.costs is not None for mover in known.state.robots):
+    if state.by_position:
         state = apply(state, CostsEstimated(robot, (None, *(0.0 for _ in state.rooms))))
     return replace(known, state=state)
 
