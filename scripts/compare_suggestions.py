@@ -2,35 +2,41 @@
 
 Run it from the project's folder: `.venv/bin/python scripts/compare_suggestions.py`. Programs play whole games by the
 rules, without a simulator: a robot drives for as many seconds as the move costs, more or less, names what it finds,
-asks where to go, and goes there. Both ways play the same games, drawn by their seeds. Writes a table in Markdown.
+asks where to go, and goes there, or to any other room that it can pay where the person has a mind of its own. Moves
+are priced as on arena8, from the start poses and between rooms. Both ways play the same games, drawn by their seeds.
+Writes a table in Markdown.
 """
 
 import argparse
 import heapq
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from sim.common import noise
-from thbridge.files.map_times import MAP_TIMES, read_map_times
-from thbridge.files.resources import shipped
+from thbridge.app.compose.robots import build_travel_times
+from thbridge.app.compose.setting import read_setting
 from thbridge.hunt import rules
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import GameStarted, TreasuresHidden
 from thbridge.hunt.game import GameState, apply, begin
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.hunt.tour import best_tour
+from thbridge.hunt.team_tour import TourStart, best_team_tours
+from thbridge.hunt.tour import why_no_tour
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.keeper.advice import advise
+from thbridge.study.study_file import CostModel, GameSection, Study
 
 TREASURE = TreasureKind("Green", "Round and Small", 10, "bottle", None)
 IDENTIFY_COST = 2.0
 SPREAD = 0.3
 """Greatest share by which a drive takes longer or shorter than its cost in seconds."""
 
+PriceRow = tuple[float | None, ...]
 Adviser = Callable[[GameState, int], Room | RequestRefused]
 
 
@@ -45,8 +51,11 @@ class GameResult:
 def own_tour(state: GameState, robot: int) -> Room | RequestRefused:
     """The first room of the robot's own tour through all rooms that are free."""
     mover, started = state.robots[robot], state.started
-    tour = best_tour(started.costs, mover.at, state.free_rooms, mover.energy, started.identify_cost)
-    return tour if isinstance(tour, RequestRefused) else tour.rooms[0]
+    refused = why_no_tour(state.costs_from(robot), mover.at, state.free_rooms, mover.energy)
+    if refused is not None:
+        return refused
+    start = TourStart(state.costs_from(robot), mover.energy)
+    return best_team_tours(started.costs, (start,), state.free_rooms, started.identify_cost, sent=0)[0].rooms[0]
 
 
 def joint_plan(state: GameState, robot: int) -> Room | RequestRefused:
@@ -55,14 +64,29 @@ def joint_plan(state: GameState, robot: int) -> Room | RequestRefused:
     return advice if isinstance(advice, RequestRefused) else advice.room
 
 
-def play(costs: CostMatrix, robots: int, energy: float, seed: int, adviser: Adviser) -> GameResult:
-    """Play a game to its end."""
+def play(
+    costs: CostMatrix, from_starts: Sequence[PriceRow], energy: float, follows: float, seed: int, adviser: Adviser
+) -> GameResult:
+    """Play a game to its end.
+
+    Args:
+        costs: energy from room to room.
+        from_starts: energy from the start of each robot to each place.
+        energy: of each robot.
+        follows: share of suggestions that the person follows.
+        seed: of durations and whims.
+        adviser: of all robots.
+    """
+    robots = len(from_starts)
     started = GameStarted(seed, 1, robots, energy, 5.0, IDENTIFY_COST, 1.0, costs)
     state = apply(begin(started), TreasuresHidden((TREASURE,) * len(costs.rooms)))
-    durations = noise.key(seed, "durations")
+    for robot, row in enumerate(from_starts):
+        state = _after(state, rules.price(state, robot, row))
+    durations, whims = noise.key(seed, "durations"), noise.key(seed, "whims")
     # Time at which each robot can be sent, and its number.
     free = [(noise.uniform(durations, 0, robot), robot) for robot in range(robots)]
     heapq.heapify(free)
+    sent = 0
     while free:
         now, robot = heapq.heappop(free)
         going = state.robots[robot].bound_for
@@ -74,7 +98,11 @@ def play(costs: CostMatrix, robots: int, energy: float, seed: int, adviser: Advi
         room = adviser(state, robot)
         if isinstance(room, RequestRefused):
             continue  # It can go nowhere any more: rooms do not become free again, nor energy more.
-        cost = costs.cost(state.robots[robot].at, room)
+        sent += 1
+        if noise.uniform(whims, sent, 0) >= follows:
+            open_to_it = rules.affordable(state, robot)
+            room = open_to_it[int(noise.uniform(whims, sent, 1) * len(open_to_it))]
+        cost = state.cost(robot, room)
         state = _after(state, rules.move(state, robot, room))
         stretch = 1.0 + SPREAD * (2.0 * noise.uniform(durations, robot + 1, room.people) - 1.0)
         heapq.heappush(free, (now + cost * stretch, robot))
@@ -94,17 +122,19 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--games", type=int, default=500, help="games of each kind (default: 500)")
     games: int = arguments.parse_args().games
-    costs = read_map_times(shipped().find("templates", "original-2016", Path()) / MAP_TIMES)
-    print("| robots | energy each | rooms, own tours | joint plan | energy left, own tours | joint plan |")
-    print("|---|---|---|---|---|---|")
-    for robots in (2, 3):
-        for energy in (30.0, 45.0, 60.0, 80.0, 100.0):
-            means = []
-            for adviser in (own_tour, joint_plan):
-                results = [play(costs, robots, energy, seed, adviser) for seed in range(games)]
-                means.append((np.mean([one.rooms for one in results]), np.mean([one.energy for one in results])))
-            (rooms, left), (joint_rooms, joint_left) = means
-            print(f"| {robots} | {energy:g} | {rooms:.2f} | {joint_rooms:.2f} | {left:.1f} | {joint_left:.1f} |")
+    print("| robots | energy each | follows | rooms, own tours | joint plan | energy left, own tours | joint plan |")
+    print("|---|---|---|---|---|---|---|")
+    for robots, energy, follows in itertools.product((2, 3), (30.0, 45.0, 60.0, 80.0, 100.0), (1.0, 0.7)):
+        setting = read_setting(Study(robots=robots, game=GameSection(cost_model=CostModel.POSITION)), Path())
+        travel = build_travel_times(setting)
+        starts = [travel.costs_from(start) for start in setting.map.starts[:robots]]
+        means = []
+        for adviser in (own_tour, joint_plan):
+            results = [play(setting.costs, starts, energy, follows, seed, adviser) for seed in range(games)]
+            means.append((np.mean([one.rooms for one in results]), np.mean([one.energy for one in results])))
+        (rooms, left), (joint_rooms, joint_left) = means
+        game = f"{robots} | {energy:g} | {follows:.0%}"
+        print(f"| {game} | {rooms:.2f} | {joint_rooms:.2f} | {left:.1f} | {joint_left:.1f} |", flush=True)
 
 
 if __name__ == "__main__":
