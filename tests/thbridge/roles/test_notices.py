@@ -18,7 +18,8 @@ VALUES = (*STATES, View, *get_args(ParticipantRequest))
 ON_THE_WIRE = """
     RobotsReady Orders Status MoveCosts HiderReady HidePlease HideTreasures Reply ParticipantReady Subscribe Whereabouts
     Ways House Picture Unfit
-    View Agree Select Unsure Answer SendRobot CallBack AskBack Sense Discuss TakePicture Identify Leave GiveUp PlayAgain
+    View Agree Select Unsure Answer SendRobot CallBack AskBack Sense Discuss TakePicture Identify Leave TakeUp GiveUp
+    PlayAgain
 """
 
 
