@@ -155,7 +155,7 @@ def is_letter(key: str) -> bool:
 def help_lines(rooms: int) -> tuple[tuple[str, str], ...]:
     """The help sheet: (keys, what they do)."""
     number = "Send the robot to this room" + (": both digits, or Enter after the first" if rooms > 9 else "")
-    lines = [(f"1 to {rooms}", number)]
+    lines = [(f"1 to {rooms}", number)] if rooms else []
     lines += [(" or ".join(binding.keys), binding.does) for binding in PLAYING]
     lines.append(("Enter", "The first of the answers to a robot; each answer's own letter is on its button"))
     lines.append(("Letters", "While a name is asked for: pick the name that begins so"))

@@ -174,6 +174,7 @@ def test_every_binding_is_on_the_help_sheet():
     assert all(key in sheet for binding in (*PLAYING, *QUESTION) for key in binding.keys)
     assert help_lines(8)[0] == ("1 to 8", "Send the robot to this room")
     assert "both digits" in help_lines(12)[0][1]
+    assert not any("room" in keys or "0" in keys for keys, _ in help_lines(0)), "no rooms before there is a game"
 
 
 def test_acts_without_a_key_have_none_printed():

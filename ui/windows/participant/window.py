@@ -47,7 +47,14 @@ from ui.windows.participant.column import SideColumn
 from ui.windows.participant.history import HistoryView
 from ui.windows.participant.keyboard import KeyboardShortcuts
 from ui.windows.participant.map_area import MapArea
-from ui.windows.participant.pages.pages import ConnectingPage, ConsentPage, EndingPanel, HelpSheet, QuestionPanel
+from ui.windows.participant.pages.pages import (
+    WINDOW_KEYS,
+    ConnectingPage,
+    ConsentPage,
+    EndingPanel,
+    HelpSheet,
+    QuestionPanel,
+)
 from ui.windows.participant.popups.dialogue import DialoguePanel
 from ui.windows.participant.popups.treasure import TreasurePanel
 from ui.windows.participant.top import TopStrip
@@ -257,7 +264,7 @@ class ParticipantWindow(QWidget):
             self.question.show_question(screen.confirmation)
             self.overlay.show_panel(self.question)
         elif screen.help:
-            self.help.show_help(screen.rules, screen.help, HELP.keys[0])
+            self.help.show_help(screen.rules, (*screen.help, *WINDOW_KEYS), HELP.keys[0])
             self.overlay.show_panel(self.help, 720)
         else:
             self.overlay.show_panel(None)
@@ -286,6 +293,10 @@ class ParticipantWindow(QWidget):
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Take a letter that has no shortcut."""
         self._keyboard.type(event)
+
+    def focusNextPrevChild(self, forward: bool) -> bool:
+        """Keep Tab from what lies behind the overlay."""
+        return self.overlay.keeps_tab(forward=forward) or super().focusNextPrevChild(forward)
 
     def _stepper(self, step: int) -> Callable[[], None]:
         return lambda: focus.next_region(self.regions, step)

@@ -655,6 +655,18 @@ def test_while_something_is_asked_nothing_behind_it_can_be_clicked(qtbot: QtBot,
     assert under is not room
 
 
+def test_tab_stays_in_what_lies_above_the_window(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["playing"])
+    for state, panel in (("help", shown.window.help), ("question", shown.window.question)):
+        shown.window.setFocus()
+        shown.show(STATES[state])
+        for key in ("Tab", "Tab", "Tab", "Shift+Tab", "Shift+Tab"):
+            press(qtbot, shown.window, key)
+            focused = QApplication.focusWidget()
+            assert focused is not None and panel.isAncestorOf(focused), (state, key)
+        shown.show(STATES["playing"])
+
+
 def test_the_score_counts_up_to_the_new_one(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["playing"])
     score = shown.window.top.score

@@ -12,13 +12,15 @@ from ui.windows.participant.widgets.focus import make_region
 from ui.windows.participant.widgets.painting import key_cap, key_size
 from ui.windows.participant.widgets.panels import TitledPanel, page_column, set_text
 
-WINDOW_KEYS = (
-    ("F6 or Ctrl+Tab", "Go to the next part of the window"),
+PAGE_KEYS = (
     ("Arrows", "Go to the neighbouring button; Space or Enter presses it"),
     ("Ctrl +, Ctrl -", "Larger text, smaller text; Ctrl 0: the usual size"),
     ("Ctrl+Q", "Close the window"),
 )
-"""Keys of the window itself, for people who use it button by button."""
+"""Keys of every page, for people who use it button by button."""
+
+WINDOW_KEYS = (("F6 or Ctrl+Tab", "Go to the next part of the window"), *PAGE_KEYS)
+"""Keys of the game's window beside those of the game."""
 
 
 class ConnectingPage(QWidget):
@@ -157,7 +159,7 @@ class HelpSheet(TitledPanel):
         grid.setColumnStretch(1, 1)
         for row, rule in enumerate(rules):
             grid.addWidget(look.label(rule), row, 0, 1, 2)
-        for row, (keys, does) in enumerate((*lines, *WINDOW_KEYS), len(rules)):
+        for row, (keys, does) in enumerate(lines, len(rules)):
             grid.addWidget(KeyCap(keys), row, 0, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
             grid.addWidget(look.label(does), row, 1)
         self._area.setWidget(inside)

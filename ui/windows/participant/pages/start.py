@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QWidget
 from ui.model.keys import HELP
 from ui.windows import look
 from ui.windows.look import GAP, spaced
-from ui.windows.participant.pages.pages import HelpSheet
+from ui.windows.participant.pages.pages import PAGE_KEYS, HelpSheet
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
 from ui.windows.participant.widgets.focus import make_region
 from ui.windows.participant.widgets.panels import ModalOverlay, page_column
@@ -18,14 +18,7 @@ INTRODUCTION = (
     "points; a wrong name loses some."
 )
 
-START_KEYS = (
-    ("1 to 9", "Choose how many robots, where there is a choice"),
-    ("T", "Try it out first: a short practice game"),
-    ("Enter", "Start"),
-    (" or ".join(HELP.keys), HELP.does),
-)
-"""Keys of this page, for the sheet."""
-
+_LAST_DIGIT = 9
 _IN_A_ROW = 5
 """Most choices side by side."""
 
@@ -86,11 +79,11 @@ class StartPage(QWidget):
         self._closing.activated.connect(self._toggle_help)
         self._closing.setEnabled(False)
         for number, button in self.choices.items():
-            if number < 10:
+            if number <= _LAST_DIGIT:
                 self._key(str(number), button)
         self._key("T", self.practise)
-        self._key("Return", self.begin)
-        self._key("Enter", self.begin)
+        for enter in ("Return", "Enter"):
+            self._shortcut(enter).activated.connect(self._enter)
         self.choose(usual)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setFocus()
@@ -107,10 +100,14 @@ class StartPage(QWidget):
         """Open the sheet of rules and keys, or close it."""
         opens = not self.overlay.isVisible()
         if opens:
-            self.help.show_help(self._rules, START_KEYS, HELP.keys[0])
+            self.help.show_help(self._rules, self._key_lines(), HELP.keys[0])
         self.overlay.show_panel(self.help if opens else None, 720)
         self._closing.setEnabled(opens)
         (self.help.close_button if opens else self).setFocus()
+
+    def focusNextPrevChild(self, forward: bool) -> bool:
+        """Keep Tab from what lies behind the overlay."""
+        return self.overlay.keeps_tab(forward=forward) or super().focusNextPrevChild(forward)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Let the overlay cover all."""
@@ -124,6 +121,28 @@ class StartPage(QWidget):
         button.show_face(ButtonFace(str(number)), _robots(number))
         button.clicked.connect(lambda: self.choose(number))
         return button
+
+    def _key_lines(self) -> tuple[tuple[str, str], ...]:
+        """Keys of this page, for the sheet."""
+        digits = [str(number) for number in self.choices if number <= _LAST_DIGIT]
+        choose = (
+            ((f"{digits[0]} to {digits[-1]}", "Choose how many robots"),) if len(self.choices) > 1 and digits else ()
+        )
+        return (
+            *choose,
+            ("T", "Try it out first: a short practice game"),
+            ("Enter", "Start"),
+            (" or ".join(HELP.keys), HELP.does),
+            ("Tab", "Go to the next button"),
+            *PAGE_KEYS,
+        )
+
+    def _enter(self) -> None:
+        """Start; or close the sheet, which comes first while it is open."""
+        if self.overlay.isVisible():
+            self._toggle_help()
+        else:
+            self.begin.click()
 
     def _key(self, key: str, button: ActionButton) -> None:
         self._shortcut(key).activated.connect(lambda: None if self.overlay.isVisible() else button.click())

@@ -73,6 +73,17 @@ def move_focus(widget: QWidget, key: int) -> None:
         best[1].setFocus(Qt.FocusReason.OtherFocusReason)
 
 
+def go_round(inside: QWidget, step: int) -> None:
+    """Give the focus to the next widget inside a widget (`step` 1) or the one before (-1), round and round."""
+    others = reachable(inside)
+    if others:
+        focused = QApplication.focusWidget()
+        at = others.index(focused) + step if focused in others else min(step, 0)
+        others[at % len(others)].setFocus(
+            Qt.FocusReason.TabFocusReason if step > 0 else Qt.FocusReason.BacktabFocusReason
+        )
+
+
 def next_region(regions: Sequence[QWidget], step: int) -> None:
     """Give the focus to the first reachable widget of the next region (`step` 1) or the one before (-1)."""
     open_ones = [one for one in regions if one.isVisible() and (_takes(one) or reachable(one))]

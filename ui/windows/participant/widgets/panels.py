@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 from sim.common.robot_numbers import robot_name
 from ui.windows import look
 from ui.windows.look import GAP, colours, follow_text, font, px, smooth_painter, spaced
-from ui.windows.participant.widgets.focus import make_region
+from ui.windows.participant.widgets.focus import go_round, make_region
 from ui.windows.participant.widgets.painting import WRAPPED, chip, chip_size, write
 
 OVERLAY_COLOUR = "#0b0f14"
@@ -283,6 +283,12 @@ class ModalOverlay(QWidget):
         self._place()
         self.show()
         self.raise_()
+
+    def keeps_tab(self, *, forward: bool) -> bool:
+        """Move the focus by Tab inside the panel; return False while it is hidden, and Tab is not its own."""
+        if self.isVisible():
+            go_round(self, 1 if forward else -1)
+        return self.isVisible()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Keep the press from what lies behind."""

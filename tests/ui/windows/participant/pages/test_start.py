@@ -2,11 +2,12 @@
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QLabel
+from PySide6.QtWidgets import QApplication, QLabel
 from pytestqt.qtbot import QtBot
 
 from ui.model.rules_sheet import rules_lines
 from ui.windows.participant import StartPage
+from ui.windows.participant.pages.pages import KeyCap
 
 
 @pytest.fixture
@@ -56,6 +57,35 @@ def test_rules_and_keys_are_there_before_a_game(page: StartPage, qtbot: QtBot) -
     assert not page.help.isVisible()
     with qtbot.waitSignal(page.tutorial):
         qtbot.keyClick(page, Qt.Key.Key_T)
+
+
+def test_the_open_sheet_has_enter_and_tab_to_itself(page: StartPage, qtbot: QtBot) -> None:
+    page.choices[4].setFocus()
+    for opened in range(2):
+        qtbot.keyClick(QApplication.focusWidget(), Qt.Key.Key_F1)
+        reached = []
+        for _ in range(5):
+            focused = QApplication.focusWidget()
+            assert page.help.isAncestorOf(focused)
+            reached.append(focused)
+            qtbot.keyClick(focused, Qt.Key.Key_Tab if opened == 0 else Qt.Key.Key_Backtab)
+        assert len(set(reached)) == 2, "the button that closes it, and the text, round and round"
+        with qtbot.assertNotEmitted(page.start):
+            qtbot.keyClick(QApplication.focusWidget(), Qt.Key.Key_Return)
+        assert not page.help.isVisible()
+    with qtbot.waitSignal(page.start):
+        qtbot.keyClick(page, Qt.Key.Key_Return)
+
+
+@pytest.mark.parametrize(("least", "most", "keys"), [(2, 6, "2 to 6"), (1, 12, "1 to 9"), (3, 3, None)])
+def test_the_sheet_lists_the_keys_of_this_page(qtbot: QtBot, least: int, most: int, keys: str | None) -> None:
+    page = StartPage(least, most, least)
+    qtbot.addWidget(page)
+    page.show()
+    page.sheet.click()
+    shown = [cap.accessibleName() for cap in page.help.findChildren(KeyCap)]
+    assert [name for name in shown if " to " in name] == ([] if keys is None else [keys])
+    assert not any("F6" in name for name in shown)
 
 
 def test_trying_it_out(page: StartPage, qtbot: QtBot) -> None:
