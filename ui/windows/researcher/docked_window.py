@@ -108,7 +108,6 @@ class DockedWindow(QMainWindow):
         canvas.installEventFilter(self)
         canvas.setFocus()
         self._order_focus()
-        QApplication.instance().focusChanged.connect(self._focus_moved)  # type: ignore[union-attr]  # there is one
 
     # Contents
 
@@ -251,7 +250,7 @@ class DockedWindow(QMainWindow):
         bar.addAction(self._action("Keys (F1)", "F1", self.show_keys))
 
     def _add_keys(self, live: bool) -> None:
-        self._play = self._action("Play or pause", "Space", self.playback.play_toggled.emit)
+        self._action("Play or pause", "Space", self.playback.play_toggled.emit)
         self._action("One step forward", ".", lambda: self.playback.stepped.emit(1))
         self._action("Faster", "]", lambda: self.speed_stepped.emit(1))
         self._action("Slower", "[", lambda: self.speed_stepped.emit(-1))
@@ -293,13 +292,19 @@ class DockedWindow(QMainWindow):
                 return True
         return super().eventFilter(watched, event)
 
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Let Enter do for the button or combo box with the focus what Space does elsewhere; here Space pauses."""
+        focus = self.focusWidget()
+        if event.key() not in {Qt.Key.Key_Return, Qt.Key.Key_Enter}:
+            super().keyPressEvent(event)
+        elif isinstance(focus, QAbstractButton):
+            focus.click()
+        elif isinstance(focus, QComboBox):
+            focus.showPopup()
+
     def _tool_chosen(self, tool: MapTool) -> None:
         self.tool = tool
         self.tool_selected.emit(tool)
-
-    def _focus_moved(self, _: QWidget | None, now: QWidget | None) -> None:
-        """Free Space for buttons and combo boxes, which have uses of their own for it."""
-        self._play.setEnabled(not isinstance(now, QAbstractButton | QComboBox))
 
     def _next_part(self, step: int) -> None:
         """Move the focus to the next part of the window that is in sight."""

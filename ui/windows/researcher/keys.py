@@ -12,7 +12,7 @@ GROUPS: tuple[tuple[str, KeyLines], ...] = (
     (
         "Time",
         (
-            ("Space", "play or pause"),
+            ("Space", "play or pause, wherever the focus is but in a field of text"),
             (". and ,", "one step forward, one step back"),
             ("] and [", "faster, slower"),
             ("Home, End", "to the beginning, to the end (recordings)"),
@@ -42,6 +42,7 @@ GROUPS: tuple[tuple[str, KeyLines], ...] = (
         "Window",
         (
             ("F6", "to the next part of the window; with Shift the one before"),
+            ("Enter", "press the button with the focus, tick the box, open the list of choices"),
             ("Ctrl+F", "filter the list on view"),
             ("Ctrl+C", "copy the rows selected"),
             ("Ctrl +, Ctrl -", "larger text, smaller text; Ctrl 0: the usual size"),

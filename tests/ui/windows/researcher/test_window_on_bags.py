@@ -8,7 +8,7 @@ import pytest
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QDialog, QDockWidget, QWidget
+from PySide6.QtWidgets import QApplication, QCheckBox, QComboBox, QDialog, QDockWidget, QLineEdit, QToolButton, QWidget
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.researcher.hunts import record
@@ -101,6 +101,44 @@ def test_space_plays_and_pauses(window: ResearcherWindow, qtbot: QtBot) -> None:
     window.refresh()
     assert window.playback.timeline.value() == stands
     assert "Play" in window.playback.play.text()
+
+
+def test_space_pauses_wherever_the_focus_is_and_presses_nothing(window: ResearcherWindow, qtbot: QtBot) -> None:
+    boxes = window.findChildren(QCheckBox)
+    ticked = [box.isChecked() for box in boxes]
+    for stop in stops(window):
+        if isinstance(stop, QLineEdit):
+            continue
+        stop.setFocus()
+        with qtbot.waitSignal(window.playback.play_toggled):
+            QTest.keyClick(stop, Qt.Key.Key_Space)
+    assert {QCheckBox, QComboBox, QToolButton} <= {cls for stop in stops(window) for cls in type(stop).__mro__}
+    assert [box.isChecked() for box in boxes] == ticked
+
+
+def test_space_in_a_field_of_text_is_a_space(window: ResearcherWindow, qtbot: QtBot) -> None:
+    QTest.keyClick(window.canvas, Qt.Key.Key_F, Qt.KeyboardModifier.ControlModifier)
+    field = window.focusWidget()
+    assert isinstance(field, QLineEdit)
+    with qtbot.assertNotEmitted(window.playback.play_toggled):
+        QTest.keyClicks(field, "a b")
+    assert field.text() == "a b"
+    field.clear()
+
+
+def test_enter_ticks_the_box_and_opens_the_choices_with_the_focus(window: ResearcherWindow) -> None:
+    box = next(box for box in window.displays.findChildren(QCheckBox) if box.isEnabled())
+    ticked = box.isChecked()
+    box.setFocus()
+    QTest.keyClick(box, Qt.Key.Key_Return)
+    assert box.isChecked() is not ticked
+    QTest.keyClick(box, Qt.Key.Key_Enter)
+    assert box.isChecked() is ticked
+    choices = window.playback.speed
+    choices.setFocus()
+    QTest.keyClick(choices, Qt.Key.Key_Return)
+    assert choices.view().isVisible()
+    choices.hidePopup()
 
 
 @pytest.mark.parametrize(
