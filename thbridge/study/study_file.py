@@ -119,7 +119,7 @@ class RecordingSection:
     """Recording of a session."""
 
     compression: Compression = param(
-        Compression.NONE, "how the bag's chunks are packed; lz4 is quick, bz2 is small and slow"
+        Compression.LZ4, "how the bag's chunks are packed; lz4 is quick, bz2 is small and slow, rosbag reads all"
     )
     split_size: float | None = param(
         None, "size of a file beyond which the recording goes on in another; null: one file", "MB", 0.1, 1e6

@@ -115,13 +115,13 @@ class BagSource:
         self, topics: Collection[str], take: Callable[[WatchedMessage], None], start: float, end: float
     ) -> Iterator[float]:
         """Hand over all messages of these topics, in order of time; shares go from start to end."""
-        chunk = (end - start) / max(self._index.chunks, 1)
+        chunks = max(self._index.chunks, 1)
         for done, places in enumerate(self._index.walk(topics)):
             for number, place in enumerate(places, start=1):
                 take(_Unread(self._index, place))
                 if number % _PIECE == 0:
-                    yield start + chunk * done
-            yield start + chunk * (done + 1)
+                    yield start + (end - start) * (done / chunks)
+            yield start + (end - start) * ((done + 1) / chunks)
 
     def _session(self) -> SessionRecord | None:
         place = self._index.next(names.SESSION, -1) if names.SESSION in self.topics else None

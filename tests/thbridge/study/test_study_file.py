@@ -387,9 +387,9 @@ class TestRecording:
         assert recording.compression is Compression.LZ4
         assert recording.splitting == SplitLimits(3 * 2**19, 60_000_000_000)
 
-    def test_by_default_a_recording_is_one_file_that_is_not_packed(self) -> None:
+    def test_by_default_a_recording_is_one_file_packed_with_lz4(self) -> None:
         recording = read_study_text(STUDY, "").recording
-        assert (recording.compression, recording.splitting) == (Compression.NONE, SplitLimits())
+        assert (recording.compression, recording.splitting) == (Compression.LZ4, SplitLimits())
 
     @pytest.mark.parametrize("line", ["compression: zip", "split_size: 0", "split_duration: 0.5"])
     def test_what_cannot_be_is_refused(self, line: str) -> None:

@@ -8,11 +8,12 @@ import numpy as np
 
 from thbridge.recording.bag.records import U32, BagConnection, message_head, time_bytes
 
-CHUNK_BYTES = 128 * 1024
+CHUNK_BYTES = 768 * 1024
 CHUNK_NS = 1_000_000_000
-"""A chunk ends after the stamp with which it becomes larger than this, or before it spans more time than this."""
+"""A chunk ends after the stamp with which it becomes larger than this (rosbag's own size: each chunk has an index for
+every topic in it), or before it spans more time than this."""
 
-MOST_BYTES = 8 * CHUNK_BYTES
+MOST_BYTES = 2 * CHUNK_BYTES
 """Size beyond which a chunk ends even between messages with equal stamps."""
 
 _ENTRY = np.dtype([("time", "V8"), ("offset", "<u4")])

@@ -157,7 +157,7 @@ def test_a_chunk_that_cannot_be_unpacked_costs_only_itself(
 @pytest.mark.parametrize("compression", [Compression.LZ4, Compression.BZ2])
 def test_a_packed_chunk_that_is_cut_off_loses_its_end_alone(tmp_path: Path, compression: Compression) -> None:
     path = tmp_path / "a.bag"
-    noise = [Random(number).randbytes(280) for number in range(110)]
+    noise = [Random(number).randbytes(280) for number in range(330)]
     with BagWriter(path, PLAIN, compression=compression) as writer:
         for number, data in enumerate(noise):
             # All within one chunk.

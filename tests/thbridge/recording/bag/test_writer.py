@@ -120,11 +120,11 @@ def test_a_chunk_holds_no_more_than_a_second_and_chunks_come_in_order(tmp_path: 
 
 def test_a_chunk_ends_beyond_its_bound_and_never_within_a_stamp(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
-    recorded(path, 2, 200)
+    recorded(path, 10, 150)
     with Reader(path) as reader:
         infos = list(reader.chunk_infos)
-        assert all(chunk.datasize <= bag_chunks.CHUNK_BYTES + 60_000 for chunk in reader.chunks.values())
-    assert len(infos) > 5
+        assert all(chunk.datasize <= bag_chunks.CHUNK_BYTES + 300_000 for chunk in reader.chunks.values())
+    assert len(infos) > 3
     assert all(before.end_time < after.start_time for before, after in pairwise(infos))
 
 
@@ -393,7 +393,7 @@ def test_packed_bags_hold_the_same_in_less_room(tmp_path: Path, compression: Com
         assert {chunk.decompressor for chunk in reader.chunks.values()} == {decompressors[compression]}
 
 
-SPLITTINGS = [SplitLimits(size=200_000), SplitLimits(duration_ns=700_000_000), SplitLimits(150_000, 1_500_000_000)]
+SPLITTINGS = [SplitLimits(size=40_000), SplitLimits(duration_ns=700_000_000), SplitLimits(30_000, 1_500_000_000)]
 
 
 @pytest.mark.parametrize("splitting", SPLITTINGS)
@@ -424,15 +424,15 @@ def test_each_part_stands_alone(tmp_path: Path, splitting: SplitLimits) -> None:
         if splitting.duration_ns:
             assert told.duration * 1e9 < splitting.duration_ns
         if splitting.size:
-            assert told.size < splitting.size + 190_000 + 60_000 + 60_000  # a chunk, the index, what it begins with
+            assert told.size < splitting.size + 280_000 + 60_000 + 60_000  # a chunk, the index, what it begins with
 
 
 def test_parts_smaller_than_what_they_begin_with_still_take_more_than_a_chunk(tmp_path: Path) -> None:
     map_topic = Topic("/map", "std_msgs/String", latched=True)
-    with BagWriter(tmp_path / "a.bag", PLAIN, splitting=SplitLimits(size=250_000), make_queue=inline) as writer:
-        writer.write(text(0, 400_000)._replace(topic=map_topic))
-        for tick in range(1, 200):
-            writer.write(text(tick, 5000))
+    with BagWriter(tmp_path / "a.bag", PLAIN, splitting=SplitLimits(size=800_000), make_queue=inline) as writer:
+        writer.write(text(0, 1_600_000)._replace(topic=map_topic))
+        for tick in range(1, 161):
+            writer.write(text(tick, 20_000))
     assert [info(part).messages > 40 for part in parts_of(tmp_path / "a.bag")] == [False, True, True, True, True]
 
 
