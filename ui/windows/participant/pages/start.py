@@ -58,7 +58,8 @@ class StartPage(QWidget):
         for button in self.choices.values():
             button.setVisible(asks)
         rows.addSpacing(2 * GAP)
-        self.sheet, self.practise, self.begin = ActionButton(), ActionButton(), ActionButton("main")
+        self.sheet, self.practise = ActionButton(hints=True), ActionButton(hints=True)
+        self.begin = ActionButton("main", hints=True)
         self.sheet.show_face(ButtonFace("Rules and keys", HELP.keys[0]), "Rules and keys")
         self.sheet.clicked.connect(self._toggle_help)
         self.practise.show_face(ButtonFace("Try it out first", "T"), "Try it out first: a short practice game")

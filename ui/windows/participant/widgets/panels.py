@@ -313,8 +313,14 @@ class ModalOverlay(QWidget):
 
 
 def page_column(page: QWidget, width: int) -> QVBoxLayout:
-    """Return a column in the middle of a page, at most so wide, `px`."""
-    outer = QHBoxLayout(page)
+    """Return a column in the middle of a page, at most so wide, `px`; it scrolls where the page is too low for it."""
+    inside, area = QWidget(), QScrollArea(widgetResizable=True)
+    area.setFrameShape(QFrame.Shape.NoFrame)
+    area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+    area.setWidget(inside)
+    spaced(QVBoxLayout(page), 0, 0).addWidget(area)
+    outer = QHBoxLayout(inside)
     outer.setContentsMargins(4 * GAP, 4 * GAP, 4 * GAP, 4 * GAP)
     column = QWidget()
     follow_text(column, lambda it: it.setMaximumWidth(px(width)))
