@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import ClassVar, Literal, TypeVar, cast
 from weakref import WeakKeyDictionary
 
-from PySide6.QtCore import QFileSystemWatcher, QObject, QSettings, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QFont, QKeySequence, QPaintDevice, QPainter, QPalette, QShortcut
-from PySide6.QtWidgets import QApplication, QLabel, QLayout, QWidget
+from PySide6.QtCore import QEvent, QFileSystemWatcher, QObject, QSettings, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QFont, QKeySequence, QPaintDevice, QPainter, QPalette, QResizeEvent, QShortcut
+from PySide6.QtWidgets import QApplication, QBoxLayout, QLabel, QLayout, QWidget
 from shiboken6 import Shiboken
 
 from ui.model.theme import DARK, LIGHT, Palette, contrast
@@ -256,6 +256,57 @@ def spaced(layout: L, spacing: int, *margins: int) -> L:
         left, top, right, bottom = margins if len(margins) == 4 else 4 * margins
         layout.setContentsMargins(left, top, right, bottom)
     return layout
+
+
+class FoldingRow(QWidget):
+    """Two parts side by side, or the second one below the first where the width does not suffice for both.
+
+    Args:
+        first: the left part; it takes what width is left.
+        second: the right part.
+        least: width that the first part wants at least, `px`; none for that of its widgets.
+        spacing: distance of the parts when they are side by side, logical pixels.
+
+    Attributes:
+        parts: their layout.
+    """
+
+    def __init__(self, first: QLayout, second: QLayout, least: float = 0.0, spacing: int = GAP) -> None:
+        super().__init__()
+        self._first, self._second, self._least, self._spacing = first, second, least, spacing
+        self.parts = spaced(QBoxLayout(QBoxLayout.Direction.LeftToRight, self), spacing, 0)
+        self.parts.addLayout(first, 1)
+        self.parts.addLayout(second)
+
+    @property
+    def folded(self) -> bool:
+        """True when the second part is below the first."""
+        return self.parts.direction() == QBoxLayout.Direction.TopToBottom
+
+    def minimumSizeHint(self) -> QSize:
+        """Return the width of the wider part: it can always fold."""
+        parts = self._first.minimumSize(), self._second.minimumSize()
+        margins = self.parts.contentsMargins()
+        wide = max(part.width() for part in parts) + margins.left() + margins.right()
+        return QSize(wide, self.parts.minimumSize().height())
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Fold or unfold."""
+        super().resizeEvent(event)
+        self._fold()
+
+    def event(self, event: QEvent) -> bool:
+        """Look anew when words have changed, or their size."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self._fold()
+        return super().event(event)
+
+    def _fold(self) -> None:
+        first = max(self._first.minimumSize().width(), px(self._least))
+        fits = first + self._spacing + self._second.minimumSize().width() <= self.parts.contentsRect().width()
+        if fits == self.folded:
+            self.parts.setDirection(QBoxLayout.Direction.LeftToRight if fits else QBoxLayout.Direction.TopToBottom)
+            self.parts.setSpacing(self._spacing if fits else min(self._spacing, GAP // 2))
 
 
 def smooth_painter(device: QPaintDevice) -> QPainter:

@@ -1,8 +1,8 @@
 """Strip along the top with score and tools, and the banner across the map."""
 
-from PySide6.QtCore import QEvent, QRectF, Qt
-from PySide6.QtGui import QFontMetricsF, QPaintEvent, QResizeEvent
-from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QWidget
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QFontMetricsF, QPaintEvent
+from PySide6.QtWidgets import QHBoxLayout, QWidget
 
 from ui.model.screen import Action, Banner
 from ui.windows import look
@@ -18,34 +18,17 @@ class TopStrip(ActionWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._rows = spaced(QBoxLayout(QBoxLayout.Direction.LeftToRight, self), GAP, 2 * GAP, GAP, 2 * GAP, GAP)
         self._game = look.label(size="small", muted=True)
         self._game.setWordWrap(False)
         self.score = ScoreLabel()
-        self._left, self._right = spaced(QHBoxLayout(), 2 * GAP), spaced(QHBoxLayout(), GAP // 2)
-        self._rows.addLayout(self._left, 1)
-        self._rows.addLayout(self._right)
-        self._rows.setAlignment(self._right, Qt.AlignmentFlag.AlignRight)
-        self._left.addWidget(self._game)
-        self._left.addWidget(self.score)
-        self._left.addStretch(1)
-        self.tools = ActionRow(self._right, self.requested, "quiet")
-
-    def resizeEvent(self, _event: QResizeEvent) -> None:
-        """Put the tools where they have room."""
-        self._turn()
-
-    def event(self, event: QEvent) -> bool:
-        """Look anew when words have changed, or their size."""
-        if event.type() == QEvent.Type.LayoutRequest:
-            self._turn()
-        return super().event(event)
-
-    def _turn(self) -> None:
-        margins = self._rows.contentsMargins()
-        wide = self._left.minimumSize().width() + self._right.minimumSize().width() + GAP
-        fits = wide <= self.width() - margins.left() - margins.right()
-        self._rows.setDirection(QBoxLayout.Direction.LeftToRight if fits else QBoxLayout.Direction.TopToBottom)
+        score, tools = spaced(QHBoxLayout(), 2 * GAP), spaced(QHBoxLayout(), GAP // 2)
+        row = look.FoldingRow(score, tools)
+        spaced(QHBoxLayout(self), 0, 2 * GAP, GAP, 2 * GAP, GAP).addWidget(row)
+        score.addWidget(self._game)
+        score.addWidget(self.score)
+        score.addStretch(1)
+        tools.addStretch(1)
+        self.tools = ActionRow(tools, self.requested, "quiet")
 
     def show_strip(self, game: int, score: int, *, moving: bool, tools: tuple[Action, ...]) -> None:
         """Show this."""

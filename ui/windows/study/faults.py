@@ -6,7 +6,7 @@ from PySide6.QtCore import Signal, Slot
 from PySide6.QtWidgets import QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
 from ui.model.study_form.draft import StudyDraft
-from ui.windows.look import GAP, label, spaced
+from ui.windows.look import GAP, follow_text, label, px, spaced
 
 _TALLEST = 104
 
@@ -24,6 +24,7 @@ class FaultList(QWidget):
         super().__init__()
         self.list = QListWidget()
         self.list.setAccessibleName("Faults and notices")
+        follow_text(self.list, _fit)
         self.list.itemClicked.connect(self._choose)
         self.list.itemActivated.connect(self._choose)
         self._verdict = label("", "small")
@@ -42,8 +43,7 @@ class FaultList(QWidget):
             for line in lines:
                 self.list.addItem(QListWidgetItem(line))
         self.list.setVisible(bool(lines))
-        height = sum(self.list.sizeHintForRow(row) for row in range(self.list.count())) + 2 * GAP
-        self.list.setFixedHeight(min(_TALLEST, height))
+        _fit(self.list)
         words = f"{self._count} fault{'s' if self._count > 1 else ''}"
         self._verdict.setText(
             f"⚠ {words}. F8 goes to the next." if self._count else "✓ No faults: this study can be played."
@@ -63,6 +63,12 @@ class FaultList(QWidget):
     def _choose(self, item: QListWidgetItem) -> None:
         if self.list.row(item) < self._count:
             self.chosen.emit(self.list.row(item))
+
+
+def _fit(shown: QListWidget) -> None:
+    """Give the list the height of its rows, or of some of them."""
+    height = sum(shown.sizeHintForRow(row) for row in range(shown.count())) + 2 * GAP
+    shown.setFixedHeight(min(px(_TALLEST), height))
 
 
 def _short(sentence: str, path: Path) -> str:

@@ -14,7 +14,7 @@ from sim.common.geometry import FloatArray
 from thbridge.offline.noise import PathSpread, RoomScan
 from ui.model.study_form.noise import NoisePreview
 from ui.model.theme import Palette
-from ui.windows.look import GAP
+from ui.windows.look import GAP, follow_text, px
 
 _EDGE = 1.5 * GAP
 _RULER = 1.0
@@ -23,11 +23,12 @@ _RULER = 1.0
 
 @dataclass(frozen=True, slots=True)
 class Canvas:
-    """Target of a drawing: logical size, pixels per logical pixel, colours."""
+    """Target of a drawing: logical size, pixels per logical pixel, colours, height of letters in logical pixels."""
 
     size: QSize
     ratio: float
     palette: Palette
+    letters: int
 
 
 PaintFunction = Callable[[NoisePreview, Canvas], QImage]
@@ -44,14 +45,14 @@ class NoisePicture(QWidget):
         super().__init__()
         self.paint = paint
         self.setAccessibleName(name)
-        self.setMinimumSize(120, height)
+        follow_text(self, lambda it: it.setMinimumSize(120, px(height)))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self._image = QImage()
         self._resized = resized
 
     def canvas(self, palette: Palette) -> Canvas:
         """Return the target of the drawing."""
-        return Canvas(self.size(), self.devicePixelRatioF(), palette)
+        return Canvas(self.size(), self.devicePixelRatioF(), palette, px(11))
 
     def show_image(self, image: QImage, words: str) -> None:
         """Show a finished drawing."""
@@ -88,7 +89,7 @@ class _Sheet:
         middle = 0.5 * (low + high)
         self._x = 0.5 * canvas.size.width() - self._scale * float(middle[0])
         self._y = 0.5 * canvas.size.height() + self._scale * float(middle[1])
-        self._size = canvas.size
+        self._size, self._letters = canvas.size, canvas.letters
         self.painter = QPainter(self.image)
         self.painter.setRenderHint(QPainter.RenderHint.Antialiasing)
 
@@ -140,9 +141,9 @@ class _Sheet:
         for x in (_EDGE, _EDGE + length):
             self.painter.drawLine(QPointF(x, y - 3), QPointF(x, y + 3))
         font = self.painter.font()
-        font.setPixelSize(11)
+        font.setPixelSize(self._letters)
         self.painter.setFont(font)
-        box = QRectF(_EDGE + length + 6, y - 10, 60, 20)
+        box = QRectF(_EDGE + length + 6, y - self._letters, 6 * self._letters, 2 * self._letters)
         self.painter.drawText(box, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, "1 m")
         self.painter.end()
         return self.image

@@ -2,18 +2,21 @@
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QWheelEvent
-from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QLineEdit, QPushButton, QSlider, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QPushButton, QSlider, QVBoxLayout, QWidget
 
 from thbridge.files.errors import BadFile
 from ui.model.study_form.form import FieldKind, FormField, editable_text, hint_of
 from ui.windows.controls import ChoiceBox
-from ui.windows.look import GAP, font, label, spaced
+from ui.windows.look import GAP, FoldingRow, follow_text, font, label, px, spaced
 
 _EDITOR_WIDTH = 240
 _WIDE = 340
-"""Width of the editor of a list, logical pixels."""
+"""Width of the editor of a list, `px`."""
 _NARROW = 128
-"""Width of an editor beside drawings, logical pixels."""
+"""Width of an editor beside drawings, `px`."""
+_WORDS = 240
+"""Width that words want beside their editor, `px`."""
+_NEVER_BESIDE = 10_000
 _STEPS = 1000
 """Number of steps of a slider."""
 
@@ -45,7 +48,7 @@ class _Slider(QSlider):
         event.ignore()
 
 
-class FieldRow(QWidget):
+class FieldRow(FoldingRow):
     """The row of a field.
 
     Attributes:
@@ -62,7 +65,8 @@ class FieldRow(QWidget):
     reset = Signal(str)
 
     def __init__(self, field: FormField, *, narrow: bool = False) -> None:
-        super().__init__()
+        words, values = spaced(QVBoxLayout(), GAP // 4), spaced(QHBoxLayout(), GAP)
+        super().__init__(words, values, _NEVER_BESIDE if narrow else _WORDS, 2 * GAP)
         self.field = field
         self.setObjectName(field.key)
         self._name = label(field.label, bold=True)
@@ -76,7 +80,8 @@ class FieldRow(QWidget):
             self._made_combo(field) if field.kind in {FieldKind.CHOICE, FieldKind.BOOLEAN} else self._made_line(field)
         )
         self._slider = self._made_slider(field) if narrow and _slides(field) else None
-        editor.setFixedWidth(_NARROW if narrow else _WIDE if field.kind is FieldKind.LIST else _EDITOR_WIDTH)
+        wide = _NARROW if narrow else _WIDE if field.kind is FieldKind.LIST else _EDITOR_WIDTH
+        follow_text(editor, lambda it: it.setFixedWidth(px(wide)))
         editor.setAccessibleName(field.label if not field.unit else f"{field.label}, {field.unit}")
         self.editor = editor
         unit = label(field.unit, "small", muted=True)
@@ -88,15 +93,10 @@ class FieldRow(QWidget):
         policy = self.last_widget.sizePolicy()
         policy.setRetainSizeWhenHidden(True)
         self.last_widget.setSizePolicy(policy)
-        words = spaced(QVBoxLayout(), GAP // 4)
         for part in (self._name, self._help, self._origin, self._fault):
             words.addWidget(part)
-        whole = QBoxLayout(QBoxLayout.Direction.TopToBottom if narrow else QBoxLayout.Direction.LeftToRight, self)
-        whole.setContentsMargins(0, GAP, 0, GAP)
-        whole.setSpacing(GAP // 2 if narrow else 2 * GAP)
-        values = spaced(QHBoxLayout(), GAP)
-        whole.addLayout(words, 1)
-        whole.addLayout(values)  # before it gets a stretch; see `pages._row`
+        self.parts.setContentsMargins(0, GAP, 0, GAP)
+        self.parts.setAlignment(values, Qt.AlignmentFlag.AlignTop)
         values.addWidget(editor)
         values.addWidget(unit)
         if self._slider is not None:
@@ -104,8 +104,6 @@ class FieldRow(QWidget):
         elif narrow:
             values.addStretch(1)
         values.addWidget(self.last_widget)
-        if not narrow:
-            whole.setAlignment(values, Qt.AlignmentFlag.AlignTop)
         self.show_field(field, ())
 
     def text(self) -> str:
@@ -123,7 +121,7 @@ class FieldRow(QWidget):
                 with QSignalBlocker(self._line):
                     self._line.setText(text)
                     self._line.setCursorPosition(0)
-            self._set_muted(self._line, field.written is None)
+            _set_muted(self._line, field.written is None)
         if self._combo is not None and self._combo.currentText() != text:
             with QSignalBlocker(self._combo):
                 if self._combo.findText(text) < 0:
@@ -148,7 +146,7 @@ class FieldRow(QWidget):
         self._fault.setVisible(bool(told))
 
     def _made_line(self, field: FormField) -> QWidget:
-        line = self._line = _Line()
+        line = self._line = follow_text(_Line(), lambda it: _set_muted(it, it.font().italic()))
         line.textChanged.connect(self._typed)
         line.left.connect(self._done)
         line.returnPressed.connect(self._done)
@@ -192,7 +190,7 @@ class FieldRow(QWidget):
 
     def _typed(self, text: str) -> None:
         if self._line is not None:
-            self._set_muted(self._line, False)
+            _set_muted(self._line, False)
         self._show_slider(text)
         self.edited.emit(self.field.key, text)
 
@@ -207,11 +205,12 @@ class FieldRow(QWidget):
         self.editor.setFocus()
         self.reset.emit(self.field.key)
 
-    def _set_muted(self, line: QLineEdit, muted: bool) -> None:
-        """Show a default in italics; the words below say it, too."""
-        wanted = font()
-        wanted.setItalic(muted)
-        line.setFont(wanted)
+
+def _set_muted(line: QLineEdit, muted: bool) -> None:
+    """Show a default in italics; the words below say it, too."""
+    wanted = font()
+    wanted.setItalic(muted)
+    line.setFont(wanted)
 
 
 def _sentence(words: str) -> str:

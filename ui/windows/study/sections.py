@@ -5,7 +5,7 @@ from PySide6.QtWidgets import QTreeWidget, QTreeWidgetItem
 
 from ui.model.study_form.draft import StudyDraft
 from ui.model.study_form.form import FormGroup
-from ui.windows.look import GAP
+from ui.windows.look import GAP, follow_text, px
 
 NOISE = "noise"
 """Key of the section that is a single page with all its subsections."""
@@ -25,7 +25,7 @@ class SectionTree(QTreeWidget):
         super().__init__()
         self.setHeaderHidden(True)
         self.setAccessibleName("Sections")
-        self.setMinimumWidth(180)
+        follow_text(self, lambda it: it.setMinimumWidth(min(px(180), 260)))
         self.setStyleSheet(f"QTreeView::item {{ padding: {GAP // 2}px 0; }}")
         self.currentItemChanged.connect(self._choose)
 

@@ -20,14 +20,12 @@ from PySide6.QtWidgets import (
 )
 
 from ui.model.study_form.form import FieldKind, RepeatKind
-from ui.windows.look import GAP, label, open_within_screen, spaced, style_as_panel
+from ui.windows.look import GAP, FoldingRow, follow_text, label, open_within_screen, px, spaced, style_as_panel
 from ui.windows.study.editor import StudyEditor
 from ui.windows.study.faults import FaultList
 from ui.windows.study.noise_page import NoiseView
 from ui.windows.study.pages import ChangesPage, FieldsPage, TextPage
 from ui.windows.study.sections import NOISE, SectionTree
-
-_FIELDS_WIDTH = 400
 
 
 class StudyWindow(QMainWindow):
@@ -63,7 +61,7 @@ class StudyWindow(QMainWindow):
         self._noise_page.addWidget(self.noise_fields)
         self._noise_page.addWidget(self.noise)
         self._noise_page.setChildrenCollapsible(False)
-        self.noise_fields.setMinimumWidth(_FIELDS_WIDTH)
+        follow_text(self.noise_fields, lambda it: it.setMinimumWidth(220 + px(180)))
         self._noise_page.setSizes([500, 500])
         for page in (self.fields, self._noise_page, self.found, self.text, self.changes):
             self._stack.addWidget(page)
@@ -309,13 +307,14 @@ class StudyWindow(QMainWindow):
     # Layout -----------------------------------------------------------------------------------------------------------
 
     def _lay_out(self) -> None:
-        head = spaced(QHBoxLayout(), GAP)
+        head, tools = spaced(QHBoxLayout(), GAP), spaced(QHBoxLayout(), GAP)
+        row = FoldingRow(head, tools)
         names = spaced(QVBoxLayout(), 0)
         names.addWidget(self._title)
         names.addWidget(self._state)
         head.addLayout(names, 1)
-        self.search.setMinimumWidth(160)
-        self.search.setMaximumWidth(300)
+        follow_text(self.search, lambda it: it.setMinimumWidth(px(160)))
+        follow_text(self.search, lambda it: it.setMaximumWidth(px(300)))
         head.addWidget(self.search, 1)
         for name, words, key, slot in (
             ("form", "Form", "Ctrl+E", self.show_form),
@@ -332,16 +331,16 @@ class StudyWindow(QMainWindow):
             button.clicked.connect(slot)
             QShortcut(QKeySequence(key), self).activated.connect(slot)
             self._buttons[name] = button
-            head.addWidget(button)
+            tools.addWidget(button)
         body = QSplitter(Qt.Orientation.Horizontal)
         body.setChildrenCollapsible(False)
         body.addWidget(self.sections)
         body.addWidget(self._stack)
         body.setStretchFactor(1, 1)
-        body.setSizes([230, 1010])
+        body.setSizes([px(230), px(1010)])
         inside = QWidget()
         column = spaced(QVBoxLayout(inside), GAP, 2 * GAP, 2 * GAP, 2 * GAP, GAP)
-        column.addLayout(head)
+        column.addWidget(row)
         column.addWidget(self._banner)
         column.addWidget(body, 1)
         column.addWidget(self.faults)

@@ -1,0 +1,35 @@
+"""The study's form can be used at all sizes, with text of all sizes."""
+
+import pytest
+from PySide6.QtWidgets import QApplication
+
+from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
+from tests.ui.windows.study.test_study_window import file, window
+from ui.windows import look
+from ui.windows.study import StudyWindow
+
+__all__ = ["file", "window"]
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_nothing_is_cut_off_or_covered(window: StudyWindow, qapp: QApplication, text: float) -> None:
+    look.apply_text_size(qapp, text)
+    try:
+        for show in (
+            lambda: window.open_section("game"),
+            lambda: window.open_section("noise"),
+            lambda: window.search.setText("radius"),
+            window.show_text,
+            window.show_changes,
+        ):
+            show()
+            for size in SIZES:
+                window.resize(*size)
+                settle()
+                window.fields.finish()
+                window.noise_fields.finish()
+                settle()
+                assert window.size().toTuple() == size, "nothing makes it larger"
+                assert misfits(window) == [], size
+    finally:
+        look.apply_text_size(qapp, 1.0)
