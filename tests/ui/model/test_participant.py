@@ -417,6 +417,7 @@ def test_what_was_left_is_taken_up_again_until_the_robot_sets_out():
     assert seat.screen.cards[0].take_up.pending
     screen = seat.run()
     assert (screen.popup.room, screen.popup.picked, screen.cards[0].take_up) == (3, None, None)
+    assert screen.banner is None
     assert [line.text for line in screen.history][-2:] == [
         "What is in room 3 is left there.",
         "What is in room 3 is taken up again.",

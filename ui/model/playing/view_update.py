@@ -160,7 +160,9 @@ def _receive_left(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIte
         until = f"until {robot_name(item.robot)} sets out, you can take it up again."
         memory.note = (f"What is in room {item.room} is left there; {until}", now + NOTE)
         memory.history.announce(as_sentence(until))
-    elif TakeUpTreasure(item.room) in hunt.pending:
+        return
+    memory.note = None
+    if TakeUpTreasure(item.room) in hunt.pending:
         hunt.popups.show(item)
 
 

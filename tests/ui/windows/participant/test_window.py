@@ -580,6 +580,21 @@ def test_six_robots_and_twelve_rooms_need_no_scrolling(opened: Open) -> None:
         assert area.verticalScrollBar().maximum() == 0
 
 
+def test_buttons_stay_where_they_are_while_their_letters_belong_to_a_list(opened: Open) -> None:
+    shown = opened(STATES["playing"])
+    bare = replace(
+        STATES["treasure"],
+        tools=tuple(replace(tool, key="") for tool in STATES["playing"].tools),
+        ask_advice=replace(STATES["playing"].ask_advice, key=""),
+    )
+    places = []
+    for screen in (STATES["playing"], bare):
+        shown.show(screen)
+        QApplication.processEvents()
+        places.append([button.geometry() for button in shown.window.top.findChildren(ActionButton)])
+    assert places[0] == places[1]
+
+
 def test_tab_order_follows_the_eye(opened: Open) -> None:
     window = opened(STATES["dialogue"]).window
     corners = [region.mapTo(window, QPoint(0, 0)) for region in (window.top, window.column.cards, window.column.rooms)]

@@ -126,11 +126,9 @@ class StartPage(QWidget):
     def _key_lines(self) -> tuple[tuple[str, str], ...]:
         """Keys of this page, for the sheet."""
         digits = [str(number) for number in self.choices if number <= _LAST_DIGIT]
-        choose = (
-            ((f"{digits[0]} to {digits[-1]}", "Choose how many robots"),) if len(self.choices) > 1 and digits else ()
-        )
+        asks = len(self.choices) > 1 and digits
         return (
-            *choose,
+            *([(f"{digits[0]} to {digits[-1]}", "Choose how many robots")] if asks else []),
             ("T", "Try it out first: a short practice game"),
             ("Enter", "Start"),
             (" or ".join(HELP.keys), HELP.does),

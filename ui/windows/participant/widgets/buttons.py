@@ -131,13 +131,18 @@ class ParticipantButton(QPushButton):
 
 
 class ActionButton(ParticipantButton):
-    """The usual button: the label, the hint below it if `hints`, the key at the right."""
+    """The usual button: the label, the hint below it if `hints`, the key at the right.
+
+    A key that is not its own for a while leaves its space free, so that nothing moves.
+    """
 
     def __init__(self, weight: Weight = "plain", *, hints: bool = False, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._action: Action | None = None
         self._weight = weight
         self._hints = hints
+        # The last key of the act shown.
+        self._last_key = ""
         # A label that breaks into lines needs more than the usual height.
         policy = QSizePolicy(QSizePolicy.Policy.Minimum, QSizePolicy.Policy.Fixed)
         if hints:
@@ -148,12 +153,15 @@ class ActionButton(ParticipantButton):
     def show_action(self, action: Action) -> None:
         """Show this; does nothing when it is shown already."""
         if action != self._action:
+            if self._action is None or action.act != self._action.act:
+                self._last_key = ""
             self._action = action
             self.bind(action, action.label)
 
     def show_face(self, face: ButtonFace, name: str) -> None:
         """Show this face."""
         before = self.face
+        self._last_key = face.key or self._last_key
         super().show_face(face, name)
         if before is None or replace(before, enabled=face.enabled) != face:
             self.updateGeometry()
@@ -203,11 +211,12 @@ class ActionButton(ParticipantButton):
             box(painter, rect.adjusted(2, 2, -2, -2), palette.accent, palette.on_accent)
         if self.hasFocus():
             ring(painter, rect, palette.on_accent if filled else palette.accent)
-        key_wide, key_high = key_size(face.key)
+        key_wide, key_high = key_size(self._last_key)
         text = rect.adjusted(1.5 * GAP, self._above(), -1.5 * GAP, -self._above())
         if key_wide:
             cap = QRectF(text.right() - key_wide, rect.center().y() - key_high / 2.0, key_wide, key_high)
-            key_cap(painter, cap, face.key, palette.on_accent if filled else palette.muted)
+            if face.key:
+                key_cap(painter, cap, face.key, palette.on_accent if filled else palette.muted)
             text.setRight(cap.left() - GAP)
         if face.busy:
             side = key_size("X")[1]
@@ -219,7 +228,7 @@ class ActionButton(ParticipantButton):
     def _words(self, painter: QPainter, area: QRectF, face: ButtonFace, ink: str, faint: str) -> None:
         if not (self._hints and face.hint):
             centred = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
-            write(painter, area, face.label, self._font(), ink, WRAPPED if face.key else centred)
+            write(painter, area, face.label, self._font(), ink, WRAPPED if self._last_key else centred)
             return
         high = self._height(face.label, self._font(), area.width())
         above = Qt.AlignmentFlag.AlignTop | Qt.TextFlag.TextWordWrap
@@ -236,7 +245,7 @@ class ActionButton(ParticipantButton):
     def _beside(self, face: ButtonFace) -> float:
         """Return the width of all that stands beside the label."""
         busy = key_size("X")[1] + GAP / 2.0 if face.busy else 0.0
-        key = key_size(face.key)[0]
+        key = key_size(self._last_key)[0]
         return 3.0 * GAP + (key + GAP if key else 0.0) + busy
 
     @staticmethod

@@ -79,9 +79,7 @@ def go_round(inside: QWidget, step: int) -> None:
     if others:
         focused = QApplication.focusWidget()
         at = others.index(focused) + step if focused in others else min(step, 0)
-        others[at % len(others)].setFocus(
-            Qt.FocusReason.TabFocusReason if step > 0 else Qt.FocusReason.BacktabFocusReason
-        )
+        others[at % len(others)].setFocus(Qt.FocusReason.OtherFocusReason)
 
 
 def next_region(regions: Sequence[QWidget], step: int) -> None:
