@@ -50,6 +50,9 @@ LISTS: dict[EntryKind, tuple[str, str, tuple[str, ...]]] = {
 }
 """Lists in the order of their tabs: the tab, the list's name, and its columns beside the time."""
 
+_WANTED = QSize(1480, 940)
+"""Size of the window where the screen has room for it; all parts are smaller where it has not."""
+
 
 class DockedWindow(QMainWindow):
     """The window's parts, buttons and keys; a subclass gives them data and actions.
@@ -84,7 +87,7 @@ class DockedWindow(QMainWindow):
         super().__init__()
         self.setWindowTitle(f"{title} - thbridge watch")
         self.setDockNestingEnabled(True)
-        open_within_screen(self, QSize(1480, 940))
+        open_within_screen(self, _WANTED)
         self.canvas = canvas
         self.playback = PlaybackBar(live)
         self.displays = DisplaysPanel()
@@ -166,9 +169,11 @@ class DockedWindow(QMainWindow):
         for tabs in self.findChildren(QTabBar):
             tabs.setAccessibleName("Lists")
         self._docks += bottom
-        self.resizeDocks([self._docks[0], self._docks[2]], [380, 400], Qt.Orientation.Horizontal)
-        self.resizeDocks([self._docks[0], self._docks[1]], [260, 460], Qt.Orientation.Vertical)
-        self.resizeDocks([bottom[0]], [265], Qt.Orientation.Vertical)
+        wide, high = self.width() / _WANTED.width(), self.height() / _WANTED.height()
+        columns, rows = [round(380 * wide), round(400 * wide)], [round(260 * high), round(460 * high)]
+        self.resizeDocks([self._docks[0], self._docks[2]], columns, Qt.Orientation.Horizontal)
+        self.resizeDocks([self._docks[0], self._docks[1]], rows, Qt.Orientation.Vertical)
+        self.resizeDocks([bottom[0]], [round(265 * high)], Qt.Orientation.Vertical)
 
     def _order_focus(self) -> None:
         """Set the order of Tab to that of the eye: tools, left docks, map, right docks, lower docks."""

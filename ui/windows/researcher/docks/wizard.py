@@ -2,10 +2,12 @@
 
 from functools import partial
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
+    QHBoxLayout,
     QLabel,
     QLineEdit,
     QPushButton,
@@ -18,9 +20,13 @@ from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
 from ui.windows.controls import CheckBox
+from ui.windows.researcher.docks.flow import FlowLayout
 
-PUPPETS_PER_ROW, ROOMS_PER_ROW = 5, 4
-"""Robots, and rooms, in a row."""
+PUPPETS_PER_ROW = 5
+"""Robots in a row."""
+
+MAX_SHARE = 0.35
+"""Share of the window's height that the list of what waits takes at most by itself; what is beyond is scrolled to."""
 
 
 class WizardDock(QWidget):
@@ -50,12 +56,11 @@ class WizardDock(QWidget):
         self._cards.setAlignment(Qt.AlignmentFlag.AlignTop)
         inside = QWidget()
         inside.setLayout(self._cards)
-        area = QScrollArea()
-        area.setWidgetResizable(True)
+        area = _GrowingArea()
         area.setWidget(inside)
         area.setAccessibleName("What waits for you")
         layout = QVBoxLayout(self)
-        layout.setContentsMargins(12, 12, 12, 12)
+        layout.setContentsMargins(8, 8, 8, 8)
         layout.addWidget(self._note)
         layout.addLayout(self._boxes)
         layout.addWidget(area, 1)
@@ -81,7 +86,10 @@ class WizardDock(QWidget):
             self._cards.addWidget(self._turn(turn))
         for pending in wizard.advice:
             self._cards.addWidget(self._advice(pending))
-        if not wizard.turns and not wizard.advice:
+        waits = bool(wizard.turns or wizard.advice)
+        # What waits needs the room more than a sentence that is known by then.
+        self._note.setVisible(not waits or bool(self._reason))
+        if not waits:
             self._cards.addWidget(QLabel("Nothing waits for you."))
 
     def _show_puppets(self, robots: int, puppets: tuple[int, ...]) -> None:
@@ -99,14 +107,20 @@ class WizardDock(QWidget):
 
     def _turn(self, turn: PendingTurn) -> QWidget:
         about = "" if turn.room is None else f" about room {turn.room}"
-        card, column = _card(f"{robot_name(turn.robot).capitalize()} is to speak{about}")
+        card, column = _card()
         words = QLineEdit(placeholderText="In other words, where you like; then press what they mean")
+        words.setToolTip(words.placeholderText())
         words.setAccessibleName(f"Other words for {robot_name(turn.robot)}")
-        column.addWidget(words)
+        top = QHBoxLayout()
+        top.addWidget(_heading(f"{robot_name(turn.robot).capitalize()} is to speak{about}"))
+        top.addWidget(words, 1)
+        column.addLayout(top)
+        moves = FlowLayout()
         for number, sentence in enumerate(turn.sentences):
             button = QPushButton(sentence)
             button.clicked.connect(partial(self._speak, turn, number, words))
-            column.addWidget(button)
+            moves.addWidget(button)
+        column.addLayout(moves)
         if len(turn.sentences) == 1:
             words.returnPressed.connect(partial(self._speak, turn, 0, words))
         return card
@@ -118,24 +132,56 @@ class WizardDock(QWidget):
         self.advised.emit(robot, room)
 
     def _advice(self, pending: PendingAdvice) -> QWidget:
-        card, column = _card(f"{robot_name(pending.robot).capitalize()} is asked where to go")
-        rooms = QGridLayout()
-        for number, (room, cost) in enumerate(pending.costs):
+        card, column = _card()
+        rooms = FlowLayout()
+        rooms.addWidget(_heading(f"{robot_name(pending.robot).capitalize()} is asked where to go"))
+        for room, cost in pending.costs:
             own = "; its own choice" if room == pending.suggestion else ""
             button = QPushButton(f"Room {room} ({energy_text(cost)}{own})")
             button.clicked.connect(partial(self._advise, pending.robot, room))
-            rooms.addWidget(button, number // ROOMS_PER_ROW, number % ROOMS_PER_ROW)
+            rooms.addWidget(button)
         column.addLayout(rooms)
         return card
 
 
-def _card(title: str) -> tuple[QFrame, QVBoxLayout]:
+class _GrowingArea(QScrollArea):
+    """A scroll area that is as high as its contents, up to a share of the window; its widget grows with it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setWidgetResizable(True)
+
+    def minimumSizeHint(self) -> QSize:
+        """Return the size of the contents within that share."""
+        hint, contents = super().minimumSizeHint(), self.widget()
+        if contents is None:
+            return hint
+        high = contents.heightForWidth(self.viewport().width()) + 2 * self.frameWidth()
+        return QSize(hint.width(), min(high, round(MAX_SHARE * self.window().height())))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Follow the width with the height."""
+        super().resizeEvent(event)
+        self.updateGeometry()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Follow the contents."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self.updateGeometry()
+        return super().eventFilter(watched, event)
+
+
+def _card() -> tuple[QFrame, QVBoxLayout]:
     card = QFrame()
     card.setProperty("panel", True)
     column = QVBoxLayout(card)
+    column.setContentsMargins(8, 6, 8, 6)
+    return card, column
+
+
+def _heading(title: str) -> QLabel:
     heading = QLabel(title)
     font = heading.font()
     font.setBold(True)
     heading.setFont(font)
-    column.addWidget(heading)
-    return card, column
+    return heading
