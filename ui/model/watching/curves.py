@@ -75,3 +75,16 @@ class Curve:
         self._rows[len(kept) : len(kept) + len(rest)] = rest
         self._count = len(kept) + len(rest)
         self._drawn = None
+
+
+def as_steps(rows: FloatArray, end: float) -> FloatArray:
+    """(2 n, 1 + columns) samples as a line of steps: each holds until the next one, the last one until the end.
+
+    Args:
+        rows: (n, 1 + columns) of a curve that has a sample only when something changes.
+        end: in the times of the samples; no effect before the last one.
+    """
+    steps = np.repeat(rows, 2, axis=0)
+    steps[1:-1:2, 0] = rows[1:, 0]
+    steps[-1:, 0] = np.maximum(rows[-1:, 0], end)
+    return steps

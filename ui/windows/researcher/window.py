@@ -12,6 +12,7 @@ from sim.common.robot_numbers import number_of, robot_name
 from thbridge.roles.keeper.floor_plan import floor_plan_of
 from ui.model.scene import RobotMark
 from ui.model.theme import Palette
+from ui.model.watching.curves import as_steps
 from ui.model.watching.scene import NO_POINTS, RobotScene, Scene, ShownLayers
 from ui.model.watching.series import RobotSeries
 from ui.windows.map import MapView
@@ -252,14 +253,19 @@ def _figures(series: RobotSeries, panel: str) -> dict[str, tuple[FloatArray, Flo
     """Return the curves of a robot in one panel: its own, and for the error the band of two standard deviations."""
     match panel:
         case "error":
-            errors, doubts = series.errors.rows(), series.deviations.rows()
+            errors, doubts = series.errors.rows(), _admitted(series)
             return {panel: (errors[:, 0], errors[:, 1]), BAND: (doubts[:, 0], 2.0 * doubts[:, 1])}
         case "heading_error":
             rows, column = series.errors.rows(), 2
         case "sigma":
-            rows, column = series.deviations.rows(), 1
+            rows, column = _admitted(series), 1
         case "energy":
             rows, column = series.energy.rows(), 1
         case _:
             rows, column = series.speeds.rows(), 1
     return {panel: (rows[:, 0], rows[:, column])}
+
+
+def _admitted(series: RobotSeries) -> FloatArray:
+    """Return the standard deviations as steps: while its robot stands a localiser publishes none, and the last hold."""
+    return as_steps(series.deviations.rows(), series.estimate.time)

@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ui.model.watching.curves import MAX_LINE_POINTS, Curve
+from ui.model.watching.curves import MAX_LINE_POINTS, Curve, as_steps
 
 TIMES = st.lists(st.floats(0.0, 100.0), max_size=60)
 
@@ -53,3 +53,14 @@ def test_a_line_has_few_points_and_is_the_same_while_it_does_not_grow() -> None:
     assert len(line) <= MAX_LINE_POINTS
     assert curve.path(np.inf) is line
     assert curve.path(4.0).tolist() == [[float(t), -float(t)] for t in range(5)]
+
+
+@given(times=st.lists(st.floats(0.0, 100.0), unique=True, max_size=20).map(sorted), end=st.floats(-10.0, 200.0))
+def test_steps_hold_each_sample_until_the_next_and_the_last_until_the_end(times: list[float], end: float) -> None:
+    rows = np.column_stack((times, np.arange(len(times)))).reshape(-1, 2)
+    steps = as_steps(rows, end)
+    until = [*times[1:], max(times[-1], end)] if times else []
+    expected = [
+        each for n, (begin, last) in enumerate(zip(times, until, strict=True)) for each in ((begin, n), (last, n))
+    ]
+    assert [tuple(step) for step in steps.tolist()] == expected

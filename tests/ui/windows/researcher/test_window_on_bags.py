@@ -69,6 +69,17 @@ def test_lists_robots_and_plots_are_filled(window: ResearcherWindow, qtbot: QtBo
     assert window.playback.timeline.maximum() == pytest.approx(15_000, abs=1000)
 
 
+def test_the_deviation_of_a_robot_that_stands_is_a_line(tmp_path: Path, qtbot: QtBot) -> None:
+    feed = RecordingFeed(BagOpener(record(tmp_path / "short.bag", robots=2, seconds=0.5)))
+    window = ResearcherWindow(feed, "short.bag", LIGHT, time.monotonic)
+    qtbot.addWidget(window)
+    window.show()
+    qtbot.waitUntil(lambda: window.plots.points("error", 1) > 2)
+    qtbot.waitUntil(lambda: [window.plots.points("sigma", robot) for robot in (0, 1)] == [2, 2])
+    assert [len(feed.series.of(robot).deviations) for robot in (0, 1)] == [1, 1]
+    window.close()
+
+
 def test_seeking_moves_the_robots_and_the_time(window: ResearcherWindow) -> None:
     go_to(window, 3.0)
     early = picture(window)
