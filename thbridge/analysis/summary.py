@@ -16,7 +16,8 @@ from thbridge.ros.messages.types import SESSION
 
 GAP_PERIODS = 5.0
 GAP_NS = 1_000_000_000
-"""A topic has a gap where it has no message for more than this many median periods, and for at least a second."""
+"""A topic has a gap where it has no message for more than this many median periods, and for at least a second. A
+latched topic has none: its last message holds until the next."""
 REGULAR = 10
 REGULAR_SHARE = 0.5
 """Only topics with at least this many messages can have gaps, and only if number of messages times median period is at
@@ -155,6 +156,7 @@ def _joined(words: Iterable[str]) -> str:
 
 
 def _topic(name: str, publishers: Sequence[ConnectionStamps]) -> TopicSummary:
+    latched = any(who.latched for who in publishers)
     stamps = np.sort(np.concatenate([who.stamps_ns for who in publishers]))
     periods = np.diff(stamps)
     median = float(np.median(periods)) if periods.size else 0.0
@@ -163,12 +165,12 @@ def _topic(name: str, publishers: Sequence[ConnectionStamps]) -> TopicSummary:
         msgtype=_joined(who.msgtype for who in publishers),
         md5=_joined(who.md5 for who in publishers),
         messages=stamps.size,
-        latched=any(who.latched for who in publishers),
+        latched=latched,
         callers=tuple(sorted({who.caller for who in publishers if who.caller is not None})),
         hertz=1e9 / median if median > 0.0 else None,
         start_ns=int(stamps[0]) if stamps.size else None,
         end_ns=int(stamps[-1]) if stamps.size else None,
-        gaps=_gaps(stamps, periods, median),
+        gaps=() if latched else _gaps(stamps, periods, median),
     )
 
 

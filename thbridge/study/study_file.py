@@ -21,7 +21,7 @@ from thbridge.files.yaml.load import Loaded, load_tree
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, read_text
 from thbridge.hunt.rules import MOST_ROBOTS
 from thbridge.protocols.text.canonical import Dialect
-from thbridge.recording.bag.options import Compression, SplitLimits
+from thbridge.recording.bag.options import Compression, RecordingDetail, SplitLimits
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.sockets.addresses import TEXT_SERVER_PORT
 from thbridge.study.mavlink import MavlinkSection, faults_of_mavlink
@@ -120,6 +120,10 @@ class RecordingSection:
 
     compression: Compression = param(
         Compression.LZ4, "how the bag's chunks are packed; lz4 is quick, bz2 is small and slow, rosbag reads all"
+    )
+    detail: RecordingDetail = param(
+        RecordingDetail.CHANGES,
+        "changes: of costmaps that stay the same one in 10 s, and every other message; all: these costmaps, too",
     )
     split_size: float | None = param(
         None, "size of a file beyond which the recording goes on in another; null: one file", "MB", 0.1, 1e6

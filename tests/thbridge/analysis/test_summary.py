@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -44,6 +45,13 @@ def test_a_silence_of_what_speaks_regularly_is_a_gap(tmp_path: Path) -> None:
 def test_what_speaks_now_and_then_has_no_gaps(tmp_path: Path) -> None:
     times = [second**2 * 1_000_000_000 for second in range(1, 30)]
     planted = Planted([Entry(ODOM_LINE, START + ns, odom_message(START)) for ns in times])
+    assert topic(summarise(write(tmp_path / "a.bag", planted)), "/odom").gaps == ()
+
+
+def test_what_is_latched_has_no_gaps(tmp_path: Path) -> None:
+    latched = replace(ODOM_LINE, latching="1")
+    times = [*range(30), 60]
+    planted = Planted([Entry(latched, START + time * STEP, odom_message(START)) for time in times])
     assert topic(summarise(write(tmp_path / "a.bag", planted)), "/odom").gaps == ()
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from sim.parameters import OdometryNoise, RobotParameters, WorldParameters
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.yaml.load import load_text
-from thbridge.recording.bag.options import Compression, SplitLimits
+from thbridge.recording.bag.options import Compression, RecordingDetail, SplitLimits
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.study.noise import NoisePreset
 from thbridge.study.study_file import GameSection, ParticipantSection, ShowsSection, Study, load_study, read_study_text
@@ -391,6 +391,9 @@ class TestRecording:
         recording = read_study_text(STUDY, "").recording
         assert (recording.compression, recording.splitting) == (Compression.LZ4, SplitLimits())
 
-    @pytest.mark.parametrize("line", ["compression: zip", "split_size: 0", "split_duration: 0.5"])
+    def test_all_costmaps_are_recorded_on_request(self) -> None:
+        assert read_study_text(STUDY, "recording: {detail: all}").recording.detail is RecordingDetail.ALL
+
+    @pytest.mark.parametrize("line", ["compression: zip", "detail: some", "split_size: 0", "split_duration: 0.5"])
     def test_what_cannot_be_is_refused(self, line: str) -> None:
         assert f"recording.{line.split(':', maxsplit=1)[0]}" in refusal(f"recording: {{{line}}}")

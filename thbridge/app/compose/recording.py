@@ -1,6 +1,6 @@
 """Builders of what tells others of the robots: ROS messages, bags and their first record, a ROS graph's description."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib import metadata
 from pathlib import Path
 from platform import python_version
@@ -9,11 +9,13 @@ from sim.common.robot_numbers import robot_numbers
 from sim.world.sensors import mount_of
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.live_graph.live import TeamDescription
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.options import RecordingDetail
+from thbridge.recording.bag.writer import BagWriter, keep_all
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.names import CALLER
 from thbridge.ros.parameters import tree_of
-from thbridge.ros.publisher import Planners, TeamPublisher
+from thbridge.ros.publisher import Planners, RosMessage, TeamPublisher
+from thbridge.ros.repetitions import RepetitionFilter
 from thbridge.study.text import resolved
 
 RECORDED_PACKAGES = ("thbridge", "numpy", "scipy", "numba", "filterpy", "rosbags", "pymavlink")
@@ -36,7 +38,13 @@ def build_publisher(setting: StudySetting) -> TeamPublisher:
 def build_writer(setting: StudySetting, path: Path, caller: str = CALLER) -> BagWriter:
     """Return a writer of a new bag, for messages of this node. Raises BagNotWritten."""
     recording = setting.study.recording
-    return BagWriter(path, compression=recording.compression, splitting=recording.splitting, caller=caller)
+    keep = message_filter(recording.detail)
+    return BagWriter(path, compression=recording.compression, splitting=recording.splitting, caller=caller, keep=keep)
+
+
+def message_filter(detail: RecordingDetail) -> Callable[[RosMessage], bool]:
+    """Return what tells of each message of a session, in order, if it is recorded."""
+    return keep_all if detail is RecordingDetail.ALL else RepetitionFilter()
 
 
 def build_team_description(setting: StudySetting, publisher: TeamPublisher) -> TeamDescription:

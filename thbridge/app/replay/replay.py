@@ -15,7 +15,7 @@ from pathlib import Path
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
 from thbridge.app.compose.game import build_bot, build_hider, build_keeper
-from thbridge.app.compose.recording import build_publisher, build_record, build_writer
+from thbridge.app.compose.recording import build_publisher, build_record, build_writer, message_filter
 from thbridge.app.compose.robots import build_simr, vehicle_factory
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.play import PLAY
@@ -27,9 +27,11 @@ from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session, TickRecord, TickRecorder
 from thbridge.app.session.simr_session import SimrSession
 from thbridge.files.errors import BadFile
+from thbridge.files.yaml.tree import parse
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.recording.bag import reader as bag_reader
+from thbridge.recording.bag.options import RecordingDetail
 from thbridge.recording.bag.reader import RawMessage
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
@@ -41,7 +43,7 @@ from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
 from thbridge.ros.publisher import RosMessage
 from thbridge.study.robots_from import RobotsFrom
-from thbridge.study.study_file import read_study_text
+from thbridge.study.study_file import load_study_tree, read_study_text
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 
@@ -142,6 +144,12 @@ def session_of(path: Path) -> SessionRecord:
     return record
 
 
+def _detail_of(path: Path, record: SessionRecord) -> RecordingDetail:
+    """Return which messages a session recorded: all of them, before studies had a key for that."""
+    loaded = load_study_tree(path, parse(path, record.study))
+    return loaded.value.recording.detail if "recording.detail" in loaded.lines else RecordingDetail.ALL
+
+
 def ticks_of(path: Path) -> Iterator[RecordedTick]:
     """Yield a recording tick by tick. Raises BadFile."""
     for stamp_ns, messages in groupby(bag_reader.messages(path), key=lambda message: message.stamp_ns):
@@ -173,7 +181,7 @@ async def replay(
     """
     record = session_of(path)
     fresh = build_record(setting, record.program, record.roles, options.participant or record.participant)
-    buffer = _MessageBuffer()
+    buffer = _MessageBuffer(message_filter(_detail_of(path, record)))
     with ExitStack() as opened:
         kept = [] if options.to is None else [opened.enter_context(build_writer(setting, options.to))]
         broadcast = Broadcast(build_publisher(setting), fresh, setting.map.grid, [buffer, *kept])
@@ -299,13 +307,14 @@ class _ProgressReporter:
 
 
 class _MessageBuffer:
-    """Collects messages until `drain`."""
+    """Collects the messages that a recording keeps, until `drain`."""
 
-    def __init__(self) -> None:
+    def __init__(self, keep: Callable[[RosMessage], bool]) -> None:
+        self._keep = keep
         self._messages: list[RosMessage] = []
 
     def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
-        self._messages += messages
+        self._messages += filter(self._keep, messages)
 
     def drain(self) -> list[RosMessage]:
         """Return the messages since the last call, without the session record."""

@@ -1,4 +1,4 @@
-"""Options of a bag's writer: how chunks are compressed, and when another file begins."""
+"""Options of a recording: which messages, how chunks are compressed, and when another file begins."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -10,6 +10,13 @@ class Compression(StrEnum):
     NONE = "none"
     LZ4 = "lz4"
     BZ2 = "bz2"
+
+
+class RecordingDetail(StrEnum):
+    """Messages of a session that are recorded."""
+
+    CHANGES = "changes"
+    ALL = "all"
 
 
 @dataclass(frozen=True, slots=True)

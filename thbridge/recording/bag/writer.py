@@ -36,6 +36,11 @@ ALMOST_ALL = "it holds all but the last second"
 WHOLE = SplitLimits()
 
 
+def keep_all(message: RosMessage) -> bool:
+    """Return True: every message is recorded."""
+    return True
+
+
 class BagNotWritten(BadFile):
     """A recording could not begin or go on; the message tells what is kept, and in which file."""
 
@@ -81,6 +86,7 @@ class BagWriter:
         splitting: limits after which the recording goes on in another file.
         make_queue: makes the two job queues, from a name for each.
         caller: name of the node that publishes the messages.
+        keep: tells which of the messages that it is given to write; it is asked about each, in order.
 
     Raises:
         BagNotWritten: the bag exists already, or the folder cannot be written to.
@@ -95,8 +101,10 @@ class BagWriter:
         splitting: SplitLimits = WHOLE,
         make_queue: Callable[[str], JobQueue] = WorkerThread,
         caller: str = CALLER,
+        keep: Callable[[RosMessage], bool] = keep_all,
     ) -> None:
         self.path = path
+        self._keep = keep
         self._caller = caller
         self._definitions = definitions or Definitions()
         self._clock = clock
@@ -120,12 +128,14 @@ class BagWriter:
         self._synced = clock()
 
     def write(self, message: RosMessage) -> None:
-        """Write one message; a topic's connection is made with its first message.
+        """Write one message, unless it is not to be kept; a topic's connection is made with its first message.
 
         Raises:
             BagNotWritten: the disk is full, gone or too slow; the bag is closed, and the messages in it are kept.
             ValueError: the message is older than the last one, or the bag is closed.
         """
+        if not self._keep(message):
+            return
         topic, stamp_ns, data, _ = message
         self._add(topic, stamp_ns, data)
 

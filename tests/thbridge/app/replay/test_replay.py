@@ -1,6 +1,7 @@
 import asyncio
 import dataclasses
 import json
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -54,7 +55,7 @@ from thbridge.protocols.text.client import NameRegistered
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.notice import encode_notice
 from thbridge.protocols.text.router import ConnectionId, Forwarded, RouterOutput, SendToClient
-from thbridge.recording.bag.options import Compression
+from thbridge.recording.bag.options import Compression, RecordingDetail
 from thbridge.recording.bag.reader import messages
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.bag.writer import BagWriter
@@ -263,6 +264,29 @@ class TestSame:
         record(bag, dataclasses.replace(STUDY, recording=recording), 5.0)
         assert (tmp_path / "hunt_1.bag").exists()
         equal(bag, 5 * 50)
+
+    def test_a_replay_brings_back_the_costmaps_that_were_left_out(self, hunt: Path, tmp_path: Path) -> None:
+        whole, everything = tmp_path / "whole.bag", StudyChange("recording.detail", "all")
+        assert again(hunt, everything, to=whole).difference is None
+        kept, all_of_them = (Counter(messages(bag)) for bag in (hunt, whole))
+        assert {message.topic for message in kept - all_of_them} == {names.SESSION}
+        left_out = {message.topic for message in all_of_them - kept} - {names.SESSION}
+        assert left_out
+        assert all(topic.endswith("costmap/costmap") for topic in left_out)
+
+    def test_a_recording_from_before_the_choice_of_detail_holds_all(self, tmp_path: Path) -> None:
+        bag = tmp_path / "old.bag"
+        setting = setting_of(dataclasses.replace(STUDY, recording=RecordingSection(detail=RecordingDetail.ALL)))
+        opening = build_record(setting, PLAY, [legacy.SIMR, legacy.HIDER], "")
+        opening = dataclasses.replace(opening, study=opening.study.replace("  detail: all\n", ""))
+        assert "detail" not in opening.study
+        with build_writer(setting, bag) as writer:
+            said = Broadcast(build_publisher(setting), opening, setting.map.grid, [writer])
+            roles = [build_simr(setting), build_hider(setting.templates, setting.study.seed)]
+            session = Session(build_keeper(setting), roles, [BagRecorder(said)])
+            for _ in range(400):
+                session.step()
+        equal(bag, 400)
 
     def test_things_in_the_way_and_what_befalls_robots(self, tmp_path: Path) -> None:
         study = read_study_text(
