@@ -15,7 +15,17 @@ from typing import ClassVar, Literal, TypeVar, cast
 from weakref import WeakKeyDictionary
 
 from PySide6.QtCore import QEvent, QFileSystemWatcher, QObject, QSettings, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QFont, QKeySequence, QPaintDevice, QPainter, QPalette, QResizeEvent, QShortcut
+from PySide6.QtGui import (
+    QColor,
+    QFont,
+    QFontDatabase,
+    QKeySequence,
+    QPaintDevice,
+    QPainter,
+    QPalette,
+    QResizeEvent,
+    QShortcut,
+)
 from PySide6.QtWidgets import QApplication, QBoxLayout, QLabel, QLayout, QWidget
 from shiboken6 import Shiboken
 
@@ -43,7 +53,7 @@ _TEXT_KEY = "text/percent"
 _SCALE: dict[Size, float] = {"small": 0.88, "body": 1.0, "title": 1.24, "hero": 1.9}
 _SMALLEST_BODY = 10.5
 _USUAL_WINDOW = QSize(1200, 800)
-_FRAME = QSize(16, 48)
+FRAME = QSize(16, 48)
 """Width and height that a window's frame and title bar take at most, logical pixels; they are not known before."""
 
 
@@ -69,6 +79,13 @@ def font(size: Size = "body", *, bold: bool = False) -> QFont:
     made.setWeight(QFont.Weight.DemiBold if bold else QFont.Weight.Normal)
     made.setFeature(QFont.Tag("tnum"), 1)
     return made
+
+
+def fixed_font() -> QFont:
+    """A typeface of the usual size with letters of equal width, so that lines stand below each other."""
+    fixed = QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont)
+    fixed.setPointSizeF(_Current.body)
+    return fixed
 
 
 def apply_palette(app: QApplication, palette: Palette) -> None:
@@ -131,7 +148,7 @@ def usual_growth(screen: QSize) -> float:
 
 def open_within_screen(window: QWidget, wanted: QSize = _USUAL_WINDOW) -> None:
     """Give a window the size it opens with: with its frame it lies within what the screen has free."""
-    window.resize((wanted * _Current.body / _SMALLEST_BODY).boundedTo(window.screen().availableSize() - _FRAME))
+    window.resize((wanted * _Current.body / _SMALLEST_BODY).boundedTo(window.screen().availableSize() - FRAME))
 
 
 def qt_palette(palette: Palette) -> QPalette:

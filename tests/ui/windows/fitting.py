@@ -4,9 +4,25 @@ from collections.abc import Iterator
 from itertools import combinations
 
 from PySide6.QtCore import QEvent, QPoint, QRect
-from PySide6.QtWidgets import QAbstractButton, QApplication, QLabel, QLayout, QLineEdit, QScrollArea, QTabBar, QWidget
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractScrollArea,
+    QApplication,
+    QComboBox,
+    QDockWidget,
+    QLabel,
+    QLineEdit,
+    QScrollArea,
+    QSizeGrip,
+    QTabBar,
+    QWidget,
+)
 
+from ui.windows.map import MapView
+from ui.windows.participant.cards import Card
+from ui.windows.participant.map_area import MapArea
 from ui.windows.participant.widgets.buttons import ActionButton, ParticipantButton
+from ui.windows.participant.widgets.panels import ModalOverlay
 
 SIZES = ((1000, 560), (1024, 600), (1200, 800), (1920, 1080))
 """Sizes of windows, logical pixels."""
@@ -65,12 +81,11 @@ def _words_cut(window: QWidget) -> Iterator[str]:
 
 
 def _overlapping(window: QWidget) -> Iterator[str]:
-    """Yield parts of one layout that lie over each other."""
+    """Yield parts beside each other that lie over each other, or stick out of what they are in."""
     for home in (window, *window.findChildren(QWidget)):
-        layout = home.layout()
-        if not home.isVisible() or layout is None:
+        if not home.isVisible() or isinstance(home, _LAYERED):
             continue
-        parts = [part for part in _widgets(layout) if part.isVisible()]
+        parts = [part for part in home.children() if isinstance(part, QWidget) and _is_laid_out(part)]
         for one, other in combinations(parts, 2):
             if one.geometry().intersects(other.geometry()):
                 yield f"{_name(one)} and {_name(other)} overlap: {one.geometry()}, {other.geometry()}"
@@ -79,14 +94,15 @@ def _overlapping(window: QWidget) -> Iterator[str]:
                 yield f"{_name(part)} sticks out of {type(home).__name__}: {part.geometry()} in {home.rect()}"
 
 
-def _widgets(layout: QLayout) -> Iterator[QWidget]:
-    for number in range(layout.count()):
-        item = layout.itemAt(number)
-        widget, inner = item.widget(), item.layout()
-        if widget is not None:
-            yield widget
-        elif inner is not None:
-            yield from _widgets(inner)
+_LAYERED = (Card, MapArea, MapView, QAbstractScrollArea, QComboBox, QLineEdit)
+"""Kinds of widgets that put parts over each other on purpose, or scroll them."""
+
+
+def _is_laid_out(part: QWidget) -> bool:
+    """Return False for what is not shown, lies above all, or is kept far out of sight by Qt behind another tab."""
+    scrolled = isinstance(part.parent(), QWidget) and isinstance(part.parent().parent(), QAbstractScrollArea)
+    hidden = not part.isVisible() or part.isWindow() or (isinstance(part, QDockWidget) and part.x() < 0)
+    return not (hidden or scrolled or isinstance(part, ModalOverlay | QSizeGrip) or part.objectName().startswith("qt_"))
 
 
 def _scroll_to(widget: QWidget) -> None:

@@ -1,8 +1,18 @@
 """Keys of the researcher's window, and the sheet that lists them."""
 
-from PySide6.QtWidgets import QDialog, QDialogButtonBox, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtCore import QSize
+from PySide6.QtWidgets import (
+    QDialog,
+    QDialogButtonBox,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QScrollArea,
+    QVBoxLayout,
+    QWidget,
+)
 
-from ui.windows.look import font, spaced
+from ui.windows.look import FRAME, font, spaced
 from ui.windows.researcher.docks.displays import SWITCHES
 from ui.windows.researcher.map.tools import TOOLS
 
@@ -67,10 +77,17 @@ class KeySheet(QDialog):
             columns.addLayout(column)
         close = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
         close.rejected.connect(self.reject)
+        inside, area = QWidget(), QScrollArea(widgetResizable=True)
+        inside.setLayout(columns)
+        area.setWidget(inside)
+        area.setAccessibleName("Keys and what they do")
         layout = QVBoxLayout(self)
         layout.setContentsMargins(24, 24, 24, 24)
-        layout.addLayout(columns)
+        layout.addWidget(area)
         layout.addWidget(close)
+        bar = area.verticalScrollBar().sizeHint().width()
+        wanted = inside.sizeHint() + QSize(48 + bar, 64 + bar + close.sizeHint().height())
+        self.resize(wanted.boundedTo(parent.screen().availableSize() - FRAME))
 
 
 def _group(title: str, keys: KeyLines) -> QGridLayout:

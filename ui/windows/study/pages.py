@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from PySide6.QtCore import QElapsedTimer, QSignalBlocker, Qt, QTimer, Signal, SignalInstance
-from PySide6.QtGui import QColor, QFont, QFontDatabase, QPalette, QTextCharFormat, QTextCursor
+from PySide6.QtGui import QColor, QPalette, QTextCharFormat, QTextCursor
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QPlainTextEdit,
@@ -16,7 +16,7 @@ from PySide6.QtWidgets import (
 
 from ui.model.study_form.draft import StudyDraft, search_fields
 from ui.model.study_form.form import FormField, FormGroup, RepeatKind
-from ui.windows.look import GAP, colours, follow_text, font, label, spaced, style_as_panel
+from ui.windows.look import GAP, colours, fixed_font, follow_text, label, spaced, style_as_panel
 from ui.windows.study.row import FieldRow
 
 _FOUND = "found"
@@ -225,7 +225,7 @@ class TextPage(QWidget):
         super().__init__()
         self.editor = QPlainTextEdit(tabChangesFocus=True)
         self.editor.setAccessibleName("The study file as text")
-        follow_text(self.editor, lambda it: it.setFont(_fixed()))
+        follow_text(self.editor, lambda it: it.setFont(fixed_font()))
         self._fault = label("", "small")
         self._fault.setProperty("bad", True)
         column = spaced(QVBoxLayout(self), GAP, 2 * GAP, GAP, 2 * GAP, 2 * GAP)
@@ -284,7 +284,7 @@ class ChangesPage(QWidget):
         super().__init__()
         self.view = QPlainTextEdit(readOnly=True)
         self.view.setAccessibleName("What will be written")
-        follow_text(self.view, lambda it: it.setFont(_fixed()))
+        follow_text(self.view, lambda it: it.setFont(fixed_font()))
         self._words = label("", muted=True)
         column = spaced(QVBoxLayout(self), GAP, 2 * GAP, GAP, 2 * GAP, 2 * GAP)
         column.addWidget(label("What will be written", "title", bold=True))
@@ -314,10 +314,3 @@ class ChangesPage(QWidget):
                 cursor.movePosition(QTextCursor.MoveOperation.EndOfBlock, QTextCursor.MoveMode.KeepAnchor)
                 cursor.setCharFormat(form)
         cursor.endEditBlock()
-
-
-def _fixed() -> QFont:
-    """Return a font of fixed width, so that columns of the file stand below each other."""
-    fixed = QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont)
-    fixed.setPointSizeF(font().pointSizeF())
-    return fixed

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
-from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
 
 from ui.windows.controls import CheckBox
 
@@ -73,8 +73,8 @@ SWITCHES = {
 }
 
 
-class DisplaysPanel(QWidget):
-    """The list of displays, as in rviz.
+class DisplaysPanel(QScrollArea):
+    """The list of displays, as in rviz; it scrolls where there is little space.
 
     Signals:
         changed: a display was switched on or off.
@@ -83,7 +83,10 @@ class DisplaysPanel(QWidget):
     changed = Signal()
 
     def __init__(self) -> None:
-        super().__init__()
+        super().__init__(widgetResizable=True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setAccessibleName("Displays")
         self._boxes: dict[MapDisplay, CheckBox] = {}
         grid = QGridLayout()
         grid.setHorizontalSpacing(12)
@@ -100,10 +103,23 @@ class DisplaysPanel(QWidget):
             self._boxes[display] = box
             grid.addWidget(box, row, 0)
             grid.addWidget(key, row, 1)
-        layout = QVBoxLayout(self)
+        self._inside = QWidget()
+        layout = QVBoxLayout(self._inside)
         layout.setContentsMargins(12, 12, 12, 12)
         layout.addLayout(grid)
         layout.addStretch(1)
+        self.setWidget(self._inside)
+
+    def minimumSizeHint(self) -> QSize:
+        """Return the width of the labels, and the height of some of them."""
+        wide = self._inside.minimumSizeHint().width() + self.verticalScrollBar().sizeHint().width()
+        return QSize(wide, 4 * self.fontMetrics().height())
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Report another size of the labels to the layout."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self.updateGeometry()
+        return super().eventFilter(watched, event)
 
     def shows(self, display: MapDisplay) -> bool:
         """Return True when this display is on."""

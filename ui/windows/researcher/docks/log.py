@@ -159,10 +159,8 @@ class LogView(QWidget):
         self._follows.toggled.connect(self._keep_up)
         self._count = QLabel()
         extended = QTableView.SelectionMode.ExtendedSelection
-        self.table = row_table(name, self.model, extended, self.fontMetrics().height() + 8)
+        self.table = row_table(name, self.model, extended, 1, (9, *(12 for _ in columns)))
         self.table.horizontalHeader().setStretchLastSection(True)
-        for column in range(1 + len(columns)):
-            self.table.setColumnWidth(column, self.fontMetrics().averageCharWidth() * (12 if column else 9))
         self.table.activated.connect(lambda index: self.chosen.emit(self.model.row(index.row()).time))
         self.table.verticalScrollBar().valueChanged.connect(self._scrolled)
         copy = QShortcut(QKeySequence(QKeySequence.StandardKey.Copy), self.table)

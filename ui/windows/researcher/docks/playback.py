@@ -4,11 +4,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from PySide6.QtCore import QPointF, QRectF, QSignalBlocker, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QFontDatabase, QMouseEvent, QPaintEvent, QPen
+from PySide6.QtGui import QColor, QFontMetrics, QMouseEvent, QPaintEvent, QPen
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSlider, QStyle, QStyleOptionSlider, QToolButton, QWidget
 
 from ui.windows.controls import ChoiceBox
-from ui.windows.look import colours, smooth_painter, spaced
+from ui.windows.look import colours, fixed_font, follow_text, font, smooth_painter, spaced
 
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 """Simulated seconds per second."""
@@ -131,7 +131,7 @@ class PlaybackBar(QWidget):
         self._live = live
         self._playing = False
         self.play = _button("▶  Play", "", "Play or pause (Space)", self.play_toggled.emit)
-        self.play.setMinimumWidth(self.fontMetrics().averageCharWidth() * 14)
+        follow_text(self.play, lambda it: it.setMinimumWidth(QFontMetrics(font()).averageCharWidth() * 14))
         self.back = _button("◀|", "One step back", "One step back (,)", lambda: self.stepped.emit(-1))
         self.forward = _button("|▶", "One step forward", "One step forward (.)", lambda: self.stepped.emit(1))
         self.speed = ChoiceBox()
@@ -144,7 +144,7 @@ class PlaybackBar(QWidget):
         self.timeline.valueChanged.connect(lambda value: self.seek.emit(value / 1000.0))
         self.time = QLabel("0:00.00")
         self.time.setAccessibleDescription("Time shown")
-        self.time.setFont(QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont))
+        follow_text(self.time, lambda it: it.setFont(fixed_font()))
         self.state = QLabel()
         self.state.setAccessibleDescription("What is shown, and how it is")
         layout = spaced(QHBoxLayout(self), 8, 12, 6, 12, 6)

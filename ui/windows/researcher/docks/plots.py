@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from sim.common.geometry import FloatArray
 from ui.model.theme import Palette
+from ui.windows.look import follow_text, font, px
 
 LIVE_SECONDS = 60.0
 """Seconds of a running session that the plots show until somebody looks elsewhere."""
@@ -100,7 +101,6 @@ class Plots(QWidget):
             plot.setClipToView(True)
             plot.getViewBox().setAutoVisible(y=True)
             plot.getViewBox().sigRangeChangedManually.connect(self._look_around)
-            plot.getAxis("left").setWidth(48)
             for side in ("left", "bottom"):
                 # Lines of the grid between the numbers cost more than all curves.
                 plot.getAxis(side).setStyle(maxTickLevel=0)
@@ -119,7 +119,7 @@ class Plots(QWidget):
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self.canvas)
-        self.set_palette(palette)
+        follow_text(self, lambda it: it.set_palette(it._palette))
 
     def show_curves(self, robots: Sequence[RobotCurves], end: float) -> None:
         """Draw these curves in place of the same robots' earlier ones.
@@ -168,12 +168,15 @@ class Plots(QWidget):
         self.canvas.setBackground(palette.panel)
         for panel in PANELS:
             plot = self._plots[panel.name]
-            plot.setTitle(panel.title, color=palette.text, size="9pt", justify="left")
+            plot.setTitle(panel.title, color=palette.text, size=f"{font('small').pointSizeF():.1f}pt", justify="left")
+            plot.getAxis("left").setWidth(px(48))
             plot.showGrid(x=True, y=True, alpha=0.15)
             for side in ("left", "bottom"):
                 plot.getAxis(side).setPen(palette.line)
                 plot.getAxis(side).setTextPen(palette.muted)
-        self._plots[PANELS[-1].name].setLabel("bottom", "seconds since the beginning", color=palette.muted)
+                plot.getAxis(side).setTickFont(font("small"))
+        style = {"color": palette.muted, "font-size": f"{font('small').pointSizeF():.1f}pt"}
+        self._plots[PANELS[-1].name].setLabel("bottom", "seconds since the beginning", **style)
         for cursor in self._cursors:
             cursor.setPen(pg.mkPen(palette.accent, width=1))
         self.select(self._selected)

@@ -3,7 +3,10 @@
 from collections.abc import Sequence
 
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersistentModelIndex, Qt
+from PySide6.QtGui import QFontMetrics
 from PySide6.QtWidgets import QHeaderView, QTableView
+
+from ui.windows.look import follow_text, font
 
 ModelIndex = QModelIndex | QPersistentModelIndex
 NO_PARENT = QModelIndex()
@@ -47,8 +50,18 @@ class TableModel(QAbstractTableModel):
         self.dataChanged.emit(self.index(first, 0), self.index(last, self._columns - 1))
 
 
-def row_table(name: str, model: TableModel, mode: QTableView.SelectionMode, height: int) -> QTableView:
-    """A table of which whole rows are selected, each so high, logical pixels."""
+def row_table(
+    name: str, model: TableModel, mode: QTableView.SelectionMode, lines: int, characters: Sequence[int]
+) -> QTableView:
+    """A table of which whole rows are selected.
+
+    Args:
+        name: for people.
+        model: its rows.
+        mode: how many rows may be selected.
+        lines: of words in a row.
+        characters: width of each column; 0 for one that is set elsewhere.
+    """
     table = QTableView(showGrid=False, wordWrap=False)
     table.setAccessibleName(name)
     table.setModel(model)
@@ -57,6 +70,14 @@ def row_table(name: str, model: TableModel, mode: QTableView.SelectionMode, heig
     table.setTabKeyNavigation(False)
     table.verticalHeader().hide()
     table.verticalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
-    table.verticalHeader().setDefaultSectionSize(height)
     table.horizontalHeader().setDefaultAlignment(LEFT)
+
+    def fit(table: QTableView) -> None:
+        metrics = QFontMetrics(font())
+        table.verticalHeader().setDefaultSectionSize(lines * metrics.height() + 4 + 4 * lines)
+        for column, wide in enumerate(characters):
+            if wide:
+                table.setColumnWidth(column, wide * metrics.averageCharWidth())
+
+    follow_text(table, fit)
     return table

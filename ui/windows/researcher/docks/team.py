@@ -7,7 +7,7 @@ from PySide6.QtCore import QModelIndex, Qt, Signal
 from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap
 from PySide6.QtWidgets import QHeaderView, QTableView, QVBoxLayout, QWidget
 
-from ui.windows.look import colours
+from ui.windows.look import colours, follow_text, px
 from ui.windows.researcher.docks.table import RIGHT, ModelIndex, TableModel, row_table
 
 
@@ -79,7 +79,7 @@ class TeamModel(TableModel):
 
     def _chip(self, robot: int) -> QIcon:
         """Return an icon in its colour, the same in a selected row; an edge keeps icon and selection apart."""
-        chip = QPixmap(18, 18)
+        chip = QPixmap(px(18), px(18))
         chip.fill(QColor(colours().panel))
         painter = QPainter(chip)
         painter.fillRect(chip.rect().adjusted(2, 2, -2, -2), QColor(colours().robot(robot)))
@@ -102,13 +102,9 @@ class TeamView(QWidget):
         super().__init__()
         self.model = TeamModel(TITLES, HINTS, self)
         single = QTableView.SelectionMode.SingleSelection
-        self.table = row_table("Robots", self.model, single, 2 * self.fontMetrics().height() + 12)
-        self.table.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.table = row_table("Robots", self.model, single, 2, (0, 8, 6, 7, 5))
         header = self.table.horizontalHeader()
-        header.setMinimumSectionSize(20)
-        width = self.fontMetrics().averageCharWidth()
-        for column, characters in ((1, 8), (2, 6), (3, 7), (4, 5)):
-            self.table.setColumnWidth(column, width * characters)
+        follow_text(header, lambda it: it.setMinimumSectionSize(px(34)))
         header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
         self.table.selectionModel().currentRowChanged.connect(self._chosen)
         layout = QVBoxLayout(self)

@@ -3,10 +3,10 @@
 from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent
 from PySide6.QtWidgets import QLabel, QWidget
 
-from ui.windows.look import style_as_panel
+from ui.windows.look import px, style_as_panel
 
 WIDEST, EDGE = 640, 16
-"""Greatest width of the sign, and its distance from the map's edges; pixels."""
+"""Greatest width of the sign, `px`, and its distance from the map's edges, pixels."""
 
 
 class TroubleSign(QLabel):
@@ -32,7 +32,7 @@ class TroubleSign(QLabel):
             QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, text))
         self.setText(text)
         view = self.parentWidget()
-        self.setFixedWidth(WIDEST if view is None else min(WIDEST, view.width() - 2 * EDGE))
+        self.setFixedWidth(px(WIDEST) if view is None else min(px(WIDEST), view.width() - 2 * EDGE))
         self.adjustSize()
         self.move(EDGE, EDGE)
         self.setVisible(bool(text))

@@ -1,0 +1,40 @@
+"""The researcher's window can be used at all sizes, with text of all sizes."""
+
+import pytest
+from PySide6.QtWidgets import QApplication
+
+from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
+from tests.ui.windows.researcher.test_window_on_bags import bag, opened
+from ui.windows import look
+from ui.windows.researcher.keys import KeySheet
+from ui.windows.researcher.window import ResearcherWindow
+
+__all__ = ["bag", "opened"]
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_nothing_is_cut_off_or_covered(opened: ResearcherWindow, qapp: QApplication, text: float) -> None:
+    look.apply_text_size(qapp, text)
+    try:
+        for size in SIZES:
+            opened.resize(*size)
+            settle()
+            assert opened.size().toTuple() == size, "nothing makes it larger"
+            assert misfits(opened) == [], size
+    finally:
+        look.apply_text_size(qapp, 1.0)
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_the_sheet_of_keys_opens_within_the_screen(opened: ResearcherWindow, qapp: QApplication, text: float) -> None:
+    look.apply_text_size(qapp, text)
+    try:
+        sheet = KeySheet(opened)
+        sheet.open()
+        settle()
+        assert misfits(sheet) == []
+        free = sheet.screen().availableSize()
+        assert sheet.width() <= free.width() and sheet.height() <= free.height()
+        sheet.close()
+    finally:
+        look.apply_text_size(qapp, 1.0)
