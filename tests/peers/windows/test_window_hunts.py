@@ -140,7 +140,7 @@ def test_a_practice_game_and_a_whole_hunt_by_keyboard_alone(
     screen.press("2", "Return")
     player.until("the game", lambda seen: len(seen.robots) == 2)
     screen.press("F1")
-    screen.found("Keys", "panel")
+    screen.found("Rules and keys", "panel")
     screen.press("Escape")
     player.until("the sheet to close", lambda seen: seen.pop is None)
     asides: list[str] = []
@@ -150,8 +150,8 @@ def test_a_practice_game_and_a_whole_hunt_by_keyboard_alone(
         if seen.button("Take a picture") is not None and not asides:
             screen.press("Escape")
             asides.extend(one.name for one in player.until("what waits", lambda seen: seen.waiting).waiting)
-            # W puts aside what another robot has come with meanwhile, and shows what waits once nothing is in front.
-            player.insist("it again", lambda: screen.press("w"), lambda seen: seen.button("Take a picture"))
+            # Esc puts aside what another robot has come with meanwhile, and shows what waits once nothing is in front.
+            player.insist("it again", lambda: screen.press("Escape"), lambda seen: seen.button("Take a picture"))
         else:
             player.step(seen)
 
