@@ -40,7 +40,7 @@ from ui.model.lobby import (
 from ui.model.participant import Participant
 from ui.model.practice import advice
 from ui.model.screen import Phase
-from ui.windows import look
+from ui.windows import look, pointer
 from ui.windows.link import ParticipantLink, ServerLost, ServerReached
 from ui.windows.look import GAP, spaced
 from ui.windows.participant.pages.pages import ConnectingPage
@@ -240,6 +240,7 @@ class ParticipantMainWindow(QMainWindow):
         if self.game is not None:
             self.game.leave()
             self.game = None
+        pointer.note_rest(self)
         before = self._pages.currentWidget()
         self._pages.addWidget(page)
         self._pages.setCurrentWidget(page)

@@ -116,6 +116,17 @@ def test_a_name_is_picked_by_a_click(qtbot: QtBot, opened: Open) -> None:
     assert shown.done == [PickName("Pink can")]
 
 
+def test_only_the_name_picked_is_marked_in_the_list(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["picture"])
+    names = shown.window.treasure.names
+    first, last = (names.visualItemRect(names.item(row)).center() for row in (0, 3))
+    qtbot.mousePress(names.viewport(), LEFT, pos=first)
+    qtbot.mouseMove(names.viewport(), last)
+    qtbot.mouseRelease(names.viewport(), LEFT, pos=last)
+    assert shown.done == []
+    assert [item.text() for item in names.selectedItems()] == ["Pink can"], "the one that the button names"
+
+
 def test_a_name_of_a_file_is_shown_in_words_and_asked_for_as_it_is(qtbot: QtBot, opened: Open) -> None:
     treasure = STATES["treasure"].popup
     assert isinstance(treasure, TreasurePopup)
@@ -338,6 +349,18 @@ def test_a_name_is_submitted_only_once_it_can_have_been_read(qtbot: QtBot, opene
     assert shown.window.treasure.name_it.accessibleName() == "Name it Pink can"
     shown.now += 0.31
     press(qtbot, shown.window, "Return")
+    assert shown.done == [SubmitName()]
+
+
+@pytest.mark.parametrize("focused", ["window", "name_it"])
+def test_enter_that_names_and_is_held_answers_nothing(qtbot: QtBot, opened: Open, focused: str) -> None:
+    shown = opened(STATES["picture"])
+    (shown.window if focused == "window" else shown.window.treasure.name_it).setFocus()
+    hold(shown.window, Qt.Key.Key_Return)
+    assert shown.done == [SubmitName()]
+    shown.show(STATES["dialogue"])
+    shown.now += 1.0
+    hold(shown.window, Qt.Key.Key_Return, repeated=True)
     assert shown.done == [SubmitName()]
 
 

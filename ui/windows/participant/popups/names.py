@@ -1,7 +1,7 @@
 """The list of names that a treasure may have."""
 
 from PySide6.QtCore import QModelIndex, QSize, Qt, Signal
-from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent, QShowEvent
+from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent, QMouseEvent, QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QFrame,
@@ -72,6 +72,15 @@ class NameList(QListWidget):
             focus.move_focus(self, event.key())
         else:
             event.ignore()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Do nothing: a name is picked by a click, not by dragging over the list."""
+        event.accept()
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Pick by a click; a press that picked nothing leaves no other name marked than the one picked."""
+        super().mouseReleaseEvent(event)
+        self._pick()
 
     def focusInEvent(self, event: QFocusEvent) -> None:
         """Take the focus without picking a name, unlike Qt's own lists."""

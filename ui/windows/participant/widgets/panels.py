@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
 )
 
 from sim.common.robot_numbers import robot_name
-from ui.windows import look
+from ui.windows import look, pointer
 from ui.windows.look import GAP, colours, follow_text, font, px, smooth_painter, spaced
 from ui.windows.participant.widgets.focus import go_round, make_region
 from ui.windows.participant.widgets.painting import WRAPPED, chip, chip_size, write
@@ -274,6 +274,7 @@ class ModalOverlay(QWidget):
             return
         if self._panel is not None:
             self._panel.hide()
+        pointer.note_rest(self)
         self._panel, self._widest = panel, widest
         if panel is None:
             self.hide()
