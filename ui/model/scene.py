@@ -22,6 +22,7 @@ class RoomMark:
         considered: True when the participant looks at it, by mouse or keyboard.
         found: its treasure as far as it is known, in a word or two; empty when nothing is known.
         robot: index of the robot that visited it or drives to it.
+        answer: what the participant said of its treasure, and the points, where `found` is not that already.
     """
 
     room: int
@@ -32,6 +33,7 @@ class RoomMark:
     considered: bool = False
     found: str = ""
     robot: int | None = None
+    answer: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

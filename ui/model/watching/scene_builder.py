@@ -121,4 +121,5 @@ def _room(room: MapRoom, status: RoomStatus) -> RoomMark:
         state=status.state,
         found=status.found,
         robot=status.robot,
+        answer=status.answer,
     )

@@ -3,15 +3,17 @@
 import json
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeGuard, get_args
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import Commander
+from thbridge.hunt.treasures import name_in_words
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.records import LogLevel
 from thbridge.ros.messages.session_records import GameEvent
+from ui.model.playing.words import gained
 from ui.model.scene import RoomState
 from ui.model.watching.messages import WatchedMessage
 from ui.model.watching.scene import Entry, EntryKind
@@ -52,11 +54,19 @@ def is_logged(topic: str, msgtype: str) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class RoomStatus:
-    """A room at one time: its state, the robot that drives to it or was there, the treasure found or hidden in it."""
+    """A room at one time.
+
+    Attributes:
+        state: as the game has it.
+        robot: index of the robot that drives to it or was there.
+        found: the treasure hidden in it.
+        answer: what the participant said of it, and the points.
+    """
 
     state: RoomState = "unvisited"
     robot: int | None = None
     found: str = ""
+    answer: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,6 +155,7 @@ class SessionLog:
         """Apply an event to the states of rooms and robots."""
         before = self._statuses[-1]
         rooms, commanders = before.rooms, before.commanders
+        room_before = rooms.get(event.room or 0, RoomStatus())
         match event:
             case GameEvent("started"):
                 rooms, commanders = {}, {}
@@ -154,11 +165,17 @@ class SessionLog:
                     found = {room: _name(treasure) for room, treasure in enumerate(treasures, start=1)}
                     rooms = {**rooms, **{room: RoomStatus(found=name) for room, name in found.items()}}
             case GameEvent("departed", int(robot), int(room)):
-                rooms = {**rooms, room: RoomStatus("reserved", robot, _found(rooms, room))}
+                rooms = {**rooms, room: replace(room_before, state="reserved", robot=robot)}
             case GameEvent("arrived", int(robot), int(room)):
-                rooms = {**rooms, room: RoomStatus("visited", robot, _found(rooms, room))}
+                rooms = {**rooms, room: replace(room_before, state="visited", robot=robot)}
             case GameEvent("failed", _, int(room)):
-                rooms = {**rooms, room: RoomStatus(found=_found(rooms, room))}
+                rooms = {**rooms, room: replace(room_before, state="unvisited", robot=None)}
+            case GameEvent("identified", _, int(room)):
+                rooms = {**rooms, room: replace(room_before, answer=_answer(fields))}
+            case GameEvent("left", _, int(room)):
+                rooms = {**rooms, room: replace(room_before, answer="left there")}
+            case GameEvent("taken-up", _, int(room)):
+                rooms = {**rooms, room: replace(room_before, answer="")}
             case GameEvent("commanded", int(robot)):
                 others = {other: words for other, words in commanders.items() if other != robot}
                 commander = _commander(fields)
@@ -178,12 +195,15 @@ def _commander(fields: dict[str, object]) -> str:
     return str(name or by or "") if by != Commander.PARTICIPANT else ""
 
 
-def _found(rooms: dict[int, RoomStatus], room: int) -> str:
-    return rooms[room].found if room in rooms else ""
-
-
 def _name(treasure: object) -> str:
-    return str(treasure.get("name", "")) if isinstance(treasure, dict) else ""
+    return name_in_words(str(treasure.get("name", ""))) if isinstance(treasure, dict) else ""
+
+
+def _answer(fields: dict[str, object]) -> str:
+    """The name given to a treasure, in words; first the points, since a small room has no place for all."""
+    name, points = fields.get("name"), fields.get("points")
+    won = gained(points) if isinstance(points, int) else ""
+    return " for ".join(part for part in (won, name_in_words(str(name or ""))) if part)
 
 
 def _fields(text: str) -> dict[str, object]:

@@ -21,8 +21,9 @@ def same_rooms(some: Sequence[RoomMark], others: Sequence[RoomMark]) -> bool:
 
 def _same_room(one: RoomMark, other: RoomMark) -> bool:
     return one is other or (
-        (one.room, one.name, one.state, one.choosable, one.considered, one.found, one.robot)
-        == (other.room, other.name, other.state, other.choosable, other.considered, other.found, other.robot)
+        (one.room, one.name, one.state, one.choosable, one.considered)
+        == (other.room, other.name, other.state, other.choosable, other.considered)
+        and (one.found, one.robot, one.answer) == (other.found, other.robot, other.answer)
         and np.array_equal(one.region, other.region)
     )
 

@@ -192,14 +192,15 @@ def _paint_words(painter: QPainter, space: _Space, mark: RoomMark, palette: Pale
     painter.setPen(QColor(palette.muted))
     painter.setFont(small)
     painter.drawText(QPointF(title.left(), title.bottom() - caption.descent()), name)
-    if mark.found:
-        _paint_found(painter, space, mark.found, palette, font)
+    # Where there is no room for both, the answer is what is new.
+    for words in filter(None, (mark.answer, mark.found)):
+        _paint_pill(painter, space, words, palette, font)
 
 
-def _paint_found(painter: QPainter, space: _Space, found: str, palette: Palette, font: QFont) -> None:
+def _paint_pill(painter: QPainter, space: _Space, text: str, palette: Palette, font: QFont) -> None:
     painter.setFont(_sized(font, NAME_HEIGHT, QFont.Weight.Medium))
     metrics = QFontMetricsF(painter.font())
-    words = metrics.elidedText(found, Qt.TextElideMode.ElideRight, space.width - 2.0 * space.inset - 16.0)
+    words = metrics.elidedText(text, Qt.TextElideMode.ElideRight, space.width - 2.0 * space.inset - 16.0)
     pill = space.put(metrics.horizontalAdvance(words) + 16.0, metrics.height() + 6.0, right=False, low=True)
     if pill is None:
         return

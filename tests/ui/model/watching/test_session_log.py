@@ -39,6 +39,27 @@ def test_rooms_are_as_the_game_left_them_at_a_time() -> None:
     assert session_log.rooms(9) == {}
 
 
+def test_what_the_participant_said_of_a_treasure_is_told_with_its_room_and_its_points() -> None:
+    session_log = SessionLog()
+    for message in (
+        event(1, "started"),
+        event(2, "hidden", treasures=[{"name": "beer_bottle"}, {"name": "Blue box"}, {"name": "Pink can"}]),
+        event(3, "arrived", 0, 1),
+        event(4, "identified", 0, 1, name="pink_can", points=-20),
+        event(5, "left", None, 2),
+        event(6, "identified", None, 3, name=None, points=30),
+        event(7, "departed", 1, 1),
+        event(8, "taken-up", None, 2),
+    ):
+        session_log.take(message)
+    assert session_log.rooms(3)[1] == RoomStatus("visited", 0, "beer bottle")
+    assert session_log.rooms(4)[1] == RoomStatus("visited", 0, "beer bottle", "−20 for pink can")
+    assert session_log.rooms(7)[1] == RoomStatus("reserved", 1, "beer bottle", "−20 for pink can")
+    assert session_log.rooms(7)[2] == RoomStatus(found="Blue box", answer="left there")
+    assert session_log.rooms(8)[2] == RoomStatus(found="Blue box")
+    assert session_log.rooms(8)[3].answer == "+30"
+
+
 def test_an_event_is_told_with_who_where_and_what() -> None:
     session_log = SessionLog()
     session_log.take(event(7, "failed", 1, 4, reason="No way there.", refund=12.5))

@@ -69,7 +69,7 @@ SWITCHES = {
     MapDisplay.GOALS: DisplaySwitch("", "Goals", True, "Where robots shall end, and facing where"),
     MapDisplay.FOOTPRINTS: DisplaySwitch("", "Footprints", False, "Of the robots' bodies, as they published them last"),
     MapDisplay.THINGS: DisplaySwitch("", "Things in the way", True, "What no map shows"),
-    MapDisplay.ROOMS: DisplaySwitch("", "Rooms", True, "Their outlines and numbers"),
+    MapDisplay.ROOMS: DisplaySwitch("", "Rooms", True, "Their numbers, what is hidden there and what it was named"),
 }
 
 
