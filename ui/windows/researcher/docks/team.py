@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from PySide6.QtCore import QModelIndex, Qt, Signal
-from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap
+from PySide6.QtGui import QColor, QFontMetrics, QIcon, QPainter, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QHeaderView, QTableView, QVBoxLayout, QWidget
 
-from ui.windows.look import colours, follow_text, px
+from ui.windows.look import colours, follow_text, font, px
 from ui.windows.researcher.docks.table import RIGHT, ModelIndex, TableModel, row_table
 
 
@@ -42,6 +42,12 @@ HINTS = (
     "Energy left",
     "How fast it drives",
 )
+
+CHARACTERS = (16, 8, 6, 7, 5)
+"""Widths of the columns; the first gets what the others leave."""
+
+IMPORTANCE = (1, 3, 2, 4)
+"""Columns of figures, which the plots show, too: the last are left out where names need the room."""
 
 
 class TeamModel(TableModel):
@@ -102,7 +108,7 @@ class TeamView(QWidget):
         super().__init__()
         self.model = TeamModel(TITLES, HINTS, self)
         single = QTableView.SelectionMode.SingleSelection
-        self.table = row_table("Robots", self.model, single, 2, (0, 8, 6, 7, 5))
+        self.table = row_table("Robots", self.model, single, 2, (0, *CHARACTERS[1:]))
         header = self.table.horizontalHeader()
         follow_text(header, lambda it: it.setMinimumSectionSize(px(34)))
         header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
@@ -110,12 +116,25 @@ class TeamView(QWidget):
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self.table)
+        follow_text(self, lambda it: it._choose_columns())
 
     def show_rows(self, rows: Sequence[RobotRow], selected: int) -> None:
         """Show these rows, robot 1 first, with one selected."""
         self.model.show_rows(rows)
         if 0 <= selected < len(rows) and self.table.currentIndex().row() != selected:
             self.table.selectRow(selected)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Choose the columns that have room."""
+        super().resizeEvent(event)
+        self._choose_columns()
+
+    def _choose_columns(self) -> None:
+        letter = QFontMetrics(font()).averageCharWidth()
+        left = self.width() - CHARACTERS[0] * letter
+        for column in IMPORTANCE:
+            left -= CHARACTERS[column] * letter
+            self.table.setColumnHidden(column, left < 0)
 
     def _chosen(self, now: QModelIndex) -> None:
         if now.isValid():
