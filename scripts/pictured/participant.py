@@ -23,7 +23,6 @@ from ui.hosting.games import PRACTICE
 from ui.model.lobby import Offer, Preparing
 from ui.model.participant import Participant
 from ui.model.screen import (
-    AskAdvice,
     AskForRobot,
     Cancel,
     ChooseRobot,
@@ -160,7 +159,7 @@ def hunting() -> Iterator[Shot]:
     hunt.agree()
     hunt.do(ConsiderRoom(None))
     hunt.do(ChooseRobot(1))
-    hunt.send(AskAdvice())
+    hunt.send(ChooseRoom(3))
     hunt.reached()
     yield shot("treasure", window)
     hunt.do(TakeThePicture())
