@@ -9,9 +9,10 @@ from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen, QPixmap,
 
 from sim.common.geometry import FloatArray
 from ui.model.theme import Palette
+from ui.windows.map.lettering import text_scale
 
 LABEL_HEIGHT = 20.0
-"""Height of a label, pixels."""
+"""Height of a label, pixels at the usual size of text."""
 
 TEXT_HEIGHT = 12
 """Height of a label's letters, pixels."""
@@ -134,7 +135,7 @@ class Badges:
     """Cache of labels as pictures."""
 
     def __init__(self) -> None:
-        self._made: dict[tuple[BadgeText, float, str], Badge] = {}
+        self._made: dict[tuple[BadgeText, float, str, float], Badge] = {}
 
     def clear(self) -> None:
         """Forget all pictures, for another palette or font."""
@@ -142,7 +143,7 @@ class Badges:
 
     def of(self, badge_text: BadgeText, palette: Palette, font: QFont, ratio: float) -> Badge:
         """The picture of a label."""
-        key = (badge_text, ratio, palette.panel)
+        key = (badge_text, ratio, palette.panel, text_scale(font))
         badge = self._made.get(key)
         if badge is None:
             badge = self._made[key] = _made(badge_text, palette, font, ratio)
@@ -158,11 +159,13 @@ def _made(badge_text: BadgeText, palette: Palette, font: QFont, ratio: float) ->
     own, other = metrics.horizontalAdvance(badge_text.label), metrics.horizontalAdvance(badge_text.commander)
     mast = SIGN_WIDTH + other + GAP if badge_text.commander else 0.0
     width = float(round(max(own + warning + mast + 13.0, LABEL_HEIGHT)))
-    picture = QPixmap(round(width * ratio), round(LABEL_HEIGHT * ratio))
+    scale = text_scale(font)
+    picture = QPixmap(round(width * ratio * scale), round(LABEL_HEIGHT * ratio * scale))
     picture.setDevicePixelRatio(ratio)
     picture.fill(Qt.GlobalColor.transparent)
     painter = QPainter(picture)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.scale(scale, scale)
     colour, selected = badge_text.colour, badge_text.selected
     ink = QColor(palette.panel if selected else palette.text)
     painter.setPen(QPen(QColor(palette.panel if selected else colour), 1.5))
@@ -180,7 +183,7 @@ def _made(badge_text: BadgeText, palette: Palette, font: QFont, ratio: float) ->
         _paint_mast(painter, left + own + GAP, ink)
         painter.drawText(QPointF(left + own + SIGN_WIDTH + GAP, baseline), badge_text.commander)
     painter.end()
-    return Badge(picture, width, LABEL_HEIGHT)
+    return Badge(picture, width * scale, LABEL_HEIGHT * scale)
 
 
 def _paint_mast(painter: QPainter, left: float, ink: QColor) -> None:

@@ -23,6 +23,7 @@ from ui.model.scene import RoomMark
 from ui.model.theme import Palette
 from ui.windows.map.camera import Camera
 from ui.windows.map.geometry import MapGeometry, contains
+from ui.windows.map.lettering import sized, text_scale
 from ui.windows.map.points import polygon
 
 HATCH_SPACING = 11.0
@@ -32,13 +33,13 @@ DOT_SPACING = 16.0
 """Pixels between two dots of the pattern of a visited room."""
 
 SIGN_RADIUS = 11.0
-"""Radius of a room's sign, pixels."""
+"""Radius of a room's sign, pixels at the usual size of text."""
 
 PATTERN_ALPHA = 46
 """Opacity of a pattern, 0 to 255: visible, and yet robots are seen well on it."""
 
 NUMBER_MIN, NUMBER_MAX = 15.0, 40.0
-"""Least and greatest height of a room's number, pixels."""
+"""Least and greatest height of a room's number, pixels at the usual size of text."""
 
 POSITIONS = 14
 """Number of places along each axis of a room at which words and signs are tried."""
@@ -50,7 +51,7 @@ HALF_WALL = 0.06
 """Half of a wall's usual thickness, metres."""
 
 NAME_HEIGHT = 13.0
-"""Height of a room's name, pixels."""
+"""Height of a room's name, pixels at the usual size of text."""
 
 
 def paint_floors(painter: QPainter, camera: Camera, rooms: Sequence[RoomMark], palette: Palette) -> None:
@@ -170,11 +171,24 @@ class _Space:
 
 
 def _paint_words(painter: QPainter, space: _Space, mark: RoomMark, palette: Palette, font: QFont) -> None:
-    sign = space.put(2.0 * SIGN_RADIUS, 2.0 * SIGN_RADIUS, right=True, low=False)
-    if sign is not None:
-        _paint_sign(painter, sign.center(), mark, palette)
-    number = min(max(min(space.width, space.height) * 0.2, NUMBER_MIN), NUMBER_MAX)
-    large, small = _sized(font, number, QFont.Weight.DemiBold), _sized(font, NAME_HEIGHT, QFont.Weight.Normal)
+    # In a room that is too small for large letters they are as small as usual: state and number matter most.
+    for scale in sorted({text_scale(font), min(text_scale(font), 1.0)}, reverse=True):
+        sign = space.put(2.0 * SIGN_RADIUS * scale, 2.0 * SIGN_RADIUS * scale, right=True, low=False)
+        if sign is not None:
+            _paint_sign(painter, sign.center(), mark, palette, scale)
+            break
+    for scale in sorted({text_scale(font), min(text_scale(font), 1.0)}, reverse=True):
+        if _paint_title(painter, space, mark, palette, font, scale):
+            # Where there is no room for both, the answer is what is new.
+            for words in filter(None, (mark.answer, mark.found)):
+                _paint_pill(painter, space, words, palette, font)
+            break
+
+
+def _paint_title(painter: QPainter, space: _Space, mark: RoomMark, palette: Palette, font: QFont, scale: float) -> bool:
+    """Paint a room's number, and its name where there is space; return False where even the number has none."""
+    number = min(max(min(space.width, space.height) * 0.2, NUMBER_MIN * scale), NUMBER_MAX * scale)
+    large, small = sized(font, number, QFont.Weight.DemiBold), sized(font, NAME_HEIGHT * scale, QFont.Weight.Normal)
     heading, caption = QFontMetricsF(large), QFontMetricsF(small)
     name = caption.elidedText(mark.name, Qt.TextElideMode.ElideRight, space.width - 2.0 * space.inset)
     text = str(mark.room)
@@ -185,20 +199,18 @@ def _paint_words(painter: QPainter, space: _Space, mark: RoomMark, palette: Pale
         name = ""
         title = space.put(heading.horizontalAdvance(text), heading.capHeight(), right=False, low=False)
     if title is None:
-        return
+        return False
     painter.setPen(QColor(palette.text))
     painter.setFont(large)
     painter.drawText(QPointF(title.left(), title.top() + heading.capHeight()), text)
     painter.setPen(QColor(palette.muted))
     painter.setFont(small)
     painter.drawText(QPointF(title.left(), title.bottom() - caption.descent()), name)
-    # Where there is no room for both, the answer is what is new.
-    for words in filter(None, (mark.answer, mark.found)):
-        _paint_pill(painter, space, words, palette, font)
+    return True
 
 
 def _paint_pill(painter: QPainter, space: _Space, text: str, palette: Palette, font: QFont) -> None:
-    painter.setFont(_sized(font, NAME_HEIGHT, QFont.Weight.Medium))
+    painter.setFont(sized(font, NAME_HEIGHT * text_scale(font), QFont.Weight.Medium))
     metrics = QFontMetricsF(painter.font())
     words = metrics.elidedText(text, Qt.TextElideMode.ElideRight, space.width - 2.0 * space.inset - 16.0)
     pill = space.put(metrics.horizontalAdvance(words) + 16.0, metrics.height() + 6.0, right=False, low=True)
@@ -211,9 +223,17 @@ def _paint_pill(painter: QPainter, space: _Space, text: str, palette: Palette, f
     painter.drawText(pill, Qt.AlignmentFlag.AlignCenter, words)
 
 
-def _paint_sign(painter: QPainter, centre: QPointF, mark: RoomMark, palette: Palette) -> None:
+def _paint_sign(painter: QPainter, centre: QPointF, mark: RoomMark, palette: Palette, scale: float) -> None:
     """Paint an open circle: not visited; arrows in the robot's colour: a robot is coming; or a tick: visited."""
-    x, y = centre.x(), centre.y()
+    painter.save()
+    painter.translate(centre)
+    painter.scale(scale, scale)
+    _paint_sign_of_usual_size(painter, mark, palette)
+    painter.restore()
+
+
+def _paint_sign_of_usual_size(painter: QPainter, mark: RoomMark, palette: Palette) -> None:
+    centre = QPointF(0.0, 0.0)
     colour = QColor(palette.line if mark.robot is None else palette.robot(mark.robot))
     if mark.state == "unvisited":
         painter.setPen(QPen(QColor(palette.line), 2.0))
@@ -236,7 +256,7 @@ def _paint_sign(painter: QPainter, centre: QPointF, mark: RoomMark, palette: Pal
     pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
     painter.setPen(pen)
     for stroke in strokes:
-        painter.drawPolyline(polygon(np.array(stroke) + np.array([x, y])))
+        painter.drawPolyline(polygon(np.array(stroke)))
 
 
 def _pattern(state: str, palette: Palette, ratio: float) -> QBrush:
@@ -266,10 +286,3 @@ def _faint(colour: str) -> QColor:
     faint = QColor(colour)
     faint.setAlpha(PATTERN_ALPHA)
     return faint
-
-
-def _sized(font: QFont, pixels: float, weight: QFont.Weight) -> QFont:
-    sized = QFont(font)
-    sized.setPixelSize(round(pixels))
-    sized.setWeight(weight)
-    return sized

@@ -25,6 +25,7 @@ from ui.windows.map.background import MapBackground
 from ui.windows.map.camera import Camera
 from ui.windows.map.changes import same_robots, same_rooms
 from ui.windows.map.geometry import MapGeometry, contains, unpack
+from ui.windows.map.lettering import fitting_font
 from ui.windows.map.robots import RobotPainter
 from ui.windows.map.scale_bar import paint_scale_bar
 from ui.windows.map.words import describe
@@ -204,18 +205,19 @@ class MapView(QWidget):
         ratio = self.devicePixelRatioF()
         camera = self.camera = self.camera.snapped(ratio)
         painter = QPainter(self)
-        painter.setFont(self.font())
+        font = fitting_font(self.font(), self.width(), self.height())
+        painter.setFont(font)
         moving = self.followed is not None or self._dragging
-        self._background.paint(painter, camera, ratio, self.font(), moving)
+        self._background.paint(painter, camera, ratio, font, moving)
         for layer in self._layers:
             if layer.z < 0:
                 self._paint_layer(painter, layer)
         words = self._background.words(camera)
-        self._robot_painter.paint(painter, camera, self._robots, words, self.font(), ratio)
+        self._robot_painter.paint(painter, camera, self._robots, words, font, ratio)
         for layer in self._layers:
             if layer.z >= 0:
                 self._paint_layer(painter, layer)
-        paint_scale_bar(painter, camera, self.colours, self.font())
+        paint_scale_bar(painter, camera, self.colours, font)
         painter.end()
 
     def _paint_layer(self, painter: QPainter, layer: MapLayer) -> None:

@@ -10,6 +10,7 @@ from PySide6.QtGui import QFont
 from tests.ui.windows.map.houses import robot_at
 from ui.model.theme import LIGHT
 from ui.windows.map.badges import SIGN_WIDTH, Anchor, Badges, BadgeText, place_labels
+from ui.windows.map.lettering import USUAL, fitting_font, text_scale
 from ui.windows.map.words import describe
 
 NOWHERE = np.empty((0, 4))
@@ -81,3 +82,21 @@ def test_the_map_in_words_says_who_commands_a_robot() -> None:
     assert describe((), (taken, robot_at(1, 1.0, 1.0))) == (
         "Map: 0 rooms; robot 1 in the corridor, commanded by ground station 255; robot 2 in the corridor."
     )
+
+
+def test_a_label_is_as_large_as_the_text(qtbot) -> None:
+    badges, text = Badges(), BadgeText("1", LIGHT.robot(0), selected=False, trouble=True, commander="")
+    usual, large = QFont(), QFont()
+    usual.setPointSizeF(USUAL)
+    large.setPointSizeF(2.0 * USUAL)
+    small, twice = (badges.of(text, LIGHT, font, 1.0) for font in (usual, large))
+    assert (twice.width, twice.height) == (2.0 * small.width, 2.0 * small.height)
+    assert twice.picture.width() == 2 * small.picture.width()
+
+
+def test_letters_grow_on_large_maps_only() -> None:
+    large = QFont()
+    large.setPointSizeF(2.0 * USUAL)
+    assert text_scale(fitting_font(large, 1200, 900)) == 2.0
+    assert 1.0 < text_scale(fitting_font(large, 600, 500)) < 2.0
+    assert text_scale(fitting_font(large, 300, 200)) == 1.0

@@ -1,0 +1,30 @@
+"""Letters on the map: their heights are in pixels, and follow the size of text."""
+
+from PySide6.QtGui import QFont
+
+USUAL = 10.5
+"""Size of text at which lengths on the map are as they are written down, points."""
+
+
+LEAST = 400
+"""Width and height from which a map shows larger letters, logical pixels."""
+
+
+def fitting_font(font: QFont, width: int, height: int) -> QFont:
+    """The font of a map of this size: on a small map large letters would cover what they are about."""
+    made = QFont(font)
+    made.setPointSizeF(min(font.pointSizeF(), USUAL * max(1.0, min(width, height) / LEAST)))
+    return made
+
+
+def text_scale(font: QFont) -> float:
+    """Factor by which letters, signs and labels are larger than they are written down."""
+    return font.pointSizeF() / USUAL if font.pointSizeF() > 0.0 else 1.0
+
+
+def sized(font: QFont, pixels: float, weight: QFont.Weight) -> QFont:
+    """A font with letters of this height, in this weight."""
+    made = QFont(font)
+    made.setPixelSize(max(1, round(pixels)))
+    made.setWeight(weight)
+    return made
