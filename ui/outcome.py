@@ -18,13 +18,17 @@ def usual_bag(setting: StudySetting) -> Path:
 
 
 def show_outcome(outcome: HuntOutcome) -> None:
-    """Print how a hunt ended."""
-    table = Table(title="The hunt", show_header=False)
-    table.add_row("score", str(outcome.score))
-    table.add_row("rooms visited", str(outcome.rooms_visited))
-    table.add_row("treasures named", str(outcome.identified))
-    for robot, energy in enumerate(outcome.energy):
-        table.add_row(f"energy of {robot_name(robot)}", f"{energy:g}")
+    """Print how a hunt ended, game by game where there were several."""
+    several = len(outcome.games) > 1
+    table = Table(title="The hunt", show_header=several)
+    for heading in ("", *(f"game {game.game}" for game in outcome.games)) if several else ("", ""):
+        table.add_column(heading)
+    games = outcome.games or (outcome,)
+    table.add_row("score", *(str(game.score) for game in games))
+    table.add_row("rooms visited", *(str(game.rooms_visited) for game in games))
+    table.add_row("treasures named", *(str(game.identified) for game in games))
+    for robot in range(len(outcome.energy)):
+        table.add_row(f"energy of {robot_name(robot)}", *(f"{game.energy[robot]:g}" for game in games))
     table.add_row("simulated time", f"{outcome.sim_seconds:.1f} s in {outcome.wall_seconds:.1f} s")
     table.add_row("collisions", str(outcome.collisions))
     if outcome.bag is not None:

@@ -32,15 +32,17 @@ class RobotFigures:
 
 @dataclass(frozen=True, slots=True)
 class RunFigures:
-    """Figures of one run.
+    """Figures of one game in one run.
 
     Attributes:
-        seconds: duration of the session, simulated time.
+        game: number of the game; None in a recording without a game.
+        seconds: its duration, simulated time.
         score: points; None in a recording without a game.
         rooms_visited: number of rooms visited; None in a recording without a game.
         robots: the robots in order.
     """
 
+    game: int | None
     seconds: float
     score: int | None
     rooms_visited: int | None
@@ -48,9 +50,10 @@ class RunFigures:
 
 
 def figures_of(report: Report) -> RunFigures:
-    """The figures of a recording."""
+    """The figures of a report."""
     score = report.score
     return RunFigures(
+        report.game,
         report.duration,
         None if score is None else score.score,
         None if score is None else score.visited,

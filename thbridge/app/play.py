@@ -14,6 +14,7 @@ from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress,
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder, TlogRecorder
 from thbridge.app.session.session import EventLog, Session, TickRecord, TickRecorder
+from thbridge.hunt.game import GameState
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.text import legacy
 from thbridge.recording.journal_folder import JournalStore
@@ -41,6 +42,18 @@ FINAL_TICKS = TICKS_PER_SECOND // 2
 
 
 @dataclass(frozen=True, slots=True)
+class GameOutcome:
+    """Outcome of one game of a hunt; attributes as in `HuntOutcome`, and the number of the game."""
+
+    game: int
+    score: int
+    over: str | None
+    rooms_visited: int
+    identified: int
+    energy: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class HuntOutcome:
     """Outcome of a hunt, which `thbridge play --json` prints.
 
@@ -55,6 +68,7 @@ class HuntOutcome:
         wall_seconds: real time of the same.
         collisions: number of times that a robot touched a wall or another robot.
         bag: the recording.
+        games: all games in their order, where participants play several; the figures above are those of the last.
     """
 
     seed: int
@@ -67,6 +81,7 @@ class HuntOutcome:
     wall_seconds: float
     collisions: int
     bag: Path | None
+    games: tuple[GameOutcome, ...] = ()
 
 
 class HuntUnfinished(Exception):  # noqa: N818 - nothing went wrong with the program
@@ -225,11 +240,15 @@ class EndCondition:
     def __init__(self, max_seconds: float, left: Callable[[], bool] | None = None) -> None:
         self._last_tick = max_seconds * TICKS_PER_SECOND
         self._left = left
+        self.games: dict[int, GameState] = {}
+        """Last state of each game, by its number."""
         self.tick: int | None = None
         """Tick in which the game ended; None before, and again once another game has begun."""
 
     def reached(self, session: Session) -> bool:
         """Return True when the session is over."""
+        if session.game is not None:
+            self.games[session.game.started.game] = session.game
         over = session.game is not None and session.game.ended is not None
         if not over:
             self.tick = None
@@ -245,18 +264,31 @@ class EndCondition:
 def _outcome(
     setting: StudySetting, session: Session, ending: EndCondition, roles: Sequence[Role], wall: float, bag: Path | None
 ) -> HuntOutcome:
-    game = session.game
     snapshot = next(role.snapshot for role in roles if isinstance(role, SimR))
     ticks = session.tick if ending.tick is None else ending.tick
+    games = tuple(_game_outcome(game) for game in ending.games.values())
+    last = games[-1] if games else None
     return HuntOutcome(
         seed=setting.study.seed,
-        score=0 if game is None else game.score,
-        over=None if game is None or game.ended is None else game.ended.reason.value,
-        rooms_visited=0 if game is None else sum(room.visited for room in game.rooms),
-        identified=0 if game is None else sum(room.points is not None for room in game.rooms),
-        energy=() if game is None else tuple(robot.energy for robot in game.robots),
+        score=0 if last is None else last.score,
+        over=None if last is None else last.over,
+        rooms_visited=0 if last is None else last.rooms_visited,
+        identified=0 if last is None else last.identified,
+        energy=() if last is None else last.energy,
         sim_seconds=round(ticks * TICK, 2),
         wall_seconds=round(wall, 2),
         collisions=0 if snapshot is None else int(snapshot.truth.collisions.sum()),
         bag=bag,
+        games=games,
+    )
+
+
+def _game_outcome(game: GameState) -> GameOutcome:
+    return GameOutcome(
+        game=game.started.game,
+        score=game.score,
+        over=None if game.ended is None else game.ended.reason.value,
+        rooms_visited=sum(room.visited for room in game.rooms),
+        identified=sum(room.points is not None for room in game.rooms),
+        energy=tuple(robot.energy for robot in game.robots),
     )

@@ -1,7 +1,8 @@
 """Changes and results of `thbridge replay`."""
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import zip_longest
 from pathlib import Path
 
 from rich.table import Table
@@ -38,10 +39,12 @@ def other_versions(record: SessionRecord) -> Iterator[str]:
         yield f"Recorded with other versions, which may make a difference: {'; '.join(other)}."
 
 
-def replayed_as_json(
-    done: Replayed, to: Path | None, figures: tuple[RunFigures, RunFigures] | None
-) -> dict[str, object]:
-    """Result of a replay, as the JSON object has it."""
+Compared = tuple[RunFigures | None, RunFigures | None]
+"""Figures of a game as it was recorded and as it was replayed; None where one of them does not have it."""
+
+
+def replayed_as_json(done: Replayed, to: Path | None, figures: Sequence[Compared]) -> dict[str, object]:
+    """Result of a replay, as the JSON object has it; with what was compared, game by game where there are several."""
     told: dict[str, object] = {
         "equal": done.difference is None and done.finished,
         "first_difference": None if done.difference is None else dataclasses.asdict(done.difference),
@@ -51,12 +54,18 @@ def replayed_as_json(
         "wall_seconds": round(done.wall_seconds, 2),
         "bag": None if to is None else str(to),
     }
-    if figures is not None:
-        told |= {"recorded": dataclasses.asdict(figures[0]), "replayed": dataclasses.asdict(figures[1])}
+    games = [
+        {"recorded": was and dataclasses.asdict(was), "replayed": now and dataclasses.asdict(now)}
+        for was, now in figures
+    ]
+    if len(games) == 1:
+        told |= games[0]
+    elif games:
+        told["games"] = games
     return told
 
 
-def show_replayed(done: Replayed, figures: tuple[RunFigures, RunFigures] | None) -> None:
+def show_replayed(done: Replayed, figures: Sequence[Compared]) -> None:
     """Print what became of a replay."""
     if done.difference is None:
         ending = " The recording was cut off amid its last tick." if done.cut_off else ""
@@ -64,8 +73,8 @@ def show_replayed(done: Replayed, figures: tuple[RunFigures, RunFigures] | None)
         out.print(f"{text} ({done.wall_seconds:.1f} s)", highlight=False)
     else:
         _show_difference(done.difference)
-    if figures is not None:
-        out.print(_table(*figures))
+    for number, (was, now) in enumerate(figures, start=1):
+        out.print(_table(was, now, f" of game {number}" if len(figures) > 1 else ""))
 
 
 def _show_difference(difference: Difference) -> None:
@@ -78,16 +87,15 @@ def _show_difference(difference: Difference) -> None:
         out.print(table)
 
 
-def _table(was: RunFigures, now: RunFigures) -> Table:
-    table = Table("", "recorded", "replayed", title="What became of it")
-    table.add_row("score", _figure(was.score), _figure(now.score))
-    table.add_row("rooms visited", _figure(was.rooms_visited), _figure(now.rooms_visited))
-    for index in range(max(len(was.robots), len(now.robots))):
-        one, other = (run.robots[index] if index < len(run.robots) else None for run in (was, now))
-        name = next(robot.name for robot in (one, other) if robot is not None)
+def _table(was: RunFigures | None, now: RunFigures | None, of_game: str) -> Table:
+    table = Table("", "recorded", "replayed", title=f"What became{of_game or ' of it'}")
+    runs = (was, now)
+    table.add_row("score", *(_figure(None if run is None else run.score) for run in runs))
+    table.add_row("rooms visited", *(_figure(None if run is None else run.rooms_visited) for run in runs))
+    for one, other in zip_longest(*(() if run is None else run.robots for run in runs)):
         table.add_section()
         for row in zip(_ROWS, _column(one), _column(other), strict=True):
-            table.add_row(f"{name}: {row[0]}", *row[1:])
+            table.add_row(f"{(one or other).name}: {row[0]}", *row[1:])
     return table
 
 

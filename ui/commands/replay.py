@@ -41,10 +41,11 @@ def replay_command(
     Ends with 0 when every message is the same, bit for bit, and with 1 when one differs; then it says which. With
     `--with` or `--participant` the two runs are compared by their figures, and a difference is no failure.
     """
+    from itertools import zip_longest
     from tempfile import TemporaryDirectory
 
     from thbridge.analysis.comparison import RunFigures, figures_of
-    from thbridge.analysis.report.gathering import read_report
+    from thbridge.analysis.report.gathering import read_games
     from thbridge.app.compose.setting import read_setting
     from thbridge.app.replay.replay import ReplayOptions, replay, session_of
     from thbridge.app.session.session import TickRecord
@@ -75,14 +76,15 @@ def replay_command(
             print_story(moment)
 
     announce_compiling()
-    figures: tuple[RunFigures, RunFigures] | None = None
+    figures: list[tuple[RunFigures | None, RunFigures | None]] = []
     with TemporaryDirectory(prefix="thbridge-") as folder:
         kept = to or (Path(folder) / "replay.bag" if what_if else None)
         options = ReplayOptions(rate or 0.0, start, kept, kept is not None, participant)
         done = run(replay(bag, setting, options, progress))
         if what_if and kept is not None and done.finished:
             with bad_input():
-                figures = figures_of(read_report(messages(bag))), figures_of(read_report(messages(kept)))
+                recorded, replayed = (map(figures_of, read_games(messages(each))) for each in (bag, kept))
+                figures += zip_longest(recorded, replayed)
     if as_json:
         print_json(replayed_as_json(done, to, figures))
     else:

@@ -2,12 +2,16 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
 
 from thbridge.analysis.export import poses
 from thbridge.analysis.export.layout import layout_of
-from thbridge.analysis.export.tables import Table, TableRows, TopicTables
+from thbridge.analysis.export.tables import GAME, SECONDS, Table, TableRows, TopicTables
+from thbridge.analysis.games import OF_A_GAME, GameStart
 from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.session_records import SessionRecord
@@ -37,7 +41,10 @@ class ExportSummary:
 
 
 def export(
-    recorded: Iterable[tuple[BagConnection, int, bytes]], start_ns: int, exported: ExportSummary
+    recorded: Iterable[tuple[BagConnection, int, bytes]],
+    start_ns: int,
+    exported: ExportSummary,
+    games: Sequence[GameStart] = (),
 ) -> Iterator[TableRows]:
     """Yield the rows of every topic in pieces; those of one table are in order.
 
@@ -45,7 +52,9 @@ def export(
         recorded: messages, oldest first: publisher, stamp of recording, bytes.
         start_ns: the stamp from which `t_s` counts.
         exported: the summary to fill.
+        games: beginnings of the recording's games; with any, every table has a column with the number of the game.
     """
+    numbered = _GameNumbers(games, start_ns)
     topics: dict[tuple[str, str, str], TopicTables | None] = {}
     names = {poses.NAME}
     together = poses.PosesTable()
@@ -64,14 +73,38 @@ def export(
         if publisher.msgtype == SESSION:
             exported.session = exported.session or _session(data)
         if gathered.size > PIECE:
-            yield from _counted(gathered.take(), together, exported)
+            yield from _counted(map(numbered.of, gathered.take()), together, exported)
     for gathered in topics.values():
         if gathered is not None:
-            yield from _counted(gathered.take(), together, exported)
+            yield from _counted(map(numbered.of, gathered.take()), together, exported)
             exported.frames |= gathered.frames()
     exported.frames |= poses.FRAMES
-    yield from _counted(together.pieces(), poses.PosesTable(), exported)
+    yield from _counted(map(numbered.of, together.pieces()), poses.PosesTable(), exported)
     exported.notices += [f"{count} messages of {what}." for what, count in broken.items()]
+
+
+class _GameNumbers:
+    """Adds the number of the game to the rows of tables.
+
+    Args:
+        games: beginnings of games, oldest first.
+        start_ns: the stamp from which `t_s` counts.
+    """
+
+    def __init__(self, games: Sequence[GameStart], start_ns: int) -> None:
+        self._starts = np.array([(game.stamp_ns - start_ns) / 1e9 for game in games])
+        self._numbers = np.array([0, *(game.number for game in games)], dtype=np.int64)
+
+    def of(self, piece: TableRows) -> TableRows:
+        """Return the rows with the column, before that of time; as they are in a recording without games."""
+        if not len(self._starts):
+            return piece
+        table = piece.table
+        at = table.columns.index(SECONDS)
+        side: Literal["left", "right"] = "right" if table.msgtype in OF_A_GAME else "left"
+        numbers = self._numbers[np.searchsorted(self._starts, np.asarray(piece.values[at]), side=side)]
+        columns = (*table.columns[:at], GAME, *table.columns[at:])
+        return TableRows(replace(table, columns=columns), piece.rows, (*piece.values[:at], numbers, *piece.values[at:]))
 
 
 def _begun(publisher: BagConnection, names: set[str], start_ns: int, notices: list[str]) -> TopicTables | None:

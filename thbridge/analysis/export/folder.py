@@ -5,6 +5,7 @@ from pathlib import Path
 
 from thbridge.analysis.export.dictionary import dictionary_csv, readme, session_json
 from thbridge.analysis.export.exporting import ExportSummary, export
+from thbridge.analysis.games import game_starts
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.table_files import TableFiles, TableFormat
 from thbridge.recording.bag.reader import info, recorded
@@ -48,7 +49,7 @@ def export_bag(
             raise BadFile(folder, "there is something in this folder", "choose a new or an empty one by --to")
         files = TableFiles(folder, formats)
         try:
-            for piece in export(wanted(), first_ns, exported):
+            for piece in export(wanted(), first_ns, exported, game_starts(bag)):
                 files.write(piece.table.name, piece.table.columns, piece.values)
         finally:
             files.close()

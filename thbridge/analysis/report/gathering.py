@@ -1,7 +1,7 @@
 """Collects a report from the messages of a bag: true and estimated paths, energy, game events, utterances.
 
-Only messages are used, so it works on bags of other robots, too, and lists what is missing in them. Times are seconds
-since the bag's first message.
+Only messages are used, so it works on bags of other robots, too, and lists what is missing in them. A recording may
+hold several games; each has a report of its own, since robots are put back and energy and score begin anew.
 """
 
 import json
@@ -15,6 +15,7 @@ import numpy as np
 from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
 from sim.common.robot_numbers import namespace_of
+from thbridge.analysis.games import OF_A_GAME, game_start
 from thbridge.analysis.report.tracks import PoseSeries, SeriesByTopic, deviations
 from thbridge.analysis.report.values import GoalAttempt, ObstacleTrack, Report, TimelineEntry, Track
 from thbridge.recording.bag.reader import RawMessage
@@ -48,11 +49,35 @@ def read_report(messages: Iterable[RawMessage], grid: OccupancyGrid | None = Non
     return builder.report(grid)
 
 
+def read_games(messages: Iterable[RawMessage], grid: OccupancyGrid | None = None) -> tuple[Report, ...]:
+    """The report of each game in a bag, in order; of a bag without games one of the whole. Arguments as `read_report`.
+
+    What was recorded before the first game belongs to it, and what comes between two games to the earlier one.
+    """
+    builders = [_ReportBuilder()]
+    for message in messages:
+        start = game_start(message)
+        if start is not None:
+            if builders[-1].has_game:
+                builders.append(builders[-1].next_game(start.stamp_ns))
+            builders[-1].game = start.number
+        former = len(builders) > 1 and message.stamp_ns == builders[-1].first_ns and message.msgtype not in OF_A_GAME
+        builders[-2 if former else -1].take(message)
+    return tuple(builder.report(grid) for builder in builders)
+
+
 class _ReportBuilder:
-    """Collects the contents of messages by type."""
+    """Collects the contents of messages by type.
+
+    Attributes:
+        first_ns: stamp from which times count: of the first message, or of the beginning of the game.
+        game: number of the game that began; None before.
+    """
 
     def __init__(self) -> None:
-        self._first_ns: int | None = None
+        self.first_ns: int | None = None
+        self.game: int | None = None
+        self._begins = 0.0
         self._last_ns = 0
         self._series = SeriesByTopic()
         self._session: SessionRecord | None = None
@@ -80,9 +105,27 @@ class _ReportBuilder:
             types.INPUT: self._input,
         }
 
+    @property
+    def has_game(self) -> bool:
+        """True when a game began, or one that began before the recording was under way."""
+        return self.game is not None or self._score is not None
+
+    def next_game(self, begins_ns: int) -> "_ReportBuilder":
+        """The builder of the next game of the recording: with the session and the map, which are recorded once."""
+        builder = _ReportBuilder()
+        builder.first_ns = builder._last_ns = begins_ns
+        builder._begins = self._begins + self._seconds(begins_ns)
+        builder._session, builder._grids = self._session, self._grids
+        return builder
+
+    def _seconds(self, stamp_ns: int) -> float:
+        """Seconds since times count."""
+        return 0.0 if self.first_ns is None else (stamp_ns - self.first_ns) / 1e9
+
     def take(self, message: RawMessage) -> None:
-        if self._first_ns is None:
-            self._first_ns = message.stamp_ns
+        """Take in a message."""
+        if self.first_ns is None:
+            self.first_ns = message.stamp_ns
         self._last_ns = max(self._last_ns, message.stamp_ns)
         msgtype = types.TFMESSAGE if message.msgtype == _TF_OLD else message.msgtype
         handler = self._handlers.get(msgtype)
@@ -92,12 +135,12 @@ class _ReportBuilder:
             self._unread[message.topic] = f"{message.topic} holds another release's {message.msgtype}"
             return
         try:
-            handler((message.stamp_ns - self._first_ns) / 1e9, message.topic, message.data)
+            handler(self._seconds(message.stamp_ns), message.topic, message.data)
         except ValueError as error:
             self._unread[message.topic] = f"{message.topic} holds a message that cannot be read: {error}"
 
     def report(self, grid: OccupancyGrid | None) -> Report:
-        duration = 0.0 if self._first_ns is None else (self._last_ns - self._first_ns) / 1e9
+        duration = self._seconds(self._last_ns)
         tracks = self._series.tracks(duration)
         grid = grid or next((self._grids[name] for name in usual_first(self._grids, (MAP.strip("/"),))), None)
         return Report(
@@ -110,6 +153,8 @@ class _ReportBuilder:
             self._score,
             self._inputs,
             (*self._unread.values(), *self._missing(tracks, grid)),
+            self.game,
+            self._begins,
         )
 
     def _missing(self, tracks: tuple[Track, ...], grid: OccupancyGrid | None) -> Iterable[str]:

@@ -1,6 +1,6 @@
 """A session's report as one HTML page without other files: figures are embedded as SVG."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,13 +13,13 @@ from sim.common.grid import OccupancyGrid
 from thbridge.analysis.plot.figures import energy, error, timeline
 from thbridge.analysis.plot.paths import paths
 from thbridge.analysis.plot.style import PAGE, FigureFormat, FigureStyle, clock, colour
-from thbridge.analysis.report.gathering import read_report
+from thbridge.analysis.report.gathering import read_games
 from thbridge.analysis.report.values import Report, Track
 from thbridge.recording.bag.reader import messages
 
 
 def build_report(bag: Path, grid: OccupancyGrid | None = None) -> str:
-    """The report of a bag as HTML; the same bag gives the same page.
+    """The report of a bag as HTML, with a part for each game; the same bag gives the same page.
 
     Args:
         bag: a bag of ours or of other robots.
@@ -28,32 +28,43 @@ def build_report(bag: Path, grid: OccupancyGrid | None = None) -> str:
     Raises:
         BadFile: the bag cannot be read; the message has a remedy.
     """
-    return render(read_report(messages(bag), grid), bag.name)
+    return render(read_games(messages(bag), grid), bag.name)
 
 
-def render(report: Report, name: str) -> str:
-    """A report as HTML.
+def render(games: Sequence[Report], name: str) -> str:
+    """The reports of a recording's games as HTML.
 
     Args:
-        report: the data to show.
+        games: the data to show, at least one.
         name: name of the bag, for the title.
     """
-    with PAGE.settings():
-        drawn = [(title, caption, make(report, PAGE)) for title, caption, make in _FIGURES]
-    figures = [(title, caption, figure) for title, caption, figure in drawn if figure is not None]
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     template = environment.from_string(Path(__file__).with_name("page.html").read_text(encoding="utf-8"))
     return template.render(
         name=name,
-        report=report,
-        figures=[
-            {"title": title, "caption": caption, "svg": _svg(figure, title)} for title, caption, figure in figures
-        ],
-        summary=_summary(report),
-        robots=[_robot_row(index, track) for index, track in enumerate(report.tracks)],
-        points=[entry for entry in report.timeline if entry.points is not None],
+        session=games[0].session,
+        sources=games[0].tracks,
+        games=[_part(report, f"Game {report.game}" if len(games) > 1 else "") for report in games],
         clock=clock,
     )
+
+
+def _part(report: Report, title: str) -> dict[str, object]:
+    """The part of the page for one game; without a title where there is no other game."""
+    with PAGE.settings():
+        drawn = [(name, caption, make(report, PAGE)) for name, caption, make in _FIGURES]
+    return {
+        "title": title,
+        "report": report,
+        "figures": [
+            {"title": name, "caption": caption, "svg": _svg(figure, title + name)}
+            for name, caption, figure in drawn
+            if figure is not None
+        ],
+        "summary": _summary(report),
+        "robots": [_robot_row(index, track) for index, track in enumerate(report.tracks)],
+        "points": [entry for entry in report.timeline if entry.points is not None],
+    }
 
 
 _FIGURES: tuple[tuple[str, str, Callable[[Report, FigureStyle], Figure | None]], ...] = (

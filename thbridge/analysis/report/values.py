@@ -1,4 +1,4 @@
-"""Values of a report. Times are seconds since the recording's first message."""
+"""Values of a report. Times are seconds since the first message of the recording, or of the game."""
 
 from dataclasses import dataclass
 
@@ -95,7 +95,7 @@ class TimelineEntry:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Report:
-    """The report of a session.
+    """The report of a recording, or of one game in it.
 
     Attributes:
         duration: seconds.
@@ -107,6 +107,8 @@ class Report:
         score: the last score, or None.
         inputs: number of inputs of people that were recorded.
         missing: sentences on data that are missing, and why.
+        game: number of the game; None where no game begins in what was read.
+        begins: seconds from the recording's first message to the beginning of this game, from which its times count.
     """
 
     duration: float
@@ -118,3 +120,5 @@ class Report:
     score: ScoreRecord | None
     inputs: int
     missing: tuple[str, ...]
+    game: int | None = None
+    begins: float = 0.0

@@ -42,11 +42,14 @@ def bag_plot(
     map_yaml: Annotated[
         Path | None, typer.Option("--map", help="The map, a map_server YAML file; by default the bag's own.")
     ] = None,
+    game: Annotated[
+        int | None, typer.Option(help="Number of the game to plot, where there are several; times count from it.")
+    ] = None,
 ) -> None:
     """Plot a bag for print: paths, errors, covariance, energy, speeds, or what happened when."""
     from thbridge.analysis.plot.figures import FigureKind, draw
     from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat
-    from thbridge.analysis.report.gathering import read_report
+    from thbridge.analysis.report.gathering import read_games
     from thbridge.files.map_files import read_grid
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.recording.bag.reader import messages
@@ -57,7 +60,11 @@ def bag_plot(
     look = ONE_COLUMN if width is FigureWidth.ONE else TWO_COLUMNS
     with bad_input():
         grid = None if map_yaml is None else read_grid(map_yaml)
-        report = read_report(messages(bag), grid)
+        games = read_games(messages(bag), grid)
+    report = games[0] if len(games) == 1 and game is None else next((one for one in games if one.game == game), None)
+    if report is None:
+        numbers = ", ".join(str(one.game) for one in games if one.game is not None) or "none"
+        fail(BAD_INPUT, f"--game: {bag} has the games {numbers}. Name the one to plot.")
     drawn = draw(FigureKind(what), report, look)
     if isinstance(drawn, RequestRefused):
         fail(FAILED, f"{bag}: {drawn.sentence}")

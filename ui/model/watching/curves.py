@@ -31,7 +31,7 @@ class Curve:
         self._rows = np.empty((most, 1 + columns))
         self._peaks = peaks
         self._count = 0
-        self._drawn: tuple[int, FloatArray] | None = None
+        self._drawn: tuple[tuple[int, int], FloatArray] | None = None
         self.time = -math.inf
 
     def __len__(self) -> int:
@@ -53,16 +53,19 @@ class Curve:
         times = self._rows[: self._count, 0]
         return self._rows[: int(np.searchsorted(times, until, side="right"))].copy()
 
-    def path(self, until: float) -> FloatArray:
-        """(k, 2) the first two numbers of the samples up to a time, as a line: of many only every second, fourth, ...
+    def path(self, until: float, since: float = -math.inf) -> FloatArray:
+        """(k, 2) the first two numbers of the samples after one time and up to another, as a line.
+
+        Of many samples these are only every second, fourth, ...
 
         The same array as long as it is the same line.
         """
         times = self._rows[: self._count, 0]
         count = self._count if until >= self.time else int(np.searchsorted(times, until, side="right"))
-        if self._drawn is None or self._drawn[0] != count:
-            step = 1 << max(0, math.ceil(math.log2(max(count, 1) / MAX_LINE_POINTS)))
-            self._drawn = (count, self._rows[:count:step, 1:3].copy())
+        first = 0 if since < 0.0 else int(np.searchsorted(times, since, side="right"))
+        if self._drawn is None or self._drawn[0] != (first, count):
+            step = 1 << max(0, math.ceil(math.log2(max(count - first, 1) / MAX_LINE_POINTS)))
+            self._drawn = (first, count), self._rows[first:count:step, 1:3].copy()
         return self._drawn[1]
 
     def _thin(self) -> None:

@@ -76,6 +76,7 @@ class SceneContext:
         diagnoses: by name of the part.
         series: numbers over time.
         time: seconds since the beginning.
+        begun: seconds from there to the beginning of the game, in which robots are put back.
         shown: the layers to be shown.
         decoded: values of messages.
     """
@@ -86,6 +87,7 @@ class SceneContext:
     diagnoses: dict[str, DiagnosticStatus]
     series: Series
     time: float
+    begun: float
     shown: ShownLayers
     decoded: DecodedTopics
 
@@ -173,13 +175,13 @@ class RobotSceneBuilder:
         return None if frame_in_map is None else frame_in_map.compose(pose)
 
     def _tracks(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Its paths so far by truth, by estimate and by odometry."""
-        series, time = self._context.series.of(self._robot.robot), self._context.time
-        driven = series.odometry.path(time)
+        """Its paths so far in this game by truth, by estimate and by odometry."""
+        series, time, begun = self._context.series.of(self._robot.robot), self._context.time, self._context.begun
+        driven = series.odometry.path(time, begun)
         if len(driven) and self._odometry is not None:
             odom_in_map = self._on_map(self._odometry.frame, Pose2(0.0, 0.0, 0.0))
             driven = NO_POINTS if odom_in_map is None else odom_in_map.transform(driven)
-        return series.truth.path(time), series.estimate.path(time), driven
+        return series.truth.path(time, begun), series.estimate.path(time, begun), driven
 
     def _cloud(self) -> FloatArray:
         frame, cloud = self._context.decoded.clouds.of(self._newest(self._robot.cloud)) or ("", NO_POSES)

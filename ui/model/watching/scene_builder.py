@@ -1,5 +1,6 @@
 """Builds the scene of a moment from the messages that hold then."""
 
+import math
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -67,8 +68,17 @@ class SceneBuilder:
         def frames_at(at_ns: int) -> Frames:
             return self._frames_of(snapshot.frames(at_ns), watched.mapped)
 
+        game_ns = watched.log.game_start(snapshot.at_ns)
         context = SceneContext(
-            snapshot, frames_at, frames_at(snapshot.at_ns), diagnoses, watched.series, time, shown, self._decoded
+            snapshot,
+            frames_at,
+            frames_at(snapshot.at_ns),
+            diagnoses,
+            watched.series,
+            time,
+            -math.inf if game_ns is None else (game_ns - watched.start_ns) / 1e9,
+            shown,
+            self._decoded,
         )
         things = self._things.of(snapshot.newest(names.THINGS)) or ()
         statuses, commanders = watched.log.rooms(snapshot.at_ns), watched.log.commanders(snapshot.at_ns)

@@ -71,10 +71,11 @@ class RoomStatus:
 
 @dataclass(frozen=True, slots=True)
 class _GameStatus:
-    """The game at one time: its rooms by number, and by robot the other party that commands it."""
+    """The game at one time: when it began, its rooms by number, and by robot the other party that commands it."""
 
     rooms: dict[int, RoomStatus]
     commanders: dict[int, str]
+    started_ns: int | None = None
 
 
 class SessionLog:
@@ -105,6 +106,10 @@ class SessionLog:
     def commanders(self, until_ns: int) -> dict[int, str]:
         """Commanders of robots at a time, in words, by index; robots that the participant commands are missing."""
         return self._at(until_ns).commanders
+
+    def game_start(self, until_ns: int) -> int | None:
+        """Stamp of the beginning of the game that goes on at a time; None before the first."""
+        return self._at(until_ns).started_ns
 
     def _at(self, until_ns: int) -> _GameStatus:
         return self._statuses[bisect_right(self._stamps, until_ns)]
@@ -154,11 +159,11 @@ class SessionLog:
     def _follow(self, stamp: int, event: GameEvent, fields: dict[str, object]) -> None:
         """Apply an event to the states of rooms and robots."""
         before = self._statuses[-1]
-        rooms, commanders = before.rooms, before.commanders
+        rooms, commanders, started = before.rooms, before.commanders, before.started_ns
         room_before = rooms.get(event.room or 0, RoomStatus())
         match event:
             case GameEvent("started"):
-                rooms, commanders = {}, {}
+                rooms, commanders, started = {}, {}, stamp
             case GameEvent("hidden"):
                 treasures = fields.get("treasures")
                 if isinstance(treasures, list):
@@ -184,7 +189,7 @@ class SessionLog:
                 return
         if not self._stamps or stamp >= self._stamps[-1]:
             self._stamps.append(stamp)
-            self._statuses.append(_GameStatus(rooms, commanders))
+            self._statuses.append(_GameStatus(rooms, commanders, started))
 
 
 def _commander(fields: dict[str, object]) -> str:

@@ -1,0 +1,48 @@
+"""Beginnings of games in a recording, by its events."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.hunt.codec import kind_of
+from thbridge.hunt.events import GameStarted
+from thbridge.recording.bag.reader import RawMessage, info, messages
+from thbridge.ros.messages import types, unpack
+
+_STARTED = kind_of(GameStarted)
+
+
+@dataclass(frozen=True, slots=True)
+class GameStart:
+    """Beginning of a game: its number, and the stamp, nanoseconds.
+
+    Robots are put back in the tick after it: poses with this stamp are still of what was before, only events, score and
+    talk are of the game already.
+    """
+
+    number: int
+    stamp_ns: int
+
+
+def game_start(message: RawMessage) -> GameStart | None:
+    """Return the beginning of a game that a message tells of; None for any other message."""
+    if message.msgtype != types.GAME_EVENT or message.md5 != types.plain_definition(types.GAME_EVENT).md5:
+        return None
+    try:
+        event = unpack.game_event(message.data)
+        number = json.loads(event.json)["game"] if event.kind == _STARTED else None
+    except (ValueError, TypeError, KeyError):
+        return None
+    return GameStart(number, message.stamp_ns) if isinstance(number, int) else None
+
+
+def game_starts(bag: Path) -> tuple[GameStart, ...]:
+    """Return the beginnings of all games in a bag, oldest first. Raises BadFile as `messages` does."""
+    topics = {topic.name for topic in info(bag).topics if topic.msgtype == types.GAME_EVENT}
+    if not topics:
+        return ()
+    return tuple(start for message in messages(bag, topics) if (start := game_start(message)) is not None)
+
+
+OF_A_GAME = frozenset({types.GAME_EVENT, types.SCORE, types.UTTERANCE})
+"""Types of messages that are of a game from the stamp of its beginning on; see `GameStart`."""
