@@ -20,8 +20,7 @@ def test_a_person_sees_what_waits_and_what_was_said_instead(tmp_path: Path) -> N
     asked = last(tmp_path / "asked.bag")
     (advice,) = asked.wizard.advice
     assert (asked.wizard.puppets, advice.robot) == ((0,), 0)
-    room = advice.costs[-1][0]
-    assert room != advice.suggestion
+    room = next(room for room, _ in reversed(advice.costs) if room != advice.suggestion)
     done[20] = _granted(Tools().advise(asked, 0, room))
 
     record(tmp_path / "waits.bag", STUDY, 40, done)
