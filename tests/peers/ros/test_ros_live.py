@@ -130,7 +130,9 @@ def test_an_action_client_drives_cancels_and_is_replaced(tmp_path: Path) -> None
 def test_rosbag_records_the_same_messages_live(tmp_path: Path) -> None:
     ours, theirs = tmp_path / "ours.bag", tmp_path / "theirs.bag"
     wanted = {"/tf", "/robot1/scan", "/robot2/odom", "/robot1/move_base/status", "/map", "/tf_static"}
-    with session(tmp_path, "--bag", str(ours), "--rate", "3") as (ros, robots):
+    study = tmp_path / "study.yaml"
+    study.write_text("recording: {detail: all}\n")
+    with session(tmp_path, "--study", str(study), "--bag", str(ours), "--rate", "3") as (ros, robots):
         record = ("rosbag", "record", "-a", "-O", str(theirs), "__name:=recorder")
         with ros.running(*record, cwd=tmp_path) as recorder:
 
