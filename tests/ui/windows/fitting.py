@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from itertools import combinations
 
-from PySide6.QtCore import QEvent, QPoint, QRect
+from PySide6.QtCore import QEvent, QPoint, QRect, Qt
 from PySide6.QtWidgets import (
     QAbstractButton,
     QAbstractScrollArea,
@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
 from ui.windows.map import MapView
 from ui.windows.participant.cards import Card
 from ui.windows.participant.map_area import MapArea
+from ui.windows.participant.waiting import HorizontalScrollArea
 from ui.windows.participant.widgets.buttons import ActionButton, ParticipantButton
 from ui.windows.participant.widgets.panels import ModalOverlay
 
@@ -40,7 +41,7 @@ def settle() -> None:
 
 def misfits(window: QWidget) -> list[str]:
     """Return what is wrong with the layout of a window as it is shown; it is scrolled meanwhile."""
-    return [*_cut_off(window), *_words_cut(window), *_overlapping(window)]
+    return [*_cut_off(window), *_words_cut(window), *_overlapping(window), *_too_wide(window)]
 
 
 def _cut_off(window: QWidget) -> Iterator[str]:
@@ -92,6 +93,15 @@ def _overlapping(window: QWidget) -> Iterator[str]:
         for part in parts:
             if not home.rect().contains(part.geometry()):
                 yield f"{_name(part)} sticks out of {type(home).__name__}: {part.geometry()} in {home.rect()}"
+
+
+def _too_wide(window: QWidget) -> Iterator[str]:
+    """Yield scrolled parts that are wider than what is seen of them, and cannot be scrolled sideways."""
+    for area in window.findChildren(QScrollArea):
+        seen, off = area.viewport().width(), Qt.ScrollBarPolicy.ScrollBarAlwaysOff
+        fixed = area.horizontalScrollBarPolicy() == off and not isinstance(area, HorizontalScrollArea)
+        if area.isVisible() and fixed and area.widget().width() > seen:
+            yield f"{_name(area)} shows {seen} of {area.widget().width()} pixels"
 
 
 _LAYERED = (Card, MapArea, MapView, QAbstractScrollArea, QComboBox, QLineEdit)

@@ -66,8 +66,9 @@ class FaultList(QWidget):
 
 
 def _fit(shown: QListWidget) -> None:
-    """Give the list the height of its rows, or of some of them."""
+    """Give the list the height of its rows and of the scroll bar below them, or of some of them."""
     height = sum(shown.sizeHintForRow(row) for row in range(shown.count())) + 2 * GAP
+    height += shown.horizontalScrollBar().sizeHint().height()
     shown.setFixedHeight(min(px(_TALLEST), height))
 
 

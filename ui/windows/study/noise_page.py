@@ -4,15 +4,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from PySide6.QtCore import QSize, Qt, Slot
-from PySide6.QtGui import QImage
-from PySide6.QtWidgets import QGridLayout, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtGui import QImage, QResizeEvent
+from PySide6.QtWidgets import QGridLayout, QScrollArea, QSplitter, QVBoxLayout, QWidget
 
 from thbridge.study.study_file import Study
 from ui.model.study_form.draft import StudyDraft
 from ui.model.study_form.noise import NoisePreview, extent_of, noise_from_form, preview_of
-from ui.windows.look import GAP, colours, label, spaced, style_as_panel
+from ui.windows.look import GAP, colours, follow_text, label, px, spaced, style_as_panel
 from ui.windows.study.background import BackgroundWorker
 from ui.windows.study.pictures import Canvas, NoisePicture, PaintFunction, fan_painter, room
+
+_DRAWINGS = 310
+"""Least width of the drawings, logical pixels."""
 
 _WHEELS, _FILTER = "what the wheels report", "where the filter believes the robot may be"
 
@@ -124,6 +127,31 @@ class NoiseView(QScrollArea):
     def sizeHint(self) -> QSize:
         """Return a size wide enough for two squares."""
         return QSize(520, 640)
+
+
+class NoisePage(QSplitter):
+    """Fields and drawings side by side, or below each other where the width does not suffice."""
+
+    def __init__(self, fields: QWidget, drawings: NoiseView) -> None:
+        super().__init__(Qt.Orientation.Horizontal)
+        self.addWidget(fields)
+        self.addWidget(drawings)
+        self.setChildrenCollapsible(False)
+        self.setSizes([500, 500])
+        follow_text(fields, lambda it: it.setMinimumWidth(220 + px(180)))
+        follow_text(self, NoisePage._turn)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Put the parts where they have room."""
+        super().resizeEvent(event)
+        self._turn()
+
+    def _turn(self) -> None:
+        beside = self.width() >= 220 + px(180) + _DRAWINGS
+        wanted = Qt.Orientation.Horizontal if beside else Qt.Orientation.Vertical
+        if wanted != self.orientation():
+            self.setOrientation(wanted)
+            self.setSizes([500, 500])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,6 +12,8 @@ from ui.windows.look import GAP, FoldingRow, follow_text, font, label, px, space
 _EDITOR_WIDTH = 240
 _WIDE = 340
 """Width of the editor of a list, `px`."""
+_WIDEST = 360
+"""Greatest width of an editor, so that a button fits beside it in a small window; logical pixels."""
 _NARROW = 128
 """Width of an editor beside drawings, `px`."""
 _WORDS = 240
@@ -81,7 +83,7 @@ class FieldRow(FoldingRow):
         )
         self._slider = self._made_slider(field) if narrow and _slides(field) else None
         wide = _NARROW if narrow else _WIDE if field.kind is FieldKind.LIST else _EDITOR_WIDTH
-        follow_text(editor, lambda it: it.setFixedWidth(px(wide)))
+        follow_text(editor, lambda it: it.setFixedWidth(min(px(wide), _WIDEST)))
         editor.setAccessibleName(field.label if not field.unit else f"{field.label}, {field.unit}")
         self.editor = editor
         unit = label(field.unit, "small", muted=True)

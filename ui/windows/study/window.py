@@ -23,7 +23,7 @@ from ui.model.study_form.form import FieldKind, RepeatKind
 from ui.windows.look import GAP, FoldingRow, follow_text, label, open_within_screen, px, spaced, style_as_panel
 from ui.windows.study.editor import StudyEditor
 from ui.windows.study.faults import FaultList
-from ui.windows.study.noise_page import NoiseView
+from ui.windows.study.noise_page import NoisePage, NoiseView
 from ui.windows.study.pages import ChangesPage, FieldsPage, TextPage
 from ui.windows.study.sections import NOISE, SectionTree
 
@@ -57,12 +57,7 @@ class StudyWindow(QMainWindow):
         self._buttons: dict[str, QPushButton] = {}
         self._banner, self._banner_words = self._made_banner()
         self._stack = QStackedWidget()
-        self._noise_page = QSplitter(Qt.Orientation.Horizontal)
-        self._noise_page.addWidget(self.noise_fields)
-        self._noise_page.addWidget(self.noise)
-        self._noise_page.setChildrenCollapsible(False)
-        follow_text(self.noise_fields, lambda it: it.setMinimumWidth(220 + px(180)))
-        self._noise_page.setSizes([500, 500])
+        self._noise_page = NoisePage(self.noise_fields, self.noise)
         for page in (self.fields, self._noise_page, self.found, self.text, self.changes):
             self._stack.addWidget(page)
         self._lay_out()

@@ -3,13 +3,19 @@
 from collections.abc import Iterator
 
 import pytest
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication
+from pytestqt.qtbot import QtBot
 
 from tests.ui.windows import samples
 from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
 from tests.ui.windows.participant.conftest import Opened
 from tests.ui.windows.participant.test_window import STATES, Open
+from ui.model.theme import LIGHT
 from ui.windows import look
+from ui.windows.link import ParticipantLink
+from ui.windows.participant.pages.start import StartPage
+from ui.windows.participant_program import ParticipantMainWindow
 
 
 @pytest.fixture
@@ -26,6 +32,9 @@ def windows(opened: Open) -> dict[int, Opened]:
 def test_nothing_is_cut_off_or_covered(opened: Open, qapp: QApplication, text: float) -> None:
     shown = windows(opened)
     look.apply_text_size(qapp, text)
+    for one in shown.values():
+        settle()
+        assert misfits(one.window) == [], "also where only the text has changed"
     for name, screen in STATES.items():
         one = shown[len(screen.tiles)]
         one.show(screen)
@@ -33,3 +42,44 @@ def test_nothing_is_cut_off_or_covered(opened: Open, qapp: QApplication, text: f
             one.window.resize(*size)
             settle()
             assert misfits(one.window) == [], (name, size)
+
+
+@pytest.mark.parametrize("text", TEXTS, indirect=True)
+def test_the_history_leaves_room_for_the_map(opened: Open, qtbot: QtBot, qapp: QApplication, text: float) -> None:
+    shown = opened(STATES["six"])
+    look.apply_text_size(qapp, text)
+    qtbot.mouseClick(shown.window.waiting.history, Qt.MouseButton.LeftButton)
+    for size in SIZES:
+        shown.window.resize(*size)
+        settle()
+        assert misfits(shown.window) == [], size
+        assert shown.window.history.height() >= 2 * shown.window.history.fontMetrics().height()
+
+
+@pytest.mark.parametrize("text", TEXTS, indirect=True)
+def test_the_pages_before_a_game_fit(qtbot: QtBot, qapp: QApplication, text: float) -> None:
+    look.apply_palette(qapp, LIGHT)
+    look.apply_text_size(qapp, text)
+    for page in (StartPage(1, 12, 2), StartPage(2, 2, 2)):
+        qtbot.addWidget(page)
+        page.show()
+        for size in SIZES:
+            page.resize(*size)
+            settle()
+            assert misfits(page) == [], size
+
+
+@pytest.mark.parametrize("text", TEXTS, indirect=True)
+def test_the_practice_game_fits(qtbot: QtBot, qapp: QApplication, text: float) -> None:
+    look.apply_palette(qapp, LIGHT)
+    window = ParticipantMainWindow(look.Appearance(qapp, "light"), lambda _message: None)
+    qtbot.addWidget(window)
+    window.join(ParticipantLink("127.0.0.1", 1, ""), practice=True)
+    look.apply_text_size(qapp, text)
+    window.show()
+    for size in SIZES:
+        window.resize(*size)
+        settle()
+        assert window.size().toTuple() == size, "nothing makes it larger"
+        assert misfits(window) == [], size
+    window.leave()

@@ -257,6 +257,7 @@ def test_a_new_file_is_made_when_it_is_saved(qtbot: QtBot, tmp_path: Path) -> No
 
 @pytest.mark.parametrize("section", ["game", "noise", "participant", "robot"])
 def test_everything_has_a_name_and_tab_goes_as_the_eye_does(qtbot: QtBot, window: StudyWindow, section: str) -> None:
+    window.resize(1240, 860)
     window.open_section(section)
     for page in (window.fields, window.noise_fields):
         page.finish()

@@ -69,8 +69,8 @@ class TitledPanel(QFrame):
         inside = OpaqueBackground()
         self.rows = spaced(QVBoxLayout(inside), int(1.5 * GAP), GAP)
         self._around = spaced(QVBoxLayout(self), 0, GAP)
-        self._inside = inside
-        self._around.addWidget(PanelScrollArea(inside, self.rows))
+        self._inside, self._scrolling = inside, PanelScrollArea(inside, self.rows)
+        self._around.addWidget(self._scrolling)
         self._chip = RobotChip()
         self._title = look.label(size="title", bold=True)
         self.top = spaced(QHBoxLayout(), GAP)
@@ -88,7 +88,8 @@ class TitledPanel(QFrame):
         """Return its size when there is at most so much space."""
         around = self.size() - self.contentsRect().size() + QSize(2 * GAP, 2 * GAP)
         wide = width - around.width()
-        self._inside.resize(wide, self._inside.height())
+        if self._inside.width() not in (wide, wide - self._scrolling.verticalScrollBar().sizeHint().width()):
+            self._inside.resize(wide, self._inside.height())
         self.rows.activate()
         needed = self.rows.heightForWidth(wide) if self.rows.hasHeightForWidth() else self.rows.sizeHint().height()
         return QSize(width, min(max(needed, least_height(self.rows, wide)) + around.height(), height))
