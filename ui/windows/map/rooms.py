@@ -195,6 +195,9 @@ def _paint_title(painter: QPainter, space: _Space, mark: RoomMark, palette: Pale
     tall = heading.capHeight() + 0.3 * caption.height() + caption.height()
     wide = max(heading.horizontalAdvance(text), caption.horizontalAdvance(name))
     title = space.put(wide, tall, right=False, low=False)
+    if title is not None and mark.answer and not _Pill(space, mark.answer, font).fits():
+        space.taken.remove(title)
+        title = None
     if title is None:
         name = ""
         title = space.put(heading.horizontalAdvance(text), heading.capHeight(), right=False, low=False)
@@ -209,18 +212,39 @@ def _paint_title(painter: QPainter, space: _Space, mark: RoomMark, palette: Pale
     return True
 
 
+class _Pill:
+    """Words in a frame, in a low corner of a room."""
+
+    def __init__(self, space: _Space, text: str, font: QFont) -> None:
+        self.font = sized(font, NAME_HEIGHT * text_scale(font), QFont.Weight.Medium)
+        metrics = QFontMetricsF(self.font)
+        self.words = metrics.elidedText(text, Qt.TextElideMode.ElideRight, space.width - 2.0 * space.inset - 16.0)
+        self._size = metrics.horizontalAdvance(self.words) + 16.0, metrics.height() + 6.0
+        self._space = space
+
+    def put(self) -> QRectF | None:
+        """Take the place; return None where there is none."""
+        return self._space.put(*self._size, right=False, low=True)
+
+    def fits(self) -> bool:
+        """Return True where there is a place, without taking it."""
+        box = self.put()
+        if box is not None:
+            self._space.taken.remove(box)
+        return box is not None
+
+
 def _paint_pill(painter: QPainter, space: _Space, text: str, palette: Palette, font: QFont) -> None:
-    painter.setFont(sized(font, NAME_HEIGHT * text_scale(font), QFont.Weight.Medium))
-    metrics = QFontMetricsF(painter.font())
-    words = metrics.elidedText(text, Qt.TextElideMode.ElideRight, space.width - 2.0 * space.inset - 16.0)
-    pill = space.put(metrics.horizontalAdvance(words) + 16.0, metrics.height() + 6.0, right=False, low=True)
-    if pill is None:
+    pill = _Pill(space, text, font)
+    box = pill.put()
+    if box is None:
         return
     painter.setPen(QPen(QColor(palette.line), 1.0))
     painter.setBrush(QColor(palette.panel))
-    painter.drawRoundedRect(pill, pill.height() / 2.0, pill.height() / 2.0)
+    painter.drawRoundedRect(box, box.height() / 2.0, box.height() / 2.0)
     painter.setPen(QColor(palette.text))
-    painter.drawText(pill, Qt.AlignmentFlag.AlignCenter, words)
+    painter.setFont(pill.font)
+    painter.drawText(box, Qt.AlignmentFlag.AlignCenter, pill.words)
 
 
 def _paint_sign(painter: QPainter, centre: QPointF, mark: RoomMark, palette: Palette, scale: float) -> None:
