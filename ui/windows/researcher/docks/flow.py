@@ -5,7 +5,10 @@ from PySide6.QtWidgets import QLayout, QLayoutItem
 
 
 class FlowLayout(QLayout):
-    """Rows of widgets, each as large as it wants to be; what does not fit into a row begins the next one."""
+    """Rows of widgets, each as large as it wants to be; what does not fit into a row begins the next one.
+
+    A widget that expands takes all that is left of its row.
+    """
 
     def __init__(self) -> None:
         super().__init__()
@@ -60,8 +63,11 @@ class FlowLayout(QLayout):
         y = rect.y()
         for row in self._rows(rect.width()):
             x, high = rect.x(), max(item.sizeHint().height() for item in row)
+            free = rect.width() - sum(item.sizeHint().width() + self.spacing() for item in row) + self.spacing()
             for item in row:
                 size = item.sizeHint()
+                if item.expandingDirections() & Qt.Orientation.Horizontal:
+                    size.setWidth(size.width() + max(free, 0))
                 if move:
                     item.setGeometry(QRect(QPoint(x, y + (high - size.height()) // 2), size))
                 x += size.width() + self.spacing()

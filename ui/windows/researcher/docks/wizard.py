@@ -1,13 +1,13 @@
 """Wizard-of-Oz: the researcher speaks in a robot's place, and the recording marks it."""
 
 from functools import partial
+from textwrap import fill
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
-from PySide6.QtGui import QResizeEvent
+from PySide6.QtGui import QFontMetrics, QResizeEvent
 from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
-    QHBoxLayout,
     QLabel,
     QLineEdit,
     QPushButton,
@@ -20,10 +20,14 @@ from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
 from ui.windows.controls import CheckBox
+from ui.windows.look import follow_text, font
 from ui.windows.researcher.docks.flow import FlowLayout
 
 PUPPETS_PER_ROW = 5
 """Robots in a row."""
+
+WIDEST = 480
+"""Widest line of a sentence on a button, logical pixels; beyond it goes on in the next line."""
 
 MAX_SHARE = 0.35
 """Share of the window's height that the list of what waits takes at most by itself; what is beyond is scrolled to."""
@@ -111,13 +115,13 @@ class WizardDock(QWidget):
         words = QLineEdit(placeholderText="In other words, where you like; then press what they mean")
         words.setToolTip(words.placeholderText())
         words.setAccessibleName(f"Other words for {robot_name(turn.robot)}")
-        top = QHBoxLayout()
+        top = FlowLayout()
         top.addWidget(_heading(f"{robot_name(turn.robot).capitalize()} is to speak{about}"))
-        top.addWidget(words, 1)
+        top.addWidget(words)
         column.addLayout(top)
         moves = FlowLayout()
         for number, sentence in enumerate(turn.sentences):
-            button = QPushButton(sentence)
+            button = follow_text(QPushButton(), partial(_show_sentence, sentence))
             button.clicked.connect(partial(self._speak, turn, number, words))
             moves.addWidget(button)
         column.addLayout(moves)
@@ -171,6 +175,10 @@ class _GrowingArea(QScrollArea):
         return super().eventFilter(watched, event)
 
 
+def _show_sentence(sentence: str, button: QPushButton) -> None:
+    button.setText(fill(sentence, WIDEST // QFontMetrics(font()).averageCharWidth()))
+
+
 def _card() -> tuple[QFrame, QVBoxLayout]:
     card = QFrame()
     card.setProperty("panel", True)
@@ -180,8 +188,4 @@ def _card() -> tuple[QFrame, QVBoxLayout]:
 
 
 def _heading(title: str) -> QLabel:
-    heading = QLabel(title)
-    font = heading.font()
-    font.setBold(True)
-    heading.setFont(font)
-    return heading
+    return follow_text(QLabel(title), lambda it: it.setFont(font(bold=True)))

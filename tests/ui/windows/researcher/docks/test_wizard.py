@@ -1,11 +1,13 @@
 import pytest
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QDockWidget, QPushButton
+from PySide6.QtWidgets import QApplication, QDockWidget, QPushButton
 from pytestqt.qtbot import QtBot
 
+from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
 from ui.model.theme import LIGHT
 from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
+from ui.windows import look
 from ui.windows.map import MapView
 from ui.windows.researcher.docked_window import DockedWindow
 
@@ -40,6 +42,21 @@ def test_every_reply_is_in_sight_and_the_window_as_large_as_before(
     window.wizard.show_wizard(Wizard((0, 1), turns, advice), 3)
     qtbot.waitUntil(lambda: hidden(window) == [])
     assert window.size() == size
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_all_that_waits_is_reached_at_all_sizes(qtbot: QtBot, qapp: QApplication, text: float) -> None:
+    look.apply_text_size(qapp, text)
+    try:
+        for size in SIZES:
+            window = opened(qtbot, QSize(*size))
+            window.wizard.show_wizard(Wizard((0, 1), (TURN,), (ADVICE,)), 3)
+            settle()
+            assert misfits(window) == [], size
+            assert window.size() == QSize(*size)
+            window.close()
+    finally:
+        look.apply_text_size(qapp, 1.0)
 
 
 def test_what_waits_beyond_the_share_of_the_list_is_scrolled_to(qtbot: QtBot) -> None:
