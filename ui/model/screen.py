@@ -272,7 +272,7 @@ class RoomTile:
         considered: True when the participant looks at it.
         found: its treasure as far as it is known, in a word or two.
         choose: sends the selected robot.
-        warning: caution before choosing: enough energy to get there, but not to name the treasure.
+        warning: caution before choosing: enough energy to get there, but not to take a picture or name the treasure.
     """
 
     room: int
@@ -296,7 +296,7 @@ class DialoguePopup:
         sentences: (speaker, sentence), oldest first; speaker is "robot" or "you".
         choices: possible answers; none while the robot thinks.
         aside: puts the pop-up aside.
-        warning: caution before answering: enough energy to get there, but not to name the treasure.
+        warning: caution before answering: enough energy to get there, but not to take a picture or name the treasure.
     """
 
     robot: int

@@ -334,7 +334,8 @@ def test_energy_that_does_not_do_to_name_what_is_there_is_warned_of():
     assert tile(17.5).choose.enabled
     assert tile(17.5).warning == "Enough to get there, not to name what is there."
     assert tile(17.5).choose.hint.endswith(tile(17.5).warning)
-    assert tile(18.0).warning == ""
+    assert tile(18.0).warning == "Enough to name what is there, not to take a picture."
+    assert tile(23.0).warning == ""
     assert tile(16.0).warning == ""
     assert tile(16.0).choose.hint == "This costs 17; robot 1 has 16 energy."
 
@@ -497,7 +498,7 @@ def test_a_server_that_is_killed_in_the_middle_goes_on_by_its_journal():
     assert seat.screen.cards[1].state == "stopping"
     seat.restart_server()
     screen = seat.run(40)
-    assert screen.banner is None
+    assert screen.banner.text == "Robot 2 has stopped before room 4. 6.5 energy comes back."
     assert screen.cards[1].state == "ready"
     assert [event.at.people for event in events(seat, MoveFailed)] == [0]
     assert len(screen.history) > lines

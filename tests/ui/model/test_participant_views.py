@@ -202,10 +202,26 @@ def test_a_talk_about_a_room_warns_as_its_tile_does():
     poor = with_robot(view(dialogues=(asking(0, 3),)), 0, energy=7.5)
     screen = model_of(poor).screen(0.0)
     assert screen.popup.warning == "Enough to get there, not to name what is there."
-    assert (
-        screen.tiles[0].choose.hint
-        == "Costs 5; robot 1 keeps 2.5. Enough to name what is there, not to take a picture first."
-    )
+    told = "Costs 5; robot 1 keeps 2.5. Enough to name what is there, not to take a picture."
+    assert screen.tiles[0].choose.hint == told
+
+
+@pytest.mark.parametrize(
+    ("left", "warning"),
+    [
+        (0.5, "Enough to get there, not to name what is there."),
+        (4.0, "Enough to name what is there, not to take a picture."),
+        (5.5, "Enough to take a picture there or to name what is there, not for both."),
+        (6.0, ""),
+    ],
+)
+def test_a_room_warns_of_what_the_energy_left_there_does_not_suffice_for(left, warning):
+    """A picture costs 5 and a name 1, whatever was paid for the way."""
+    screen = model_of(with_robot(view(dialogues=(asking(0, 2),)), 0, energy=9.0 + left)).screen(0.0)
+    assert screen.popup.warning == screen.tiles[1].warning == warning
+    standing = model_of(with_robot(view(), 0, energy=9.0 + left)).screen(0.0).tiles[1]
+    assert standing.choose.enabled
+    assert standing.choose.hint == f"Costs 9; robot 1 keeps {left:g}. {warning}".rstrip()
 
 
 def test_what_a_robot_under_way_could_do_is_counted_from_where_it_would_stop():
@@ -230,7 +246,8 @@ def test_a_robot_may_spend_all_it_has():
     assert tile.choose.enabled
     # It is switched off there, even where naming costs nothing.
     assert tile.warning == "Enough to get there, not to name what is there."
-    assert model_of(with_robot(spent, 0, energy=5.5)).screen(0.0).tiles[0].warning == ""
+    nameable = model_of(with_robot(spent, 0, energy=5.5)).screen(0.0).tiles[0]
+    assert nameable.warning == "Enough to name what is there, not to take a picture."
 
 
 def test_what_follows_from_agreements_is_wanted_without_being_asked_again():
@@ -554,6 +571,28 @@ def test_everything_that_happened_is_in_the_history():
         "Robot 1 has stopped before room 3. 3.5 energy comes back.",
         "Robot 1 is lost: it does not know where it is.",
     ]
+
+
+def test_energy_that_comes_back_to_a_robot_that_stopped_is_shown_for_a_while():
+    model = model_of(UNDER_WAY)
+    model.receive(with_robot(view(), 0, energy=99.2), 1.0)
+    assert model.screen(1.0).banner.text == "Robot 1 has stopped before room 3. 6.2 energy comes back."
+    assert model.screen(1.0).announcement == model.screen(1.0).banner.text, "and read out once"
+    assert model.screen(8.0).banner is None
+    model.receive(UNDER_WAY, 9.0)
+    model.receive(FOUND, 10.0)
+    assert model.screen(10.0).banner is None
+
+
+def test_a_change_of_goal_is_asked_without_the_price_that_the_room_has_told():
+    model = model_of(UNDER_WAY)
+    assert model.screen(0.0).tiles[0].cost == 5.0
+    model.do(ChooseRoom(1), 0.0)
+    text = model.screen(0.0).confirmation.text
+    assert text == (
+        "Robot 1 is on its way to room 3. If it stops, the energy for the rest of that way comes back, about 7. "
+        "Then it asks you about room 1."
+    )
 
 
 def test_the_map_shows_rooms_and_robots():

@@ -105,15 +105,20 @@ def speaker_of(index: int) -> Literal["robot", "you"]:
     return "robot" if index % 2 == 0 else "you"
 
 
+def stopped_words(was: RobotView, now: RobotView) -> str:
+    """Sentence about a robot that has stopped on its way, with the energy that comes back to it."""
+    back = now.energy - was.energy
+    refund = f" {energy_text(back)} energy comes back." if now.moving_to is None and back > 0.0 else ""
+    return f"{titled(now.robot)} has stopped before {place_name(was.moving_to or 0)}.{refund}"
+
+
 def _robot_changes(was: RobotView, now: RobotView, view: View) -> Iterator[str]:
     name = titled(now.robot)
     if was.moving_to is not None and was.moving_to != now.moving_to:
         if view.room(was.moving_to).state == "visited":
             yield f"{name} is in {place_name(was.moving_to)}."
         else:
-            back = now.energy - was.energy
-            refund = f" {energy_text(back)} energy comes back." if now.moving_to is None and back > 0.0 else ""
-            yield f"{name} has stopped before {place_name(was.moving_to)}.{refund}"
+            yield stopped_words(was, now)
     if now.moving_to is not None and was.moving_to != now.moving_to:
         yield f"{name} sets out for {place_name(now.moving_to)}; it has {energy_text(now.energy)} energy left."
     if now.condition is not was.condition:

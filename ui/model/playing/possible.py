@@ -10,7 +10,7 @@ from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Commander, CostsEstimated, Event, RobotArrived
-from thbridge.hunt.game import apply
+from thbridge.hunt.game import GameState, apply
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.rules import RuleReason, commander_name
@@ -137,15 +137,26 @@ def why_not_end(known: Situation) -> str | None:
 
 
 def energy_warning(known: Situation, robot: int, room: int) -> str:
-    """Warning that a robot's energy suffices to go to a room, but not to name its treasure; or empty."""
+    """Warning of what a robot's energy does not suffice for once it is in a room: a picture, a name; or empty."""
     departure = rules.move(known.state, robot, Room(room))
     if isinstance(departure, RequestRefused):
         return ""
     there = known.state
     for event in (*departure, RobotArrived(robot, Room(room))):
         there = apply(there, event)
-    named = rules.identify(there, Room(room), "", 0)
-    return "" if isinstance(named, tuple) else "Enough to get there, not to name what is there."
+    if not _is_nameable(there, Room(room)):
+        return "Enough to get there, not to name what is there."
+    pictured = rules.picture(there, Room(room), "")
+    if isinstance(pictured, RequestRefused):
+        return "Enough to name what is there, not to take a picture."
+    if not _is_nameable(apply(there, pictured[0]), Room(room)):
+        return "Enough to take a picture there or to name what is there, not for both."
+    return ""
+
+
+def _is_nameable(state: GameState, room: Room) -> bool:
+    """Return True when the robot in a room can name its treasure."""
+    return isinstance(rules.identify(state, room, "", 0), tuple)
 
 
 def _called_back(known: Situation, robot: int) -> Situation:

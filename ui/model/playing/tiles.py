@@ -77,12 +77,7 @@ def _price(hunt: HuntMemory, robot: int, room: int) -> str:
     cost = view.costs_from(mover)[room] or 0.0
     left = mover.energy - cost
     hint = f"Costs {energy_text(cost)}; {robot_name(robot)} keeps {energy_text(left)}."
-    concern = energy_warning(hunt.known, robot, room)
-    if concern:
-        return f"{hint} {concern}"
-    if left < view.picture_cost + view.identify_cost:
-        return f"{hint} Enough to name what is there, not to take a picture first."
-    return hint
+    return f"{hint} {energy_warning(hunt.known, robot, room)}".rstrip()
 
 
 def _found(room: RoomView) -> str:

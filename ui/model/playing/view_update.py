@@ -23,7 +23,7 @@ from thbridge.roles.view import (
     TakeUpTreasure,
     View,
 )
-from ui.model.playing.history import GameHistory
+from ui.model.playing.history import GameHistory, stopped_words
 from ui.model.playing.popup_queue import DestinationItem, PopupItem, TreasureItem
 from ui.model.playing.possible import ends_game, why_not_command, why_not_end, why_not_go, why_not_name
 from ui.model.playing.state import EndGameEarly, HuntMemory, LeaveLast, LeaveUndecided, ParticipantMemory, Reroute
@@ -49,6 +49,7 @@ def receive_view(memory: ParticipantMemory, view: View, now: float) -> None:
     hunt.receive(view)
     hunt.most_energy = max([hunt.most_energy, *(robot.energy for robot in view.robots)])
     memory.history.receive(before, view)
+    _receive_refunds(memory, before, view, now)
     _receive_rooms(memory, hunt, before, former.state, now)
     _receive_commanders(memory, hunt, before, former.discussed, now)
     _receive_refusal(memory, hunt, now)
@@ -129,6 +130,14 @@ def _goes_on(before: View, view: View) -> bool:
             if old.state == "visited"
         )
     )
+
+
+def _receive_refunds(memory: ParticipantMemory, before: View, view: View, now: float) -> None:
+    """Show that energy came back to a robot that stopped on its way; the history has read it out."""
+    for was, robot in zip(before.robots, view.robots, strict=True):
+        stopped = was.moving_to and robot.moving_to is None and view.room(was.moving_to).state != "visited"
+        if stopped and robot.energy > was.energy:
+            memory.note = (stopped_words(was, robot), now + NOTE)
 
 
 def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, former: GameState, now: float) -> None:

@@ -49,10 +49,7 @@ def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | 
 def _reroute_text(memory: ParticipantMemory, hunt: HuntMemory, robot: int, room: int) -> str:
     mover = hunt.view.robots[robot]
     back = hunt.known.state.robots[robot].paid * (1.0 - min(max(memory.motion(robot).progress, 0.0), 1.0))
-    costs = hunt.view.costs_when_stopped()
-    cost = None if costs is None else costs[room]
-    price = "" if cost is None else f", which costs about {energy_text(round(cost, 1))}"
     return (
         f"{titled(robot)} is on its way to {place_name(mover.moving_to or 0)}. If it stops, the energy for the rest of "
-        f"that way comes back, about {energy_text(round(back, 1))}. Then it asks you about room {room}{price}."
+        f"that way comes back, about {energy_text(round(back, 1))}. Then it asks you about room {room}."
     )
