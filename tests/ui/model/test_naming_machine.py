@@ -4,9 +4,11 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
+from tests.thbridge.roles.test_command import TAKE
 from tests.ui.model.seat import Seat
-from thbridge.hunt.events import TreasureIdentified
+from thbridge.hunt.events import Condition, TreasureIdentified
 from thbridge.hunt.treasures import name_in_words
+from thbridge.roles.robot_requests import ReleaseCommand, StationSend
 from ui.model.keys import act_for
 from ui.model.screen import (
     ChooseRobot,
@@ -45,7 +47,10 @@ class Naming(RuleBasedStateMachine):
     def look(self):
         """See the screen: another question than before, or none, and what was chosen is chosen no more."""
         pop = self.seat.screen.popup
-        asked = (pop.robot, pop.room) if isinstance(pop, TreasurePopup) and pop.verdict is None else None
+        asked = None
+        if isinstance(pop, TreasurePopup) and pop.verdict is None:
+            robot = self.seat.view.robots[pop.robot]
+            asked = (pop.robot, pop.room, robot.place == pop.room and robot.moving_to is None)
         if asked is None or asked != self.question:
             self.question, self.chosen = asked, None
 
@@ -87,6 +92,24 @@ class Naming(RuleBasedStateMachine):
         self.seat.run(90)
         self.look()
 
+    @rule(room=st.integers(1, 8), released=st.booleans())
+    def somebody_else_sends_robot_1_on(self, room, released):
+        ask = self.seat.stage.session.ask
+        ask("station", TAKE)
+        ask("station", StationSend(0, room))
+        if released:
+            ask("station", ReleaseCommand(0))
+        for _ in range(20):
+            self.seat.run(1)
+            self.look()
+
+    @rule(condition=st.sampled_from(Condition))
+    def robot_2_is_well_or_not(self, condition):
+        self.seat.stage.puppets.conditions[1] = condition
+        for _ in range(60):
+            self.seat.run(1)
+            self.look()
+
     @rule()
     def the_connection_comes_back(self):
         self.seat.model.lost("It broke.", self.seat.now)
@@ -105,7 +128,7 @@ class Naming(RuleBasedStateMachine):
             assert pop.picked == self.chosen
             assert (pop.name_it.label == "Name it") == (self.chosen is None)
         talks = [talk for talk in self.seat.view.dialogues if talk.matter == "take-treasure"]
-        if isinstance(pop, DialoguePopup) and pop.robot in {talk.robot for talk in talks}:
+        if isinstance(pop, DialoguePopup) and ": name " in pop.title:
             room = next(talk.room for talk in talks if talk.robot == pop.robot)
             assert f"name it {name_in_words(self.said[room])}?" in pop.title
         events = self.seat.stage.log.events
