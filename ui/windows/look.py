@@ -100,7 +100,7 @@ def apply_palette(app: QApplication, palette: Palette) -> None:
     elif palette is _Current.palette:
         return
     _Current.palette = palette
-    app.setFont(font())
+    _set_fonts(app)
     app.setPalette(qt_palette(palette))
     app.setStyleSheet(_sheet(palette))
 
@@ -108,7 +108,7 @@ def apply_palette(app: QApplication, palette: Palette) -> None:
 def apply_text_size(app: QApplication, factor: float) -> None:
     """Give all text another size, that of open windows included: a multiple of the usual one."""
     _Current.body = _Current.usual * factor
-    app.setFont(font())
+    _set_fonts(app)
     app.setStyleSheet(_sheet(_Current.palette))
     for widget, fits in list(_Current.following.items()):
         if Shiboken.isValid(widget):
@@ -117,6 +117,12 @@ def apply_text_size(app: QApplication, factor: float) -> None:
     for widget in app.allWidgets():
         widget.updateGeometry()
         widget.update()
+
+
+def _set_fonts(app: QApplication) -> None:
+    app.setFont(font())
+    # Else titles of docks keep the desktop's. PySide takes a string here, whatever its stubs say.
+    app.setFont(font("small"), "QDockWidgetTitle")  # type: ignore[arg-type]
 
 
 def px(length: float) -> int:

@@ -74,7 +74,7 @@ def test_the_practice_game_fits(qtbot: QtBot, qapp: QApplication, text: float) -
     look.apply_palette(qapp, LIGHT)
     window = ParticipantMainWindow(look.Appearance(qapp, "light"), lambda _message: None)
     qtbot.addWidget(window)
-    window.join(ParticipantLink("127.0.0.1", 1, ""), practice=True)
+    window.join(ParticipantLink("127.0.0.1", 1, "token"), practice=True)
     look.apply_text_size(qapp, text)
     window.show()
     for size in SIZES:

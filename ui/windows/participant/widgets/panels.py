@@ -240,7 +240,7 @@ class Transcript(QScrollArea):
 
     def minimumSizeHint(self) -> QSize:
         """Return the size of the last sentence or two."""
-        return QSize(px(120), min(self.sizeHint().height(), px(84)))
+        return QSize(px(120), min(self.sizeHint().height(), px(60)))
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Report another height when the width is another."""

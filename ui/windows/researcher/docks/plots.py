@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QColor
+from PySide6.QtGui import QColor, QFont, QFontMetricsF, QResizeEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from sim.common.geometry import FloatArray
@@ -164,22 +164,37 @@ class Plots(QWidget):
 
     def set_palette(self, palette: Palette) -> None:
         """Use other colours."""
-        self._palette = palette
+        self._palette, self._letters = palette, self._fitting_letters()
+        size = f"{self._letters.pointSizeF():.1f}pt"
         self.canvas.setBackground(palette.panel)
         for panel in PANELS:
             plot = self._plots[panel.name]
-            plot.setTitle(panel.title, color=palette.text, size=f"{font('small').pointSizeF():.1f}pt", justify="left")
-            plot.getAxis("left").setWidth(px(48))
+            plot.setTitle(panel.title, color=palette.text, size=size, justify="left")
+            plot.getAxis("left").setWidth(round(48 * self._letters.pointSizeF() / 9.24))
             plot.showGrid(x=True, y=True, alpha=0.15)
             for side in ("left", "bottom"):
                 plot.getAxis(side).setPen(palette.line)
                 plot.getAxis(side).setTextPen(palette.muted)
-                plot.getAxis(side).setTickFont(font("small"))
-        style = {"color": palette.muted, "font-size": f"{font('small').pointSizeF():.1f}pt"}
+                plot.getAxis(side).setTickFont(self._letters)
+        style = {"color": palette.muted, "font-size": size}
         self._plots[PANELS[-1].name].setLabel("bottom", "seconds since the beginning", **style)
         for cursor in self._cursors:
             cursor.setPen(pg.mkPen(palette.accent, width=1))
         self.select(self._selected)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Use letters that fit."""
+        super().resizeEvent(event)
+        if self._letters.pointSizeF() != self._fitting_letters().pointSizeF():
+            self.set_palette(self._palette)
+
+    def _fitting_letters(self) -> QFont:
+        """Return small letters, or smaller ones where the widest title would not fit."""
+        letters = font("small")
+        widest = max(QFontMetricsF(letters).horizontalAdvance(panel.title) for panel in PANELS)
+        share = min(1.0, (self.width() - px(48)) / widest)
+        letters.setPointSizeF(max(7.0, round(letters.pointSizeF() * share, 1)))
+        return letters
 
     def points(self, panel: str, robot: int) -> int:
         """Return the number of points of a robot's curve in a panel."""
