@@ -8,9 +8,11 @@ as everywhere (Debian: fonts-inter).
 
 import argparse
 import io
+import json
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -35,8 +37,16 @@ ABOUT = (
     "real recording, and writes this page. What is seen in them is explained in [windows.md](windows.md),",
     "[watching.md](watching.md) and [study-edit.md](study-edit.md).",
 )
+SCREEN = (1920, 1080)
+"""Width and height of the screen, logical pixels; windows keep within it. That of `offscreen` is 800 x 800."""
 SETTLE_TIMEOUT = 10.0
 """Seconds that a window may need to come to rest."""
+
+
+def screen_at(scale: int) -> dict[str, int]:
+    """Return a screen on which all windows have the size that they want, in the words of Qt's platform `offscreen`."""
+    width, height = (side * scale // 100 for side in SCREEN)
+    return {"x": 0, "y": 0, "width": width, "height": height, "logicalDpi": 96, "logicalBaseDpi": 96, "dpr": 1}
 
 
 def draw(into: Path, scale: int, wanted: frozenset[str]) -> None:
@@ -135,7 +145,11 @@ def main() -> None:
         if options.into == PICTURES and not options.only:
             GALLERY.write_text(gallery(STORIES), encoding="utf-8")
         return
-    draw(options.into, options.scale, frozenset(options.only or known))
+    with tempfile.TemporaryDirectory() as folder:
+        screen = Path(folder) / "screen.json"
+        screen.write_text(json.dumps({"screens": [screen_at(options.scale)]}), encoding="utf-8")
+        os.environ["QT_QPA_PLATFORM"] = f"offscreen:configfile={screen}"
+        draw(options.into, options.scale, frozenset(options.only or known))
 
 
 if __name__ == "__main__":
