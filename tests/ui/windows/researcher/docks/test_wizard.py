@@ -75,3 +75,19 @@ def test_a_reply_is_given_by_its_button_with_other_words(qtbot: QtBot) -> None:
     with qtbot.waitSignal(window.wizard.spoke) as spoke:
         QTest.mouseClick(window.wizard.findChildren(QPushButton)[1], Qt.MouseButton.LeftButton)
     assert spoke.args == [TURN, 1, ""]
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_many_robots_and_a_reason_fit_at_all_sizes(qtbot: QtBot, qapp: QApplication, text: float) -> None:
+    look.apply_text_size(qapp, text)
+    try:
+        for size in SIZES:
+            window = opened(qtbot, QSize(*size))
+            window.wizard.show_wizard(Wizard(), 10)
+            window.wizard.refuse("This is a recording: nothing can be asked of its robots any more.")
+            settle()
+            assert misfits(window) == [], size
+            assert window.size() == QSize(*size)
+            window.close()
+    finally:
+        look.apply_text_size(qapp, 1.0)
