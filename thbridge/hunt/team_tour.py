@@ -7,7 +7,7 @@ compares 3^n pairs of a set and a subset of it: exact, and a matter of milliseco
 """
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -60,17 +60,47 @@ def best_team_tours(
     limit = MOST_ROOMS if len(starts) == 1 else MOST_ROOMS_OF_A_TEAM
     if len(rooms) > limit:
         raise ValueError(f"at most {limit} rooms can be shared out, and there are {len(rooms)}")
-    between = [[costs.cost(start, goal) for goal in rooms] for start in rooms]
-    step = np.array([*between, *([start.costs[goal.people] for goal in rooms] for start in starts)], dtype=np.float64)
-    to_go, sizes = cost_to_go(step.reshape(-1, len(rooms)))
+    step = _steps(costs, rooms, starts)
+    to_go, sizes = cost_to_go(step)
     spent = [_payable(to_go[:, len(rooms) + at], sizes, start.energy, visit) for at, start in enumerate(starts)]
     if 0 <= sent < len(starts) and np.isfinite(spent[sent][1:]).any():
         spent[sent][0] = math.inf
     tours = []
-    for at, subset in enumerate(_shared_out(spent, sizes)):
+    for at, subset in enumerate(_shared_out(spent, sizes, len(rooms))):
         order = first_order(step, to_go, len(rooms) + at, np.array([subset]))
         tours.append(Tour(tuple(rooms[room] for room in order), float(to_go[subset, len(rooms) + at])))
     return tuple(tours)
+
+
+def best_score(costs: CostMatrix, starts: Sequence[TourStart], points: Mapping[Room, int], visit: float) -> int:
+    """Return the most points that a team can win by naming every treasure it finds.
+
+    Args:
+        costs: energy from room to room.
+        starts: one a robot.
+        points: of each room's treasure, of at most `MOST_ROOMS_OF_A_TEAM` rooms.
+        visit: energy of naming.
+
+    Raises:
+        ValueError: more rooms than can be compared.
+    """
+    rooms = sorted(points)
+    if len(rooms) > MOST_ROOMS_OF_A_TEAM:
+        raise ValueError(f"at most {MOST_ROOMS_OF_A_TEAM} rooms can be shared out, and there are {len(rooms)}")
+    to_go, sizes = cost_to_go(_steps(costs, rooms, starts))
+    worth = np.zeros(len(sizes), dtype=np.int64)
+    for bit, room in enumerate(rooms):
+        worth += ((np.arange(len(sizes)) >> bit) & 1) * points[room]
+    spent = [to_go[:, len(rooms) + at] + visit * sizes for at in range(len(starts))]
+    spent = [np.where(each <= start.energy, each, np.inf) for each, start in zip(spent, starts, strict=True)]
+    return int(worth[np.bitwise_or.reduce(_shared_out(spent, worth, len(rooms)))])
+
+
+def _steps(costs: CostMatrix, rooms: Sequence[Room], starts: Sequence[TourStart]) -> NDArray[np.float64]:
+    """(n + s, n) energy from rooms and starts to rooms."""
+    between = [[costs.cost(start, goal) for goal in rooms] for start in rooms]
+    step = np.array([*between, *([start.costs[goal.people] for goal in rooms] for start in starts)], dtype=np.float64)
+    return step.reshape(-1, len(rooms))
 
 
 def _payable(to_go: NDArray[np.float64], sizes: NDArray[np.int64], energy: float, visit: float) -> NDArray[np.float64]:
@@ -79,23 +109,23 @@ def _payable(to_go: NDArray[np.float64], sizes: NDArray[np.int64], energy: float
     return np.where(spent <= energy, to_go, np.inf)
 
 
-def _shared_out(spent: Sequence[NDArray[np.float64]], sizes: NDArray[np.int64]) -> list[int]:
-    """Return the subset that each robot takes.
+def _shared_out(spent: Sequence[NDArray[np.float64]], worth: NDArray[np.int64], rooms: int) -> list[int]:
+    """Return the subset of so many rooms that each robot takes.
 
-    `most[U]` and `least[U]` are the number of rooms, and the energy, of the best plan of the robots so far within the
-    set U. Both are sums over robots and compared in this order, so a part of a best plan is a best plan of its part.
+    `most[U]` and `least[U]` are the worth, and the energy, of the best plan of the robots so far within the set U. Both
+    are sums over robots and compared in this order, so a part of a best plan is a best plan of its part.
     """
-    every = np.arange(len(sizes))
-    left = len(sizes) - 1
-    most, least = np.zeros(len(sizes), dtype=np.int64), np.zeros(len(sizes))
+    every = np.arange(len(worth))
+    left = len(worth) - 1
+    most, least = np.zeros(len(worth), dtype=np.int64), np.zeros(len(worth))
     chosen: list[NDArray[np.int64]] = []
     # The first robot comes last and so chooses first, among equals the rooms with the lowest numbers.
     for joined, of_robot in enumerate(reversed(spent), start=1):
         # Then only the set of all rooms counts.
-        alone = np.full(len(sizes), left), every, np.zeros(1, dtype=np.int64)
-        whole, part, begins = alone if joined == len(spent) else _subsets_of_sets(int(sizes[-1]))
+        alone = np.full(len(worth), left), every, np.zeros(1, dtype=np.int64)
+        whole, part, begins = alone if joined == len(spent) else _subsets_of_sets(rooms)
         energy = least[whole ^ part] + of_robot[part]
-        number = np.where(np.isfinite(energy), most[whole ^ part] + sizes[part], -1)
+        number = np.where(np.isfinite(energy), most[whole ^ part] + worth[part], -1)
         most = np.maximum.reduceat(number, begins)
         lengths = np.diff(begins, append=len(whole))
         energy[number < np.repeat(most, lengths)] = np.inf

@@ -92,6 +92,30 @@ class RoomView:
         return self.state == "visited" and self.verdict is None and not self.left
 
 
+@dataclass(frozen=True, slots=True)
+class RoomDebrief:
+    """Treasure of a room, told after the game: its name, and the points for naming it."""
+
+    room: int
+    name: str
+    points: int
+
+
+@dataclass(frozen=True, slots=True)
+class Debrief:
+    """Debrief of participants after the game.
+
+    Attributes:
+        rooms: what was in each room; empty where the study does not tell, or nobody here knows.
+        best: most points that could have been won with the same energy; None likewise.
+        farewell: thanks, and what comes next; empty: the window's own words.
+    """
+
+    rooms: tuple[RoomDebrief, ...] = ()
+    best: int | None = None
+    farewell: str = ""
+
+
 DialogueMatter = Literal["select-room", "take-picture", "take-treasure"]
 """Matter of a dialogue: one of the three scenarios of the 2016 study."""
 
@@ -164,6 +188,10 @@ class View(NoticeValue, frozen=True, tag="View"):
         names: possible names of treasures, in alphabetical order; empty until one was sensed.
         consent: text that the participant has to agree to before anything else; None when that is done, or not needed.
         thinking: robots that were asked where to go and have not answered yet.
+        debrief: once the game is over.
+        worth: points of the treasure of each name in `names`, None where it is not the same for all of that name; empty
+            where the study does not tell.
+        wrong_share: share of a treasure's points that a wrong name costs; None where the study does not tell.
         by_position: moves from outside rooms are priced by where the robot stands: the row of the corridor holds
             nowhere.
     """
@@ -184,6 +212,9 @@ class View(NoticeValue, frozen=True, tag="View"):
     consent: str | None = None
     thinking: tuple[int, ...] = ()
     by_position: bool = False
+    debrief: Debrief | None = None
+    worth: tuple[int | None, ...] = ()
+    wrong_share: float | None = None
 
     def room(self, number: int) -> RoomView:
         """Return the room with this number, from 1."""

@@ -69,11 +69,13 @@ class GameSection:
 
 @dataclass(frozen=True, slots=True)
 class ShowsSection:
-    """Options of what participants see of robots, beside estimated poses and activities."""
+    """Options of what participants see of robots and treasures, beside estimated poses and activities."""
 
     way: bool = param(True, "whether the ways that lie ahead of robots are shown")
     uncertainty: bool = param(False, "whether it is shown how sure robots are of their places")
     truth: bool = param(False, "whether it is shown where simulated robots really are")
+    points: bool = param(True, "whether the points of treasures are told before they are named")
+    answers: bool = param(True, "whether it is told after the game what was in the rooms, and the best possible score")
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +91,10 @@ class ParticipantSection:
         1,
         MOST_ROBOTS,
     )
-    shows: ShowsSection = param(ShowsSection(), "what participants see of robots")
+    shows: ShowsSection = param(ShowsSection(), "what participants see of robots and treasures")
+    farewell: Path | None = param(
+        None, "path of a text for the end of a game: thanks, and what comes next; null thanks in a sentence"
+    )
 
 
 class DialogueStrategy(StrEnum):

@@ -320,6 +320,7 @@ class TreasurePopup:
         take_picture: with its cost in the hint; None once there is a picture.
         picture: bytes of the image file; None before, or while it arrives.
         names: possible names, in alphabetical order.
+        worth: points of each name, None where it is not known; empty where the study does not tell.
         picked: name picked so far; None at first.
         name_it: enabled once a name is picked.
         leave: leaves the treasure, for good.
@@ -346,6 +347,7 @@ class TreasurePopup:
     aside: Action
     picture_note: str = ""
     typed: str = ""
+    worth: tuple[int | None, ...] = ()
 
     @property
     def asks_for_name(self) -> bool:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from thbridge.files.map_times import read_map_times
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.rooms import CORRIDOR, Room, all_rooms
-from thbridge.hunt.team_tour import MOST_ROOMS_OF_A_TEAM, TourStart, best_team_tours
+from thbridge.hunt.team_tour import MOST_ROOMS_OF_A_TEAM, TourStart, best_score, best_team_tours
 from thbridge.hunt.tour import MOST_ROOMS, Tour, best_tour
 
 ARENA = read_map_times(Path(__file__).parents[3] / "templates" / "original-2016" / "mapTimes")
@@ -107,3 +107,23 @@ def test_more_rooms_than_can_be_shared_out_are_the_callers_mistake():
     with pytest.raises(ValueError, match=f"at most {MOST_ROOMS} rooms"):
         best_team_tours(flat, (start,), all_rooms(MOST_ROOMS + 1))
     assert len(best_team_tours(flat, (start,), all_rooms(14))[0].rooms) == 9
+
+
+@settings(deadline=None, max_examples=100)
+@given(team=teams, visit=st.sampled_from([0.0, 1.0]), data=st.data())
+def test_the_best_score_is_that_of_the_best_of_all_assignments(team, visit, data):
+    rows, robots = team
+    costs = CostMatrix(tuple(map(tuple, rows)))
+    rooms = costs.rooms
+    points = {room: data.draw(st.sampled_from([10, 20, 30])) for room in rooms}
+    starts = [TourStart(tuple(row), float(energy)) for row, energy in robots]
+    best = 0
+    for owners in itertools.product(range(-1, len(starts)), repeat=len(rooms)):
+        shares = [[room for room, owner in zip(rooms, owners, strict=True) if owner == at] for at in range(len(starts))]
+        least = [
+            min(price(costs, start, order) for order in itertools.permutations(share)) + visit * len(share)
+            for start, share in zip(starts, shares, strict=True)
+        ]
+        if all(spent <= start.energy for spent, start in zip(least, starts, strict=True)):
+            best = max(best, sum(points[room] for share in shares for room in share))
+    assert best_score(costs, starts, points, visit) == best

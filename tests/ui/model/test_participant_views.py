@@ -22,6 +22,7 @@ from thbridge.roles.view import (
     AnswerDialogue,
     CallBack,
     Consent,
+    Debrief,
     GiveConsent,
     GiveUp,
     GiveUpTreasure,
@@ -29,6 +30,7 @@ from thbridge.roles.view import (
     IdentifyTreasure,
     PlayAgain,
     RequestSuggestion,
+    RoomDebrief,
     SelectRoom,
     SendRobot,
     SenseTreasure,
@@ -465,14 +467,39 @@ def test_the_end_says_why_and_what_came_of_it():
     assert screen.ending.title == "The game is over. Score: 20"
     assert screen.ending.lines == (
         "No robot has the energy to go any further.",
-        "2 of 3 rooms visited.",
-        "1 treasure named, 1 rightly.",
-        "Left where it was: in room 1.",
+        "2 of 3 rooms visited. 1 treasure named, 1 rightly.",
+        "Room 1: left where it was.",
         "Room 3: can is right, 20 points won.",
+        "Thank you for playing.",
     )
     model.do(AnotherGame(), 0.0)
     assert model.requests() == (PlayAgain(1),)
     assert model.screen(0.0).ending.again.pending
+
+
+def test_the_end_tells_what_was_in_the_rooms_and_what_was_possible_where_the_study_tells():
+    wrong = with_room(FOUND, 3, verdict=IdentificationVerdict("can", -30))
+    played = with_room(wrong, 1, state="visited", left=True)
+    rooms = (RoomDebrief(1, "beer_bottle", 20), RoomDebrief(2, "can", 10), RoomDebrief(3, "ball", 30))
+    told = Debrief(rooms, 60, "Thank you.\nPlease fetch the researcher.")
+    ending = model_of(structs.replace(played, score=-30, over="given-up", debrief=told)).screen(0.0).ending
+    assert ending.lines[2:] == (
+        "With the same energy, 60 points were possible.",
+        "Room 1: left where it was; it was beer bottle, 20 points.",
+        "Room 2: not visited; there was can, 10 points.",
+        "Room 3: can is wrong, 30 points lost. It was ball, 30 points.",
+        "Thank you.\nPlease fetch the researcher.",
+    )
+
+
+def test_points_are_told_before_a_name_is_given_where_the_study_tells():
+    model = model_of(structs.replace(FOUND, worth=(20, None), wrong_share=0.5))
+    assert model.screen(0.0).popup.worth == (20, None)
+    model.do(PickName("ball"), 0.0)
+    hint = model.screen(0.0).popup.name_it.hint
+    assert "it wins 20 points; a wrong name loses 50% of the points of what it is." in hint
+    model.do(PickName("can"), 0.0)
+    assert "A right name wins points" in model.screen(0.0).popup.name_it.hint
 
 
 def test_a_picture_is_shown_when_all_of_it_is_there():

@@ -34,8 +34,17 @@ def build_keeper(setting: StudySetting, history: tuple[Event, ...] = (), last_ga
 
 def build_briefing(setting: StudySetting) -> Briefing:
     """Return the briefing of participants."""
-    treasures = treasure_names(setting)
-    return Briefing(build_floor_plan(setting), treasures, setting.templates.pictures, setting.consent)
+    treasures, shows = treasure_names(setting), setting.study.participant.shows
+    worth = {name: {kind.points for kind in setting.templates.kinds if kind.name == name} for name in treasures}
+    return Briefing(
+        floor_plan=build_floor_plan(setting),
+        names=treasures,
+        pictures=setting.templates.pictures,
+        consent=setting.consent,
+        worth=tuple(min(each) if len(each) == 1 else None for each in worth.values()) if shows.points else (),
+        answers=shows.answers,
+        farewell=setting.farewell,
+    )
 
 
 def build_floor_plan(setting: StudySetting) -> FloorPlan:

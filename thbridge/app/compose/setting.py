@@ -19,7 +19,7 @@ from thbridge.hunt.costs import CostMatrix
 from thbridge.study.study_file import CostModel, Study
 
 LARGEST_CONSENT = 8000
-"""Bytes of the text that participants agree to; it must fit into one line with the rest of a view."""
+"""Bytes of the text that participants agree to, and of the farewell: they must fit into one line with a view's rest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +33,7 @@ class StudySetting:
         costs: energy of every move between places of the game.
         by_position: moves from elsewhere are priced by where the robot stands; else they cost what `costs` says.
         consent: text that participants have to agree to; None: nothing.
+        farewell: text for the end of a game; may be empty.
     """
 
     study: Study
@@ -41,6 +42,7 @@ class StudySetting:
     costs: CostMatrix
     by_position: bool
     consent: str | None = None
+    farewell: str = ""
 
     def floor(self) -> TraversabilityMap:
         """Return the map's floor, for robots of the study's footprint."""
@@ -76,7 +78,7 @@ def read_setting(study: Study, beside: Path, resources: Resources | None = None)
     path = _costs_file(study, beside, place, folder, templates, resources)
     costs, model = _costs(path, place), study.game.cost_model
     by_position = path == place.costs if model is None else model is CostModel.POSITION
-    return StudySetting(study, place, templates, costs, by_position, _consent(study, beside))
+    return StudySetting(study, place, templates, costs, by_position, _consent(study, beside), _farewell(study, beside))
 
 
 def _consent(study: Study, beside: Path) -> str | None:
@@ -89,6 +91,12 @@ def _consent(study: Study, beside: Path) -> str | None:
         problem, remedy = "there is nothing to agree to in it", "write the text, or take `participant: consent:` away"
         raise BadFile(path, problem, remedy)
     return text
+
+
+def _farewell(study: Study, beside: Path) -> str:
+    """Return the text for the end of a game; empty where the study names none."""
+    farewell = study.participant.farewell
+    return "" if farewell is None else read_text(beside / farewell, LARGEST_CONSENT).strip()
 
 
 def _floor(study: Study, place: Map) -> TraversabilityMap:

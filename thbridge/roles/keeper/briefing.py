@@ -15,9 +15,15 @@ class Briefing:
         names: possible names of treasures; sent once one was sensed.
         pictures: image files by name; each is sent once it was taken.
         consent: text that participants have to agree to before anything else; None asks nothing.
+        worth: points of each of `names`, None where treasures of this name differ; empty: they are not told.
+        answers: True when it is told after the game what was in the rooms.
+        farewell: thanks, and what comes next; may be empty.
     """
 
     floor_plan: FloorPlan | None = None
     names: tuple[str, ...] = ()
     pictures: Mapping[str, bytes] = field(default_factory=dict)
     consent: str | None = None
+    worth: tuple[int | None, ...] = ()
+    answers: bool = False
+    farewell: str = ""

@@ -9,7 +9,7 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.dialogues import GameDialogues
-from thbridge.roles.view import IdentificationVerdict, RefusalView, RobotView, RoomView, View
+from thbridge.roles.view import Debrief, IdentificationVerdict, RefusalView, RobotView, RoomView, View
 
 
 def view_of(
@@ -20,8 +20,10 @@ def view_of(
     *,
     robots_ready: bool,
     asked_back: Collection[int] = (),
+    debrief: Debrief | None = None,
 ) -> View:
     """Return the participant's view; it never reads the treasures themselves, only what was found out about them."""
+    sensed = any(room.sensed is not None for room in state.rooms)
     return View(
         game=state.started.game,
         ready=robots_ready,
@@ -35,10 +37,13 @@ def view_of(
         picture_cost=state.started.picture_cost,
         identify_cost=state.started.identify_cost,
         refusal=refusal,
-        names=briefing.names if any(room.sensed is not None for room in state.rooms) else (),
+        names=briefing.names if sensed else (),
         consent=None if state.agreed else briefing.consent,
         thinking=dialogues.asked_for_advice,
         by_position=state.by_position,
+        debrief=debrief,
+        worth=briefing.worth if sensed else (),
+        wrong_share=state.started.wrong_share if briefing.worth else None,
     )
 
 

@@ -4,6 +4,7 @@ It lives beside the router, sees every line that is forwarded (a *tap*), and tak
 are events; the caller must write them to the journal before it passes on the messages of the same step.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import get_args
@@ -31,6 +32,7 @@ from thbridge.protocols.text.notice import (
 )
 from thbridge.protocols.text.router import Forwarded
 from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.keeper.debriefing import debrief_of
 from thbridge.roles.keeper.disclosure import view_of
 from thbridge.roles.keeper.legacy_lines import LegacyLines, request_kind
 from thbridge.roles.keeper.open_game import OpenGame
@@ -58,7 +60,7 @@ from thbridge.roles.notices import (
 )
 from thbridge.roles.participant_rules import KeeperReason
 from thbridge.roles.robot_requests import CommandRequest, GameRequest
-from thbridge.roles.view import GiveConsent, ParticipantRequest, PlayAgain, SendRobot
+from thbridge.roles.view import Debrief, GiveConsent, ParticipantRequest, PlayAgain, SendRobot
 
 _BEFORE_AGREEING = RequestRefused(KeeperReason.NOT_AGREED, "You have not agreed to take part yet.")
 _AFTER_AGREEING = {kind_of(kind) for kind in get_args(ParticipantRequest)} - {kind_of(GiveConsent)}
@@ -127,6 +129,7 @@ class Keeper:
         self._hider_ready = False
         self._participants = Participants(KEEPER, self._briefing)
         self._poses: tuple[tuple[float, float, float], ...] | None = None
+        self._debrief: Debrief | None = None
         self._ordered: Orders | None = None
         # Of the current step, and of the last one.
         self._has_input = False
@@ -347,8 +350,20 @@ class Keeper:
                 self._briefing,
                 robots_ready=self._team is not None,
                 asked_back=self._game.asked_back,
+                debrief=self._debriefed(state),
             )
         )
+
+    def _debriefed(self, state: GameState) -> Debrief | None:
+        """Return the debrief of a game that is over, made once."""
+        if state.ended is None:
+            self._debrief = None
+        elif self._debrief is None:
+            rows = () if self._team is None else self._team.from_starts
+            starts = [[math.inf if cost is None else cost for cost in row] for row in rows]
+            by_matrix = [state.started.costs.rows[0]] * len(state.robots)
+            self._debrief = debrief_of(state, starts or by_matrix, self._briefing)
+        return self._debrief
 
     def _give_orders(self, state: GameState, *, with_poses: bool) -> None:
         orders = Orders(

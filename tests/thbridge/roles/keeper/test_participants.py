@@ -33,6 +33,7 @@ from thbridge.roles.participant.tabui import RENEWAL_PERIOD, TabUI
 from thbridge.roles.view import (
     AnswerDialogue,
     CallBack,
+    Debrief,
     GiveConsent,
     GiveUp,
     GiveUpTreasure,
@@ -310,3 +311,29 @@ def test_nothing_of_a_treasure_is_told_before_the_game_reveals_it(strategy, seed
                     revealed.add(name)
     assert pictures > 0
     assert len(revealed) > 8
+
+
+def test_after_the_game_and_not_before_it_is_told_what_was_in_the_rooms_and_what_was_possible():
+    played = Played(Briefing(answers=True, farewell="Thanks."))
+    assert played.go(0, 3).debrief is None
+    view = played.say(GiveUp(1))
+    state = played.stage.keeper.state
+    assert [(room.name, room.points) for room in view.debrief.rooms] == [
+        (kind.name, kind.points) for kind in state.treasures
+    ]
+    assert view.debrief.farewell == "Thanks."
+    assert view.debrief.best == sum(kind.points for kind in state.treasures), "there is energy for every room"
+    assert played.say(PlayAgain(1)).debrief is None
+
+
+def test_a_study_may_keep_the_answers_to_itself():
+    played = Played(Briefing())
+    played.go(0, 3)
+    assert played.say(GiveUp(1)).debrief == Debrief()
+
+
+def test_points_are_told_with_the_names_where_the_study_tells():
+    played = Played(Briefing(names=("a", "b"), worth=(10, None)))
+    played.go(0, 3)
+    view = played.say(SenseTreasure(3))
+    assert (view.names, view.worth, view.wrong_share) == (("a", "b"), (10, None), 1.0)

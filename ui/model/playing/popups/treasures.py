@@ -5,14 +5,14 @@ from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import TreasureIdentified, TreasureLeft
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import name_in_words
-from thbridge.roles.view import GiveUpTreasure, OpenDialogue, RoomView
+from thbridge.roles.view import GiveUpTreasure, OpenDialogue, RoomView, View
 from ui.model.keys import keyed
 from ui.model.playing.pictures import Pictures
 from ui.model.playing.popup_queue import TreasureItem
 from ui.model.playing.popups.dialogues import dialogue_popup
 from ui.model.playing.possible import ends_game, is_allowed, why_not_name, why_not_picture, why_not_work
 from ui.model.playing.state import HuntMemory
-from ui.model.playing.words import titled, verdict_words
+from ui.model.playing.words import counted, titled, verdict_words
 from ui.model.screen import Action, DialoguePopup, LeaveTreasure, ShowNext, SubmitName, TakeThePicture, TreasurePopup
 
 PICTURE_TIMEOUT = 5.0
@@ -49,6 +49,7 @@ def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: flo
         aside=later if room.undecided else close,
         picture_note=_picture_note(hunt, room, now) if picture is None else "",
         typed="" if hunt.choice is None else hunt.choice.typed(now),
+        worth=view.worth,
     )
 
 
@@ -91,11 +92,27 @@ def _name_it(hunt: HuntMemory, item: TreasureItem) -> Action:
     refused = why_not_name(hunt.known, item.robot, item.room)
     if refused is None and picked is None:
         refused = "Pick a name first." if view.names else "Wait until it is known what it may be called."
-    cost = f"Costs {energy_text(view.identify_cost)} energy. A right name wins points, a wrong one loses some."
+    cost = f"Costs {energy_text(view.identify_cost)} energy. {_stakes(view, picked)}"
     if ends_game(hunt.known, TreasureIdentified(Room(item.room), item.robot, "", 0, view.identify_cost)):
         cost += " Then the game ends."
     label = "Name it" if picked is None else f"Name it {name_in_words(picked)}"
     return keyed(SubmitName(), label, refused is None and not busy, refused or cost, busy)
+
+
+def _stakes(view: View, picked: str | None) -> str:
+    """The points that a name may win and lose, with their number where it is told."""
+    worth = dict(zip(view.names, view.worth, strict=False)).get(picked or "")
+    if worth is None:
+        return "A right name wins points, a wrong one loses some."
+    match view.wrong_share:
+        case None:
+            wrong = "some"
+        case 0.0:
+            wrong = "none"
+        case share:
+            wrong = "the points" if share == 1.0 else f"{share:.0%} of the points"
+            wrong += " of what it is"
+    return f"If it is right, it wins {counted(worth, 'point')}; a wrong name loses {wrong}."
 
 
 def _leave(hunt: HuntMemory, item: TreasureItem) -> Action:

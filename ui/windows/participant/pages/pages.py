@@ -96,10 +96,12 @@ class EndingPanel(TitledPanel):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__("The game is over", parent)
-        self._lines = look.label(size="title")
+        self._lines = look.label()
+        self._lines.setAlignment(Qt.AlignmentFlag.AlignTop)
+        self._area = _text_area(self._lines, "How it ended")
         self.again = ActionButton("main")
         self.again.requested.connect(self.requested)
-        self.rows.addWidget(self._lines, 1)
+        self.rows.addWidget(self._area, 1)
         self.rows.addWidget(self.again)
 
     def show_ending(self, ending: GameOverPage) -> None:
@@ -107,6 +109,12 @@ class EndingPanel(TitledPanel):
         self.entitle(ending.title)
         set_text(self._lines, "\n".join(ending.lines))
         self.again.show_action(ending.again)
+
+    def wanted(self, width: int, height: int) -> QSize:
+        """Return a size as high as its lines, if there is space; else they scroll."""
+        lines = self._lines.heightForWidth(width - 8 * GAP)
+        around = self.top.sizeHint().height() + self.again.sizeHint().height() + 8 * GAP
+        return QSize(width, min(height, lines + around))
 
 
 class KeyCap(QWidget):
@@ -137,11 +145,7 @@ class HelpSheet(TitledPanel):
         self.close_button = ActionButton()
         self.close_button.requested.connect(self.requested)
         self.top.addWidget(self.close_button)
-        self._area = QScrollArea(widgetResizable=True)
-        self._area.setFrameShape(QFrame.Shape.NoFrame)
-        self._area.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self._area.setAccessibleName("The rules, the keys and what they do")
-        self._area.viewport().setAutoFillBackground(False)
+        self._area = _text_area(None, "The rules, the keys and what they do")
         self.rows.addWidget(self._area, 1)
         self._shown: tuple[tuple[str, ...], tuple[tuple[str, str], ...]] | None = None
 
@@ -170,6 +174,19 @@ class HelpSheet(TitledPanel):
         inside = self._area.widget()
         lines = inside.sizeHint().height() if inside is not None else 0
         return QSize(width, min(height, lines + self.top.sizeHint().height() + 6 * GAP))
+
+
+def _text_area(inside: QWidget | None, name: str) -> QScrollArea:
+    """Make an area that scrolls a text, with this name for assistive technology."""
+    area = QScrollArea(widgetResizable=True)
+    area.setFrameShape(QFrame.Shape.NoFrame)
+    area.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    area.setAccessibleName(name)
+    area.viewport().setAutoFillBackground(False)
+    if inside is not None:
+        area.setWidget(inside)
+        inside.setAutoFillBackground(False)
+    return area
 
 
 def _foot(rows: QVBoxLayout) -> QHBoxLayout:

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import (
 )
 
 from thbridge.hunt.treasures import name_in_words
+from ui.model.playing.words import counted
 from ui.windows.look import GAP, px
 from ui.windows.participant.widgets import focus
 
@@ -32,15 +33,16 @@ class NameList(QListWidget):
         self.setProperty("roomy", True)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._names: tuple[str, ...] = ()
+        self._worth: tuple[int | None, ...] = ()
         self._picked: str | None = None
         self._high = 24
         self.itemClicked.connect(lambda item: self.picked.emit(self._names[self.row(item)]))
 
-    def show_names(self, names: tuple[str, ...], picked: str | None) -> None:
-        """Show these names, with this one picked."""
+    def show_names(self, names: tuple[str, ...], picked: str | None, worth: tuple[int | None, ...] = ()) -> None:
+        """Show these names with their points, as far as they are known, and with this one picked."""
         self._picked = picked
-        if names != self._names or self.count() == 0:
-            self._names = names
+        if (names, worth) != (self._names, self._worth) or self.count() == 0:
+            self._names, self._worth = names, worth
             self._fill()
             self.updateGeometry()
         self._pick()
@@ -92,7 +94,8 @@ class NameList(QListWidget):
 
     def _fill(self) -> None:
         self.clear()
-        self.addItems([name_in_words(name) for name in self._names])
+        told = dict(zip(self._names, self._worth, strict=False))
+        self.addItems([_words(name, told.get(name)) for name in self._names])
         self._high = max(self.sizeHintForRow(0), self._high)
 
     def _pick(self) -> None:
@@ -104,3 +107,8 @@ class NameList(QListWidget):
             self.clearSelection()
         else:
             self.setCurrentRow(row)
+
+
+def _words(name: str, points: int | None) -> str:
+    """A name as the list has it, with its points where they are known."""
+    return name_in_words(name) if points is None else f"{name_in_words(name)} · {counted(points, 'point')}"

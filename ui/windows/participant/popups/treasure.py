@@ -71,7 +71,7 @@ class TreasurePanel(TitledPanel):
         if pop.take_picture is not None:
             self.take_picture.show_action(pop.take_picture)
         decided = pop.verdict is not None
-        self.names.show_names(() if decided else pop.names, pop.picked)
+        self.names.show_names(() if decided else pop.names, pop.picked, pop.worth)
         self.names.setVisible(not decided)
         set_text(self._asking, f"What is it? {pop.typed}…" if pop.typed else "What is it?")
         self._asking.setVisible(not decided)

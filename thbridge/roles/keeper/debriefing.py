@@ -1,0 +1,28 @@
+"""Debrief of participants after a game: what was in the rooms, and what could have been won."""
+
+from collections.abc import Sequence
+
+from thbridge.hunt.game import GameState
+from thbridge.hunt.team_tour import MOST_ROOMS_OF_A_TEAM, TourStart, best_score
+from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.view import Debrief, RoomDebrief
+
+
+def debrief_of(state: GameState, from_starts: Sequence[Sequence[float]], briefing: Briefing) -> Debrief:
+    """Return the debrief of a game that is over.
+
+    Args:
+        state: of the game.
+        from_starts: energy from the start of each robot to each place, by the number people use.
+        briefing: of the study's participants.
+    """
+    treasures = state.treasures
+    if treasures is None or not briefing.answers:
+        return Debrief(farewell=briefing.farewell)
+    points = {room: kind.points for room, kind in zip(state.started.costs.rooms, treasures, strict=True)}
+    best = None
+    if len(points) <= MOST_ROOMS_OF_A_TEAM:
+        starts = [TourStart(tuple(row), state.started.energy) for row in from_starts]
+        best = best_score(state.started.costs, starts, points, state.started.identify_cost)
+    rooms = (RoomDebrief(room.people, kind.name, kind.points) for room, kind in zip(points, treasures, strict=True))
+    return Debrief(tuple(rooms), best, briefing.farewell)
