@@ -11,6 +11,8 @@ from thbridge.recording.bag.bag_file import BagFile
 from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reader import info, recorded
 from thbridge.recording.bag.records import BagConnection
+from thbridge.recording.bag.repair import compression_of
+from thbridge.recording.recordings import parts_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,13 +23,13 @@ class CutRange:
         start: seconds from the recording's first message, inclusive.
         end: seconds from the recording's first message, inclusive.
         topics: names of the topics to copy; None for all.
-        compression: compression of the new bag.
+        compression: compression of the new bag; None for that of the recording.
     """
 
     start: float = 0.0
     end: float = math.inf
     topics: tuple[str, ...] | None = None
-    compression: Compression = Compression.NONE
+    compression: Compression | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +79,7 @@ def cut(bag: Path, piece: CutRange, out: Path, overwrite: bool = False) -> CutRe
     start_ns = found.start_ns + round(piece.start * 1e9)
     end_ns = found.end_ns if math.isinf(piece.end) else found.start_ns + round(piece.end * 1e9)
     with new_file(out, bag, overwrite) as path:
-        target = BagFile(path, piece.compression)
+        target = BagFile(path, piece.compression or compression_of(parts_of(bag)[0]))
         messages, carried, last_ns = _copy(bag, piece.topics, start_ns, end_ns, target)
         target.close()
         if not messages:

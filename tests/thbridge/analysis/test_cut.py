@@ -60,6 +60,13 @@ def test_only_some_topics(tmp_path: Path, bag: Path) -> None:
 
 
 @pytest.mark.parametrize("compression", Compression)
+def test_a_piece_is_packed_as_its_recording(tmp_path: Path, bag: Path, compression: Compression) -> None:
+    packed = cut(bag, CutRange(compression=compression), tmp_path / "packed.bag").path
+    done = cut(packed, CutRange(0.5), tmp_path / "b.bag")
+    assert {record.compression for record in scan(done.path) if isinstance(record, ChunkRecord)} == {compression}
+
+
+@pytest.mark.parametrize("compression", Compression)
 def test_compression(tmp_path: Path, bag: Path, compression: Compression) -> None:
     done = cut(bag, CutRange(compression=compression), tmp_path / "b.bag")
     assert {record.compression for record in scan(done.path) if isinstance(record, ChunkRecord)} == {compression}

@@ -40,7 +40,7 @@ def reindex(path: Path) -> RepairResult:
     Raises:
         BadFile: it is not a ROS 1 bag, a file is in the way, or the disk is full.
     """
-    compression = _compression(path)
+    compression = compression_of(path)
     repaired = path.with_name(path.name.removesuffix(ACTIVE))
     backup = repaired.with_name(f"{repaired.stem}.orig{repaired.suffix}")
     fresh = repaired.with_name(repaired.name + ".reindexing")
@@ -59,8 +59,8 @@ def reindex(path: Path) -> RepairResult:
     return RepairResult(repaired, backup, messages, end_ns, lost)
 
 
-def _compression(path: Path) -> Compression:
-    """The compression of the first chunk, where it is one that we write."""
+def compression_of(path: Path) -> Compression:
+    """The compression of a file's first chunk, where it is one that we write; else none."""
     name = next((record.compression for record in scan(path) if isinstance(record, ChunkRecord)), Compression.NONE)
     return Compression(name) if name in set(Compression) else Compression.NONE
 

@@ -98,7 +98,9 @@ def bag_cut_command(
     start: Annotated[float, typer.Option("--from", help="Seconds from its beginning.", min=0.0)] = 0.0,
     end: Annotated[float | None, typer.Option("--until", help="Seconds from its beginning; by default all.")] = None,
     topics: Annotated[str | None, typer.Option(help="Names with commas between; by default all.")] = None,
-    compression: Annotated[Compression, typer.Option(help="Of the new bag.")] = Compression.NONE,
+    compression: Annotated[
+        Compression | None, typer.Option(help="Of the new bag; by default as the bag is packed.")
+    ] = None,
     new: Out = None,
     overwrite: Overwrite = False,
     as_json: AsJson = False,
