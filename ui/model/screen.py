@@ -297,6 +297,7 @@ class DialoguePopup:
         choices: possible answers; none while the robot thinks.
         aside: puts the pop-up aside.
         warning: caution before answering: enough energy to get there, but not to take a picture or name the treasure.
+        room: number of the room that it is about; None where the robot has not said one yet.
     """
 
     robot: int
@@ -305,6 +306,7 @@ class DialoguePopup:
     choices: tuple[Action, ...]
     aside: Action
     warning: str = ""
+    room: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -434,7 +436,7 @@ class Screen:
         ask_advice: asks the selected robot for advice.
         end: ends the game.
         tools: follow, fit, help.
-        popup: in the middle of the window; at most one.
+        popup: below the rooms, or in a corner of the map; at most one.
         confirmation: question drawn above everything else.
         waiting: pop-ups that wait behind the one shown, oldest first.
         history: oldest first.

@@ -1,8 +1,11 @@
-"""The map with the banner and the panel above it."""
+"""The map with the banner above it, and the place of pop-ups: below the rooms, or in a corner of the map."""
 
-from PySide6.QtCore import QEvent
+from collections.abc import Callable, Sequence
+
+from PySide6.QtCore import QEvent, QPoint, QRect, QSize
 from PySide6.QtGui import (
     QResizeEvent,
+    QShowEvent,
 )
 from PySide6.QtWidgets import (
     QSizePolicy,
@@ -11,28 +14,55 @@ from PySide6.QtWidgets import (
 
 from ui.windows.look import GAP, px
 from ui.windows.map import MapView
+from ui.windows.participant.column import SideColumn
 from ui.windows.participant.top import BannerLine
 from ui.windows.participant.widgets.panels import TitledPanel
 
 MAX_PANEL_WIDTH = 620
-"""Greatest width of a panel, `px`."""
+"""Greatest width of a panel in the middle, and of a pop-up that needs it, `px`."""
+
+POPUP = QSize(360, 380)
+"""Usual width of a pop-up in a corner, and the height that is kept for it to grow in, `px`."""
+
+_CORNERS = ((True, True), (True, False), (False, True), (False, False))
+"""Corners of the map: at the right or not, at the bottom or not."""
 
 
 class MapArea(QWidget):
-    """The map, a banner across its top, and at most one panel in its middle."""
+    """The map, a banner across its top, and the place of at most one panel.
 
-    def __init__(self, map_view: MapView) -> None:
+    A pop-up is docked in the column, below the rooms, where there is space for it; else it lies in a corner of the map,
+    away from what it is about, so that this stays in sight. Any other panel is in the middle.
+    """
+
+    def __init__(self, map_view: MapView, column: SideColumn) -> None:
         super().__init__()
-        self._map = map_view
+        self._map, self._column = map_view, column
         map_view.setParent(self)
         self.banner = BannerLine(self)
         self._panel: TitledPanel | None = None
+        self._robot: int | None = None
+        self._about: Callable[[], Sequence[QPoint]] = tuple
         self._foot: int | None = None
+        self._corner: tuple[bool, bool] | None = None
         self.setMinimumSize(240, 160)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        column.laid_out.connect(self._place_panel)
 
-    def show_panel(self, panel: TitledPanel | None) -> None:
-        """Show this panel in the middle, or none."""
+    def show_panel(
+        self, panel: TitledPanel | None, robot: int | None = None, about: Callable[[], Sequence[QPoint]] = tuple
+    ) -> None:
+        """Show this panel, or none.
+
+        Args:
+            panel: the panel.
+            robot: index of the robot that a pop-up is about; pop-ups about the same robot stay in the same corner. None
+                puts the panel in the middle.
+            about: the points on the map that a pop-up should leave in sight, pixels, the most important one first.
+        """
+        self._about = about
+        if robot != self._robot:
+            self._robot, self._corner = robot, None
         if panel is not self._panel:
             if self._panel is not None:
                 self._panel.hide()
@@ -42,10 +72,18 @@ class MapArea(QWidget):
                 panel.show()
         self._place()
 
+    def place_anew(self) -> None:
+        """Lay everything out anew, since the map has changed; a pop-up may get another corner."""
+        self._foot = self._corner = None
+        self._place()
+
     def resizeEvent(self, _event: QResizeEvent) -> None:
         """Lay everything out anew."""
-        self._foot = None
-        self._place()
+        self.place_anew()
+
+    def showEvent(self, _event: QShowEvent) -> None:
+        """Lay everything out anew: while it was hidden, Qt told the map no new size."""
+        self.place_anew()
 
     def event(self, event: QEvent) -> bool:
         """Lay out anew when a panel's words have changed, which may need another size."""
@@ -56,17 +94,60 @@ class MapArea(QWidget):
     def _place(self) -> None:
         self._map.setGeometry(self.rect())
         width = self.width() - 2 * GAP
-        high = self.banner.height_for(width)
-        self.banner.setGeometry(GAP, GAP, width, high)
+        self.banner.setGeometry(GAP, GAP, width, self.banner.height_for(width))
         self.banner.raise_()
+        self._place_panel()
+
+    def _place_panel(self) -> None:
         panel = self._panel
         if panel is None:
             return
-        top = high + 2 * GAP if high else GAP
-        size = panel.wanted(min(px(MAX_PANEL_WIDTH), self.width() - 2 * GAP), self.height() - top - GAP)
-        if self._foot is None:
-            self._foot = (top + self.height() - GAP + size.height()) // 2
-        # It grows upwards as the dialogue goes on, so that the answers stay where they are, as far as that is possible.
-        y = min(max(self._foot - size.height(), top), self.height() - GAP - size.height())
-        panel.setGeometry((self.width() - size.width()) // 2, y, size.width(), size.height())
+        free = self._column.free
+        docked = self._robot is not None and free.height() >= max(px(POPUP.height()), panel.least(free.width()))
+        home = self._column if docked else self
+        if panel.parentWidget() is not home:
+            panel.setParent(home)
+            panel.show()
+        if docked:
+            size = panel.wanted(free.width(), free.height())
+            place = QRect(QPoint(free.left(), free.top() + free.height() - size.height()), size)
+        else:
+            place = self._on_map(panel)
+        panel.setGeometry(place)
         panel.raise_()
+
+    def _on_map(self, panel: TitledPanel) -> QRect:
+        """Return the place of a panel on the map."""
+        high = self.banner.height_for(self.width() - 2 * GAP)
+        top = high + 2 * GAP if high else GAP
+        space = QRect(GAP, top, self.width() - 2 * GAP, self.height() - top - GAP)
+        widest = min(px(MAX_PANEL_WIDTH), space.width())
+        narrow = min(px(POPUP.width()), widest)
+        if self._robot is not None and panel.least(narrow) <= space.height():
+            widest = narrow
+        size = panel.wanted(widest, space.height())
+        left, foot = space.left() + (space.width() - size.width()) // 2, (space.bottom() + 1 + top + size.height()) // 2
+        if self._robot is not None:
+            at_right, at_bottom = self._corner = self._corner or self._best_corner(space, size)
+            left = space.left() + at_right * (space.width() - size.width())
+            kept = max(size.height(), min(px(POPUP.height()), space.height()))
+            foot = top + (space.height() if at_bottom else kept)
+        if self._foot is None:
+            self._foot = foot
+        # It grows upwards as the dialogue goes on, so that the answers stay where they are, as far as that is possible.
+        y = min(max(self._foot - size.height(), top), top + space.height() - size.height())
+        return QRect(QPoint(left, y), size)
+
+    def _best_corner(self, space: QRect, size: QSize) -> tuple[bool, bool]:
+        """Return the corner (at the right, at the bottom) in which a pop-up covers least of what it is about."""
+        kept = QSize(size.width(), max(size.height(), min(px(POPUP.height()), space.height())))
+        apart = space.size() - kept
+        about = self._about()
+
+        def merit(corner: tuple[bool, bool]) -> tuple[list[bool], int]:
+            at = QPoint(space.left() + corner[0] * apart.width(), space.top() + corner[1] * apart.height())
+            place = QRect(at, kept)
+            nearest = min(((place.center() - point).manhattanLength() for point in about), default=0)
+            return [not place.contains(point) for point in about], nearest
+
+        return max(_CORNERS, key=merit)

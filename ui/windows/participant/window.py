@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QEvent, Qt, QTimer
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, QTimer
 from PySide6.QtGui import (
     QAccessible,
     QAccessibleAnnouncementEvent,
@@ -73,7 +73,7 @@ name is submitted only once it can have been read."""
 
 
 class ParticipantWindow(QWidget):
-    """The map, the robots beside it, the rooms below them; pop-ups above the map.
+    """The map, the robots beside it, the rooms below them, pop-ups below those or in a corner of the map.
 
     It is a window, or a page of one. It follows the model while it is shown.
 
@@ -117,8 +117,8 @@ class ParticipantWindow(QWidget):
 
     def _build(self) -> None:
         self.connecting, self.consent = ConnectingPage(), ConsentPage()
-        self.top, self.map_area = TopStrip(), MapArea(self.map)
-        self.column, self.waiting, self.history = SideColumn(), WaitingStrip(), HistoryView()
+        self.top, self.column = TopStrip(), SideColumn()
+        self.map_area, self.waiting, self.history = MapArea(self.map, self.column), WaitingStrip(), HistoryView()
         self.dialogue, self.treasure, self.ending = DialoguePanel(), TreasurePanel(), EndingPanel()
         self.question, self.help = QuestionPanel(), HelpSheet()
         focus.make_region(self.top, "Score and tools")
@@ -219,6 +219,7 @@ class ParticipantWindow(QWidget):
             before, self._floor_plan = self._floor_plan, floor_plan
             if floor_plan != before:
                 self.map.show_floor_plan(floor_plan)
+                self.map_area.place_anew()
                 return  # Rooms and robots come with the next frame: both together would hold the window up.
         self.map.show_rooms(self._model.rooms(now))
         self.map.show_robots(self._model.robots(now))
@@ -259,7 +260,8 @@ class ParticipantWindow(QWidget):
                     self.ending.show_ending(screen.ending)
                     panel = self.ending
         if moved or before is None or (screen.popup, screen.ending) != (before.popup, before.ending):
-            self.map_area.show_panel(panel)
+            robot = None if screen.popup is None else screen.popup.robot
+            self.map_area.show_panel(panel, robot, self._subject_on_map)
         if screen.confirmation is not None:
             self.question.show_question(screen.confirmation)
             self.overlay.show_panel(self.question)
@@ -277,6 +279,18 @@ class ParticipantWindow(QWidget):
                     button.let_go()
         if before is None or _listed(screen) != _listed(before):
             self._opened_at = now
+
+    def _subject_on_map(self) -> list[QPoint]:
+        """Return the places on the map of what the pop-up is about, the robot and the room, pixels."""
+        pop = None if self._screen is None else self._screen.popup
+        if pop is None:
+            return []
+        now = self._clock()
+        places = [
+            (mark.pose.x, mark.pose.y) for mark in self._model.robots(now) if mark.robot == pop.robot and mark.pose
+        ]
+        places += [tuple(mark.region.mean(axis=0)) for mark in self._model.rooms(now) if mark.room == pop.room]
+        return [QPointF(*self.map.camera.pixel(x, y)).toPoint() for x, y in places]
 
     # Keys and focus ---------------------------------------------------------------------------------------------------
 

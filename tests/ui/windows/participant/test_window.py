@@ -5,10 +5,10 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, product
 
 import pytest
-from PySide6.QtCore import QEvent, QObject, QPoint, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
 from PySide6.QtGui import QAccessible, QCursor, QFontMetricsF
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
@@ -47,6 +47,7 @@ from ui.model.screen import (
     TypeDigit,
     TypeLetter,
 )
+from ui.model.theme import LIGHT
 from ui.windows.look import GAP, font
 from ui.windows.map import MapView
 from ui.windows.participant.cards import EDGE, PAD
@@ -185,17 +186,17 @@ def test_a_pop_up_that_comes_below_the_resting_pointer_is_not_pointed_at(qtbot: 
 
 
 def test_the_map_below_a_pop_up_that_has_gone_is_not_pointed_at(qtbot: QtBot, opened: Open) -> None:
-    shown = opened(STATES["playing"])
-    place = room_on_map(shown, 3)
-    shown.show(STATES["dialogue"])
-    shown.window.dialogue.setGeometry(shown.window.map.rect())
-    point(qtbot, shown.window.dialogue, place)
+    shown = opened(STATES["dialogue"])
+    under = covered(shown, shown.window.dialogue)
+    room = next(room for room in range(1, 9) if under.contains(room_on_map(shown, room)))
+    place = room_on_map(shown, room)
+    point(qtbot, shown.window.map, place)
     shown.done.clear()
     shown.show(STATES["playing"])
     qtbot.waitUntil(shown.window.map.underMouse)
     assert shown.done == [] and shown.window.map.hovered is None
     point(qtbot, shown.window.map, place + QPoint(3, 0))
-    assert shown.done == [ConsiderRoom(3)]
+    assert shown.done == [ConsiderRoom(room)]
 
 
 def test_a_press_begun_on_one_find_does_not_leave_the_next(qtbot: QtBot, opened: Open) -> None:
@@ -496,6 +497,60 @@ def test_the_history_keeps_up_when_its_oldest_lines_go(qtbot: QtBot, opened: Ope
     assert words.splitlines() == [f"Robot 1: Sentence {number}." for number in range(8)]
     shown.show(replace(STATES["playing"], history=(HistoryLine("game", None, "Game 2 begins."),)))
     assert shown.window.history.toPlainText() == "Game 2 begins."
+
+
+@pytest.mark.parametrize("size", [(1200, 800), (1920, 1080)])
+def test_a_pop_up_leaves_its_robot_in_sight(opened: Open, size: tuple[int, int]) -> None:
+    shown = opened(STATES["playing"], *size)
+    window = shown.window
+    for robot, room in product(range(3), range(1, 9)):
+        for pop, panel in (
+            (replace(samples.dialogue(), robot=robot, room=room), window.dialogue),
+            (replace(samples.treasure(), robot=robot, room=room), window.treasure),
+        ):
+            shown.show(STATES["playing"])
+            shown.show(replace(STATES["playing"], popup=pop))
+            pose = next(mark.pose for mark in shown.model.robots(0.0) if mark.robot == robot)
+            x, y = window.map.camera.pixel(pose.x, pose.y)
+            assert not covered(shown, panel).contains(QPoint(round(x), round(y))), (robot, room)
+            if size == (1920, 1080):
+                assert not covered(shown, panel).intersects(window.map.rect()), "it is docked below the rooms"
+
+
+@pytest.mark.parametrize("size", [(1024, 600), (1200, 800)])
+def test_a_find_leaves_its_room_in_sight(opened: Open, size: tuple[int, int]) -> None:
+    shown = opened(STATES["playing"], *size)
+    shown.model.robots = lambda _now: ()
+    for room in (1, 2, 3, 6, 7, 8):
+        shown.show(STATES["playing"])
+        shown.show(replace(STATES["playing"], popup=replace(samples.treasure(), room=room)))
+        assert not covered(shown, shown.window.treasure).contains(room_on_map(shown, room)), room
+
+
+def covered(shown: Opened, panel: QWidget) -> QRect:
+    """The place of a panel, in pixels of the map."""
+    return QRect(shown.window.map.mapFromGlobal(panel.mapToGlobal(QPoint(0, 0))), panel.size())
+
+
+def test_a_pop_up_stays_where_it_is_while_all_is_about_one_robot(opened: Open) -> None:
+    find = samples.treasure()
+    shown = opened(replace(STATES["playing"], popup=find))
+    before = shown.window.treasure.geometry().left()
+    shown.show(replace(STATES["playing"], popup=replace(samples.dialogue(), robot=find.robot, room=find.room)))
+    assert shown.window.dialogue.geometry().left() == before
+
+
+def test_a_question_makes_the_answer_stand_out_that_changes_nothing(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["question"])
+    no, yes = shown.window.question.no, shown.window.question.yes
+    accent = LIGHT.accent
+    assert [one.grab().toImage().pixelColor(6, one.height() // 2).name() == accent for one in (no, yes)] == [
+        True,
+        False,
+    ]
+    press(qtbot, shown.window, "F6")
+    press(qtbot, shown.window, "Return")
+    assert shown.done == [Cancel()], "it has the focus first"
 
 
 # How it looks ---------------------------------------------------------------------------------------------------------

@@ -25,7 +25,9 @@ def destination_popup(hunt: HuntMemory, item: DestinationItem) -> DialoguePopup 
         about = f" about room {asked.room}" if isinstance(asked, SelectRoom) else " for its advice"
         never_mind = keyed(ShowNext(), "Never mind", hint="Do not ask it.")
         sentences = _request(hunt, item.robot)
-        return DialoguePopup(item.robot, f"Asking {robot_name(item.robot)}{about} …", sentences, (), never_mind)
+        title = f"Asking {robot_name(item.robot)}{about} …"
+        room = asked.room if isinstance(asked, SelectRoom) else None
+        return DialoguePopup(item.robot, title, sentences, (), never_mind, room=room)
     return None if dialogue is None else dialogue_popup(hunt, dialogue)
 
 
@@ -46,7 +48,8 @@ def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
     )
     later = keyed(ShowNext(), "Later", hint="The robot waits for your answer.")
     mind = energy_warning(hunt.known, dialogue.robot, dialogue.room) if dialogue.matter == "select-room" else ""
-    return DialoguePopup(dialogue.robot, dialogue_title(hunt, dialogue), tuple(sentences), choices, later, mind)
+    title = dialogue_title(hunt, dialogue)
+    return DialoguePopup(dialogue.robot, title, tuple(sentences), choices, later, mind, dialogue.room)
 
 
 def dialogue_title(hunt: HuntMemory, dialogue: DialogueView) -> str:

@@ -78,7 +78,8 @@ class QuestionPanel(TitledPanel):
         self._text = look.label()
         self.rows.addWidget(self._text, 1)
         foot = _foot(self.rows)
-        self.no, self.yes = ActionButton(hints=True), ActionButton("main", hints=True)
+        # What cannot be undone is never the button that stands out.
+        self.no, self.yes = ActionButton("main", hints=True), ActionButton(hints=True)
         for button in (self.no, self.yes):
             button.requested.connect(self.requested)
             foot.addWidget(button)

@@ -84,15 +84,24 @@ class TitledPanel(QFrame):
         self._chip.show_robot(robot)
         self.setAccessibleName(title)
 
+    def least(self, width: int) -> int:
+        """Return the height that it needs at least in a width, logical pixels; with less it scrolls."""
+        around = self._edges()
+        return least_height(self.rows, width - around.width()) + around.height()
+
     def wanted(self, width: int, height: int) -> QSize:
         """Return its size when there is at most so much space."""
-        around = self.size() - self.contentsRect().size() + QSize(2 * GAP, 2 * GAP)
+        around = self._edges()
         wide = width - around.width()
         if self._inside.width() not in (wide, wide - self._scrolling.verticalScrollBar().sizeHint().width()):
             self._inside.resize(wide, self._inside.height())
         self.rows.activate()
         needed = self.rows.heightForWidth(wide) if self.rows.hasHeightForWidth() else self.rows.sizeHint().height()
         return QSize(width, min(max(needed, least_height(self.rows, wide)) + around.height(), height))
+
+    def _edges(self) -> QSize:
+        """Return the size of its frame and of the space inside it."""
+        return self.size() - self.contentsRect().size() + QSize(2 * GAP, 2 * GAP)
 
 
 class PanelScrollArea(QScrollArea):
