@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from msgspec import structs
-from PySide6.QtWidgets import QApplication, QMessageBox
+from PySide6.QtWidgets import QApplication
 
 from pictured.hunt import PicturedHunt, with_robot
 from pictured.shot import Shot, Story
@@ -319,8 +319,7 @@ def leaving() -> Iterator[Shot]:
     game = window.game
     game.pump()
     window.close()
-    box = window.findChild(QMessageBox)
-    yield Shot("leave", window, game.window_of_game.set_palette, over=box)
+    yield Shot("leave", window, game.window_of_game.set_palette)
     window.leave()
 
 

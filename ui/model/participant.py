@@ -46,6 +46,11 @@ class Participant:
         """The robot to keep in the middle of the map."""
         return self._memory.followed
 
+    @property
+    def leaving(self) -> bool:
+        """True once the participant has agreed to close the window."""
+        return self._memory.leaving
+
     def receive(self, level: View | FloorPlan | PoseTelemetry | PlannedPaths | PicturePiece, now: float) -> None:
         """Take a message of the game."""
         memory = self._memory

@@ -157,6 +157,13 @@ class EndGame(Act):
 
 
 @dataclass(frozen=True, slots=True)
+class CloseWindow(Act):
+    """Close the window while the game goes on, after a confirmation; `ends` where that ends the game."""
+
+    ends: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Confirm(Act):
     """Answer yes to a `Confirmation`; an act of its own, so that a double click never says yes unread."""
 

@@ -18,7 +18,6 @@ from PySide6.QtWidgets import (
     QApplication,
     QHBoxLayout,
     QMainWindow,
-    QMessageBox,
     QStackedWidget,
     QVBoxLayout,
     QWidget,
@@ -39,7 +38,7 @@ from ui.model.lobby import (
 )
 from ui.model.participant import Participant
 from ui.model.practice import advice
-from ui.model.screen import Phase
+from ui.model.screen import CloseWindow, Phase
 from ui.windows import look, pointer
 from ui.windows.link import ParticipantLink, ServerLost, ServerReached
 from ui.windows.look import GAP, spaced
@@ -110,6 +109,15 @@ class GamePage(QWidget):
     def in_progress(self) -> bool:
         """True when something would be lost if the participant left now."""
         return not self._practice and self._model.screen(self._clock()).phase is Phase.PLAYING
+
+    @property
+    def leaving(self) -> bool:
+        """True once the participant has agreed to leave."""
+        return self._model.leaving
+
+    def ask_to_leave(self, ends: bool) -> None:
+        """Ask the participant whether to leave; `ends` where that ends the game."""
+        self.window_of_game.do(CloseWindow(ends))
 
     def pump(self) -> None:
         """Take the events from the server, and set the open requests."""
@@ -197,7 +205,7 @@ class ParticipantMainWindow(QMainWindow):
         """Ask first in the middle of a game."""
         if not self._leaving and self.game is not None and self.game.in_progress:
             event.ignore()
-            self._ask_to_leave()
+            self.game.ask_to_leave(ends=self._send_to_host is not None)
             return
         self._pumping.stop()
         if self.game is not None:
@@ -206,25 +214,6 @@ class ParticipantMainWindow(QMainWindow):
         self._send(WindowClosed())
         event.accept()
         QApplication.quit()
-
-    def _ask_to_leave(self) -> None:
-        box = QMessageBox(self)
-        box.setWindowTitle("Treasure hunt")
-        box.setText("The game is not over. Leave it?")
-        ends = (
-            "The game ends if you leave it."
-            if self._send_to_host is not None
-            else "The robots go on with what they are doing; you can come back."
-        )
-        box.setInformativeText(ends)
-        leave = box.addButton("Leave the game", QMessageBox.ButtonRole.DestructiveRole)
-        stay = box.addButton("Stay", QMessageBox.ButtonRole.RejectRole)
-        box.setDefaultButton(stay)
-        box.setEscapeButton(stay)
-        leave.setAutoDefault(False)  # else it is Enter's once other colours are put on
-        box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        leave.clicked.connect(self.leave)
-        box.open()
 
     def _show_start(self, offer: Offer) -> None:
         page = StartPage(offer.least, offer.most, offer.usual, offer.rules)
@@ -252,6 +241,8 @@ class ParticipantMainWindow(QMainWindow):
     def _pump(self) -> None:
         if self.game is not None:
             self.game.pump()
+            if self.game.leaving:
+                self.leave()
 
 
 class HostPipe(QObject):

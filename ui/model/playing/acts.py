@@ -36,6 +36,7 @@ from ui.model.playing.state import (
     HuntMemory,
     LeaveLast,
     LeaveUndecided,
+    LeaveWindow,
     ParticipantMemory,
     PendingStep,
     Reroute,
@@ -51,6 +52,7 @@ from ui.model.screen import (
     Cancel,
     ChooseRobot,
     ChooseRoom,
+    CloseWindow,
     Confirm,
     ConsiderRoom,
     EndGame,
@@ -115,6 +117,9 @@ def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) 
                 _carry_out(memory, hunt, hunt.pending_step)
         case Cancel():
             _cancel(memory, hunt)
+        case CloseWindow(ends):
+            # It replaces any other question and the sheet of rules, which would keep its answers' keys.
+            hunt.pending_step, memory.help_open = LeaveWindow(ends), False
         case _ if hunt.pending_step is not None:
             note(memory, "Please answer the question first.", now)
         case ChooseRoom(room):
@@ -268,6 +273,8 @@ def _carry_out(memory: ParticipantMemory, hunt: HuntMemory, step: PendingStep) -
             memory.history.add_request(request.robot, hunt.ask_to_go(request))
         case EndGameEarly():
             hunt.pending.ask(GiveUp(hunt.view.game), hunt.view)
+        case LeaveWindow():
+            memory.leaving = True
         case LeaveLast(room):
             hunt.pending.ask(GiveUpTreasure(room), hunt.view)
 

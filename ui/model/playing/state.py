@@ -43,7 +43,14 @@ class LeaveLast:
     room: int
 
 
-PendingStep = Reroute | LeaveUndecided | EndGameEarly | LeaveLast
+@dataclass(frozen=True, slots=True)
+class LeaveWindow:
+    """The window is to be closed while the game goes on; `ends` where that ends the game."""
+
+    ends: bool
+
+
+PendingStep = Reroute | LeaveUndecided | EndGameEarly | LeaveLast | LeaveWindow
 """A step that waits for the participant's confirmation."""
 
 
@@ -178,6 +185,7 @@ class ParticipantMemory:
         pictures: pictures taken in this game.
         last_refusal: number of the last refusal.
         last_drawn: state behind the last screen.
+        leaving: True once the participant has agreed to close the window.
     """
 
     hunt: HuntMemory | None = None
@@ -195,6 +203,7 @@ class ParticipantMemory:
     pictures: Pictures = field(default_factory=Pictures)
     last_refusal: int = 0
     last_drawn: DrawnState = field(default_factory=DrawnState)
+    leaving: bool = False
 
     def motion(self, robot: int) -> RobotMotion:
         """Progress of a robot on its path by the last telemetry; an older program that moves robots sends none."""

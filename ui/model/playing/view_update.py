@@ -26,7 +26,15 @@ from thbridge.roles.view import (
 from ui.model.playing.history import GameHistory, stopped_words
 from ui.model.playing.popup_queue import DestinationItem, PopupItem, TreasureItem
 from ui.model.playing.possible import ends_game, why_not_command, why_not_end, why_not_go, why_not_name
-from ui.model.playing.state import EndGameEarly, HuntMemory, LeaveLast, LeaveUndecided, ParticipantMemory, Reroute
+from ui.model.playing.state import (
+    EndGameEarly,
+    HuntMemory,
+    LeaveLast,
+    LeaveUndecided,
+    LeaveWindow,
+    ParticipantMemory,
+    Reroute,
+)
 from ui.model.playing.words import as_sentence, how_it_comes_back, place_name, titled
 
 NOTE = 6.0
@@ -255,6 +263,8 @@ def _drop_obsolete_step(memory: ParticipantMemory, hunt: HuntMemory, now: float)
             else:
                 goes_on = not ends_game(hunt.known, TreasureLeft(Room(room)))
                 reason = "There is something left to do again." if goes_on else None
+        case LeaveWindow():
+            reason = None if hunt.view.over is None else "The game is over."
         case None:
             return
     if reason is not None:

@@ -3,7 +3,15 @@
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from ui.model.keys import keyed
-from ui.model.playing.state import EndGameEarly, HuntMemory, LeaveLast, LeaveUndecided, ParticipantMemory, Reroute
+from ui.model.playing.state import (
+    EndGameEarly,
+    HuntMemory,
+    LeaveLast,
+    LeaveUndecided,
+    LeaveWindow,
+    ParticipantMemory,
+    Reroute,
+)
 from ui.model.playing.words import as_sentence, counted, place_name, scored, titled
 from ui.model.screen import Cancel, Confirm, Confirmation
 
@@ -41,6 +49,15 @@ def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | 
                 f"The score stays {scored(hunt.view.score)}.",
                 keyed(Confirm(), "Leave it"),
                 keyed(Cancel(), "Not yet"),
+            )
+        case LeaveWindow(ends):
+            return Confirmation(
+                "Leave the game?",
+                "The game is not over. It ends if you leave it."
+                if ends
+                else "The game is not over. The robots go on with what they are doing; you can come back.",
+                keyed(Confirm(), "Leave the game"),
+                keyed(Cancel(), "Stay"),
             )
         case None:
             return None

@@ -1,0 +1,87 @@
+"""Closing the participant's window while a game goes on is asked for in the window itself."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import pytest
+from PySide6.QtWidgets import QApplication, QDialog, QLabel
+from pytestqt.qtbot import QtBot
+
+from tests.ui.model.views import view
+from tests.ui.windows.participant.test_window import press
+from ui.model.lobby import FromWindow, WindowClosed
+from ui.windows import look
+from ui.windows.link import ParticipantLink, ReceivedEvent, ServerReached
+from ui.windows.participant_program import ParticipantMainWindow
+
+
+class ArrivedLink(ParticipantLink):
+    """A link to a game whose first view has arrived."""
+
+    def __init__(self) -> None:
+        super().__init__("127.0.0.1", 1, "token")
+        self._arrived = [ReceivedEvent(0.0, ServerReached()), ReceivedEvent(0.0, view())]
+
+    def start(self) -> None:
+        pass
+
+    def stop(self) -> None:
+        pass
+
+    def take_events(self) -> list[ReceivedEvent]:
+        events, self._arrived = self._arrived, []
+        return events
+
+
+@dataclass
+class Table:
+    """The main window in the middle of a game, its clock, and what it told its host."""
+
+    window: ParticipantMainWindow | None = None
+    now: float = 1.0
+    told: list[FromWindow] = field(default_factory=list)
+
+
+@pytest.fixture
+def at_table(qtbot: QtBot, qapp: QApplication) -> Callable[[bool], Table]:
+    def sit(hosted: bool) -> Table:
+        table = Table()
+        send = table.told.append if hosted else None
+        window = ParticipantMainWindow(look.Appearance(qapp, "light"), send, lambda: table.now)
+        table.window = window
+        qtbot.addWidget(window, before_close_func=lambda it: it.leave())
+        window.join(ArrivedLink())
+        with qtbot.waitExposed(window):
+            window.show()
+        window.activateWindow()
+        qtbot.waitUntil(window.isActiveWindow)
+        qtbot.waitUntil(lambda: window.game is not None and window.game.in_progress)
+        return table
+
+    return sit
+
+
+@pytest.mark.parametrize("hosted", [True, False])
+def test_closing_in_the_middle_of_a_game_asks_in_the_window(
+    qtbot: QtBot, at_table: Callable[[bool], Table], hosted: bool
+) -> None:
+    table = at_table(hosted)
+    window = table.window
+    assert window is not None and window.game is not None
+    game = window.game.window_of_game
+    press(qtbot, game, "F1")
+    table.now += 1.0
+    window.close()
+    assert window.isVisible() and game.question.isVisible(), "in the place of the sheet of rules"
+    assert window.findChildren(QDialog) == []
+    words = [label.text() for label in game.question.findChildren(QLabel) if label.isVisible()]
+    assert words[0] == "Leave the game?"
+    assert ("It ends if you leave it." in words[1]) == hosted
+    table.now += 1.0
+    press(qtbot, game, "N")
+    assert window.isVisible() and not game.question.isVisible()
+    window.close()
+    table.now += 1.0
+    press(qtbot, game, "Y")
+    qtbot.waitUntil(lambda: not window.isVisible())
+    assert table.told == ([WindowClosed()] if hosted else [])
