@@ -305,6 +305,9 @@ class DialoguePopup:
         aside: puts the pop-up aside.
         warning: caution before answering: enough energy to get there, but not to take a picture or name the treasure.
         room: number of the room that it is about; None where the robot has not said one yet.
+        colour: of the treasure that it is about, as sensed; empty where it is about none.
+        footprint: likewise.
+        picture: bytes of the treasure's image file; None without one.
     """
 
     robot: int
@@ -314,6 +317,9 @@ class DialoguePopup:
     aside: Action
     warning: str = ""
     room: int | None = None
+    colour: str = ""
+    footprint: str = ""
+    picture: bytes | None = None
 
 
 @dataclass(frozen=True, slots=True)

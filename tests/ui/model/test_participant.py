@@ -169,6 +169,7 @@ def test_naming_needs_a_name_picked_and_is_talked_over_in_the_same_place():
     words = name_in_words(treasure.name)
     assert pop.title == f"Robot 1: name it {words}?"
     assert pop.sentences[0] == ("you", f"Name it {words}.")
+    assert (pop.colour, pop.footprint, pop.picture) == (treasure.colour, treasure.footprint, None)
     assert pop.title in seat.screen.announcement
     pop = seat.do(GiveAnswer(1)).popup
     assert (pop.picked, pop.verdict, pop.name_it.enabled) == (None, None, False), "a name not confirmed is gone"
@@ -459,6 +460,20 @@ def test_leaving_the_last_find_says_that_it_ends_the_game():
     seat.do(LeaveTreasure())
     assert seat.do(Confirm()).phase is Phase.OVER
     assert events(seat, TreasureLeft)
+
+
+def test_the_picture_stays_in_sight_while_a_name_is_talked_over():
+    names = tuple(sorted({kind.name for kind in Seat(set_name=TALKATIVE).stage.templates.kinds}))
+    pictures = {kind.image: b"image" for kind in Seat(set_name=TALKATIVE).stage.templates.kinds}
+    seat = Seat(set_name=TALKATIVE, briefing=Briefing(names=names, pictures=pictures))
+    go(seat, 3)
+    seat.do(TakeThePicture())
+    agree(seat)
+    assert seat.run(60).popup.picture == b"image"
+    seat.press(PickName(names[0]))
+    pop = seat.do(SubmitName()).popup
+    assert isinstance(pop, DialoguePopup)
+    assert pop.picture == b"image"
 
 
 def test_the_picture_comes_from_the_keeper_in_pieces():

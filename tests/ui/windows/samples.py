@@ -248,6 +248,13 @@ def treasure(
     )
 
 
+def naming() -> DialoguePopup:
+    """The robot asks whether what it found shall be named, with its picture beside the talk."""
+    find = treasure(picture=True)
+    talk = replace(dialogue(), robot=find.robot, room=find.room, warning="")
+    return replace(talk, colour=find.colour, footprint=find.footprint, picture=find.picture)
+
+
 def waiting(number: int) -> tuple[WaitingItem, ...]:
     return tuple(
         WaitingItem(
@@ -294,6 +301,7 @@ def states() -> Mapping[str, Screen]:
         "consent": replace(usual, phase=Phase.CONSENT, consent=CONSENT),
         "playing": usual,
         "dialogue": replace(usual, popup=dialogue(), waiting=waiting(2)),
+        "naming": replace(usual, popup=naming()),
         "thinking": replace(usual, popup=replace(dialogue(), choices=())),
         "treasure": replace(usual, popup=treasure(), waiting=waiting(1)),
         "picture": replace(usual, popup=treasure(picture=True, picked="Pink can")),

@@ -540,6 +540,16 @@ def test_a_pop_up_stays_where_it_is_while_all_is_about_one_robot(opened: Open) -
     assert shown.window.dialogue.geometry().left() == before
 
 
+def test_picture_and_facts_stay_in_sight_while_a_name_is_talked_over(opened: Open) -> None:
+    shown = opened(STATES["picture"])
+    shown.show(STATES["naming"])
+    talk = shown.window.dialogue
+    assert talk.picture.isVisible() and talk.picture.accessibleName() == "Picture of what was found"
+    assert talk.facts.isVisible() and talk.facts.accessibleName() == "Colour: Pink. Footprint: Square and Small."
+    shown.show(STATES["dialogue"])
+    assert not talk.picture.isVisible() and not talk.facts.isVisible()
+
+
 def test_a_question_makes_the_answer_stand_out_that_changes_nothing(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["question"])
     no, yes = shown.window.question.no, shown.window.question.yes

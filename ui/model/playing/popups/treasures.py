@@ -1,5 +1,7 @@
 """Pop-up of a treasure that a robot found, with the acts that are possible on it."""
 
+from dataclasses import replace
+
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import TreasureIdentified, TreasureLeft
@@ -22,9 +24,13 @@ PICTURE_TIMEOUT = 5.0
 def treasure_popup(
     hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: float
 ) -> DialoguePopup | TreasurePopup:
-    """The dialogue about a treasure if one is open, else the treasure with its acts."""
+    """The dialogue about a treasure if one is open, with what is known of it; else the treasure with its acts."""
     dialogue = hunt.treasure_dialogue(item)
-    return _treasure(hunt, pictures, item, now) if dialogue is None else dialogue_popup(hunt, dialogue)
+    find = _treasure(hunt, pictures, item, now)
+    if dialogue is None:
+        return find
+    talk = dialogue_popup(hunt, dialogue)
+    return replace(talk, colour=find.colour, footprint=find.footprint, picture=find.picture)
 
 
 def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: float) -> TreasurePopup:

@@ -1,17 +1,18 @@
 """The pop-up in which a robot talks with the participant."""
 
-from PySide6.QtWidgets import QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
 from sim.common.robot_numbers import robot_name
 from ui.model.screen import DialoguePopup
 from ui.windows import look
 from ui.windows.look import GAP, spaced
+from ui.windows.participant.popups.finding import SensedFacts, TreasurePicture
 from ui.windows.participant.widgets.buttons import ActionButton, ActionRow
 from ui.windows.participant.widgets.panels import TitledPanel, Transcript
 
 
 class DialoguePanel(TitledPanel):
-    """A dialogue with a robot: sentences as bubbles, answers as buttons."""
+    """A dialogue with a robot: what it is about, sentences as bubbles, answers as buttons."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__("Dialogue", parent)
@@ -19,6 +20,11 @@ class DialoguePanel(TitledPanel):
         self.aside = ActionButton("quiet")
         self.aside.requested.connect(self.requested)
         self.top.addWidget(self.aside)
+        self.facts, self.picture = SensedFacts(), TreasurePicture()
+        find = spaced(QHBoxLayout(), GAP)
+        self.rows.addLayout(find)
+        find.addWidget(self.picture, 2)
+        find.addWidget(self.facts, 3)
         self.transcript = Transcript()
         self.rows.addWidget(self.transcript, 1)
         self._thinking = look.label(muted=True)
@@ -37,6 +43,10 @@ class DialoguePanel(TitledPanel):
         self._pop = pop
         self.entitle(pop.title, pop.robot)
         self.aside.show_action(pop.aside)
+        self.facts.show_facts(pop.colour, pop.footprint)
+        self.facts.setVisible(bool(pop.colour))
+        self.picture.show_picture(pop.picture, "")
+        self.picture.setVisible(pop.picture is not None)
         self.transcript.show_sentences(pop.sentences, pop.robot)
         self._thinking.setText(f"{robot_name(pop.robot).capitalize()} is thinking …")
         self._thinking.setVisible(not pop.choices)
