@@ -39,7 +39,7 @@ def reachable(inside: QWidget) -> list[QWidget]:
         key=lambda each: (each[0].center().y(), each[0].x()),
     ):
         # Widgets of different heights that stand beside each other are one row.
-        if rows and rows[-1][0][0].top() <= place.center().y() <= rows[-1][0][0].bottom():
+        if rows and place.top() <= rows[-1][0][0].bottom():
             rows[-1].append((place, widget))
         else:
             rows.append([(place, widget)])
