@@ -12,6 +12,8 @@ from thbridge.files.errors import BadFile
 
 FAILED = 1
 BAD_INPUT = 2
+DECLINED = 3
+"""The participant did not agree to take part."""
 """Exit codes; 0 is done."""
 
 out = Console()

@@ -122,7 +122,7 @@ def play(
     told = hosts_of(graph, as_json)
     door = watch_of(study, study_file, watch, watch_key)
     if windowed:
-        offered = offer_of(study, given=robots is not None)
+        offered = offer_of(setting, given=robots is not None)
         options = PlayOptions(pace, bag, frozenset(), "", limit, graph, watch=door, mavlink=ports)
         games = WindowGames(study, study_file, options, report_page is not False, told)
         play_in_window(games, offered, ("--look", look.value))

@@ -23,20 +23,21 @@ from ui.outputs import make_ready
 from ui.report import write_report
 from ui.settings import setting_of
 from ui.story import print_story
-from ui.terminal import FAILED, bad_input, fail, note
+from ui.terminal import DECLINED, FAILED, bad_input, fail, note
 
 PRACTICE = Study(map="practice", templates="practice", robots=1)
 """A hall and two rooms, with treasures that no other set has."""
 
 
-def offer_of(study: Study, given: bool) -> Offer:
-    """Return the numbers of robots that a participant may choose, and the rules of the game.
+def offer_of(setting: StudySetting, given: bool) -> Offer:
+    """Return the numbers of robots that a participant may choose, the rules of the game, and what they agree to.
 
     Args:
-        study: gives them, as `participant: robots`.
+        setting: its study gives them, as `participant: robots`.
         given: True when the admin has given a number, which then is the only one.
     """
-    game = study.game
+    study = setting.study
+    game, consent = study.game, setting.consent or ""
     rules = rules_lines(
         picture_cost=game.picture_cost,
         identify_cost=game.identify_cost,
@@ -44,9 +45,9 @@ def offer_of(study: Study, given: bool) -> Offer:
         wrong_share=game.wrong_share,
     )
     if study.participant.robots is None or given:
-        return Offer(study.robots, study.robots, study.robots, rules)
+        return Offer(study.robots, study.robots, study.robots, rules, consent)
     least, most = study.participant.robots
-    return Offer(least, most, min(max(study.robots, least), most), rules)
+    return Offer(least, most, min(max(study.robots, least), most), rules, consent)
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,10 +126,13 @@ def play_in_window(games: WindowGames, offer: Offer, arguments: tuple[str, ...] 
     """
     window = WindowProcess((*WINDOW, *arguments))
     program = host(window, offer, secrets.token_hex(8), games.game, games.practice)
+    takes_part = True
     try:
         with bad_input(FAILED):
-            asyncio.run(program)
+            takes_part = asyncio.run(program)
     except HuntUnfinished:
         fail(FAILED, "stopped; what was recorded up to here is complete")
     if window.given_up:
         fail(FAILED, "The window crashes whenever it is opened. Play without it: --headless, or --participant person.")
+    if not takes_part:
+        fail(DECLINED, "The participant did not agree to take part. Nothing was recorded.")

@@ -3,10 +3,12 @@
 import asyncio
 from collections.abc import Awaitable, Callable
 
+from msgspec import structs
+
 from sim.common.kernels import is_compiled
 from thbridge.sockets.addresses import ListeningAddress
 from ui.hosting.window_process import WindowProcess
-from ui.model.lobby import Back, Begin, Join, Offer, Practise, Preparing, WindowClosed
+from ui.model.lobby import Agreed, Back, Begin, Declined, Join, Offer, Practise, Preparing, WindowClosed
 
 WILDCARD_ADDRESSES = {"0.0.0.0": "127.0.0.1", "::": "::1"}
 """Addresses that a server listens on, and those at which the window finds it."""
@@ -19,12 +21,14 @@ class GameVisit:
         window: the participant's window.
         token: secret by which the server recognises the window.
         practice: True for the practice game.
+        agreed: the participant has agreed to take part.
     """
 
-    def __init__(self, window: WindowProcess, token: str, practice: bool) -> None:
+    def __init__(self, window: WindowProcess, token: str, practice: bool, agreed: bool) -> None:
         self._window = window
         self._token = token
         self._practice = practice
+        self._agreed = agreed
         self._joining: asyncio.Task[None] | None = None
         self.ended: Back | WindowClosed | None = None
         """The message with which the participant left; None while they are there."""
@@ -32,7 +36,7 @@ class GameVisit:
     def ready(self, where: ListeningAddress) -> None:
         """Let the window join the game that waits at this address."""
         host = WILDCARD_ADDRESSES.get(where.host, where.host)
-        join = Join(host, where.port, self._token, self._practice)
+        join = Join(host, where.port, self._token, self._practice, self._agreed)
         self._joining = asyncio.get_running_loop().create_task(self._window.send(join))
 
     def has_left(self) -> bool:
@@ -49,35 +53,47 @@ PlayGame = Callable[[GameVisit], Awaitable[None]]
 
 async def host(
     window: WindowProcess, offer: Offer, token: str, play: Callable[[int], PlayGame], practise: Callable[[], PlayGame]
-) -> None:
-    """Play games until the participant leaves for good.
+) -> bool:
+    """Play games until the participant leaves for good; nothing is played before they have agreed to take part.
 
     Args:
         window: the participant's window; it is opened here.
-        offer: numbers of robots that may be chosen.
+        offer: numbers of robots that may be chosen, and the text to agree to.
         token: secret by which the server recognises the window.
         play: gives a game with so many robots.
         practise: gives the practice game.
+
+    Returns:
+        False when the participant did not agree to take part.
     """
+    agreed = False
     async with window.opened():
         await window.send(offer)
         while True:
             request = await window.next_request()
             match request:
+                case Agreed():
+                    offer, agreed = structs.replace(offer, consent=""), True
+                    await window.send(offer)
+                    continue
+                case Declined():
+                    continue  # The window thanks, and is closed by the participant.
+                case WindowClosed():
+                    return not offer.consent
+                case _ if offer.consent:
+                    continue
                 case Begin(robots) if offer.least <= robots <= offer.most:
                     number = "robot is" if robots == 1 else f"{robots} robots are"
                     await window.send(Preparing(f"The {number} being made ready.{_compile_notice()}"))
-                    visit, game = GameVisit(window, token, practice=False), play(robots)
+                    visit, game = GameVisit(window, token, practice=False, agreed=agreed), play(robots)
                 case Practise():
                     await window.send(Preparing(f"The practice game is being made ready.{_compile_notice()}"))
-                    visit, game = GameVisit(window, token, practice=True), practise()
-                case WindowClosed():
-                    return
+                    visit, game = GameVisit(window, token, practice=True, agreed=False), practise()
                 case _:
                     continue
             await game(visit)
             if isinstance(visit.ended, WindowClosed):
-                return
+                return True
             await window.send(offer)
 
 

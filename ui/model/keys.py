@@ -19,6 +19,7 @@ from ui.model.screen import (
     AskForRobot,
     Cancel,
     Confirm,
+    DeclineToTakePart,
     DialoguePopup,
     EndGame,
     FinishNumber,
@@ -73,7 +74,10 @@ PLAYING = (
 )
 """Keys while the game goes on. While letters belong to a list, Ctrl and the letter does what the letter does."""
 
-CONSENT = (KeyBinding(("A",), AgreeToTakePart(), "Agree to take part"),)
+CONSENT = (
+    KeyBinding(("A",), AgreeToTakePart(), "Agree to take part"),
+    KeyBinding(("N",), DeclineToTakePart(), "Do not take part"),
+)
 OVER = (KeyBinding(("A",), AnotherGame(), "Play another game"),)
 QUESTION = (
     KeyBinding(("Y",), Confirm(), "Yes, to a question of the program"),

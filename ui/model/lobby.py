@@ -17,12 +17,14 @@ class Offer(msgspec.Struct, frozen=True, tag=True):
         most: largest number.
         usual: number in the study.
         rules: of the game, in sentences.
+        consent: text to agree to before anything else; empty: nothing, or no more.
     """
 
     least: int
     most: int
     usual: int
     rules: tuple[str, ...] = ()
+    consent: str = ""
 
 
 class Preparing(msgspec.Struct, frozen=True, tag=True):
@@ -39,12 +41,22 @@ class Join(msgspec.Struct, frozen=True, tag=True):
         port: port of its text server.
         token: secret by which the server recognises this participant.
         practice: True for the practice game.
+        agreed: the participant has agreed to take part already.
     """
 
     host: str
     port: int
     token: str
     practice: bool
+    agreed: bool = False
+
+
+class Agreed(msgspec.Struct, frozen=True, tag=True):
+    """Window: the participant agrees to take part."""
+
+
+class Declined(msgspec.Struct, frozen=True, tag=True):
+    """Window: the participant does not take part."""
 
 
 class Begin(msgspec.Struct, frozen=True, tag=True):
@@ -66,7 +78,7 @@ class WindowClosed(msgspec.Struct, frozen=True, tag="Leave"):
 
 
 FromHost: TypeAlias = Offer | Preparing | Join
-FromWindow: TypeAlias = Begin | Practise | Back | WindowClosed
+FromWindow: TypeAlias = Agreed | Declined | Begin | Practise | Back | WindowClosed
 
 _from_host: msgspec.json.Decoder[FromHost] = msgspec.json.Decoder(FromHost)
 _from_window: msgspec.json.Decoder[FromWindow] = msgspec.json.Decoder(FromWindow)

@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 from thbridge.roles.notices import FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry, RobotMotion
-from thbridge.roles.view import ParticipantRequest, View
+from thbridge.roles.view import GiveConsent, ParticipantRequest, View
 from ui.model.motion import MotionPlayback
 from ui.model.playing.acts import do
 from ui.model.playing.compose import compose, next_change
@@ -23,10 +23,13 @@ class Participant:
     It takes messages of the game and acts of the participant, and gives the screen to show and the requests to send.
     Times called `now` are monotonic seconds that never run backwards, with one exception: a message may have come a
     little before the last look at the screen.
+
+    Args:
+        agreed: the participant has agreed to take part already, before the game.
     """
 
-    def __init__(self) -> None:
-        self._memory = ParticipantMemory()
+    def __init__(self, agreed: bool = False) -> None:
+        self._memory = ParticipantMemory(agreed=agreed)
         self._playback = MotionPlayback()
         self._marks: MapMarks | None = None
         self._screen: Screen | None = None
@@ -58,6 +61,8 @@ class Participant:
             case View():
                 if level.robots and (level.ready or memory.hunt is not None):
                     receive_view(memory, level, now)
+                    if memory.agreed and memory.hunt is not None and level.consent is not None:
+                        memory.hunt.pending.ask(GiveConsent(), level)
             case FloorPlan():
                 if level != memory.floor_plan:
                     memory.floor_plan, self._marks = level, MapMarks(level)

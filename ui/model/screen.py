@@ -34,6 +34,11 @@ class AgreeToTakePart(Act):
 
 
 @dataclass(frozen=True, slots=True)
+class DeclineToTakePart(Act):
+    """Do not take part in the study; the window thanks and ends."""
+
+
+@dataclass(frozen=True, slots=True)
 class ChooseRobot(Act):
     """Command this robot from now on."""
 
@@ -441,6 +446,7 @@ class Screen:
         waiting_for: while connecting, the thing waited for, in words.
         consent: the text to agree to.
         agree: agrees to take part.
+        decline: does not.
         banner: line across the top.
         game: number of the game.
         score: score so far.
@@ -465,6 +471,7 @@ class Screen:
     waiting_for: str
     consent: str
     agree: Action
+    decline: Action
     banner: Banner | None
     game: int
     score: int

@@ -23,9 +23,12 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from ui.model.keys import keyed
 from ui.model.lobby import (
+    Agreed,
     Back,
     Begin,
+    Declined,
     FromHost,
     FromWindow,
     Join,
@@ -38,11 +41,11 @@ from ui.model.lobby import (
 )
 from ui.model.participant import Participant
 from ui.model.practice import advice
-from ui.model.screen import CloseWindow, Phase
+from ui.model.screen import Act, AgreeToTakePart, CloseWindow, DeclineToTakePart, Phase
 from ui.windows import look, pointer
 from ui.windows.link import ParticipantLink, ServerLost, ServerReached
 from ui.windows.look import GAP, spaced
-from ui.windows.participant.pages.pages import ConnectingPage
+from ui.windows.participant.pages.pages import ConnectingPage, ConsentPage, ThanksPage
 from ui.windows.participant.pages.start import StartPage
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
 from ui.windows.participant.widgets.panels import set_text
@@ -61,6 +64,7 @@ class GamePage(QWidget):
         practice: it is the practice game, whose strip says what to do next.
         back: goes back to the start page; None where there is none.
         clock: monotonic seconds.
+        agreed: the participant has agreed to take part already.
     """
 
     def __init__(
@@ -70,12 +74,13 @@ class GamePage(QWidget):
         practice: bool,
         back: Callable[[], None] | None,
         clock: Callable[[], float],
+        agreed: bool,
     ) -> None:
         super().__init__()
         self._link = link
         self._clock = clock
         self._practice = practice
-        self._model = Participant()
+        self._model = Participant(agreed)
         self.window_of_game = ParticipantWindow(self._model, clock, look.colours())
         appearance.changed.connect(self.window_of_game.set_palette)
         rows = spaced(QVBoxLayout(self), 0, 0)
@@ -181,18 +186,22 @@ class ParticipantMainWindow(QMainWindow):
         match message:
             case Offer():
                 self._offer = message
-                self._show_start(message)
+                if message.consent:
+                    self._ask_for_consent(message.consent)
+                else:
+                    self._show_start(message)
             case Preparing(sentence):
                 page = ConnectingPage()
                 page.show_waiting(sentence)
                 self._show(page)
-            case Join(host, port, token, practice):
-                self.join(ParticipantLink(host, port, token), practice)
+            case Join(host, port, token, practice, agreed):
+                self.join(ParticipantLink(host, port, token), practice, agreed)
 
-    def join(self, link: ParticipantLink, practice: bool = False) -> None:
+    def join(self, link: ParticipantLink, practice: bool = False, agreed: bool = False) -> None:
         """Show a game."""
         back = None if self._send_to_host is None else lambda: self._send(Back())
-        game = GamePage(link, self._appearance, practice, back, self._clock)
+        game = GamePage(link, self._appearance, practice, back, self._clock, agreed)
+        game.window_of_game.declined.connect(self._decline)
         self._show(game)
         self.game = game
 
@@ -214,6 +223,36 @@ class ParticipantMainWindow(QMainWindow):
         self._send(WindowClosed())
         event.accept()
         QApplication.quit()
+
+    def _ask_for_consent(self, text: str) -> None:
+        page, sent = ConsentPage(), False
+
+        def answer(act: Act) -> None:
+            nonlocal sent
+            if not sent and isinstance(act, AgreeToTakePart):
+                self._send(Agreed())
+            elif not sent:
+                self._decline()
+            sent = True
+
+        page.show_consent(
+            text,
+            keyed(AgreeToTakePart(), "I agree", hint="You take part in the study."),
+            keyed(DeclineToTakePart(), "I do not take part", hint="The window thanks you and ends."),
+        )
+        page.requested.connect(answer)
+        for button in (page.agree, page.decline):
+            QShortcut(QKeySequence(button.face.key if button.face else ""), page).activated.connect(button.click)
+        self._show(page)
+
+    def _decline(self) -> None:
+        """Thank the participant, who does not take part; nothing more is asked of them."""
+        hosted = self._send_to_host is not None
+        self._send(Declined())
+        recorded = " Nothing was recorded." if hosted else ""
+        page = ThanksPage(f"You do not take part.{recorded} You can close this window.")
+        page.close_button.clicked.connect(self.leave)
+        self._show(page)
 
     def _show_start(self, offer: Offer) -> None:
         page = StartPage(offer.least, offer.most, offer.usual, offer.rules)

@@ -4,6 +4,8 @@ import asyncio
 import sys
 from pathlib import Path
 
+import pytest
+
 from thbridge.sockets.addresses import ListeningAddress
 from ui.hosting.lobby import GameVisit, host
 from ui.hosting.window_process import WindowProcess
@@ -24,7 +26,7 @@ def window(folder: Path, script: str) -> WindowProcess:
     return WindowProcess((sys.executable, str(program)))
 
 
-def hosted(process: WindowProcess) -> list[tuple[str, int]]:
+def hosted(process: WindowProcess, offer: Offer = OFFER, takes_part: bool = True) -> list[tuple[str, int]]:
     """Run it to its end; return the games that were played, with their robots."""
     played: list[tuple[str, int]] = []
 
@@ -37,12 +39,33 @@ def hosted(process: WindowProcess) -> list[tuple[str, int]]:
 
         return play
 
-    asyncio.run(
-        asyncio.wait_for(
-            host(process, OFFER, "t0", lambda robots: game("game", robots), lambda: game("practice", 1)), 30
-        )
-    )
+    program = host(process, offer, "t0", lambda robots: game("game", robots), lambda: game("practice", 1))
+    assert asyncio.run(asyncio.wait_for(program, 30)) is takes_part
     return played
+
+
+CONSENT = Offer(least=1, most=4, usual=2, consent="We record you.")
+
+
+def test_nothing_is_played_before_the_participant_has_agreed(tmp_path):
+    script = """
+assert hear()["consent"] == "We record you."
+say("Begin", robots=2)
+say("Practise")
+say("Agreed")
+assert hear()["consent"] == ""
+say("Begin", robots=3)
+hear()
+assert hear()["agreed"] is True
+say("Leave")
+"""
+    assert hosted(window(tmp_path, script), CONSENT) == [("game", 3)]
+
+
+@pytest.mark.parametrize("says", ["say('Declined')\n", ""])
+def test_who_does_not_agree_takes_no_part(tmp_path, says):
+    script = f"hear()\n{says}say('Begin', robots=2)\nsay('Leave')\n"
+    assert hosted(window(tmp_path, script), CONSENT, takes_part=False) == []
 
 
 def test_a_practice_then_a_game_then_closed(tmp_path):

@@ -128,6 +128,16 @@ def test_consent_comes_before_everything_else():
     assert (model.screen(1.0).phase, model.requests()) == (Phase.PLAYING, ())
 
 
+def test_who_has_agreed_before_the_game_does_so_in_it_unasked():
+    model = Participant(agreed=True)
+    model.connected(0.0)
+    model.receive(view(consent="We record you."), 0.0)
+    assert model.screen(0.0).phase is Phase.CONNECTING
+    assert model.requests() == (GiveConsent(),)
+    model.receive(view(), 0.1)
+    assert model.screen(0.1).phase is Phase.PLAYING
+
+
 def test_the_screen_is_the_same_object_while_nothing_changes():
     model = model_of(UNDER_WAY, where(1, RobotMotion("driving", None, 0.101), RobotMotion()))
     screen = model.screen(0.0)

@@ -21,6 +21,7 @@ from ui.model.screen import (
     AgreeToTakePart,
     AskAdvice,
     Banner,
+    DeclineToTakePart,
     DialoguePopup,
     EndGame,
     FitMap,
@@ -47,6 +48,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         waiting_for=_waiting_for(memory) if phase is Phase.CONNECTING else "",
         consent="" if hunt is None or hunt.view.consent is None else hunt.view.consent,
         agree=_agree(hunt),
+        decline=keyed(DeclineToTakePart(), "I do not take part", hint="The window thanks you and ends."),
         banner=_banner(memory, now),
         game=0 if hunt is None else hunt.view.game,
         score=0 if hunt is None else hunt.view.score,
@@ -105,7 +107,8 @@ def phase_of(memory: ParticipantMemory) -> Phase:
     if memory.hunt is None:
         return Phase.CONNECTING
     if memory.hunt.view.consent is not None:
-        return Phase.CONSENT
+        # Who has agreed before the game does so again in it unasked.
+        return Phase.CONNECTING if memory.agreed else Phase.CONSENT
     return Phase.PLAYING if memory.hunt.view.over is None else Phase.OVER
 
 

@@ -20,7 +20,7 @@ def offers(screen: Screen) -> Iterator[Action]:
     """All actions on a screen, in no order that matters."""
     match screen.phase:
         case Phase.CONSENT:
-            yield screen.agree
+            yield from (screen.agree, screen.decline)
         case Phase.OVER:
             if screen.ending is not None:
                 yield screen.ending.again

@@ -186,6 +186,7 @@ class ParticipantMemory:
         last_refusal: number of the last refusal.
         last_drawn: state behind the last screen.
         leaving: True once the participant has agreed to close the window.
+        agreed: the participant has agreed to take part already, before the game.
     """
 
     hunt: HuntMemory | None = None
@@ -202,6 +203,7 @@ class ParticipantMemory:
     history: GameHistory = field(default_factory=GameHistory)
     pictures: Pictures = field(default_factory=Pictures)
     last_refusal: int = 0
+    agreed: bool = False
     last_drawn: DrawnState = field(default_factory=DrawnState)
     leaving: bool = False
 

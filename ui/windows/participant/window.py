@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, QTimer
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QAccessible,
     QAccessibleAnnouncementEvent,
@@ -29,6 +29,7 @@ from ui.model.screen import (
     ChooseRobot,
     ChooseRoom,
     ConsiderRoom,
+    DeclineToTakePart,
     DialoguePopup,
     FitMap,
     Phase,
@@ -80,7 +81,12 @@ class ParticipantWindow(QWidget):
     Args:
         model: source of all that is shown.
         clock: monotonic seconds.
+
+    Attributes:
+        declined: the participant does not take part in the study.
     """
+
+    declined = Signal()
 
     def __init__(self, model: Participant, clock: Callable[[], float], palette: Palette) -> None:
         super().__init__()
@@ -189,6 +195,9 @@ class ParticipantWindow(QWidget):
 
     def do(self, act: Act) -> None:
         """Have the model carry this out, unless it was meant for what was there a moment ago."""
+        if isinstance(act, DeclineToTakePart):
+            self.declined.emit()
+            return
         now = self._clock()
         picks = isinstance(act, PickName | TypeLetter)
         since = self._opened_at if picks else self._popped_at
@@ -231,7 +240,7 @@ class ParticipantWindow(QWidget):
         self.pages.setCurrentWidget(self._page_of.get(screen.phase, self._playing))
         self.connecting.show_waiting(screen.waiting_for)
         if screen.phase is Phase.CONSENT:
-            self.consent.show_consent(screen.consent, screen.agree)
+            self.consent.show_consent(screen.consent, screen.agree, screen.decline)
         moving = before is not None and before.game == screen.game
         self.top.show_strip(screen.game, screen.score, moving=moving, tools=(*screen.tools, screen.end))
         self.column.cards.show_cards(screen.cards)

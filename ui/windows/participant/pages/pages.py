@@ -1,13 +1,13 @@
 """Pages that fill the window or lie above it: connecting, consent, a question, help, the end of the game."""
 
 from PySide6.QtCore import QRectF, QSize, Qt
-from PySide6.QtGui import QPaintEvent
+from PySide6.QtGui import QKeySequence, QPaintEvent, QShortcut
 from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QPlainTextEdit, QScrollArea, QVBoxLayout, QWidget
 
 from ui.model.screen import Action, Confirmation, GameOverPage, ShowHelp
 from ui.windows import look
 from ui.windows.look import GAP, colours, follow_text, smooth_painter, spaced
-from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget
+from ui.windows.participant.widgets.buttons import ActionButton, ActionWidget, ButtonFace
 from ui.windows.participant.widgets.focus import make_region
 from ui.windows.participant.widgets.painting import key_cap, key_size
 from ui.windows.participant.widgets.panels import TitledPanel, page_column, set_text
@@ -43,7 +43,7 @@ class ConnectingPage(QWidget):
 
 
 class ConsentPage(ActionWidget):
-    """The text to agree to, and the button for it."""
+    """The text to agree to, and the buttons for yes and no."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -59,15 +59,40 @@ class ConsentPage(ActionWidget):
         self._text.document().setDocumentMargin(2 * GAP)
         look.style_as_panel(self._text)
         rows.addWidget(self._text, 1)
-        self.agree = ActionButton("main")
-        self.agree.requested.connect(self.requested)
-        _foot(rows).addWidget(self.agree)
+        self.decline, self.agree = ActionButton(hints=True), ActionButton("main", hints=True)
+        foot = _foot(rows)
+        for button in (self.decline, self.agree):
+            button.requested.connect(self.requested)
+            foot.addWidget(button)
 
-    def show_consent(self, text: str, agree: Action) -> None:
+    def show_consent(self, text: str, agree: Action, decline: Action) -> None:
         """Show this."""
         if self._text.toPlainText() != text:
             self._text.setPlainText(text)
         self.agree.show_action(agree)
+        self.decline.show_action(decline)
+
+
+class ThanksPage(QWidget):
+    """The page for whoever does not take part.
+
+    Attributes:
+        close_button: closes the window.
+    """
+
+    def __init__(self, text: str, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        make_region(self, "Thank you")
+        rows = spaced(page_column(self, 680), 2 * GAP)
+        rows.addStretch(2)
+        rows.addWidget(look.label("Thank you", "hero", bold=True))
+        rows.addWidget(look.label(text, "title"))
+        self.close_button = ActionButton("main")
+        self.close_button.show_face(ButtonFace("Close", "Enter"), "Close the window")
+        for enter in ("Return", "Enter"):
+            QShortcut(QKeySequence(enter), self).activated.connect(self.close_button.click)
+        _foot(rows).addWidget(self.close_button)
+        rows.addStretch(3)
 
 
 class QuestionPanel(TitledPanel):
