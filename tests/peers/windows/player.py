@@ -206,7 +206,7 @@ class Mouse(Player):
                 return button
         if sight.names and sight.picked is None:
             # A look takes a moment, and may catch a pop-up half filled: the next one sees all of it.
-            return next((name for name in sight.names if name.name == sight.treasure), None)
+            return next((name for name in sight.names if name.name.split(" · ")[0] == sight.treasure), None)
         return sight.button("Name it") or sight.button("Leave it")
 
     def send(self, sight: Sight) -> None:

@@ -29,7 +29,7 @@ PUPPETS_PER_ROW = 5
 WIDEST = 480
 """Widest line of a sentence on a button, logical pixels; beyond it goes on in the next line."""
 
-MAX_SHARE = 0.35
+MAX_SHARE = 0.45
 """Share of the window's height that the list of what waits takes at most by itself; what is beyond is scrolled to."""
 
 

@@ -15,6 +15,12 @@ TURN = PendingTurn(0, 0, 0, "select-room", 4, ("It will cost me 17 energy to go 
 ADVICE = PendingAdvice(1, tuple((room, 15.0) for room in range(1, 9)), 8)
 
 
+@pytest.fixture(autouse=True)
+def usual_text(qapp: QApplication) -> None:
+    """The text of the product, not Qt's own, which is smaller."""
+    look.apply_text_size(qapp, 1.0)
+
+
 def opened(qtbot: QtBot, size: QSize) -> DockedWindow:
     window = DockedWindow("a session", LIGHT, True, MapView(LIGHT))
     qtbot.addWidget(window)
