@@ -156,7 +156,7 @@ def test_a_window_closed_in_the_middle_says_that_one_can_come_back(
     player = Player(screen)
     room, _ = sent(player)
     screen.ask_to_close(screen.focus_window("Treasure hunt"))
-    screen.click(screen.rested("Leave the game"))
+    screen.click(screen.rested("Leave the game", role="push button"))
     assert window.process.wait(30) == 0
     again = window.again()
     try:

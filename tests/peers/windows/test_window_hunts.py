@@ -115,10 +115,7 @@ def test_a_whole_hunt_by_mouse(played: subprocess.Popen[bytes], screen: Desktop,
     assert back.score == 0
     assert not back.visited
     screen.ask_to_close(screen.focus_window("Treasure hunt"))
-    leave = screen.rested("Leave the game")
-    # A question that has just come takes no answer.
-    screen.do("sleep", "1")
-    screen.click(leave)
+    screen.click(screen.rested("Leave the game", role="push button"))
     first = first_game(played, tmp_path)
     assert sum(moment.points or 0 for moment in first) == score
     assert {moment.room for moment in first if moment.kind == "arrived"} == visited
