@@ -4,7 +4,6 @@ It connects the window (`ParticipantWindow`), its model (`Participant`) and the 
 (`ParticipantLink`).
 """
 
-import signal
 import sys
 import threading
 import time
@@ -43,6 +42,7 @@ from ui.model.participant import Participant
 from ui.model.practice import advice
 from ui.model.screen import Act, AgreeToTakePart, CloseWindow, DeclineToTakePart, Phase
 from ui.windows import look, pointer
+from ui.windows.application import application
 from ui.windows.link import ParticipantLink, ServerLost, ServerReached
 from ui.windows.look import GAP, spaced
 from ui.windows.participant.pages.pages import ConnectingPage, ConsentPage, ThanksPage
@@ -323,9 +323,7 @@ class HostPipe(QObject):
 
 def play_at(host: str, port: int, token: str, choice: look.Choice) -> int:
     """Open the window at a server; returns when it is closed."""
-    app = QApplication(sys.argv[:1])
-    # Without this, Ctrl-C raises an exception in whatever slot runs just then, which Qt only prints.
-    signal.signal(signal.SIGINT, lambda _number, _frame: app.quit())
+    app = application()
     table = _table(app, choice, None)
     table.join(ParticipantLink(host, port, token))
     table.show()
@@ -334,7 +332,7 @@ def play_at(host: str, port: int, token: str, choice: look.Choice) -> int:
 
 def play_hosted(choice: look.Choice) -> int:
     """Open the window for the host at standard input and output; returns when it is closed."""
-    app = QApplication(sys.argv[:1])
+    app = application()
     table = _table(app, choice, HostPipe.send)
     HostPipe(table)
     table.show()

@@ -1,6 +1,7 @@
 """Fixtures of all tests of windows."""
 
-from collections.abc import Callable
+import gc
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 
 import pytest
@@ -8,6 +9,8 @@ from PySide6.QtCore import SignalInstance
 from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 from pytestqt.wait_signal import SignalBlocker
+
+from ui.windows.application import GarbageTimer
 
 PATIENCE = 60_000
 """Milliseconds; pytest-qt itself waits for 5000, which a busy machine may need for a window."""
@@ -34,3 +37,12 @@ class PatientBot(QtBot):
 @pytest.fixture
 def qtbot(qapp: QApplication, request: pytest.FixtureRequest) -> PatientBot:
     return PatientBot(request)
+
+
+@pytest.fixture(autouse=True)
+def garbage_timer(qapp: QApplication) -> Iterator[None]:
+    """Garbage goes between events, as in the programs."""
+    timer = GarbageTimer(qapp)
+    yield
+    timer.deleteLater()
+    gc.enable()

@@ -1,10 +1,8 @@
 """Entry point of the researcher's window."""
 
-import signal
 import time
 
-from PySide6.QtWidgets import QApplication
-
+from ui.windows.application import application
 from ui.windows.look import Appearance, Choice, TextSize, colours, user_settings
 from ui.windows.researcher.feeds.feed import Feed
 from ui.windows.researcher.window import ResearcherWindow
@@ -18,14 +16,10 @@ def show(feed: Feed, title: str, choice: Choice) -> None:
         title: its name, for people.
         choice: light, dark, or as the system has it.
     """
-    app = QApplication.instance()
-    if not isinstance(app, QApplication):
-        app = QApplication(["thbridge"])
+    app = application()
     appearance, text_size = Appearance(app, choice), TextSize(app, user_settings())
     window = ResearcherWindow(feed, title, colours(), time.monotonic)
     appearance.changed.connect(window.set_palette)
     text_size.add_keys(window)
     window.show()
-    # Without this, Ctrl-C raises an exception in whatever slot runs just then, which Qt only prints.
-    signal.signal(signal.SIGINT, lambda number, frame: app.quit())
     app.exec()

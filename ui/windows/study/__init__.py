@@ -1,14 +1,11 @@
 """The study file as a form."""
 
-import signal
-import sys
 from pathlib import Path
-
-from PySide6.QtWidgets import QApplication
 
 from thbridge.study.noise import NoiseSection
 from thbridge.study.study_file import Study
 from ui.model.study_form.noise import preview_of
+from ui.windows.application import application
 from ui.windows.look import Appearance, Choice, TextSize, user_settings
 from ui.windows.study.window import StudyWindow
 
@@ -30,9 +27,7 @@ def edit(path: Path, choice: Choice = "system") -> int:
     Raises:
         BadFile: the file cannot be read.
     """
-    app = QApplication(sys.argv[:1])
-    # Without this, Ctrl-C raises an exception in whatever slot runs just then, which Qt only prints.
-    signal.signal(signal.SIGINT, lambda _number, _frame: app.quit())
+    app = application()
     look, text_size = Appearance(app, choice), TextSize(app, user_settings())
     window = study_window(path)
     look.changed.connect(window.repaint_all)
