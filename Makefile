@@ -17,7 +17,7 @@ test: setup peers ## All checks, and all tests that are quick; what each kind ta
 	$(BIN)/python -m tests.compiling & \
 	make --no-print-directory check || checked=$$?; \
 	wait $$! && [ $$checked = 0 ] && \
-	CHECKED_SECONDS=$$(($$(date +%s) - began)) $(BIN)/pytest -n auto --dist loadfile
+	CHECKED_SECONDS=$$(($$(date +%s) - began)) $(BIN)/pytest -n auto --dist loadfile --max-worker-restart=0
 
 check: setup ## Style, types, and that no import points back.
 	$(BIN)/ruff check .
