@@ -1,6 +1,7 @@
 """The event loop that runs a program, with the keyboard if somebody types."""
 
 import asyncio
+import os
 import sys
 from collections.abc import Callable, Coroutine
 from typing import TypeVar
@@ -8,6 +9,8 @@ from typing import TypeVar
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail
 
 T = TypeVar("T")
+
+_NO_KEYBOARD = "--participant person: standard input is a file or closed. Type in a terminal, or feed a pipe."
 
 
 def run(program: Coroutine[object, object, T], typed: Callable[[str], None] | None = None) -> T:
@@ -33,5 +36,16 @@ async def _with_keyboard(program: Coroutine[object, object, T], typed: Callable[
         loop.add_reader(sys.stdin, readable)
     except (OSError, ValueError):
         program.close()
-        fail(BAD_INPUT, "--participant person: standard input is a file or closed. Type in a terminal, or feed a pipe.")
+        fail(BAD_INPUT, _NO_KEYBOARD)
     return await program
+
+
+def read_line() -> str:
+    """Wait for a typed line, before the event loop runs, and take no more than that; empty at the end of the input."""
+    line = b""
+    try:
+        while not line.endswith(b"\n") and (byte := os.read(sys.stdin.fileno(), 1)):
+            line += byte
+    except (OSError, ValueError):
+        fail(BAD_INPUT, _NO_KEYBOARD)
+    return line.decode(errors="replace")

@@ -16,6 +16,9 @@ DECLINED = 3
 """The participant did not agree to take part."""
 """Exit codes; 0 is done."""
 
+NOT_TAKING_PART = "The participant did not agree to take part. Nothing was recorded."
+"""The message that goes with `DECLINED`."""
+
 out = Console()
 err = Console(stderr=True)
 

@@ -183,7 +183,7 @@ async def hider(role: Hider, host: str, port: int, token: str, lost: Callable[[C
 async def tabui(
     role: TabUI, host: str, port: int, token: str, lost: Callable[[ConnectionLost], None], shown: Callable[[View], None]
 ) -> View | None:
-    """Run the participant's program until the game is over.
+    """Run the participant's program until the game is over, or the participant has said that they do not take part.
 
     Args:
         role: the participant.
@@ -194,7 +194,7 @@ async def tabui(
         shown: takes every new view.
 
     Returns:
-        The last view, of a game that is over; None when stopped.
+        The last view, of a game that is over unless the participant takes no part; None when stopped.
     """
     last: View | None = None
 
@@ -203,7 +203,7 @@ async def tabui(
         if role.view is not None and role.view is not last:
             last = role.view
             shown(last)
-        return last is not None and last.over is not None
+        return role.declined or (last is not None and last.over is not None)
 
     finished = await run_at_server(SingleRole(role), TextClient(role.name, token, host, port), Pacer(1.0), after, lost)
     return last if finished else None

@@ -89,8 +89,14 @@ class TreasuresHidden(_Event, frozen=True, tag="hidden"):
     treasures: tuple[TreasureKind, ...]
 
 
-class ConsentGiven(_Event, frozen=True, tag="agreed"):
-    """The participant agreed to take part in the study. Recorded again in each later game of the same keeper."""
+class ConsentGiven(_Event, frozen=True, omit_defaults=True, tag="agreed"):
+    """The participant agreed to take part in the study. Recorded again in each later game of the same keeper.
+
+    Attributes:
+        at: time of day of the agreement, as `GiveConsent.at`.
+    """
+
+    at: str = ""
 
 
 class RobotDeparted(_Event, frozen=True, tag="departed"):

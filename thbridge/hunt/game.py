@@ -136,6 +136,7 @@ class GameState:
         score: sum of all identifications.
         ended: the end of the game, or None.
         agreed: the participant agreed to take part, where the study asks for it.
+        agreed_at: time of day of that agreement; empty where it is unknown.
         by_position: moves from outside rooms are priced by where the robot stands: the matrix's row of the corridor
             holds nowhere.
     """
@@ -147,6 +148,7 @@ class GameState:
     score: int = 0
     ended: GameEnded | None = None
     agreed: bool = False
+    agreed_at: str = ""
     by_position: bool = False
 
     def has_robot(self, robot: int) -> bool:
@@ -225,8 +227,8 @@ def apply(state: GameState, event: Event) -> GameState:
             if len(event.treasures) != len(state.rooms):
                 raise ValueError(f"{len(event.treasures)} treasures are hidden in {len(state.rooms)} rooms")
             return replace(state, treasures=event.treasures)
-        case ConsentGiven():
-            return replace(state, agreed=True)
+        case ConsentGiven(at):
+            return replace(state, agreed=True, agreed_at=at)
         case RobotDeparted():
             robot = _robot(state, event.robot)
             _room(state, event.room)

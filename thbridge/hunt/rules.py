@@ -61,9 +61,9 @@ class RuleReason(StrEnum):
 Ruling = tuple[Event, ...] | RequestRefused
 
 
-def agree(state: GameState) -> Ruling:
-    """Rule for the participant's agreement to take part. A repeated one gives no event."""
-    return () if state.agreed else (ConsentGiven(),)
+def agree(state: GameState, at: str = "") -> Ruling:
+    """Rule for the participant's agreement to take part, at this time of day. A repeated one gives no event."""
+    return () if state.agreed else (ConsentGiven(at),)
 
 
 def command(state: GameState, robot: int, by: CommandHolder) -> Ruling:

@@ -26,7 +26,6 @@ from thbridge.roles.view import (
     Consent,
     DialogueMatter,
     DialogueView,
-    GiveConsent,
     GiveUp,
     GiveUpTreasure,
     OpenDialogue,
@@ -40,8 +39,7 @@ from thbridge.roles.view import (
 )
 
 JudgedRequest: TypeAlias = (
-    GiveConsent
-    | SelectRoom
+    SelectRoom
     | RequestSuggestion
     | OpenDialogue
     | GiveUpTreasure
@@ -90,8 +88,6 @@ def judge(now: Situation, request: JudgedRequest) -> rules.Ruling:
     """Return a refusal, or events: of what the participant asks to talk about, those that would follow an agreement."""
     state = now.state
     match request:
-        case GiveConsent():
-            return rules.agree(state)
         case SelectRoom(robot, room):
             return _select(now, robot, place(room))
         case RequestSuggestion(robot):

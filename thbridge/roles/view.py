@@ -6,7 +6,9 @@ missed some views is up to date with the next.
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
+
+import msgspec
 
 from thbridge.hunt.events import Commander, Condition
 from thbridge.hunt.rules import commander_name
@@ -353,8 +355,18 @@ class PlayAgain(NoticeValue, frozen=True, tag="PlayAgain"):
     game: int
 
 
-class GiveConsent(NoticeValue, frozen=True, tag="Agree"):
-    """Agree to take part in the study, as `View.consent` asks."""
+class GiveConsent(NoticeValue, frozen=True, omit_defaults=True, tag="Agree"):
+    """Agree to take part in the study, as `View.consent` asks.
+
+    Attributes:
+        at: time of day at which the participant said yes, ISO 8601 in UTC; empty where nobody looked at a clock.
+    """
+
+    at: Annotated[str, msgspec.Meta(max_length=40)] = ""
+
+
+class DeclineConsent(NoticeValue, frozen=True, tag="Decline"):
+    """Do not agree to take part in the study. The participant's program then leaves."""
 
 
 ParticipantRequest = (

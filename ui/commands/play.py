@@ -95,8 +95,10 @@ def play(
     from thbridge.app import play as hunt
     from thbridge.app.play import HuntUnfinished, PlayOptions
     from thbridge.app.session.session import TickRecord
+    from thbridge.protocols.text import legacy
     from ui.event_loop import run
     from ui.first_start import announce_compiling
+    from ui.hosting.consent import ask_for_consent
     from ui.hosting.games import WindowGames, offer_of, play_in_window
     from ui.hosting.seats import seat_of_bot, seat_of_person
     from ui.listening import graph_of, hosts_of, ports_of, watch_of
@@ -127,7 +129,11 @@ def play(
         games = WindowGames(study, study_file, options, report_page is not False, told)
         play_in_window(games, offered, ("--look", look.value))
         return
-    seat = seat_of_person() if who is ParticipantKind.PERSON else seat_of_bot(who, setting.templates, study.seed)
+    if who is ParticipantKind.PERSON:
+        text = None if legacy.TABUI in others else setting.consent
+        seat = seat_of_person(None if text is None else ask_for_consent(text))
+    else:
+        seat = seat_of_bot(who, setting.templates, study.seed)
     path = bag or usual_bag(setting)
     make_ready(path)
 

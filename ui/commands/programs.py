@@ -33,7 +33,7 @@ from ui.options import (
     WatchKey,
 )
 from ui.outputs import make_ready
-from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
+from ui.terminal import BAD_INPUT, DECLINED, FAILED, bad_input, fail, note, out, print_json, say
 
 
 def server(
@@ -168,6 +168,7 @@ def tabui(
     from thbridge.app import programs
     from ui.actions.programs import new_token, seat_of, show_nothing, tell_lost
     from ui.event_loop import run
+    from ui.model.consent_words import THANKS
 
     host, port = _address(server)
     if participant is None and templates is None and seed is None and not as_json:
@@ -181,6 +182,9 @@ def tabui(
     seat = seat_of(participant, templates, seed)
     program = programs.tabui(seat.tabui, host, port, new_token(), tell_lost, show_nothing)
     last = run(program, seat.typed)
+    if seat.tabui.declined:
+        say(THANKS)
+        raise typer.Exit(DECLINED)
     if last is None:
         fail(FAILED, "stopped before the game was over")
     if as_json:

@@ -14,7 +14,7 @@ from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.study_file import Study, with_team_size
 from ui.first_start import announce_compiling
-from ui.hosting.lobby import GameVisit, PlayGame, host
+from ui.hosting.lobby import Answer, GameVisit, PlayGame, host
 from ui.hosting.window_process import WINDOW, WindowProcess
 from ui.model.lobby import Offer
 from ui.model.rules_sheet import rules_lines
@@ -23,7 +23,7 @@ from ui.outputs import make_ready
 from ui.report import write_report
 from ui.settings import setting_of
 from ui.story import print_story
-from ui.terminal import DECLINED, FAILED, bad_input, fail, note
+from ui.terminal import DECLINED, FAILED, NOT_TAKING_PART, bad_input, fail, note
 
 PRACTICE = Study(map="practice", templates="practice", robots=1)
 """A hall and two rooms, with treasures that no other set has."""
@@ -126,13 +126,12 @@ def play_in_window(games: WindowGames, offer: Offer, arguments: tuple[str, ...] 
     """
     window = WindowProcess((*WINDOW, *arguments))
     program = host(window, offer, secrets.token_hex(8), games.game, games.practice)
-    takes_part = True
     try:
         with bad_input(FAILED):
-            takes_part = asyncio.run(program)
+            answer = asyncio.run(program)
     except HuntUnfinished:
         fail(FAILED, "stopped; what was recorded up to here is complete")
-    if window.given_up:
+    if window.given_up and answer is not Answer.NO:
         fail(FAILED, "The window crashes whenever it is opened. Play without it: --headless, or --participant person.")
-    if not takes_part:
-        fail(DECLINED, "The participant did not agree to take part. Nothing was recorded.")
+    if answer is not Answer.YES:
+        fail(DECLINED, NOT_TAKING_PART)

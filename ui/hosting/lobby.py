@@ -2,13 +2,15 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from enum import Enum
 
 from msgspec import structs
 
 from sim.common.kernels import is_compiled
 from thbridge.sockets.addresses import ListeningAddress
+from thbridge.timing.wall_clock import utc_now
 from ui.hosting.window_process import WindowProcess
-from ui.model.lobby import Agreed, Back, Begin, Declined, Join, Offer, Practise, Preparing, WindowClosed
+from ui.model.lobby import Agreed, Back, Begin, Declined, Join, Offer, Practise, Preparing, Thanks, WindowClosed
 
 WILDCARD_ADDRESSES = {"0.0.0.0": "127.0.0.1", "::": "::1"}
 """Addresses that a server listens on, and those at which the window finds it."""
@@ -21,14 +23,14 @@ class GameVisit:
         window: the participant's window.
         token: secret by which the server recognises the window.
         practice: True for the practice game.
-        agreed: the participant has agreed to take part.
+        agreed_at: time of day at which the participant agreed to take part; empty: nothing was asked.
     """
 
-    def __init__(self, window: WindowProcess, token: str, practice: bool, agreed: bool) -> None:
+    def __init__(self, window: WindowProcess, token: str, practice: bool, agreed_at: str) -> None:
         self._window = window
         self._token = token
         self._practice = practice
-        self._agreed = agreed
+        self._agreed_at = agreed_at
         self._joining: asyncio.Task[None] | None = None
         self.ended: Back | WindowClosed | None = None
         """The message with which the participant left; None while they are there."""
@@ -36,7 +38,7 @@ class GameVisit:
     def ready(self, where: ListeningAddress) -> None:
         """Let the window join the game that waits at this address."""
         host = WILDCARD_ADDRESSES.get(where.host, where.host)
-        join = Join(host, where.port, self._token, self._practice, self._agreed)
+        join = Join(host, where.port, self._token, self._practice, self._agreed_at)
         self._joining = asyncio.get_running_loop().create_task(self._window.send(join))
 
     def has_left(self) -> bool:
@@ -47,13 +49,21 @@ class GameVisit:
         return self.ended is not None
 
 
+class Answer(Enum):
+    """A participant's answer to the question whether they take part; YES too where nothing was asked."""
+
+    YES = "yes"
+    NO = "no"
+    NONE = "none"
+
+
 PlayGame = Callable[[GameVisit], Awaitable[None]]
 """Plays a game until the participant has left."""
 
 
 async def host(
     window: WindowProcess, offer: Offer, token: str, play: Callable[[int], PlayGame], practise: Callable[[], PlayGame]
-) -> bool:
+) -> Answer:
     """Play games until the participant leaves for good; nothing is played before they have agreed to take part.
 
     Args:
@@ -64,36 +74,39 @@ async def host(
         practise: gives the practice game.
 
     Returns:
-        False when the participant did not agree to take part.
+        The participant's answer; a no is final, whatever the window says or does after it.
     """
-    agreed = False
+    agreed_at = ""
     async with window.opened():
         await window.send(offer)
         while True:
             request = await window.next_request()
             match request:
-                case Agreed():
-                    offer, agreed = structs.replace(offer, consent=""), True
+                case WindowClosed():
+                    return Answer.NONE if offer.consent else Answer.YES
+                case Declined() if offer.consent:
+                    await window.send(Thanks())
+                    while not isinstance(await window.next_request(), WindowClosed):
+                        pass
+                    return Answer.NO
+                case Agreed() if offer.consent:
+                    offer, agreed_at = structs.replace(offer, consent=""), utc_now()
                     await window.send(offer)
                     continue
-                case Declined():
-                    continue  # The window thanks, and is closed by the participant.
-                case WindowClosed():
-                    return not offer.consent
                 case _ if offer.consent:
                     continue
                 case Begin(robots) if offer.least <= robots <= offer.most:
                     number = "robot is" if robots == 1 else f"{robots} robots are"
                     await window.send(Preparing(f"The {number} being made ready.{_compile_notice()}"))
-                    visit, game = GameVisit(window, token, practice=False, agreed=agreed), play(robots)
+                    visit, game = GameVisit(window, token, practice=False, agreed_at=agreed_at), play(robots)
                 case Practise():
                     await window.send(Preparing(f"The practice game is being made ready.{_compile_notice()}"))
-                    visit, game = GameVisit(window, token, practice=True, agreed=False), practise()
+                    visit, game = GameVisit(window, token, practice=True, agreed_at=""), practise()
                 case _:
                     continue
             await game(visit)
             if isinstance(visit.ended, WindowClosed):
-                return True
+                return Answer.YES
             await window.send(offer)
 
 

@@ -7,6 +7,7 @@ from thbridge.app.compose.game import build_bot
 from thbridge.files.template_files import TemplateSet
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
+from thbridge.roles.view import GiveConsent
 from ui.hosting.terminal_player import TerminalPlayer
 from ui.options import ParticipantKind
 from ui.terminal import out
@@ -30,13 +31,15 @@ def seat_of_bot(who: ParticipantKind, templates: TemplateSet, seed: int) -> Seat
     return Seat(TabUI(build_bot(templates, BotStrategy(who), seed)), None)
 
 
-def seat_of_person() -> Seat:
-    """Seat a person, who knows what the game tells."""
+def seat_of_person(consent: GiveConsent | None = None) -> Seat:
+    """Seat a person, who knows what the game tells, and may have agreed to take part already."""
     person = TerminalPlayer(lambda line: out.print(line, highlight=False, markup=False))
-    tabui = TabUI(person)
+    tabui = TabUI(person, consent=consent)
 
     def typed(line: str) -> None:
         person.type(line)
+        if person.declined:
+            tabui.decline()
         tabui.poll_player()
 
     return Seat(tabui, typed)

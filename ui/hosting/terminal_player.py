@@ -30,6 +30,8 @@ from thbridge.roles.view import (
     TakeUpTreasure,
     View,
 )
+from thbridge.timing.wall_clock import utc_now
+from ui.model.consent_words import QUESTION, answer_in
 from ui.model.playing.words import seen_words, verdict_words
 from ui.story import CONDITIONS
 
@@ -56,9 +58,11 @@ class TerminalPlayer:
 
     Attributes:
         show: puts a line in front of the person.
+        declined: the person does not take part.
     """
 
     show: Callable[[str], None]
+    declined: bool = False
     _view: View | None = None
     _wanted: tuple[ParticipantRequest, ...] = ()
     _names: dict[int, str] = field(default_factory=dict)
@@ -80,6 +84,9 @@ class TerminalPlayer:
         if view is None:
             self.show("The game has not begun yet.")
             return
+        if view.consent is not None:
+            self._answer_consent(line)
+            return
         match line.split():
             case []:
                 pass
@@ -88,8 +95,6 @@ class TerminalPlayer:
                     self.show(state)
             case ["names"]:
                 self.show(f"  {_listed(view.names)}" if view.names else NO_NAMES)
-            case ["agree"]:
-                self._wanted = (GiveConsent(),)
             case ["end"]:
                 self._wanted = (GiveUp(view.game),)
             case ["c" | "s" as answer]:
@@ -112,6 +117,15 @@ class TerminalPlayer:
                 self._wanted = (SelectRoom(index_of(int(robot)), int(room)),)
             case _:
                 self.show(HELP)
+
+    def _answer_consent(self, line: str) -> None:
+        match answer_in(line):
+            case True:
+                self._wanted = (GiveConsent(utc_now()),)
+            case False:
+                self.declined = True
+            case None:
+                self.show(QUESTION)
 
     def _answer(self, view: View, *, first: bool) -> None:
         dialogue = next((dialogue for dialogue in view.dialogues if dialogue.choices), None)
@@ -159,7 +173,7 @@ def _is_number(word: str) -> bool:
 def _changes(before: View | None, view: View) -> list[str]:
     """Lines that tell a person the changes since the view before."""
     if view.consent is not None and (before is None or before.consent is None):
-        return [*view.consent.splitlines(), "Type agree to take part."]
+        return [*view.consent.splitlines(), QUESTION]
     if before is not None and before.consent is not None and view.consent is None:
         before = None
     if before is None or before.game != view.game:

@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager
 
 import msgspec
 
-from ui.model.lobby import FromHost, FromWindow, Offer, WindowClosed, decode_from_window, encode
+from ui.model.lobby import FromHost, FromWindow, Offer, Thanks, WindowClosed, decode_from_window, encode
 from ui.terminal import note
 
 WINDOW = (sys.executable, "-c", "from ui.cli import main; main()", "tabui", "--hosted")
@@ -36,7 +36,7 @@ class WindowProcess:
 
     async def send(self, message: FromHost) -> None:
         """Send a message to the window."""
-        self._sent = [message] if isinstance(message, Offer) else [*self._sent, message]
+        self._sent = [message] if isinstance(message, Offer | Thanks) else [*self._sent, message]
         await self._write(message)
 
     async def next_request(self) -> FromWindow:

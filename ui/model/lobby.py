@@ -41,14 +41,18 @@ class Join(msgspec.Struct, frozen=True, tag=True):
         port: port of its text server.
         token: secret by which the server recognises this participant.
         practice: True for the practice game.
-        agreed: the participant has agreed to take part already.
+        agreed_at: time of day at which the participant agreed to take part; empty: nothing was asked.
     """
 
     host: str
     port: int
     token: str
     practice: bool
-    agreed: bool = False
+    agreed_at: str = ""
+
+
+class Thanks(msgspec.Struct, frozen=True, tag=True):
+    """Host: thank the participant, who does not take part; nothing more is asked of them."""
 
 
 class Agreed(msgspec.Struct, frozen=True, tag=True):
@@ -77,7 +81,7 @@ class WindowClosed(msgspec.Struct, frozen=True, tag="Leave"):
     """Window: the participant closed it on purpose."""
 
 
-FromHost: TypeAlias = Offer | Preparing | Join
+FromHost: TypeAlias = Offer | Preparing | Join | Thanks
 FromWindow: TypeAlias = Agreed | Declined | Begin | Practise | Back | WindowClosed
 
 _from_host: msgspec.json.Decoder[FromHost] = msgspec.json.Decoder(FromHost)

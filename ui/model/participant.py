@@ -1,10 +1,12 @@
 """View model of the participant's window: messages of the game become a screen, and acts become requests."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 from thbridge.roles.notices import FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry, RobotMotion
-from thbridge.roles.view import GiveConsent, ParticipantRequest, View
+from thbridge.roles.view import ParticipantRequest, View
+from thbridge.timing.wall_clock import utc_now
 from ui.model.motion import MotionPlayback
 from ui.model.playing.acts import do
 from ui.model.playing.compose import compose, next_change
@@ -25,11 +27,11 @@ class Participant:
     little before the last look at the screen.
 
     Args:
-        agreed: the participant has agreed to take part already, before the game.
+        time_of_day: returns the time of day, for the record of an agreement to take part.
     """
 
-    def __init__(self, agreed: bool = False) -> None:
-        self._memory = ParticipantMemory(agreed=agreed)
+    def __init__(self, time_of_day: Callable[[], str] = utc_now) -> None:
+        self._memory = ParticipantMemory(time_of_day=time_of_day)
         self._playback = MotionPlayback()
         self._marks: MapMarks | None = None
         self._screen: Screen | None = None
@@ -61,8 +63,6 @@ class Participant:
             case View():
                 if level.robots and (level.ready or memory.hunt is not None):
                     receive_view(memory, level, now)
-                    if memory.agreed and memory.hunt is not None and level.consent is not None:
-                        memory.hunt.pending.ask(GiveConsent(), level)
             case FloorPlan():
                 if level != memory.floor_plan:
                     memory.floor_plan, self._marks = level, MapMarks(level)

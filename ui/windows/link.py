@@ -17,7 +17,7 @@ from thbridge.app.programs import exchange
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.roles.notices import FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.roles.view import ParticipantRequest, View
+from thbridge.roles.view import GiveConsent, ParticipantRequest, View
 from thbridge.sockets.reconnecting import Backoff, ConnectionLost, LossReason
 from thbridge.sockets.text.client import TextClient
 
@@ -67,11 +67,16 @@ class ParticipantLink:
         host: of the server.
         port: of the server.
         token: marks this run of the program, so that the server knows its own connection from before a fault.
+        consent: of a participant who has agreed to take part already; None: not yet, or nothing was asked.
+
+    Raises:
+        ValueError: the token is not one word.
     """
 
-    def __init__(self, host: str, port: int, token: str) -> None:
-        self._address = (host, port)
-        self._token = token
+    def __init__(self, host: str, port: int, token: str, consent: GiveConsent | None = None) -> None:
+        self._client = TextClient(TabUI.name, token, host, port, RECONNECT_BACKOFF)
+        self._consent = consent
+        self._declined = False
         # Appending to a deque, taking from it and replacing a tuple are single steps of the interpreter.
         self._events: deque[ReceivedEvent] = deque()
         self._requested: tuple[ParticipantRequest, ...] = ()
@@ -97,6 +102,10 @@ class ParticipantLink:
         """Set all open requests; each is sent again until it is granted."""
         self._requested = requests
 
+    def decline(self) -> None:
+        """Tell the server, before anything else and even if the link is stopped, that the participant says no."""
+        self._declined = True
+
     # The thread's side
 
     def _run(self) -> None:
@@ -104,15 +113,18 @@ class ParticipantLink:
 
     async def _converse(self) -> None:
         player = _WindowPlayer()
-        role = TabUI(player, self)
+        role = TabUI(player, self, self._consent)
         runner = _ClockedRole(role, self._report)
-        client = TextClient(role.name, self._token, *self._address, RECONNECT_BACKOFF)
-        async with client.running():
-            while not self._stopped.is_set():
+        async with self._client.running():
+            is_last = False
+            while not is_last:
+                is_last = self._stopped.is_set()
+                if self._declined:
+                    role.decline()
                 if player.requested != self._requested:
                     player.requested = self._requested
                     role.poll_player()
-                exchange(runner, client, self._lost)
+                exchange(runner, self._client, self._lost)
                 await asyncio.sleep(POLL_PERIOD)
 
     def observe(self, level: View | FloorPlan | PoseTelemetry | PlannedPaths | PicturePiece) -> None:

@@ -22,6 +22,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from thbridge.roles.view import GiveConsent
 from ui.model.keys import keyed
 from ui.model.lobby import (
     Agreed,
@@ -34,6 +35,7 @@ from ui.model.lobby import (
     Offer,
     Practise,
     Preparing,
+    Thanks,
     WindowClosed,
     decode_from_host,
     encode,
@@ -64,7 +66,6 @@ class GamePage(QWidget):
         practice: it is the practice game, whose strip says what to do next.
         back: goes back to the start page; None where there is none.
         clock: monotonic seconds.
-        agreed: the participant has agreed to take part already.
     """
 
     def __init__(
@@ -74,13 +75,12 @@ class GamePage(QWidget):
         practice: bool,
         back: Callable[[], None] | None,
         clock: Callable[[], float],
-        agreed: bool,
     ) -> None:
         super().__init__()
         self._link = link
         self._clock = clock
         self._practice = practice
-        self._model = Participant(agreed)
+        self._model = Participant()
         self.window_of_game = ParticipantWindow(self._model, clock, look.colours())
         appearance.changed.connect(self.window_of_game.set_palette)
         rows = spaced(QVBoxLayout(self), 0, 0)
@@ -142,6 +142,10 @@ class GamePage(QWidget):
         else:
             self._strip.setVisible(screen.phase is Phase.OVER)
 
+    def decline(self) -> None:
+        """Tell the server, when this leaves it, that the participant does not take part."""
+        self._link.decline()
+
     def leave(self) -> None:
         """Leave the server."""
         self._link.stop()
@@ -194,13 +198,16 @@ class ParticipantMainWindow(QMainWindow):
                 page = ConnectingPage()
                 page.show_waiting(sentence)
                 self._show(page)
-            case Join(host, port, token, practice, agreed):
-                self.join(ParticipantLink(host, port, token), practice, agreed)
+            case Join(host, port, token, practice, agreed_at):
+                consent = GiveConsent(agreed_at) if agreed_at else None
+                self.join(ParticipantLink(host, port, token, consent), practice)
+            case Thanks() if not isinstance(self._pages.currentWidget(), ThanksPage):
+                self._show_thanks()
 
-    def join(self, link: ParticipantLink, practice: bool = False, agreed: bool = False) -> None:
+    def join(self, link: ParticipantLink, practice: bool = False) -> None:
         """Show a game."""
         back = None if self._send_to_host is None else lambda: self._send(Back())
-        game = GamePage(link, self._appearance, practice, back, self._clock, agreed)
+        game = GamePage(link, self._appearance, practice, back, self._clock)
         game.window_of_game.declined.connect(self._decline)
         self._show(game)
         self.game = game
@@ -247,8 +254,13 @@ class ParticipantMainWindow(QMainWindow):
 
     def _decline(self) -> None:
         """Thank the participant, who does not take part; nothing more is asked of them."""
-        hosted = self._send_to_host is not None
+        if self.game is not None:
+            self.game.decline()
         self._send(Declined())
+        self._show_thanks()
+
+    def _show_thanks(self) -> None:
+        hosted = self._send_to_host is not None
         recorded = " Nothing was recorded." if hosted else ""
         page = ThanksPage(f"You do not take part.{recorded} You can close this window.")
         page.close_button.clicked.connect(self.leave)

@@ -97,6 +97,7 @@ well_formed = st.one_of(
     st.builds(notices.FloorPlan, word, real, pose, small, small, word, st.just(()), st.just(())),
     st.builds(notices.PicturePiece, small, small, small, small, word),
     st.builds(view.GiveConsent),
+    st.builds(view.DeclineConsent),
     st.builds(view.SelectRoom, small, small),
     st.builds(view.RequestSuggestion, small),
     st.builds(view.AnswerDialogue, small, small, small),

@@ -18,7 +18,6 @@ from thbridge.roles.robot_requests import ReleaseCommand, StationSend, TakeComma
 from thbridge.roles.view import (
     AnswerDialogue,
     CallBack,
-    GiveConsent,
     GiveUp,
     GiveUpTreasure,
     IdentifyTreasure,
@@ -46,7 +45,7 @@ def any_request(chance, view):
         (
             *(SelectRoom(robot, room), OpenDialogue(robot, matter, room)) * 2,
             *(RequestSuggestion(robot), CallBack(robot), RequestHandback(robot)),
-            *(GiveUpTreasure(room), TakeUpTreasure(room), GiveUp(1), GiveConsent()),
+            *(GiveUpTreasure(room), TakeUpTreasure(room), GiveUp(1)),
         )
     )
 

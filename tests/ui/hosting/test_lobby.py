@@ -4,10 +4,8 @@ import asyncio
 import sys
 from pathlib import Path
 
-import pytest
-
 from thbridge.sockets.addresses import ListeningAddress
-from ui.hosting.lobby import GameVisit, host
+from ui.hosting.lobby import Answer, GameVisit, host
 from ui.hosting.window_process import WindowProcess
 from ui.model.lobby import Offer
 
@@ -26,7 +24,7 @@ def window(folder: Path, script: str) -> WindowProcess:
     return WindowProcess((sys.executable, str(program)))
 
 
-def hosted(process: WindowProcess, offer: Offer = OFFER, takes_part: bool = True) -> list[tuple[str, int]]:
+def hosted(process: WindowProcess, offer: Offer = OFFER, answer: Answer = Answer.YES) -> list[tuple[str, int]]:
     """Run it to its end; return the games that were played, with their robots."""
     played: list[tuple[str, int]] = []
 
@@ -40,7 +38,7 @@ def hosted(process: WindowProcess, offer: Offer = OFFER, takes_part: bool = True
         return play
 
     program = host(process, offer, "t0", lambda robots: game("game", robots), lambda: game("practice", 1))
-    assert asyncio.run(asyncio.wait_for(program, 30)) is takes_part
+    assert asyncio.run(asyncio.wait_for(program, 30)) is answer
     return played
 
 
@@ -56,16 +54,45 @@ say("Agreed")
 assert hear()["consent"] == ""
 say("Begin", robots=3)
 hear()
-assert hear()["agreed"] is True
+assert hear()["agreed_at"].endswith("Z")
 say("Leave")
 """
     assert hosted(window(tmp_path, script), CONSENT) == [("game", 3)]
 
 
-@pytest.mark.parametrize("says", ["say('Declined')\n", ""])
-def test_who_does_not_agree_takes_no_part(tmp_path, says):
-    script = f"hear()\n{says}say('Begin', robots=2)\nsay('Leave')\n"
-    assert hosted(window(tmp_path, script), CONSENT, takes_part=False) == []
+def test_who_does_not_answer_takes_no_part(tmp_path):
+    script = "hear()\nsay('Begin', robots=2)\nsay('Leave')\n"
+    assert hosted(window(tmp_path, script), CONSENT, Answer.NONE) == []
+
+
+def test_a_no_is_final(tmp_path):
+    script = """
+hear()
+say("Declined")
+assert hear()["type"] == "Thanks"
+say("Agreed")
+say("Begin", robots=2)
+say("Leave")
+"""
+    assert hosted(window(tmp_path, script), CONSENT, Answer.NO) == []
+
+
+def test_a_window_that_crashes_after_a_no_does_not_ask_again(tmp_path):
+    process = window(
+        tmp_path,
+        """
+first = not Path(sys.argv[0] + ".was").exists()
+Path(sys.argv[0] + ".was").touch()
+if first:
+    assert hear()["consent"]
+    say("Declined")
+    hear()
+    sys.exit(11)
+assert hear()["type"] == "Thanks"
+say("Leave")
+""",
+    )
+    assert hosted(process, CONSENT, Answer.NO) == []
 
 
 def test_a_practice_then_a_game_then_closed(tmp_path):

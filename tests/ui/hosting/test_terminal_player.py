@@ -8,6 +8,7 @@ from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import ReleaseCommand, StationSend, TakeCommand
 from ui.hosting.terminal_player import TerminalPlayer
+from ui.model.consent_words import QUESTION
 
 
 class Seat:
@@ -126,11 +127,18 @@ def test_a_person_may_end_the_game(seat):
 
 def test_a_person_is_asked_to_take_part_before_anything_else():
     seat = Seat(Briefing(consent="We record\nwhat you do."))
-    assert seat.shown == ["We record", "what you do.", "Type agree to take part."]
-    assert seat.type("1 3") == ["You have not agreed to take part yet."]
-    assert seat.type("agree")[0] == "Game 1. Type ? to see how things stand, h for help."
-    assert ConsentGiven() in seat.stage.log.events
+    assert seat.shown == ["We record", "what you do.", QUESTION]
+    assert seat.type("1 3") == [QUESTION]
+    assert seat.type("Yes")[0] == "Game 1. Type ? to see how things stand, h for help."
+    assert [event.at[-1:] for event in seat.stage.log.events if isinstance(event, ConsentGiven)] == ["Z"]
     assert seat.type("1 3") == ["Robot 1: It will cost me 17 to go to room 3   [c Continue, s Stop]"]
+
+
+@pytest.mark.parametrize("word", ["no", " N", "No."])
+def test_a_person_may_say_no(word):
+    seat = Seat(Briefing(consent="We record you."))
+    assert seat.type(word) == []
+    assert seat.person.declined
 
 
 def test_a_person_asks_for_a_robot_and_names_what_a_station_left(seat):

@@ -116,26 +116,20 @@ def test_before_there_is_a_game_it_says_what_it_waits_for():
 
 
 def test_consent_comes_before_everything_else():
-    model = model_of(view(consent="May we record what you do?"))
+    times = iter(("2026-11-23T09:30:00Z", "2026-11-23T09:30:05Z"))
+    model = Participant(lambda: next(times))
+    model.connected(0.0)
+    model.receive(view(consent="May we record what you do?"), 0.0)
     screen = model.screen(0.0)
     assert (screen.phase, screen.consent) == (Phase.CONSENT, "May we record what you do?")
     model.do(ChooseRoom(1), 0.0)
     assert model.requests() == ()
     model.do(AgreeToTakePart(), 0.0)
-    assert model.requests() == (GiveConsent(),)
+    model.do(AgreeToTakePart(), 0.0)
+    assert model.requests() == (GiveConsent("2026-11-23T09:30:00Z"),), "the time of the first yes"
     assert model.screen(0.0).agree.pending
     model.receive(view(), 1.0)
     assert (model.screen(1.0).phase, model.requests()) == (Phase.PLAYING, ())
-
-
-def test_who_has_agreed_before_the_game_does_so_in_it_unasked():
-    model = Participant(agreed=True)
-    model.connected(0.0)
-    model.receive(view(consent="We record you."), 0.0)
-    assert model.screen(0.0).phase is Phase.CONNECTING
-    assert model.requests() == (GiveConsent(),)
-    model.receive(view(), 0.1)
-    assert model.screen(0.1).phase is Phase.PLAYING
 
 
 def test_the_screen_is_the_same_object_while_nothing_changes():

@@ -15,7 +15,7 @@ from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.moves import DialogueUtterance
 from thbridge.hunt import rules
 from thbridge.hunt.costs import CostMatrix
-from thbridge.hunt.events import Commander, ConsentGiven, Event, GameStarted, TreasuresHidden
+from thbridge.hunt.events import Commander, Event, GameStarted, TreasuresHidden
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rules import MOST_ROBOTS
@@ -32,6 +32,7 @@ from thbridge.protocols.text.notice import (
 )
 from thbridge.protocols.text.router import Forwarded
 from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.keeper.consent import ConsentAnswer, ConsentStatus
 from thbridge.roles.keeper.debriefing import debrief_of
 from thbridge.roles.keeper.disclosure import view_of
 from thbridge.roles.keeper.legacy_lines import LegacyLines, request_kind
@@ -60,7 +61,7 @@ from thbridge.roles.notices import (
 )
 from thbridge.roles.participant_rules import KeeperReason
 from thbridge.roles.robot_requests import CommandRequest, GameRequest
-from thbridge.roles.view import Debrief, GiveConsent, ParticipantRequest, PlayAgain, SendRobot
+from thbridge.roles.view import Debrief, DeclineConsent, GiveConsent, ParticipantRequest, PlayAgain, SendRobot
 
 _BEFORE_AGREEING = RequestRefused(KeeperReason.NOT_AGREED, "You have not agreed to take part yet.")
 _AFTER_AGREEING = {kind_of(kind) for kind in get_args(ParticipantRequest)} - {kind_of(GiveConsent)}
@@ -128,6 +129,7 @@ class Keeper:
         self._team: RobotsReady | None = None
         self._hider_ready = False
         self._participants = Participants(KEEPER, self._briefing)
+        self._consent = ConsentAnswer(self._briefing.consent is not None)
         self._poses: tuple[tuple[float, float, float], ...] | None = None
         self._debrief: Debrief | None = None
         self._ordered: Orders | None = None
@@ -142,6 +144,11 @@ class Keeper:
         """The current game, or the last one if it is over; None before the first."""
         return self._game.state
 
+    @property
+    def consent(self) -> ConsentStatus:
+        """State of the participant's agreement to take part."""
+        return self._consent.status(self.state)
+
     def connected(self) -> None:
         """Do nothing: the other programs introduce themselves to the keeper."""
 
@@ -151,11 +158,13 @@ class Keeper:
             if is_notice(item.message):
                 continue
             self._has_input = True
+            if item.message.sender == legacy.TABUI and not item.sender_extended:
+                self._consent.note_legacy()
             if self.state is not None:
                 # Programs of 2016 hold their dialogues internally: no consent of theirs is visible here.
                 ours = item.sender_extended and item.message.sender in self._participants
                 kind = request_kind(item)
-                if ours and kind is not None and self._must_agree(self.state):
+                if ours and kind is not None and self._consent.awaited(self.state):
                     self._game.refuse(kind, _BEFORE_AGREEING)
                     continue
                 reply = self._legacy_lines.handle(self.state, item, needs_consent=ours)
@@ -215,8 +224,13 @@ class Keeper:
         elif (hidden := decode_notice(notice, HideTreasures)) is not None:
             self._hide(hidden)
         elif decode_notice(notice, ParticipantReady) is not None:
+            self._consent.join()
             self._outgoing += self._participants.join(notice.sender, None if self._team is None else self._team.map)
-        elif self.state is not None and notice.kind in _AFTER_AGREEING and self._must_agree(self.state):
+        elif decode_notice(notice, DeclineConsent) is not None:
+            self._consent.decline(self.state)
+        elif (consent := decode_notice(notice, GiveConsent)) is not None:
+            self._agree(consent)
+        elif self.state is not None and notice.kind in _AFTER_AGREEING and self._consent.awaited(self.state):
             self._game.refuse(notice.kind, _BEFORE_AGREEING)
         elif (again := decode_notice(notice, PlayAgain)) is not None:
             self._play_again(again.game)
@@ -229,9 +243,11 @@ class Keeper:
         """Return True while Hider is about to hide the treasures."""
         return self._hider_ready and state.treasures is None
 
-    def _must_agree(self, state: GameState) -> bool:
-        """Return True while the participant has to agree to take part before anything else."""
-        return self._briefing.consent is not None and not state.agreed
+    def _agree(self, consent: GiveConsent) -> None:
+        if self.state is None:
+            self._consent.agree_early(consent)
+        elif not self._consent.refuses(self.state):
+            self._game.apply_ruling(kind_of(GiveConsent), rules.agree(self.state, consent.at))
 
     def _robots(self, sender: str, robots: RobotsReady) -> None:
         state = self.state
@@ -265,9 +281,8 @@ class Keeper:
         )
         # Agreement to take part, and commands of ground stations, outlast a game.
         former = self.state
-        agreed = (ConsentGiven(),) if former is not None and former.agreed else ()
         kept = () if former is None else kept_commands(former, robots)
-        self._game.record((started, *agreed, *kept))
+        self._game.record((started, *self._consent.first_events(former), *kept))
         if self._team is not None:
             self._price(MoveCosts(started.game, self._team.from_starts))
         self._poses = None

@@ -15,7 +15,6 @@ from thbridge.roles.participant_rules import Situation, judge, place
 from thbridge.roles.view import (
     AnswerDialogue,
     CallBack,
-    GiveConsent,
     GiveUp,
     GiveUpTreasure,
     OpenDialogue,
@@ -38,7 +37,7 @@ def handle_participant_request(game: OpenGame, state: GameState, notice: Notice,
     """
     now = Situation(state, game.dialogues.discussed, awaits_treasures)
     match _decode_request(notice):
-        case GiveConsent() | GiveUpTreasure() | TakeUpTreasure() as request:
+        case GiveUpTreasure() | TakeUpTreasure() as request:
             game.apply_ruling(notice.kind, judge(now, request))
         case GiveUp() as request if request.game == state.started.game:
             game.apply_ruling(notice.kind, judge(now, request))

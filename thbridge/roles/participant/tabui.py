@@ -17,7 +17,16 @@ from thbridge.roles.notices import (
     PoseTelemetry,
     Subscribe,
 )
-from thbridge.roles.view import IdentifyTreasure, ParticipantRequest, SendRobot, SenseTreasure, TakePicture, View
+from thbridge.roles.view import (
+    DeclineConsent,
+    GiveConsent,
+    IdentifyTreasure,
+    ParticipantRequest,
+    SendRobot,
+    SenseTreasure,
+    TakePicture,
+    View,
+)
 
 RETRY_PERIOD = 3 * TICKS_PER_SECOND
 """Ticks after which a request is sent again if the view does not show its effect."""
@@ -52,17 +61,23 @@ class TabUI:
     Args:
         player: decides.
         observer: takes all notices; without one TabUI does not subscribe to pose telemetry.
+        consent: of a participant who agreed to take part before this program joined; it is the first thing said.
 
     Attributes:
         view: the latest view, None before the first.
+        declined: the participant has said that they do not take part; this program is to leave then.
     """
 
     name = legacy.TABUI
 
-    def __init__(self, player: Player, observer: ParticipantObserver | None = None) -> None:
+    def __init__(
+        self, player: Player, observer: ParticipantObserver | None = None, consent: GiveConsent | None = None
+    ) -> None:
         self._player = player
         self._observer = observer
+        self._consent = consent
         self.view: View | None = None
+        self.declined = False
         self._introduce = False
         self._renew_at: int | None = None
         self._sent: dict[ParticipantRequest, int] = {}
@@ -78,6 +93,10 @@ class TabUI:
         """Ask the player with the next step, even if the view has not changed: a person has decided."""
         self._next_poll = 0
 
+    def decline(self) -> None:
+        """Tell the keeper with the next step that the participant does not take part."""
+        self.declined = True
+
     def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
         """Run one tick; see `Role`."""
         changed = False
@@ -90,10 +109,14 @@ class TabUI:
         outgoing: list[TextMessage] = []
         if self._introduce:
             self._introduce = False
+            if self._consent is not None:
+                outgoing.append(encode_request_line(self._consent))
             outgoing.append(encode_notice(self.name, KEEPER, ParticipantReady()))
         if self._observer is not None and self._renew_at is not None and tick >= self._renew_at:
             self._renew_at = tick + RENEWAL_PERIOD
             outgoing.append(encode_notice(self.name, legacy.SIMR, Subscribe()))
+        if self.declined:
+            return [*outgoing, encode_notice(self.name, KEEPER, DeclineConsent())]
         if self.view is not None and self.view.ready and (changed or tick >= self._next_poll):
             outgoing += self._due_requests(tick, self.view)
         return outgoing

@@ -95,8 +95,8 @@ def do(memory: ParticipantMemory, act: Act, now: float) -> None:
 def _in_game(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) -> None:
     match act:
         case AgreeToTakePart():
-            if hunt.view.consent is not None:
-                hunt.pending.ask(GiveConsent(), hunt.view)
+            if hunt.view.consent is not None and not hunt.pending.has_kind(GiveConsent):
+                hunt.pending.ask(GiveConsent(memory.time_of_day()), hunt.view)
         case AnotherGame():
             if hunt.view.over is not None:
                 hunt.pending.ask(PlayAgain(hunt.view.game), hunt.view)

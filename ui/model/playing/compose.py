@@ -107,8 +107,7 @@ def phase_of(memory: ParticipantMemory) -> Phase:
     if memory.hunt is None:
         return Phase.CONNECTING
     if memory.hunt.view.consent is not None:
-        # Who has agreed before the game does so again in it unasked.
-        return Phase.CONNECTING if memory.agreed else Phase.CONSENT
+        return Phase.CONSENT
     return Phase.PLAYING if memory.hunt.view.over is None else Phase.OVER
 
 
@@ -153,7 +152,7 @@ def _agree(hunt: HuntMemory | None) -> Action:
     act = AgreeToTakePart()
     if hunt is None or hunt.view.consent is None:
         return _not_now(act, "I agree")
-    busy = GiveConsent() in hunt.pending
+    busy = hunt.pending.has_kind(GiveConsent)
     return keyed(act, "I agree", not busy, "You take part in the study.", busy)
 
 

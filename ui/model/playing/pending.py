@@ -37,6 +37,10 @@ class PendingRequests:
     def __contains__(self, request: ParticipantRequest) -> bool:
         return request in self._requests
 
+    def has_kind(self, kind: type[ParticipantRequest]) -> bool:
+        """Return True while there is a request of this kind."""
+        return any(isinstance(request, kind) for request in self._requests)
+
     @property
     def requests(self) -> tuple[ParticipantRequest, ...]:
         """All of them, oldest first."""

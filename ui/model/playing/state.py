@@ -1,12 +1,14 @@
 """Memory of the participant's view model; the screen is computed from it."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from thbridge.hunt.rooms import Room
 from thbridge.roles.notices import FloorPlan, RobotMotion
 from thbridge.roles.participant_rules import Situation, revealed
 from thbridge.roles.view import DialogueView, RequestSuggestion, SelectRoom, View
+from thbridge.timing.wall_clock import utc_now
 from ui.model.playing.connection import ConnectionStatus
 from ui.model.playing.history import GameHistory
 from ui.model.playing.name_choice import NameChoice
@@ -186,7 +188,7 @@ class ParticipantMemory:
         last_refusal: number of the last refusal.
         last_drawn: state behind the last screen.
         leaving: True once the participant has agreed to close the window.
-        agreed: the participant has agreed to take part already, before the game.
+        time_of_day: returns the time of day.
     """
 
     hunt: HuntMemory | None = None
@@ -203,7 +205,7 @@ class ParticipantMemory:
     history: GameHistory = field(default_factory=GameHistory)
     pictures: Pictures = field(default_factory=Pictures)
     last_refusal: int = 0
-    agreed: bool = False
+    time_of_day: Callable[[], str] = utc_now
     last_drawn: DrawnState = field(default_factory=DrawnState)
     leaving: bool = False
 

@@ -25,6 +25,7 @@ from thbridge.hunt.treasures import TreasureKind
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.notice import decode_notice, encode_notice, kind_of, parse_notice
 from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.keeper.consent import ConsentStatus
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.keeper.participants import PIECE_PERIOD, PIECE_SIZE, Participants
 from thbridge.roles.notices import KEEPER, FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry, Subscribe
@@ -55,6 +56,7 @@ from thbridge.study.study_file import Study
 Stage = stage.Stage
 HOUSE = FloorPlan("stage", 0.05, (0.0, 0.0, 0.0), 1, 1, "eJxjAAAAAQAB", (), ())
 CONSENT = "We record what you do."
+YES = GiveConsent("2026-11-23T09:30:00Z")
 
 
 class Eyes:
@@ -218,6 +220,44 @@ def test_agreement_holds_for_later_games_and_their_journals_say_so():
     events = played.stage.log.events
     second = [event for event in events[events.index(ConsentGiven()) + 1 :] if not isinstance(event, TreasuresHidden)]
     assert [type(event).__name__ for event in second] == ["GameEnded", "GameStarted", "ConsentGiven"]
+
+
+def test_the_record_has_the_time_of_the_yes_in_every_game():
+    played = Played(Briefing(consent=CONSENT))
+    played.say(GiveConsent(YES.at))
+    played.say(GiveUp(1))
+    played.say(PlayAgain(1))
+    assert [event for event in played.stage.log.events if isinstance(event, ConsentGiven)] == [ConsentGiven(YES.at)] * 2
+
+
+def test_who_agreed_before_joining_has_agreed_when_the_game_starts():
+    played = Stage(participant=TabUI(Script(), consent=YES), briefing=Briefing(consent=CONSENT))
+    played.run(6)
+    assert [type(event).__name__ for event in played.log.events] == ["GameStarted", "ConsentGiven", "TreasuresHidden"]
+    assert played.log.events[1] == ConsentGiven(YES.at)
+    assert played.keeper.consent is ConsentStatus.GIVEN
+
+
+def test_a_no_is_final_for_the_program_that_says_it_and_the_next_one_is_asked_anew():
+    played = Played(Briefing(consent=CONSENT))
+    assert played.stage.keeper.consent is ConsentStatus.AWAITED
+    played.tabui.decline()
+    played.stage.run(4)
+    assert played.stage.keeper.consent is ConsentStatus.DECLINED
+    played.tabui.declined = False
+    assert played.say(GiveConsent(YES.at)).consent == CONSENT
+    assert played.stage.keeper.consent is ConsentStatus.DECLINED
+    played.tabui.connected()
+    assert played.say(GiveConsent(YES.at)).consent is None
+    assert played.stage.keeper.consent is ConsentStatus.GIVEN
+
+
+def test_a_no_after_the_yes_changes_nothing():
+    played = Played(Briefing(consent=CONSENT))
+    played.say(GiveConsent())
+    played.tabui.decline()
+    played.stage.run(4)
+    assert played.stage.keeper.consent is ConsentStatus.GIVEN
 
 
 def test_agreement_outlives_the_server():

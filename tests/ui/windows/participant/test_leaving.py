@@ -15,6 +15,11 @@ from ui.windows.link import ParticipantLink, ReceivedEvent, ServerReached
 from ui.windows.participant_program import ParticipantMainWindow
 
 
+def test_a_link_with_a_token_that_no_server_takes_is_refused_before_it_starts() -> None:
+    with pytest.raises(ValueError, match="token"):
+        ParticipantLink("127.0.0.1", 1, "")
+
+
 class ArrivedLink(ParticipantLink):
     """A link to a game whose first view has arrived."""
 

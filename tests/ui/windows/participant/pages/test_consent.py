@@ -7,7 +7,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
-from ui.model.lobby import Agreed, Declined, FromWindow, Offer, WindowClosed
+from ui.model.lobby import Agreed, Declined, FromWindow, Offer, Thanks, WindowClosed
 from ui.windows import look
 from ui.windows.participant.pages.pages import ConsentPage, ThanksPage
 from ui.windows.participant.pages.start import StartPage
@@ -57,6 +57,14 @@ def test_no_is_thanked_and_ends(seen: Seen, qtbot: QtBot, by: str) -> None:
     qtbot.keyClick(window, Qt.Key.Key_Return)
     assert sent == [Declined(), WindowClosed()]
     assert not window.isVisible()
+
+
+def test_a_window_opened_again_after_a_no_thanks_and_asks_nothing(qtbot: QtBot, qapp: QApplication) -> None:
+    window = ParticipantMainWindow(look.Appearance(qapp, "light"), lambda _message: None)
+    qtbot.addWidget(window, before_close_func=lambda it: it.leave())
+    window.receive(Thanks())
+    window.show()
+    assert page(window, ThanksPage) and not window.findChildren(ConsentPage)
 
 
 def test_enter_agrees_to_nothing(seen: Seen, qtbot: QtBot) -> None:

@@ -1,0 +1,86 @@
+"""The participant's answer to the study's consent text, before and in a game."""
+
+from enum import Enum
+
+from thbridge.hunt.events import ConsentGiven
+from thbridge.hunt.game import GameState
+from thbridge.roles.view import GiveConsent
+
+
+class ConsentStatus(Enum):
+    """State of the participant's agreement to take part."""
+
+    NOT_NEEDED = "not needed"
+    AWAITED = "awaited"
+    GIVEN = "given"
+    DECLINED = "declined"
+    NOT_ASKED = "not asked"
+    """A participant's program of 2016 plays, which cannot ask."""
+
+    @property
+    def recordable(self) -> bool:
+        """True when what the participant does may be recorded."""
+        return self not in {ConsentStatus.AWAITED, ConsentStatus.DECLINED}
+
+
+class ConsentAnswer:
+    """The answer of the participant who is there.
+
+    A yes that comes before the first game is kept for it. A no is final for the program that says it: only another
+    one that joins is asked again.
+
+    Args:
+        asked: the study has a consent text.
+    """
+
+    def __init__(self, asked: bool) -> None:
+        self._asked = asked
+        self._early: GiveConsent | None = None
+        self._declined = False
+        self._legacy = False
+
+    def join(self) -> None:
+        """Note that a participant's program has joined which can ask."""
+        self._declined = self._legacy = False
+
+    def note_legacy(self) -> None:
+        """Note that a participant's program of 2016 plays."""
+        self._legacy = True
+
+    def agree_early(self, consent: GiveConsent) -> None:
+        """Keep a yes for the first game."""
+        if self._asked and self._early is None and not self._declined:
+            self._early = consent
+
+    def decline(self, state: GameState | None) -> None:
+        """Note a no, unless the participant has agreed already."""
+        self._declined = self.awaited(state)
+
+    def first_events(self, former: GameState | None) -> tuple[ConsentGiven, ...]:
+        """Return the agreement as the first event after the start of a game; empty where there is none yet.
+
+        Args:
+            former: the game before; an agreement outlasts it. None: there was none.
+        """
+        if former is not None:
+            return (ConsentGiven(former.agreed_at),) if former.agreed else ()
+        return () if self._early is None else (ConsentGiven(self._early.at),)
+
+    def awaited(self, state: GameState | None) -> bool:
+        """Return True while the participant has to agree to take part before anything else."""
+        agreed = self._early is not None if state is None else state.agreed
+        return self._asked and not agreed
+
+    def refuses(self, state: GameState | None) -> bool:
+        """Return True when the participant has said no, so that their program cannot agree any more."""
+        return self._declined and self.awaited(state)
+
+    def status(self, state: GameState | None) -> ConsentStatus:
+        """Return the state of the agreement in this game; None: before the first."""
+        if not self._asked:
+            return ConsentStatus.NOT_NEEDED
+        if not self.awaited(state):
+            return ConsentStatus.GIVEN
+        if self._legacy:
+            return ConsentStatus.NOT_ASKED
+        return ConsentStatus.DECLINED if self._declined else ConsentStatus.AWAITED

@@ -1,0 +1,28 @@
+"""The question at the terminal whether a person takes part, asked before anything is recorded."""
+
+import typer
+
+from thbridge.roles.view import GiveConsent
+from thbridge.timing.wall_clock import utc_now
+from ui.event_loop import read_line
+from ui.model.consent_words import QUESTION, THANKS, answer_in
+from ui.terminal import DECLINED, NOT_TAKING_PART, fail, say
+
+
+def ask_for_consent(text: str) -> GiveConsent:
+    """Show the study's text and wait for a yes; a no is thanked and ends the command, as does the end of the input."""
+    for line in text.splitlines():
+        say(line)
+    say(QUESTION)
+    while True:
+        line = read_line()
+        if not line:
+            fail(DECLINED, NOT_TAKING_PART)
+        match answer_in(line):
+            case True:
+                return GiveConsent(utc_now())
+            case False:
+                say(f"{THANKS} Nothing was recorded.")
+                raise typer.Exit(DECLINED)
+            case None:
+                say(QUESTION)
