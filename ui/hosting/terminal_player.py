@@ -33,13 +33,14 @@ from thbridge.roles.view import (
 from thbridge.timing.wall_clock import utc_now
 from ui.model.consent_words import QUESTION, answer_in
 from ui.model.playing.words import seen_words, verdict_words
+from ui.model.rules_sheet import rules_of
 from ui.story import CONDITIONS
 
 HELP = """\
   1 4        talk with robot 1 about going to room 4
   1 ?        don't know: ask robot 1 where to go
   c   s      Continue, or Stop, in the dialogue that waits
-  p 4        take a picture of what is in room 4
+  p 4        take a picture of what is in room 4; a terminal cannot show it
   n 4 NAME   name the treasure in room 4 (the list: names)
   l 4        leave the treasure in room 4
   u 4        take it up again, while the robot stands there
@@ -47,6 +48,7 @@ HELP = """\
   a 1        ask for robot 1, which somebody else commands, to be given back
   end        end the game
   names      which names treasures may have
+  rules      the rules of the game
   ?          how things stand"""
 
 NO_NAMES = "No treasure has been found yet."
@@ -93,6 +95,9 @@ class TerminalPlayer:
             case ["?"]:
                 for state in _state_lines(view):
                     self.show(state)
+            case ["rules"]:
+                for rule in rules_of(view):
+                    self.show(f"  {rule}")
             case ["names"]:
                 self.show(f"  {_listed(view.names)}" if view.names else NO_NAMES)
             case ["end"]:
@@ -177,7 +182,10 @@ def _changes(before: View | None, view: View) -> list[str]:
     if before is not None and before.consent is not None and view.consent is None:
         before = None
     if before is None or before.game != view.game:
-        return [f"Game {view.game}. Type ? to see how things stand, h for help.", *_state_lines(view)]
+        return [
+            f"Game {view.game}. Type rules for its rules, ? to see how things stand, h for help.",
+            *_state_lines(view),
+        ]
     lines: list[str] = []
     for was, now in zip(before.robots, view.robots, strict=True):
         lines += _robot_changes(was, now)
@@ -217,7 +225,7 @@ def _room_changes(old: RoomView, new: RoomView) -> list[str]:
         again = f" u {new.room} takes it up again, until its robot sets out." if new.robot is not None else ""
         lines.append(f"Room {new.room}: what is there is left there.{again}")
     if new.picture is not None and old.picture is None:
-        lines.append(f"Room {new.room}: a picture is taken. A terminal cannot show it; its file is {new.picture}")
+        lines.append(f"Room {new.room}: a picture is taken. A terminal cannot show it.")
     if new.verdict is not None and old.verdict is None:
         lines.append(f"Room {new.room}: {verdict_words(new.verdict.name, new.verdict.points)}")
     return lines

@@ -1,14 +1,29 @@
-"""Rules of the game in sentences, for the sheet that F1 opens."""
+"""Rules of the game in sentences, for the sheet that F1 opens and for players at a terminal."""
 
 from thbridge.hunt.costs import energy_text
+from thbridge.roles.view import View
+from ui.model.playing.words import percent
 
 GOAL = "A treasure lies in each room. Send robots to the rooms, and name what they find."
-ONE_VISIT = "A room is visited once by the team. Once its robot sets out again, a treasure not named is left for good."
+ONE_VISIT = "A room is visited once by the team. Once you send its robot on, a treasure not named is left for good."
 CALLED_BACK = "A robot that is stopped gets the energy for the rest of its way back."
 ENDS = (
     "The game ends when every room is visited, or no robot has the energy for another move, and nothing that was found "
-    "waits for your decision."
+    "waits for your decision. You may end it earlier, while no robot is under way."
 )
+
+
+def rules_of(view: View) -> tuple[str, ...]:
+    """The rules with the numbers of a game, as far as its participant is told them."""
+    # Column 0 is the corridor, where no robot can be sent.
+    moves = [cost for row in view.costs for cost in row[1:] if cost is not None]
+    return rules_lines(
+        picture_cost=view.picture_cost,
+        identify_cost=view.identify_cost,
+        wrong_share=view.wrong_share,
+        moves=(min(moves), max(moves)) if moves else None,
+        by_position=view.by_position,
+    )
 
 
 def rules_lines(
@@ -18,6 +33,7 @@ def rules_lines(
     energy: float | None = None,
     wrong_share: float | None = None,
     moves: tuple[float, float] | None = None,
+    by_position: bool = False,
 ) -> tuple[str, ...]:
     """The rules with the numbers of a study.
 
@@ -25,11 +41,13 @@ def rules_lines(
         picture_cost: energy of a picture.
         identify_cost: energy of naming a treasure.
         energy: of each robot at the start; None where it is not known.
-        wrong_share: share of a treasure's points that a wrong name costs; None where it is not known.
+        wrong_share: share of a treasure's points that a wrong name costs; None where it is not told.
         moves: least and most energy of a move between two places; None where it is not known.
+        by_position: those are moves between rooms; others cost by where the robot stands.
     """
     start = "" if energy is None else f"Each robot starts with {energy_text(energy)} energy. "
-    move = "" if moves is None else f", between {energy_text(moves[0])} and {energy_text(moves[1])}"
+    between = ", from room to room" if by_position else ","
+    move = "" if moves is None else f"{between} between {energy_text(moves[0])} and {energy_text(moves[1])}"
     work = f"a picture {energy_text(picture_cost)}, naming {energy_text(identify_cost)}"
     return (
         GOAL,
@@ -42,8 +60,12 @@ def rules_lines(
 
 
 def _wrong(share: float | None) -> str:
-    if share is None:
-        return "A wrong name may lose some."
-    if share == 0.0:
-        return "A wrong name loses none."
-    return "A wrong name loses as many." if share == 1.0 else f"A wrong name loses {share:.0%} of them."
+    match share:
+        case None:
+            return "A wrong name may lose some."
+        case 0.0:
+            return "A wrong name loses none."
+        case 1.0:
+            return "A wrong name loses as many."
+        case _:
+            return f"A wrong name loses {percent(share)} of them."

@@ -9,6 +9,7 @@ from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import ReleaseCommand, StationSend, TakeCommand
 from ui.hosting.terminal_player import TerminalPlayer
 from ui.model.consent_words import QUESTION
+from ui.model.rules_sheet import rules_of
 
 
 class Seat:
@@ -49,13 +50,19 @@ def test_a_person_hunts_by_keyboard_alone(seat):
         "Robot 1 is in room 3.",
         f"Room 3: something {treasure.colour.lower()}, {treasure.footprint.lower()}. n 3 NAME names it.",
     ]
-    assert seat.type("p 3") == [f"Room 3: a picture is taken. A terminal cannot show it; its file is {treasure.image}"]
+    assert seat.type("p 3") == ["Room 3: a picture is taken. A terminal cannot show it."]
     assert seat.type("names") == ["  Blue Bottle, Orange Bottle, Pink can, Yellow can"]
     assert seat.type("n 3 moon") == ["moon is not one of: Blue Bottle, Orange Bottle, Pink can, Yellow can"]
     assert seat.type(f"n 3 {treasure.name.lower()}") == [
         f"Room 3: {treasure.name} is right, {treasure.points} points won."
     ]
     assert any(isinstance(event, TreasureIdentified) for event in seat.stage.log.events)
+
+
+def test_the_rules_are_those_of_the_windows_sheet(seat):
+    view = seat.stage.tabui.view
+    assert seat.type("rules") == [f"  {rule}" for rule in rules_of(view)]
+    assert "  A right name wins the treasure's points. A wrong name may lose some." in seat.shown
 
 
 def test_names_of_files_are_read_and_typed_as_words():
@@ -129,7 +136,7 @@ def test_a_person_is_asked_to_take_part_before_anything_else():
     seat = Seat(Briefing(consent="We record\nwhat you do."))
     assert seat.shown == ["We record", "what you do.", QUESTION]
     assert seat.type("1 3") == [QUESTION]
-    assert seat.type("Yes")[0] == "Game 1. Type ? to see how things stand, h for help."
+    assert seat.type("Yes")[0] == "Game 1. Type rules for its rules, ? to see how things stand, h for help."
     assert [event.at[-1:] for event in seat.stage.log.events if isinstance(event, ConsentGiven)] == ["Z"]
     assert seat.type("1 3") == ["Robot 1: It will cost me 17 to go to room 3   [c Continue, s Stop]"]
 

@@ -501,9 +501,9 @@ def test_points_are_told_before_a_name_is_given_where_the_study_tells():
     assert model.screen(0.0).popup.worth == (20, None)
     model.do(PickName("ball"), 0.0)
     hint = model.screen(0.0).popup.name_it.hint
-    assert "it wins 20 points; a wrong name loses 50% of the points of what it is." in hint
+    assert "it wins 20 points; a wrong one loses 50% of the points of what it is." in hint
     model.do(PickName("can"), 0.0)
-    assert "A right name wins points" in model.screen(0.0).popup.name_it.hint
+    assert "A right name wins points; a wrong one loses 50%" in model.screen(0.0).popup.name_it.hint
 
 
 def test_a_picture_is_shown_when_all_of_it_is_there():

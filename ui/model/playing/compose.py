@@ -15,7 +15,7 @@ from ui.model.playing.popups.treasures import PICTURE_TIMEOUT, treasure_popup
 from ui.model.playing.state import HuntMemory, ParticipantMemory
 from ui.model.playing.tiles import dont_know, end, tiles
 from ui.model.playing.words import titled, verdict_words
-from ui.model.rules_sheet import rules_lines
+from ui.model.rules_sheet import rules_of
 from ui.model.screen import (
     Action,
     AgreeToTakePart,
@@ -66,7 +66,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         typed=memory.typed,
         announcement="",
         announcement_number=0,
-        rules=_rules(hunt) if hunt is not None and memory.help_open else (),
+        rules=rules_of(hunt.view) if hunt is not None and memory.help_open else (),
     )
     asks = isinstance(screen.popup, TreasurePopup) and screen.popup.asks_for_name
     return _without_letters(screen) if asks else screen
@@ -88,17 +88,6 @@ def _without_letters(screen: Screen) -> Screen:
         end=bare(screen.end),
         tools=tuple(bare(tool) for tool in screen.tools),
         waiting=tuple(replace(item, show=bare(item.show)) for item in screen.waiting),
-    )
-
-
-def _rules(hunt: HuntMemory) -> tuple[str, ...]:
-    """The rules with the numbers of this game."""
-    view = hunt.view
-    moves = [cost for row in view.costs for cost in row if cost]
-    return rules_lines(
-        picture_cost=view.picture_cost,
-        identify_cost=view.identify_cost,
-        moves=(min(moves), max(moves)) if moves else None,
     )
 
 

@@ -43,6 +43,11 @@ def gained(points: int) -> str:
     return f"{points:+d}".replace("-", "−")
 
 
+def percent(share: float) -> str:
+    """A share as people write it: `50%`, `12.5%`."""
+    return f"{100.0 * share:.6g}%"
+
+
 def name_request(name: str) -> str:
     """The sentence with which the participant asks for a treasure to be named."""
     return f"Name it {name_in_words(name)}."

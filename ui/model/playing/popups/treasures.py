@@ -14,7 +14,7 @@ from ui.model.playing.popup_queue import TreasureItem
 from ui.model.playing.popups.dialogues import dialogue_popup
 from ui.model.playing.possible import ends_game, is_allowed, why_not_name, why_not_picture, why_not_work
 from ui.model.playing.state import HuntMemory
-from ui.model.playing.words import counted, titled, verdict_words
+from ui.model.playing.words import counted, percent, titled, verdict_words
 from ui.model.screen import Action, DialoguePopup, LeaveTreasure, ShowNext, SubmitName, TakeThePicture, TreasurePopup
 
 PICTURE_TIMEOUT = 5.0
@@ -108,17 +108,17 @@ def _name_it(hunt: HuntMemory, item: TreasureItem) -> Action:
 def _stakes(view: View, picked: str | None) -> str:
     """The points that a name may win and lose, with their number where it is told."""
     worth = dict(zip(view.names, view.worth, strict=False)).get(picked or "")
-    if worth is None:
-        return "A right name wins points, a wrong one loses some."
     match view.wrong_share:
         case None:
-            wrong = "some"
+            wrong = "may lose some"
         case 0.0:
-            wrong = "none"
+            wrong = "loses none"
+        case 1.0:
+            wrong = "loses the points of what it is"
         case share:
-            wrong = "the points" if share == 1.0 else f"{share:.0%} of the points"
-            wrong += " of what it is"
-    return f"If it is right, it wins {counted(worth, 'point')}; a wrong name loses {wrong}."
+            wrong = f"loses {percent(share)} of the points of what it is"
+    right = "A right name wins points" if worth is None else f"If it is right, it wins {counted(worth, 'point')}"
+    return f"{right}; a wrong one {wrong}."
 
 
 def _leave(hunt: HuntMemory, item: TreasureItem) -> Action:

@@ -1,0 +1,41 @@
+"""Rules in sentences, with the numbers of a game."""
+
+import msgspec.structs as structs
+import pytest
+
+from tests.ui.model.views import view
+from ui.model.rules_sheet import rules_of
+
+
+def sheet(**fields: object) -> str:
+    return " ".join(rules_of(structs.replace(view(), **fields)))
+
+
+@pytest.mark.parametrize(
+    ("share", "told"),
+    [
+        (None, "A wrong name may lose some."),
+        (0.0, "A wrong name loses none."),
+        (1.0, "A wrong name loses as many."),
+        (0.125, "A wrong name loses 12.5% of them."),
+        (0.001, "A wrong name loses 0.1% of them."),
+    ],
+)
+def test_the_share_lost_for_a_wrong_name_is_the_games(share: float | None, told: str) -> None:
+    assert told in sheet(wrong_share=share)
+
+
+def test_moves_are_those_to_rooms() -> None:
+    costs = ((None, 12.0, 40.0), (2.0, None, 20.0), (99.5, 30.0, None))
+    rooms = view().rooms[:2]
+    assert "A move costs energy, between 12 and 40, a picture" in sheet(costs=costs, rooms=rooms)
+
+
+def test_moves_priced_by_position_are_told_from_room_to_room() -> None:
+    costs = ((None, None, None), (None, None, 20.0), (None, 30.0, None))
+    told = sheet(costs=costs, rooms=view().rooms[:2], by_position=True)
+    assert "A move costs energy, from room to room between 20 and 30, a picture" in told
+
+
+def test_what_is_left_for_good_is_what_the_participant_sends_a_robot_on_from() -> None:
+    assert "Once you send its robot on, a treasure not named is left for good." in sheet()
