@@ -7,6 +7,7 @@ from sim.common.robot_numbers import robot_name
 from thbridge.app.session.session import TickRecord
 from thbridge.dialogue.moves import Author, DialogueUtterance, Speaker
 from thbridge.hunt.costs import energy_text
+from thbridge.hunt.event_words import ENDS
 from thbridge.hunt.events import (
     Commander,
     CommanderChanged,
@@ -14,7 +15,6 @@ from thbridge.hunt.events import (
     ConditionChanged,
     ConsentGiven,
     CostsEstimated,
-    EndReason,
     Event,
     GameEnded,
     GameStarted,
@@ -30,7 +30,7 @@ from thbridge.hunt.events import (
     TreasureTakenUp,
 )
 from thbridge.hunt.rules import commander_name
-from thbridge.hunt.treasures import sensed_in_words
+from thbridge.hunt.treasures import name_in_words, sensed_in_words
 from ui.terminal import out
 
 
@@ -56,12 +56,6 @@ CONDITIONS = {
     Condition.SILENT: "does not answer any more.",
 }
 """Sentences on a robot that comes into another condition."""
-
-ENDS = {
-    EndReason.ALL_VISITED: "every room is visited",
-    EndReason.NO_MOVE_LEFT: "no robot has a move left",
-    EndReason.GIVEN_UP: "the participant has ended it",
-}
 
 
 def _timed(tick: TickRecord, sentence: str) -> str:
@@ -101,11 +95,12 @@ def _happened(event: Event) -> str:
             return f"The participant asks for {robot_name(robot)} back."
         case TreasureSensed(room, colour, footprint):
             return f"Something {sensed_in_words(colour, footprint)}, is in {room}."
-        case TreasurePictured(room, robot, image):
-            return f"{robot_name(robot).capitalize()} takes a picture in {room}: {image}."
+        case TreasurePictured(room, robot):
+            return f"{robot_name(robot).capitalize()} takes a picture in {room}."
         case TreasureIdentified(room, _, name, points):
             place = "" if room is None else f" in {room}"
-            return f"The treasure{place} is named {name}: {points:+d} points."
+            named = "named" if name is None else f"named {name_in_words(name)}"
+            return f"The treasure{place} is {named}: {points:+d} points."
         case TreasureLeft(room):
             return f"The treasure in {room} is left alone."
         case TreasureTakenUp(room):

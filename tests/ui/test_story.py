@@ -1,6 +1,10 @@
 """A hunt told in sentences."""
 
+import dataclasses
+
 from tests.thbridge.roles.test_command import TAKE, Play
+from thbridge.hunt.events import TreasureIdentified, TreasurePictured
+from thbridge.hunt.rooms import Room
 from thbridge.roles.robot_requests import ReleaseCommand
 from ui.story import tell
 
@@ -19,4 +23,20 @@ def test_who_commands_a_robot_is_told() -> None:
         "Robot 1 is commanded by /rviz from now on.",
         "Robot 1 is commanded by ground station 255 from now on.",
         "Robot 1 is commanded by the participant from now on.",
+    ]
+
+
+def test_names_are_told_as_words_and_no_file_of_a_picture() -> None:
+    play = Play()
+    play.stage.run(2)
+    events = (
+        TreasurePictured(Room(3), 0, "rsz_t3.jpg", 5.0),
+        TreasureIdentified(Room(3), 0, "beer_bottle", 20, 1.0),
+        TreasureIdentified(None, None, None, -10, 0.0),
+    )
+    tick = dataclasses.replace(play.stage.tick_records[-1], events=events, utterances=())
+    assert [sentence.split("s  ", 1)[1] for sentence in tell(tick)] == [
+        "Robot 1 takes a picture in room 3.",
+        "The treasure in room 3 is named beer bottle: +20 points.",
+        "The treasure is named: -10 points.",
     ]

@@ -99,7 +99,7 @@ def test_moments_are_for_people(report: Report) -> None:
     arrived, identified, ended, said = report.timeline[:4]
     assert (arrived.kind, arrived.who, arrived.room, arrived.text) == ("arrived", "robot1", 1, "")
     assert (identified.text, identified.points) == ("name Blue <Bottle>", -20)
-    assert (ended.who, ended.room, ended.text) == ("", None, "reason all-visited")
+    assert (ended.who, ended.room, ended.text) == ("", None, "reason every room is visited")
     assert (said.kind, said.who, said.text) == ("said", "robot1", "It will cost me £1 to go there")
     assert report.score is not None
     assert report.score.visited == 8

@@ -8,7 +8,6 @@ import json
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable
-from typing import TypeGuard
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from sim.common.robot_numbers import namespace_of
 from thbridge.analysis.games import OF_A_GAME, game_start
 from thbridge.analysis.report.tracks import PoseSeries, SeriesByTopic, deviations
 from thbridge.analysis.report.values import GoalAttempt, ObstacleTrack, Report, TimelineEntry, Track
+from thbridge.hunt.event_words import event_in_words, kind_in_words
 from thbridge.recording.bag.reader import RawMessage
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import GoalStatusCode
@@ -240,7 +240,7 @@ class _ReportBuilder:
         event = unpack.game_event(data)
         who = "" if event.robot is None else namespace_of(event.robot)
         text, points = _event_text(event)
-        self._timeline.append(TimelineEntry(time, event.kind, who, event.room, text, points))
+        self._timeline.append(TimelineEntry(time, kind_in_words(event.kind), who, event.room, text, points))
 
     def _utterance(self, time: float, topic: str, data: bytes) -> None:
         message: UtteranceRecord = unpack.utterance(data)
@@ -272,22 +272,5 @@ def _event_text(event: GameEvent) -> tuple[str, int | None]:
         return event.json, None
     if not isinstance(fields, dict):
         return event.json, None
-    parts = (
-        f"{name.replace('_', ' ')} {_plain(value)}"
-        for name, value in fields.items()
-        if name not in _SHOWN_ELSEWHERE and _is_plain(value)
-    )
     points = fields.get("points")
-    return ", ".join(parts), points if isinstance(points, int) else None
-
-
-def _is_plain(value: object) -> TypeGuard[str | int | float]:
-    return isinstance(value, str | int | float) and not isinstance(value, bool) and value != ""
-
-
-def _plain(value: str | int | float) -> str:
-    """A value as text for a list: sentences without full stop, numbers with six digits at most."""
-    return value.rstrip(".") if isinstance(value, str) else f"{value:g}"
-
-
-_SHOWN_ELSEWHERE = frozenset({"v", "event", "robot", "room", "points"})
+    return event_in_words(event.kind, fields, besides="points"), points if isinstance(points, int) else None

@@ -78,7 +78,7 @@ class TimelineEntry:
 
     Attributes:
         time: seconds.
-        kind: an event's kind, or "said" for an utterance.
+        kind: an event's kind in words, or "said" for an utterance.
         who: "robot1", "participant", or empty.
         room: the room's number, or None.
         text: a text for people.

@@ -6,7 +6,7 @@ from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import Commander
 from thbridge.hunt.game import GameState, RoomState
 from thbridge.hunt.rooms import Room
-from thbridge.hunt.treasures import sensed_in_words
+from thbridge.hunt.treasures import name_in_words, sensed_in_words
 
 
 def game_texts(robot: int, before: GameState | None, now: GameState) -> Iterator[str]:
@@ -35,9 +35,9 @@ def _room_news(room: Room, was: RoomState, now: RoomState) -> Iterator[str]:
     if now.sensed is not None and was.sensed is None:
         yield f"{name}: something {sensed_in_words(now.sensed.colour, now.sensed.footprint)}."
     if now.image is not None and was.image is None:
-        yield f"{name}: a picture was taken, {now.image}."
+        yield f"{name}: a picture was taken."
     if now.points is not None and was.points is None:
-        yield f"{name}: {now.name or 'named'}, {now.points:+d} points."
+        yield f"{name}: {name_in_words(now.name or 'named')}, {now.points:+d} points."
     if now.left and not was.left:
         yield f"{name}: what is there is left there."
     if was.left and not now.left:

@@ -4,9 +4,10 @@ import json
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeGuard, get_args
+from typing import get_args
 
 from sim.common.robot_numbers import robot_name
+from thbridge.hunt.event_words import event_in_words, kind_in_words
 from thbridge.hunt.events import Commander
 from thbridge.hunt.treasures import name_in_words
 from thbridge.ros import names
@@ -32,7 +33,7 @@ IMPORTANT = frozenset(
         "arrived",
         "failed",
         "commanded",
-        "asked-back",
+        "askedback",
         "identified",
         "ended",
         "collision",
@@ -42,9 +43,6 @@ IMPORTANT = frozenset(
     }
 )
 """Events that get a mark on the timeline."""
-
-_IN_WORDS = {"asked-back": "the participant asks for it"}
-"""Texts of events whose JSON holds nothing but the robot."""
 
 
 def is_logged(topic: str, msgtype: str) -> bool:
@@ -137,8 +135,8 @@ class SessionLog:
                 fields = _fields(event.json)
                 self._follow(stamp, event, fields)
                 who = "" if event.robot is None else robot_name(event.robot)
-                text = _fields_text(fields) or _IN_WORDS.get(event.kind, "")
-                return Entry(stamp, "event", event.kind, who, event.robot, event.room, text, event.kind in IMPORTANT)
+                what, text = kind_in_words(event.kind), event_in_words(event.kind, fields)
+                return Entry(stamp, "event", what, who, event.robot, event.room, text, event.kind in IMPORTANT)
             case types.UTTERANCE:
                 utterance = unpack.utterance(message.data)
                 speaker = robot_name(utterance.robot) if utterance.speaker == "robot" else "participant"
@@ -179,7 +177,7 @@ class SessionLog:
                 rooms = {**rooms, room: replace(room_before, answer=_answer(fields))}
             case GameEvent("left", _, int(room)):
                 rooms = {**rooms, room: replace(room_before, answer="left there")}
-            case GameEvent("taken-up", _, int(room)):
+            case GameEvent("takenup", _, int(room)):
                 rooms = {**rooms, room: replace(room_before, answer="")}
             case GameEvent("commanded", int(robot)):
                 others = {other: words for other, words in commanders.items() if other != robot}
@@ -214,20 +212,3 @@ def _answer(fields: dict[str, object]) -> str:
 def _fields(text: str) -> dict[str, object]:
     read: object = json.loads(text)
     return {str(name): value for name, value in read.items()} if isinstance(read, dict) else {}
-
-
-def _fields_text(fields: dict[str, object]) -> str:
-    """An event for people, from the plain values in its JSON."""
-    parts = (
-        f"{name.replace('_', ' ')} {value.rstrip('.') if isinstance(value, str) else f'{value:g}'}"
-        for name, value in fields.items()
-        if name not in _SHOWN_IN_COLUMNS and _is_plain(value)
-    )
-    return ", ".join(parts)
-
-
-def _is_plain(value: object) -> TypeGuard[str | int | float]:
-    return isinstance(value, str | int | float) and not isinstance(value, bool) and value != ""
-
-
-_SHOWN_IN_COLUMNS = frozenset({"v", "event", "robot", "room"})

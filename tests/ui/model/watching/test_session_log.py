@@ -1,6 +1,8 @@
 import json
 
 from tests.ui.model.watching.messages import StampedMessage
+from thbridge.hunt.codec import kind_of
+from thbridge.hunt.events import GameEnded, HandbackRequested, TreasureIdentified, TreasurePictured, TreasureTakenUp
 from thbridge.ros import names
 from thbridge.ros.messages import pack, types
 from thbridge.ros.messages.records import LogLevel, LogLine
@@ -49,7 +51,7 @@ def test_what_the_participant_said_of_a_treasure_is_told_with_its_room_and_its_p
         event(5, "left", None, 2),
         event(6, "identified", None, 3, name=None, points=30),
         event(7, "departed", 1, 1),
-        event(8, "taken-up", None, 2),
+        event(8, kind_of(TreasureTakenUp), None, 2),
     ):
         session_log.take(message)
     assert session_log.rooms(3)[1] == RoomStatus("visited", 0, "beer bottle")
@@ -71,9 +73,22 @@ def test_an_event_is_told_with_who_where_and_what() -> None:
 
 def test_that_the_participant_asks_for_a_robot_is_said_in_words() -> None:
     session_log = SessionLog()
-    session_log.take(event(7, "asked-back", 1))
+    session_log.take(event(7, kind_of(HandbackRequested), 1))
     (entry,) = session_log.entries("event")
-    assert (entry.who, entry.text, entry.important) == ("robot 2", "the participant asks for it", True)
+    assert (entry.who, entry.what, entry.important) == ("robot 2", "asked back", True)
+    assert entry.text == "the participant asks for it"
+
+
+def test_people_read_names_as_words_and_no_file_of_a_picture() -> None:
+    session_log = SessionLog()
+    session_log.take(event(7, kind_of(TreasurePictured), 1, 3, image="beer_bottle.jpg", cost=5.0))
+    session_log.take(event(8, kind_of(TreasureIdentified), 1, 3, name="beer_bottle", points=-20, cost=1.0))
+    session_log.take(event(9, kind_of(GameEnded), reason="all-visited", score=-20))
+    assert [entry.text for entry in session_log.entries("event")] == [
+        "cost 5",
+        "name beer bottle, points -20, cost 1",
+        "reason every room is visited, score -20",
+    ]
 
 
 def test_who_commands_a_robot_at_a_time() -> None:
