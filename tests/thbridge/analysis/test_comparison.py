@@ -2,14 +2,14 @@ import numpy as np
 import pytest
 
 from thbridge.analysis.comparison import RobotFigures, figures_of
-from thbridge.analysis.report.values import GoalAttempt, Report, Track
+from thbridge.analysis.report.values import NEVER, GoalAttempt, Report, Track
 from thbridge.ros.messages.session_records import ScoreRecord
 
 NONE = np.empty((0, 4))
 
 
 def track(errors: np.ndarray, energy: np.ndarray, legs: tuple[GoalAttempt, ...] = ()) -> Track:
-    return Track("robot1", NONE, NONE, errors, energy, legs, 12.5, NONE, NONE, NONE, NONE, ())
+    return Track("robot1", NONE, NONE, errors, energy, legs, 12.5, NONE, NONE, NONE, NONE, (), NEVER, NEVER)
 
 
 def report(tracks: tuple[Track, ...], score: ScoreRecord | None) -> Report:

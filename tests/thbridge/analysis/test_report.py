@@ -8,6 +8,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Battery
 from tests.thbridge.ros.drive import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.analysis.report.gathering import read_report
+from thbridge.analysis.report.paths import pieces
 from thbridge.analysis.report.values import Report
 from thbridge.hunt.codec import to_json
 from thbridge.hunt.events import MoveFailed
@@ -174,3 +175,21 @@ def test_why_a_robot_did_not_get_there_is_told_in_words() -> None:
     (moment,) = read_report([recorded("/hunt/events", types.GAME_EVENT, 1.0, data)]).timeline
     assert (moment.who, moment.room) == ("robot2", 3)
     assert moment.text == "reason Robot 2 is stuck and cannot get free, refund 27.7601, at 0"
+
+
+def test_a_path_goes_on_elsewhere_where_its_robot_was_carried_and_where_it_was_found() -> None:
+    messages = []
+    for second in range(6):
+        there = Pose2(0.5 * second, 0.0 if second < 3 else 7.0, 0.0)
+        truth = pack.odometry(0, "map", "robot1/base_link", there, STANDSTILL)
+        driven = pack.odometry(0, "robot1/odom", "robot1/base_link", Pose2(0.5 * second, 0.0, 0.0), STANDSTILL)
+        correction = Pose2(0.0, 0.0 if second < 5 else 7.0, 0.0)
+        frames = pack.transforms(0, [Transform("map", "robot1/odom", correction)])
+        messages.append(recorded("/robot1/base_pose_ground_truth", types.ODOMETRY, second, truth))
+        messages.append(recorded("/tf", types.TFMESSAGE, second, frames))
+        messages.append(recorded("/robot1/odom", types.ODOMETRY, second, driven))
+    event = pack.game_event(0, GameEvent("carried", 0, None, '{"event": "carried", "robot": 0}'))
+    (track,) = read_report([*messages, recorded("/hunt/events", types.GAME_EVENT, 3.0, event)]).tracks
+    assert [piece[:, 0].tolist() for piece in pieces(track.truth, track.carried)] == [[0, 1, 2], [3, 4, 5]]
+    assert [piece[:, 0].tolist() for piece in pieces(track.estimate, track.relocated)] == [[0, 1, 2, 3, 4], [5]]
+    assert track.distance == pytest.approx(2.0)

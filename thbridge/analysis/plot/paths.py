@@ -14,7 +14,8 @@ from sim.common.geometry import FloatArray
 from sim.common.grid import OCCUPIED, UNKNOWN, OccupancyGrid
 from thbridge.analysis.plot.style import FAINT, INK, FigureStyle, colour, label_above, robot_handles
 from thbridge.analysis.plot.thinning import simplified
-from thbridge.analysis.report.values import Report
+from thbridge.analysis.report.paths import pieces
+from thbridge.analysis.report.values import NEVER, Report
 
 _THING = "#f0b429"
 
@@ -28,6 +29,7 @@ def paths(report: Report, style: FigureStyle) -> Figure | None:
     counted = not placed and any(len(track.odometry) for track in report.tracks)
     grid = None if counted else report.grid
     robot_paths = [(track.odometry,) if counted else (track.truth, track.estimate) for track in report.tracks]
+    robot_cuts = [(NEVER,) if counted else (track.carried, track.relocated) for track in report.tracks]
     seen = [path[:, 1:3] for own_paths in robot_paths for path in own_paths if len(path)]
     if not seen and grid is None:
         return None
@@ -51,11 +53,10 @@ def paths(report: Report, style: FigureStyle) -> Figure | None:
     mark = 0.75 * style.font
     for index, own_paths in enumerate(robot_paths):
         tint = colour(index)
-        for path, (_, width, alpha, line) in zip(own_paths, styles, strict=True):
-            points = simplified(path[:, 1:3])
-            axes.plot(
-                points[:, 0], points[:, 1], line, color=tint, lw=width, alpha=alpha, solid_capstyle="round", zorder=2
-            )
+        for path, cuts, (_, width, alpha, line) in zip(own_paths, robot_cuts[index], styles, strict=True):
+            for piece in pieces(path, cuts):
+                x, y = simplified(piece[:, 1:3]).T
+                axes.plot(x, y, line, color=tint, lw=width, alpha=alpha, solid_capstyle="round", zorder=2)
         best = next((path for path in own_paths if len(path)), None)
         if best is not None:
             axes.plot(*best[0, 1:3], "o", ms=mark, mfc="white", mec=tint, mew=1.2, zorder=3)

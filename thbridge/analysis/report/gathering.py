@@ -239,6 +239,8 @@ class _ReportBuilder:
     def _event(self, time: float, topic: str, data: bytes) -> None:
         event = unpack.game_event(data)
         who = "" if event.robot is None else namespace_of(event.robot)
+        if event.kind == "carried":
+            self._series.carried[who].append(time)
         text, points = _event_text(event)
         self._timeline.append(TimelineEntry(time, kind_in_words(event.kind), who, event.room, text, points))
 

@@ -71,6 +71,7 @@ _FIGURES: tuple[tuple[str, str, Callable[[Report, FigureStyle], Figure | None]],
     (
         "Paths",
         "Broad: where the robot was. Narrow: where it believed itself to be. A ring marks the start, a dot the end. "
+        "A line breaks off where a robot was carried away or found itself elsewhere, and goes on there. "
         "Yellow: things in the way, where they were first; dotted: where they walked.",
         paths,
     ),

@@ -1,10 +1,14 @@
-"""Calculations with paths over time: correction of odometry, errors, interpolation, length."""
+"""Calculations with paths over time: correction of odometry, errors, interpolation, pieces, length."""
 
 from array import array
 
 import numpy as np
 
 from sim.common.geometry import FloatArray
+
+RELOCATED = 0.5
+"""Metres by which a localiser moves a robot at once when it has found it elsewhere, not merely corrected it: as no
+message tells of that, the step itself does."""
 
 
 def table(series: "array[float]", columns: int) -> FloatArray:
@@ -14,8 +18,26 @@ def table(series: "array[float]", columns: int) -> FloatArray:
 
 def corrected(odometry: FloatArray, corrections: FloatArray) -> FloatArray:
     """(n, 4) time and base in map: odometry poses, each with the last correction before it; others are left out."""
+    return _moved(*_with_last(odometry, corrections))
+
+
+def relocations(odometry: FloatArray, corrections: FloatArray) -> FloatArray:
+    """(k,) times from which a robot is believed to be elsewhere than its former correction would have it."""
+    odometry, correction = _with_last(odometry, corrections)
+    here, stale = _moved(odometry[1:], correction[1:]), _moved(odometry[1:], correction[:-1])
+    moved = np.hypot(here[:, 1] - stale[:, 1], here[:, 2] - stale[:, 2])
+    times: FloatArray = here[moved > RELOCATED, 0]
+    return times
+
+
+def _with_last(odometry: FloatArray, corrections: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Odometry poses, and the last correction before each; poses without one are left out."""
     last = np.searchsorted(corrections[:, 0], odometry[:, 0], side="right") - 1
-    odometry, correction = odometry[last >= 0], corrections[last[last >= 0]]
+    return odometry[last >= 0], corrections[last[last >= 0]]
+
+
+def _moved(odometry: FloatArray, correction: FloatArray) -> FloatArray:
+    """(n, 4) time and base in map of odometry poses under a correction each."""
     c, s = np.cos(correction[:, 3]), np.sin(correction[:, 3])
     x = correction[:, 1] + c * odometry[:, 1] - s * odometry[:, 2]
     y = correction[:, 2] + s * odometry[:, 1] + c * odometry[:, 2]
@@ -47,6 +69,11 @@ def wrapped(angles: FloatArray) -> FloatArray:
     return within
 
 
-def distance(path: FloatArray) -> float:
-    """Metres along a path of rows time, x, y, ..."""
-    return float(np.hypot(np.diff(path[:, 1]), np.diff(path[:, 2])).sum())
+def pieces(path: FloatArray, cuts: FloatArray) -> list[FloatArray]:
+    """The parts of a path of rows time, x, y, ... between times at which it goes on elsewhere."""
+    return [piece for piece in np.split(path, np.searchsorted(path[:, 0], cuts)) if len(piece)]
+
+
+def distance(path: FloatArray, cuts: FloatArray) -> float:
+    """Metres along the pieces of a path of rows time, x, y, ..."""
+    return sum(float(np.hypot(np.diff(piece[:, 1]), np.diff(piece[:, 2])).sum()) for piece in pieces(path, cuts))

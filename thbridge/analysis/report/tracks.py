@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2
-from thbridge.analysis.report.paths import corrected, distance, errors, table
-from thbridge.analysis.report.values import GoalAttempt, Track
+from thbridge.analysis.report.paths import corrected, distance, errors, relocations, table
+from thbridge.analysis.report.values import NEVER, GoalAttempt, Track
 from thbridge.ros.names import frame_name
 from thbridge.ros.robots import (
     ODOM_FRAME,
@@ -74,6 +74,7 @@ class SeriesByTopic:
         commands: rows of time, m/s, rad/s.
         goals: ids of the present goals, with the time when they were set.
         attempts: goals that ended.
+        carried: times at which a robot was set elsewhere, by the name of the robot.
     """
 
     odometry: dict[str, PoseSeries] = field(default_factory=dict)
@@ -83,6 +84,7 @@ class SeriesByTopic:
     commands: "defaultdict[str, array[float]]" = field(default_factory=lambda: defaultdict(numbers))
     goals: defaultdict[str, dict[str, float]] = field(default_factory=lambda: defaultdict(dict))
     attempts: defaultdict[str, list[GoalAttempt]] = field(default_factory=lambda: defaultdict(list))
+    carried: defaultdict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
 
     def tracks(self, duration: float) -> tuple[Track, ...]:
         """The track of each robot, in the order of their numbers."""
@@ -98,8 +100,10 @@ class SeriesByTopic:
     def _track(self, robot: str, robots: frozenset[str], duration: float) -> Track:
         sources = _Sources(self, robot, robots)
         truth, odometry = sources.truth(), sources.odometry()
-        estimate = sources.estimate(odometry)
+        estimate, relocated = sources.estimate(odometry)
         true_path, driven = table(truth.rows, 4), table(odometry.rows, 4)
+        carried = np.array(self.carried.get(robot, ()), dtype=np.float64)
+        paths = ((true_path, carried), (estimate, relocated), (driven, NEVER))
         attempts = [attempt for topic in sources.own(self.attempts) for attempt in self.attempts[topic]]
         attempts += [
             GoalAttempt(start, duration, UNDER_WAY, "")
@@ -113,12 +117,14 @@ class SeriesByTopic:
             errors=errors(estimate, true_path),
             energy=table(_first(self.energy, sources.own(self.energy), BATTERIES), 2),
             attempts=tuple(sorted(attempts, key=lambda attempt: attempt.start)),
-            distance=distance(next((path for path in (true_path, estimate, driven) if len(path)), true_path)),
+            distance=next((distance(path, cuts) for path, cuts in paths if len(path)), 0.0),
             odometry=driven,
             speeds=table(odometry.speeds, 3),
             commands=table(_first(self.commands, sources.own(self.commands), COMMANDS), 3),
             deviations=table(sources.admitted(), 3),
             sources=tuple(sources.notes),
+            carried=carried,
+            relocated=relocated,
         )
 
 
@@ -161,18 +167,22 @@ class _Sources:
         edges = _chosen(self._edges, lambda _, series: is_odom_frame(series.frame))
         return self._take("odometry", (topics, (ODOM_FRAME,)), (edges, ()))
 
-    def estimate(self, odometry: PoseSeries) -> FloatArray:
-        """(n, 4) time, x, y, theta of its estimated pose; preferably odometry with the corrections of map -> odom."""
+    def estimate(self, odometry: PoseSeries) -> tuple[FloatArray, FloatArray]:
+        """(n, 4) time, x, y, theta of its estimated pose, and the times at which its localiser found it elsewhere.
+
+        Preferably odometry with the corrections of map -> odom.
+        """
         corrections = _chosen(
             self._edges,
             lambda _, series: is_map_frame(series.frame) and frame_name(series.child) == frame_name(odometry.frame),
         )
         if odometry.rows and corrections:
-            return corrected(table(odometry.rows, 4), table(self._take("estimate", (corrections, ())).rows, 4))
+            counted, last = table(odometry.rows, 4), table(self._take("estimate", (corrections, ())).rows, 4)
+            return corrected(counted, last), relocations(counted, last)
         fused = _chosen(self._odometry, lambda topic, series: not is_truth(topic) and is_map_frame(series.frame))
         direct = _chosen(self._edges, lambda _, series: is_map_frame(series.frame) and last_word(series.child) in BASES)
         found = self._take("estimate", (_estimates(self._poses), ESTIMATES), (fused, ()), (direct, ()))
-        return table(found.rows, 4)
+        return table(found.rows, 4), NEVER
 
     def admitted(self) -> "array[float]":
         """Rows of the standard deviations that its localiser reports; see `PoseSeries.deviations`."""

@@ -2,9 +2,14 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
 from thbridge.ros.messages.session_records import ScoreRecord, SessionRecord
+
+NEVER: FloatArray = np.empty(0)
+"""No times."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +46,8 @@ class Track:
         commands: (c, 3) time, m/s, rad/s that were commanded.
         deviations: (d, 3) time, standard deviations of position (m) and heading (rad) that the localiser reports.
         sources: sentences on the topics that were used, for people.
+        carried: (p,) times at which it was picked up and set elsewhere.
+        relocated: (q,) times at which its localiser found it elsewhere.
     """
 
     name: str
@@ -55,6 +62,8 @@ class Track:
     commands: FloatArray
     deviations: FloatArray
     sources: tuple[str, ...]
+    carried: FloatArray
+    relocated: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)

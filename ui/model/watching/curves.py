@@ -1,6 +1,8 @@
 """Numbers over time in bounded memory."""
 
 import math
+from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -31,7 +33,7 @@ class Curve:
         self._rows = np.empty((most, 1 + columns))
         self._peaks = peaks
         self._count = 0
-        self._drawn: tuple[tuple[int, int], FloatArray] | None = None
+        self._drawn: tuple[tuple[int, int, tuple[int, ...]], FloatArray] | None = None
         self.time = -math.inf
 
     def __len__(self) -> int:
@@ -53,19 +55,27 @@ class Curve:
         times = self._rows[: self._count, 0]
         return self._rows[: int(np.searchsorted(times, until, side="right"))].copy()
 
-    def path(self, until: float, since: float = -math.inf) -> FloatArray:
+    def path(self, until: float, since: float = -math.inf, cuts: Sequence[float] = ()) -> FloatArray:
         """(k, 2) the first two numbers of the samples after one time and up to another, as a line.
 
         Of many samples these are only every second, fourth, ...
 
         The same array as long as it is the same line.
+
+        Args:
+            until: time of the last sample, at most.
+            since: time before the first sample.
+            cuts: times at which the line goes on elsewhere, in order; a row of NaN stands at each.
         """
         times = self._rows[: self._count, 0]
         count = self._count if until >= self.time else int(np.searchsorted(times, until, side="right"))
         first = 0 if since < 0.0 else int(np.searchsorted(times, since, side="right"))
-        if self._drawn is None or self._drawn[0] != (first, count):
+        cut = tuple(np.searchsorted(times[:count], [time for time in cuts if time <= until]).tolist())
+        if self._drawn is None or self._drawn[0] != (first, count, cut):
             step = 1 << max(0, math.ceil(math.log2(max(count - first, 1) / MAX_LINE_POINTS)))
-            self._drawn = (first, count), self._rows[first:count:step, 1:3].copy()
+            ends = (first, *sorted({end for end in cut if first < end < count}), count)
+            pieces = [self._rows[start:end:step, 1:3] for start, end in pairwise(ends)]
+            self._drawn = (first, count, cut), joined(pieces)
         return self._drawn[1]
 
     def _thin(self) -> None:
@@ -78,6 +88,12 @@ class Curve:
         self._rows[len(kept) : len(kept) + len(rest)] = rest
         self._count = len(kept) + len(rest)
         self._drawn = None
+
+
+def joined(pieces: Sequence[FloatArray]) -> FloatArray:
+    """(k, 2) pieces of a line, with a row of NaN between two."""
+    gap = np.full((1, 2), np.nan)
+    return np.concatenate([part for piece in pieces for part in (gap, piece)][1:])
 
 
 def as_steps(rows: FloatArray, end: float) -> FloatArray:

@@ -1,7 +1,7 @@
 """Builds the scene of one robot at one moment."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -101,8 +101,13 @@ class RobotSceneBuilder:
         self._odometry = context.decoded.odometry.of(self._odometry_message)
         self._belief = context.decoded.beliefs.of(self._newest(robot.estimate))
 
-    def build(self, commander: str) -> RobotScene:
-        """The scene of the robot, with its commander in words; empty: the participant."""
+    def build(self, commander: str, carried: Sequence[float]) -> RobotScene:
+        """The scene of the robot.
+
+        Args:
+            commander: in words; empty: the participant.
+            carried: times at which it was picked up and set elsewhere, in order.
+        """
         robot, shown, dead = self._robot, self._context.shown, self._dead()
         truth, estimate = self._truth(), self._estimate()
         belief, odometry = self._belief, None if dead else self._odometry
@@ -111,7 +116,7 @@ class RobotSceneBuilder:
         selected = shown.selected == robot.robot
         cloud = self._cloud() if shown.clouds else NO_POSES
         state, trouble = self._state(dead)
-        truth_path, estimate_path, odometry_path = self._tracks() if shown.paths else (NO_POINTS,) * 3
+        truth_path, estimate_path, odometry_path = self._tracks(carried) if shown.paths else (NO_POINTS,) * 3
         return RobotScene(
             robot=robot.robot,
             name=robot.name,
@@ -174,14 +179,15 @@ class RobotSceneBuilder:
         frame_in_map = self._context.frames.planar(frame, self._robot.key)
         return None if frame_in_map is None else frame_in_map.compose(pose)
 
-    def _tracks(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _tracks(self, carried: Sequence[float]) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Its paths so far in this game by truth, by estimate and by odometry."""
         series, time, begun = self._context.series.of(self._robot.robot), self._context.time, self._context.begun
         driven = series.odometry.path(time, begun)
         if len(driven) and self._odometry is not None:
             odom_in_map = self._on_map(self._odometry.frame, Pose2(0.0, 0.0, 0.0))
             driven = NO_POINTS if odom_in_map is None else odom_in_map.transform(driven)
-        return series.truth.path(time, begun), series.estimate.path(time, begun), driven
+        estimate = series.estimate.path(time, begun, series.relocations)
+        return series.truth.path(time, begun, carried), estimate, driven
 
     def _cloud(self) -> FloatArray:
         frame, cloud = self._context.decoded.clouds.of(self._newest(self._robot.cloud)) or ("", NO_POSES)

@@ -53,8 +53,8 @@ class RobotScene:
         ellipse: 95 % of its belief, by the last message of its localiser.
         deviation: standard deviation of the position, metres.
         odometry_path: (k, 2) its path by wheel odometry so far, placed so that it ends at the estimate.
-        truth_path: (k, 2) its true path so far.
-        estimate_path: (k, 2) its estimated path so far.
+        truth_path: (k, 2) its true path so far; a row of NaN where it was carried away.
+        estimate_path: (k, 2) its estimated path so far; a row of NaN where its localiser found it elsewhere.
         cloud: (n, 3) particles, x, y, theta; a selection of them where the robot is not selected.
         scan: (m, 2) end points of the beams that met something, as seen from the estimate at that time.
         global_costmap: 0 free, 99 inscribed, 100 lethal, -1 unknown, others between.

@@ -80,13 +80,18 @@ class SceneBuilder:
             shown,
             self._decoded,
         )
+
+        def carried(robot: int) -> list[float]:
+            return [(stamp - watched.start_ns) / 1e9 for stamp in watched.log.carried(robot)]
+
         things = self._things.of(snapshot.newest(names.THINGS)) or ()
         statuses, commanders = watched.log.rooms(snapshot.at_ns), watched.log.commanders(snapshot.at_ns)
         return Scene(
             stamp_ns=snapshot.at_ns,
             grid=self._map(snapshot),
             robots=tuple(
-                RobotSceneBuilder(robot, context).build(commanders.get(robot.robot, "")) for robot in watched.robots
+                RobotSceneBuilder(robot, context).build(commanders.get(robot.robot, ""), carried(robot.robot))
+                for robot in watched.robots
             ),
             things=tuple(ThingScene(name, outline) for name, outline in things),
             rooms=tuple(_room(room, statuses.get(room.room.people, RoomStatus())) for room in watched.rooms),

@@ -1,10 +1,12 @@
 """Numbers over time, for each robot: the error of its estimate, its standard deviations, its energy, its speed."""
 
 import math
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from sim.common.geometry import Pose2, wrap_angle
+from thbridge.analysis.report.paths import RELOCATED
 from thbridge.analysis.report.tracks import deviations
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.unpack import BatteryCharge
@@ -18,6 +20,8 @@ PERIOD = 0.1
 """Seconds from one sample to the next, at least."""
 ODOMETRY_TIMEOUT = 1.0
 """Seconds in which a robot that tf tells of may begin to publish its odometry."""
+RELOCATIONS_KEPT = 1000
+"""Jumps of an estimate that are remembered; a robot that is lost for long may have many."""
 _SLACK = 1e-6
 _WAITING = 64
 """Samples that wait for the truth at their time, before the oldest is given up."""
@@ -37,6 +41,7 @@ class RobotSeries:
         deviations: time, standard deviations of position (m) and heading (rad) by its localiser.
         energy: time, energy left.
         speeds: time, m/s, rad/s by its odometry.
+        relocations: times at which its localiser found it elsewhere, in order.
     """
 
     truth: Curve = field(default_factory=lambda: Curve(3))
@@ -46,6 +51,7 @@ class RobotSeries:
     deviations: Curve = field(default_factory=lambda: Curve(2, peaks=True))
     energy: Curve = field(default_factory=Curve)
     speeds: Curve = field(default_factory=lambda: Curve(2))
+    relocations: deque[float] = field(default_factory=lambda: deque(maxlen=RELOCATIONS_KEPT))
 
 
 class Series:
@@ -140,6 +146,7 @@ class _SeriesBuilder:
         self._decoded: tuple[float, Pose2] | None = None
         self._waiting: list[tuple[float, Pose2]] = []
         self._alone_since = math.inf
+        self._correction: Pose2 | None = None
 
     def truth(self, message: WatchedMessage, time: float) -> None:
         """Take a true pose; estimates that waited for the truth at their time are compared with it, interpolated."""
@@ -189,7 +196,11 @@ class _SeriesBuilder:
             return
         odom_in_map = self._tf.frames().planar(driven.frame, self.robot.key)
         if odom_in_map is not None:
-            self._believe(time, odom_in_map.compose(pose))
+            before, self._correction = self._correction, odom_in_map
+            estimate = odom_in_map.compose(pose)
+            if before is not None and before.compose(pose).distance(estimate) > RELOCATED:
+                self.series.relocations.append(time)
+            self._believe(time, estimate)
 
     def frames(self, time: float) -> None:
         """Take the estimated pose from tf alone, where neither odometry nor a localiser has a topic."""

@@ -2,6 +2,7 @@
 
 import json
 from bisect import bisect_right
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import get_args
@@ -84,6 +85,7 @@ class SessionLog:
         self._dropped: dict[EntryKind, int] = dict.fromkeys(self._entries, 0)
         self._stamps: list[int] = []
         self._statuses = [_GameStatus({}, {})]
+        self._carried: defaultdict[int, list[int]] = defaultdict(list)
 
     def entries(self, kind: EntryKind) -> Sequence[Entry]:
         """A list, oldest first. It grows at its end; a long list drops its oldest entries, see `dropped`."""
@@ -108,6 +110,10 @@ class SessionLog:
     def game_start(self, until_ns: int) -> int | None:
         """Stamp of the beginning of the game that goes on at a time; None before the first."""
         return self._at(until_ns).started_ns
+
+    def carried(self, robot: int) -> Sequence[int]:
+        """Stamps at which a robot was picked up and set elsewhere, oldest first."""
+        return self._carried[robot]
 
     def _at(self, until_ns: int) -> _GameStatus:
         return self._statuses[bisect_right(self._stamps, until_ns)]
@@ -183,6 +189,9 @@ class SessionLog:
                 others = {other: words for other, words in commanders.items() if other != robot}
                 commander = _commander(fields)
                 commanders = {**others, robot: commander} if commander else others
+            case GameEvent("carried", int(robot)):
+                self._carried[robot].append(stamp)
+                return
             case _:
                 return
         if not self._stamps or stamp >= self._stamps[-1]:

@@ -21,6 +21,12 @@ def polygon(points: FloatArray) -> QPolygonF:
     return made
 
 
+def pieces(points: FloatArray) -> list[FloatArray]:
+    """Parts of a line of (n, 2) points between rows of NaN."""
+    gaps = np.flatnonzero(np.isnan(points[:, 0]))
+    return [part for part in np.split(points, np.sort(np.concatenate((gaps, gaps + 1)))) if not np.isnan(part).any()]
+
+
 def lines(starts: FloatArray, ends: FloatArray) -> list[QLineF]:
     """Lines from each of (n, 2) points to the one of the same index in another (n, 2)."""
     return [QLineF(*ends_of) for ends_of in np.concatenate((starts, ends), axis=1).tolist()]

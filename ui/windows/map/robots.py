@@ -14,7 +14,7 @@ from ui.model.scene import RobotMark
 from ui.model.theme import Palette
 from ui.windows.map.badges import Anchor, Badge, Badges, BadgeText, place_labels
 from ui.windows.map.camera import Camera
-from ui.windows.map.points import lines, polygon
+from ui.windows.map.points import lines, pieces, polygon
 
 MIN_RADIUS = 8.0
 """Least radius with which a robot is drawn, pixels, however small the scale is."""
@@ -162,8 +162,9 @@ class RobotPainter:
     def _trail_lines(self, camera: Camera, mark: RobotMark) -> list[QLineF]:
         kept = self._trails.get(mark.robot)
         if kept is None or kept.points is not mark.trail or kept.camera != camera:
-            pixels = camera.to_screen(mark.trail)
-            kept = self._trails[mark.robot] = _Trail(mark.trail, camera, lines(pixels[:-1], pixels[1:]))
+            parts = [camera.to_screen(part) for part in pieces(mark.trail)]
+            drawn = [line for pixels in parts for line in lines(pixels[:-1], pixels[1:])]
+            kept = self._trails[mark.robot] = _Trail(mark.trail, camera, drawn)
         return kept.lines
 
     def _paint_path(self, painter: QPainter, camera: Camera, mark: RobotMark) -> None:

@@ -23,7 +23,7 @@ from ui.windows.researcher.docks.plots import BAND, PANELS, RobotCurves
 from ui.windows.researcher.docks.team import RobotRow
 from ui.windows.researcher.feeds.feed import Feed
 from ui.windows.researcher.log_updater import LogUpdater
-from ui.windows.researcher.map.overlays import Overlays, thinned_path
+from ui.windows.researcher.map.overlays import Overlays
 from ui.windows.researcher.map.sign import TroubleSign
 from ui.windows.researcher.tool_controller import ToolController
 
@@ -169,7 +169,7 @@ class ResearcherWindow(DockedWindow):
             footprint=self._bodies.get(robot.robot, DEFAULT_FOOTPRINT),
             selected=robot.robot == self._selected,
             trouble=robot.trouble or robot.dead,
-            trail=thinned_path(robot.estimate_path) if on(MapDisplay.PATHS) else NO_POINTS,
+            trail=robot.estimate_path if on(MapDisplay.PATHS) else NO_POINTS,
             path=robot.plan if on(MapDisplay.PLANS) else NO_POINTS,
             ellipse=robot.ellipse if on(MapDisplay.ELLIPSES) else None,
             truth=robot.truth if on(MapDisplay.TRUTH) else None,

@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
@@ -53,6 +55,22 @@ def test_a_line_has_few_points_and_is_the_same_while_it_does_not_grow() -> None:
     assert len(line) <= MAX_LINE_POINTS
     assert curve.path(np.inf) is line
     assert curve.path(4.0).tolist() == [[float(t), -float(t)] for t in range(5)]
+
+
+@given(
+    count=st.integers(1, 3 * MAX_LINE_POINTS),
+    cuts=st.lists(st.floats(-10.0, 4000.0), max_size=5).map(sorted),
+    since=st.floats(-10.0, 100.0),
+)
+def test_no_line_leads_over_a_cut(count: int, cuts: list[float], since: float) -> None:
+    curve = Curve(2)
+    for time in range(count):
+        curve.append(float(time), float(time), 0.0)
+    line = curve.path(np.inf, since, cuts)
+    for before, after in pairwise(line[:, 0].tolist()):
+        assert np.isnan(before) or np.isnan(after) or not any(before < cut <= after for cut in cuts)
+    if len(line):
+        assert not np.isnan(line[[0, -1]]).any()
 
 
 @given(times=st.lists(st.floats(0.0, 100.0), unique=True, max_size=20).map(sorted), end=st.floats(-10.0, 200.0))

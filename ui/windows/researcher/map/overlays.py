@@ -8,13 +8,11 @@ from sim.common.geometry import FloatArray
 from ui.model.watching.scene import NO_POINTS, RobotScene, Scene
 from ui.windows.map import MapView
 from ui.windows.map.layers import CostmapImageLayer, LineLayer, PointLayer, PoseLayer
-from ui.windows.map.points import polygon
+from ui.windows.map.points import pieces, polygon
 from ui.windows.researcher.docks.displays import DisplaysPanel, MapDisplay
 
 Z_COSTS, Z_FLOOR, Z_FLAT, Z_ABOVE = -30, -20, -10, 10
 """Order of painting: below the robots when negative, above them otherwise."""
-MOST_POINTS = 1500
-"""Most points of a path; beyond, every second point is drawn, or every fourth, and so on."""
 
 
 class ThingLayer:
@@ -55,15 +53,15 @@ class PathLayer:
         self._style = style
 
     def show(self, points: FloatArray) -> None:
-        """Show a path of (n, 2) points."""
+        """Show a path of (n, 2) points; a row of NaN stands between two pieces."""
         self._points = points
 
     def paint(self, painter: QPainter, view: MapView) -> None:
-        """Draw one line through all points."""
-        if len(self._points) > 1:
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            painter.setPen(QPen(QColor(view.colours.robot(self._robot)), 1.2, self._style))
-            painter.drawPolyline(QPolygonF(polygon(view.camera.to_screen(self._points))))
+        """Draw a line through the points of each piece."""
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QPen(QColor(view.colours.robot(self._robot)), 1.2, self._style))
+        for piece in pieces(self._points):
+            painter.drawPolyline(QPolygonF(polygon(view.camera.to_screen(piece))))
 
 
 class ParticleLayer:
@@ -102,8 +100,8 @@ class _RobotLayers:
         self.cloud.show(NO_POINTS if selected else robot.cloud[:, :2])
         self.scan.show(robot.scan)
         self.plan.show((robot.local_plan,) if on.shows(MapDisplay.LOCAL_PLANS) else ())
-        self.true_path.show(thinned_path(robot.truth_path) if on.shows(MapDisplay.TRUE_PATHS) else NO_POINTS)
-        self.odometry.show(thinned_path(robot.odometry_path) if on.shows(MapDisplay.ODOMETRY) else NO_POINTS)
+        self.true_path.show(robot.truth_path if on.shows(MapDisplay.TRUE_PATHS) else NO_POINTS)
+        self.odometry.show(robot.odometry_path if on.shows(MapDisplay.ODOMETRY) else NO_POINTS)
         goal = robot.goal if on.shows(MapDisplay.GOALS) else None
         self.goal.show(np.empty((0, 3)) if goal is None else goal.array()[np.newaxis])
         closed = np.concatenate((robot.footprint, robot.footprint[:1]))
@@ -145,11 +143,3 @@ class Overlays:
                 layer.clear()
             else:
                 layer.show(costmap.cells, costmap.origin, costmap.resolution)
-
-
-def thinned_path(path: FloatArray) -> FloatArray:
-    """Return a path with no more points than can be seen; the last one stays."""
-    step = 1
-    while len(path) > step * MOST_POINTS:
-        step *= 2
-    return path if step == 1 else np.concatenate((path[::step], path[-1:]))
