@@ -3,6 +3,8 @@
 import json
 import os
 import pty
+import select
+import socket
 import subprocess
 import time
 from pathlib import Path
@@ -10,6 +12,9 @@ from pathlib import Path
 import pytest
 
 from tests.system import programs
+from thbridge.hunt.rooms import Room
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.lines import encode_line
 
 CONSENT = "We record what you do.\nYou may stop at any time."
 
@@ -42,17 +47,20 @@ class Terminal:
         """Read until these words are shown."""
         end = time.monotonic() + seconds
         while words not in self.shown:
-            assert time.monotonic() < end, self.shown
-            self.shown += self._read()
+            readable, _, _ = select.select([self._keyboard], [], [], max(0.0, end - time.monotonic()))
+            said = self._read() if readable else ""
+            assert said, f"waited for {words!r}; there is\n{self.shown}"
+            self.shown += said
 
     def type(self, line: str) -> None:
         os.write(self._keyboard, line.encode() + b"\n")
 
     def finish(self) -> int:
-        """Read to the end; return the exit code."""
+        """Wait for the end of the process, and read what it has shown; return the exit code."""
+        code = self.process.wait(120)
         while said := self._read():
             self.shown += said
-        return self.process.wait(60)
+        return code
 
     def close(self) -> None:
         if self.process.poll() is None:
@@ -108,9 +116,61 @@ def test_a_yes_at_the_terminal_is_the_first_thing_recorded(folder, terminal):
     person.until("yes or no")
     assert left_in(folder) == set()
     person.type("yes")
-    person.until("Type ? to see")
+    person.until("how things stand")
     person.type("end")
     assert person.finish() == 0, person.shown
     started, agreed, *_ = recorded(folder / "hunt.journal")
     assert (started["event"], agreed["event"]) == ("started", "agreed")
     assert agreed["at"].endswith("Z")
+
+
+@pytest.fixture
+def hunt(folder):
+    """Server, SimR and Hider of a study with a consent text, and the address."""
+    running = [programs.Program(folder, "server", "study.yaml", "--port", "0")]
+    try:
+        at = f"127.0.0.1:{programs.port_of(running[0], running)}"
+        running.append(programs.Program(folder, "simr", "--study", "study.yaml", "--server", at, "--rate", "8"))
+        running.append(programs.Program(folder, "hider", "--server", at))
+        yield running, at
+    finally:
+        for program in running:
+            program.close()
+
+
+def test_at_a_server_a_no_is_told_and_the_next_participant_is_asked(folder, terminal, hunt):
+    running, at = hunt
+    first = terminal("tabui", "--server", at, "--participant", "person")
+    first.until("yes or no")
+    first.type("no")
+    assert first.finish() == 3
+    assert "Thank you." in first.shown
+    programs.until("the no", lambda: "the participant does not take part" in running[0].text, running)
+    assert list((folder / "journal").iterdir()) == []
+
+    second = terminal("tabui", "--server", at, "--participant", "person")
+    second.until("yes or no")
+    assert list((folder / "journal").iterdir()) == []
+    second.type("yes")
+    second.until("how things stand")
+    second.type("end")
+    assert second.finish() == 0, second.shown
+    assert "agreed" in programs.kinds(folder)
+    assert running[0].stop() == 0
+    assert programs.kinds(folder)[-1] == "ended"
+
+
+def test_a_participant_of_2016_is_not_asked_and_the_server_says_so(folder, hunt):
+    running, at = hunt
+    host, port = at.split(":")
+    programs.until("the robots", lambda: "nothing is recorded until" in running[0].text, running)
+    with socket.create_connection((host, int(port))) as old:
+        old.sendall(b"%%setid TabUI\n")
+
+        def recorded_at_last() -> bool:
+            old.sendall(encode_line(legacy.GotoRoom(0, Room(3).wire).message().line()))
+            return "departed" in programs.kinds(folder)
+
+        programs.until("the robot to set out", recorded_at_last, running)
+    assert "cannot ask for consent" in running[0].text
+    assert programs.kinds(folder)[0] == "started" and "agreed" not in programs.kinds(folder)

@@ -197,6 +197,7 @@ async def tabui(
         The last view, of a game that is over unless the participant takes no part; None when stopped.
     """
     last: View | None = None
+    role.run = token
 
     def after() -> bool:
         nonlocal last

@@ -1,12 +1,14 @@
 """The program of the text server and the keeper, in real time, until it is stopped."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from thbridge.app.compose.game import build_keeper
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.session.session import Session
+from thbridge.hunt.events import Event, GameStarted
 from thbridge.recording.journal_folder import JournalStore
+from thbridge.roles.keeper.consent import ConsentStatus
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.text.server import TextServer
@@ -14,6 +16,45 @@ from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 
 _log = logging.getLogger(__name__)
+
+CONSENT_SENTENCES = {
+    ConsentStatus.AWAITED: "nothing is recorded until the participant has agreed to take part",
+    ConsentStatus.GIVEN: "the participant has agreed to take part, and the game is recorded",
+    ConsentStatus.DECLINED: "the participant does not take part: nothing is recorded, and the next one can join",
+    ConsentStatus.NOT_ASKED: "this TabUI is a program of 2016, which cannot ask for consent: ask the participant "
+    "yourself; the game is recorded",
+}
+"""Sentences for the researcher on the participant's agreement to take part."""
+
+
+class ConsentedLog:
+    """Log of the events of games, each of which is written only once its participant may be recorded.
+
+    Args:
+        journals: of the games.
+        status: returns the state of the agreement, after the step whose events are appended.
+    """
+
+    def __init__(self, journals: JournalStore, status: Callable[[], ConsentStatus]) -> None:
+        self._journals = journals
+        self._status = status
+        self._held: list[Event] = []
+        self._open = False
+
+    def append(self, events: Sequence[Event]) -> None:
+        """Write the events, or hold them back; called in every tick. Raises BadFile as the journals do."""
+        for event in events:
+            if isinstance(event, GameStarted):
+                self._write()
+                self._held, self._open = [], False
+            self._held.append(event)
+        self._open = self._open or self._status().recordable
+        self._write()
+
+    def _write(self) -> None:
+        if self._open:
+            held, self._held = self._held, []
+            self._journals.append(held)
 
 
 async def serve(
@@ -41,7 +82,7 @@ async def serve(
                 _log.warning("its last event was half written and is lost")
         last_game = journals.last_game if unfinished is None else journals.last_game - 1
         keeper = build_keeper(setting, () if unfinished is None else unfinished.history, last_game)
-        session = Session(keeper, [], log=journals)
+        session = Session(keeper, [], log=ConsentedLog(journals, lambda: keeper.consent))
         server = TextServer(session, session.note_forwarded)
         session.perform = server.perform
         listening = await server.start(setting.study.server.host, setting.study.server.port)
@@ -49,8 +90,14 @@ async def serve(
         if isinstance(listening, CannotListen):
             return
 
+        told = ConsentStatus.NOT_NEEDED
+
         def tick() -> bool:
+            nonlocal told
             session.step()
+            before, told = told, keeper.consent
+            if told is not before and told in CONSENT_SENTENCES:
+                _log.warning(CONSENT_SENTENCES[told])
             return True
 
         try:

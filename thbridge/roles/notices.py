@@ -132,8 +132,14 @@ class LegacyReply(NoticeValue, frozen=True, tag="Reply"):
     text: str
 
 
-class ParticipantReady(NoticeValue, frozen=True, tag="ParticipantReady"):
-    """Participant to keeper: the program is ready for views."""
+class ParticipantReady(NoticeValue, frozen=True, omit_defaults=True, tag="ParticipantReady"):
+    """Participant to keeper: the program is ready for views.
+
+    Attributes:
+        run: marks this run of the program: another one may be another person's. Empty: unknown.
+    """
+
+    run: str = ""
 
 
 class Subscribe(NoticeValue, frozen=True, tag="Subscribe"):

@@ -75,6 +75,7 @@ class ParticipantLink:
 
     def __init__(self, host: str, port: int, token: str, consent: GiveConsent | None = None) -> None:
         self._client = TextClient(TabUI.name, token, host, port, RECONNECT_BACKOFF)
+        self._token = token
         self._consent = consent
         self._declined = False
         # Appending to a deque, taking from it and replacing a tuple are single steps of the interpreter.
@@ -114,6 +115,7 @@ class ParticipantLink:
     async def _converse(self) -> None:
         player = _WindowPlayer()
         role = TabUI(player, self, self._consent)
+        role.run = self._token
         runner = _ClockedRole(role, self._report)
         async with self._client.running():
             is_last = False

@@ -43,6 +43,7 @@ from ui.model.lobby import (
 from ui.model.participant import Participant
 from ui.model.practice import advice
 from ui.model.screen import Act, AgreeToTakePart, CloseWindow, DeclineToTakePart, Phase
+from ui.terminal import DECLINED
 from ui.windows import look, pointer
 from ui.windows.application import application
 from ui.windows.link import ParticipantLink, ServerLost, ServerReached
@@ -172,6 +173,8 @@ class ParticipantMainWindow(QMainWindow):
         self._appearance = appearance
         self._send_to_host = send
         self._leaving = False
+        self.declined = False
+        """True once the participant has said that they do not take part."""
         self._offer: Offer | None = None
         self.game: GamePage | None = None
         self.setWindowTitle("Treasure hunt")
@@ -254,6 +257,7 @@ class ParticipantMainWindow(QMainWindow):
 
     def _decline(self) -> None:
         """Thank the participant, who does not take part; nothing more is asked of them."""
+        self.declined = True
         if self.game is not None:
             self.game.decline()
         self._send(Declined())
@@ -334,12 +338,13 @@ class HostPipe(QObject):
 
 
 def play_at(host: str, port: int, token: str, choice: look.Choice) -> int:
-    """Open the window at a server; returns when it is closed."""
+    """Open the window at a server; return the exit code when it is closed."""
     app = application()
     table = _table(app, choice, None)
     table.join(ParticipantLink(host, port, token))
     table.show()
-    return app.exec()
+    code = app.exec()
+    return DECLINED if table.declined else code
 
 
 def play_hosted(choice: look.Choice) -> int:

@@ -27,7 +27,8 @@ class ConsentAnswer:
     """The answer of the participant who is there.
 
     A yes that comes before the first game is kept for it. A no is final for the program that says it: only another
-    one that joins is asked again.
+    one that joins is asked again. A yes holds for later games too, until another program joins after a game is over,
+    which may be the next person's.
 
     Args:
         asked: the study has a consent text.
@@ -38,10 +39,15 @@ class ConsentAnswer:
         self._early: GiveConsent | None = None
         self._declined = False
         self._legacy = False
+        self._run = ""
+        self._another = False
 
-    def join(self) -> None:
-        """Note that a participant's program has joined which can ask."""
+    def join(self, state: GameState | None, run: str) -> None:
+        """Note that a participant's program has joined which can ask; `run` as in `ParticipantReady`."""
         self._declined = self._legacy = False
+        if state is not None and state.ended is not None and run != self._run:
+            self._another = True
+        self._run = run
 
     def note_legacy(self) -> None:
         """Note that a participant's program of 2016 plays."""
@@ -62,8 +68,9 @@ class ConsentAnswer:
         Args:
             former: the game before; an agreement outlasts it. None: there was none.
         """
+        another, self._another = self._another, False
         if former is not None:
-            return (ConsentGiven(former.agreed_at),) if former.agreed else ()
+            return (ConsentGiven(former.agreed_at),) if former.agreed and not another else ()
         return () if self._early is None else (ConsentGiven(self._early.at),)
 
     def awaited(self, state: GameState | None) -> bool:

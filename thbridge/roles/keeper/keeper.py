@@ -223,8 +223,8 @@ class Keeper:
             self._ask_to_hide()
         elif (hidden := decode_notice(notice, HideTreasures)) is not None:
             self._hide(hidden)
-        elif decode_notice(notice, ParticipantReady) is not None:
-            self._consent.join()
+        elif (ready := decode_notice(notice, ParticipantReady)) is not None:
+            self._consent.join(self.state, ready.run)
             self._outgoing += self._participants.join(notice.sender, None if self._team is None else self._team.map)
         elif decode_notice(notice, DeclineConsent) is not None:
             self._consent.decline(self.state)

@@ -65,6 +65,7 @@ class TabUI:
 
     Attributes:
         view: the latest view, None before the first.
+        run: marks this run of the program; see `ParticipantReady`.
         declined: the participant has said that they do not take part; this program is to leave then.
     """
 
@@ -77,6 +78,7 @@ class TabUI:
         self._observer = observer
         self._consent = consent
         self.view: View | None = None
+        self.run = ""
         self.declined = False
         self._introduce = False
         self._renew_at: int | None = None
@@ -111,7 +113,7 @@ class TabUI:
             self._introduce = False
             if self._consent is not None:
                 outgoing.append(encode_request_line(self._consent))
-            outgoing.append(encode_notice(self.name, KEEPER, ParticipantReady()))
+            outgoing.append(encode_notice(self.name, KEEPER, ParticipantReady(self.run)))
         if self._observer is not None and self._renew_at is not None and tick >= self._renew_at:
             self._renew_at = tick + RENEWAL_PERIOD
             outgoing.append(encode_notice(self.name, legacy.SIMR, Subscribe()))

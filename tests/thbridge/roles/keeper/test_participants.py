@@ -230,6 +230,21 @@ def test_the_record_has_the_time_of_the_yes_in_every_game():
     assert [event for event in played.stage.log.events if isinstance(event, ConsentGiven)] == [ConsentGiven(YES.at)] * 2
 
 
+def test_the_next_person_at_a_finished_game_is_asked_anew():
+    played = Played(Briefing(consent=CONSENT))
+    played.say(GiveConsent(YES.at))
+    played.tabui.connected()
+    played.say(GiveUp(1))
+    played.tabui.connected()
+    assert played.say(PlayAgain(1)).consent is None, "the connection of the same person was lost twice"
+    played.say(GiveUp(2))
+    played.tabui.run = "another"
+    played.tabui.connected()
+    assert played.say(PlayAgain(2)).consent == CONSENT
+    third = [type(event).__name__ for event in played.stage.log.events][-2:]
+    assert third == ["GameStarted", "TreasuresHidden"]
+
+
 def test_who_agreed_before_joining_has_agreed_when_the_game_starts():
     played = Stage(participant=TabUI(Script(), consent=YES), briefing=Briefing(consent=CONSENT))
     played.run(6)
