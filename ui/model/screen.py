@@ -458,6 +458,7 @@ class Screen:
         popup: below the rooms, or in a corner of the map; at most one.
         confirmation: question drawn above everything else.
         waiting: pop-ups that wait behind the one shown, oldest first.
+        nothing_waits: the sentence in place of them while there are none, such as "Robot 2 is ready to be sent".
         history: oldest first.
         ending: page after the game; None before its end.
         help: the sheet of keys as (key, effect); empty while closed.
@@ -490,3 +491,4 @@ class Screen:
     announcement: str
     announcement_number: int
     rules: tuple[str, ...] = ()
+    nothing_waits: str = ""

@@ -210,6 +210,15 @@ def test_a_wrong_name_costs_and_is_said_so():
     assert seat.screen.tiles[2].found == f"{wrong}, −{treasure.points}"
 
 
+def test_who_may_be_sent_is_said_where_nothing_waits():
+    seat = Seat(robots=3)
+    assert seat.screen.nothing_waits == "3 robots are ready to be sent"
+    seat.do(ChooseRobot(0))
+    assert seat.do(ChooseRoom(1), 3).nothing_waits == "Nothing else waits for you"
+    agree(seat)
+    assert seat.screen.nothing_waits == "2 robots are ready to be sent"
+
+
 def test_arrivals_wait_behind_what_is_read_and_never_take_its_place():
     seat = Seat(robots=3)
     for robot, room in ((0, 1), (1, 2)):

@@ -63,7 +63,7 @@ def _reason(row: Sequence[float], room: Room, free: Collection[Room], tours: dic
         return f"{nearest} costs me less, but so we can reach more rooms"
     if taker != robot:
         return f"{nearest} costs me less, but {robot_name(taker)} is better placed for it"
-    return f"{nearest} costs me less, but the whole way round does if it comes later"
+    return f"{nearest} costs me less now, but my whole round costs less with {room} first"
 
 
 def reason_by_cost(cost: float) -> str:

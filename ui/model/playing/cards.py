@@ -1,5 +1,7 @@
 """Cards of the robots, and the sentences that describe a robot's activity."""
 
+from collections.abc import Sequence
+
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
@@ -11,6 +13,9 @@ from ui.model.playing.possible import is_allowed, left_beside, undecided_beside,
 from ui.model.playing.state import HuntMemory, ParticipantMemory
 from ui.model.playing.words import as_sentence, how_it_comes_back, place_name, titled
 from ui.model.screen import Action, AskForRobot, ChooseRobot, NextRobot, RobotCard, StopRobot, TakeUpAgain
+
+READY = "ready"
+"""State of a robot that can be sent."""
 
 
 def cards(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RobotCard, ...]:
@@ -158,7 +163,24 @@ def _resting(hunt: HuntMemory, robot: RobotView) -> str:
     room = undecided_beside(hunt.known, number)
     if room is not None:
         return "found something" if hunt.view.room(room).sensed else "looking at what is here"
-    return "at rest" if robot.other_commander else "ready"
+    return "at rest" if robot.other_commander else READY
+
+
+def nothing_waits(team: Sequence[RobotCard], *, answering: bool) -> str:
+    """Return the sentence for people for whom no pop-up waits: which robots they may send.
+
+    Args:
+        team: the cards of all robots.
+        answering: True while a pop-up is shown.
+    """
+    if answering:
+        return "Nothing else waits for you"
+    ready = [card.robot for card in team if card.state == READY]
+    if not ready:
+        return "Nothing waits for you"
+    if len(ready) == 1:
+        return f"{titled(ready[0])} is ready to be sent"
+    return f"{len(ready)} robots are ready to be sent"
 
 
 def _is_stranded(hunt: HuntMemory, robot: RobotView) -> bool:

@@ -6,7 +6,7 @@ from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import Condition
 from thbridge.roles.view import GiveConsent
 from ui.model.keys import HELP, help_lines, is_letter, keyed
-from ui.model.playing.cards import cards
+from ui.model.playing.cards import cards, nothing_waits
 from ui.model.playing.popup_queue import DestinationItem, PopupItem, TreasureItem
 from ui.model.playing.popups.confirmations import confirmation
 from ui.model.playing.popups.dialogues import destination_popup, dialogue_title
@@ -43,6 +43,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
     hunt = memory.hunt
     phase = phase_of(memory)
     playing = hunt if phase is Phase.PLAYING else None
+    team = () if hunt is None else cards(memory, hunt)
     screen = Screen(
         phase=phase,
         waiting_for=_waiting_for(memory) if phase is Phase.CONNECTING else "",
@@ -52,7 +53,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         banner=_banner(memory, now),
         game=0 if hunt is None else hunt.view.game,
         score=0 if hunt is None else hunt.view.score,
-        cards=() if hunt is None else cards(memory, hunt),
+        cards=team,
         tiles=() if hunt is None else tiles(memory, hunt),
         ask_advice=_not_now(AskAdvice(), "Don't know") if playing is None else dont_know(memory, playing),
         end=_not_now(EndGame(), "End the game") if playing is None else end(playing),
@@ -67,6 +68,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         announcement="",
         announcement_number=0,
         rules=rules_of(hunt.view) if hunt is not None and memory.help_open else (),
+        nothing_waits="" if playing is None else nothing_waits(team, answering=playing.popups.shown is not None),
     )
     asks = isinstance(screen.popup, TreasurePopup) and screen.popup.asks_for_name
     return _without_letters(screen) if asks else screen

@@ -129,12 +129,12 @@ class WaitingStrip(ActionWidget):
         others = self._count.sizeHint().width() + self.history.sizeHint().width() + 2 * GAP
         self._count.setVisible(not widest or widest + others <= self.width())
 
-    def show_waiting(self, waiting: tuple[WaitingItem, ...]) -> None:
-        """Show these; does nothing when they are shown already."""
+    def show_waiting(self, waiting: tuple[WaitingItem, ...], nothing_waits: str) -> None:
+        """Show these, or the sentence where there are none; does nothing for those that are shown already."""
+        set_text(self._count, f"Waiting for\nyou: {len(waiting)}" if waiting else nothing_waits)
         if waiting == self._shown:
             return
         self._shown = waiting
-        set_text(self._count, f"Waiting for\nyou: {len(waiting)}" if waiting else "Nothing waits for you")
         while len(self.chips) < len(waiting):
             made = WaitingChip()
             made.requested.connect(self.requested)

@@ -247,7 +247,7 @@ class ParticipantWindow(QWidget):
         self.column.tiles.show_tiles(screen.tiles)
         self.column.dont_know.show_action(screen.ask_advice)
         set_text(self.column.hint, _hint(screen))
-        self.waiting.show_waiting(screen.waiting)
+        self.waiting.show_waiting(screen.waiting, screen.nothing_waits)
         self.history.show_history(screen.history)
         self._show_pops(screen, before, now)
         self._keyboard.show_screen(screen)
