@@ -1,17 +1,22 @@
 """Closing the participant's window while a game goes on is asked for in the window itself."""
 
+import gc
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import pytest
+from PySide6.QtCore import QEvent
 from PySide6.QtWidgets import QApplication, QDialog, QLabel
 from pytestqt.qtbot import QtBot
 
 from tests.ui.model.views import view
+from tests.ui.windows import samples
 from tests.ui.windows.participant.test_window import press
 from ui.model.lobby import FromWindow, WindowClosed
+from ui.model.theme import LIGHT
 from ui.windows import look
 from ui.windows.link import ParticipantLink, ReceivedEvent, ServerReached
+from ui.windows.participant import ParticipantWindow
 from ui.windows.participant_program import ParticipantMainWindow
 
 
@@ -90,3 +95,15 @@ def test_closing_in_the_middle_of_a_game_asks_in_the_window(
     press(qtbot, game, "Y")
     qtbot.waitUntil(lambda: not window.isVisible())
     assert table.told == ([WindowClosed()] if hosted else [])
+
+
+def test_a_window_that_has_gone_leaves_nothing_behind(qapp: QApplication) -> None:
+    window = ParticipantWindow(samples.SampleModel(samples.playing(), samples.floor_plan()), lambda: 0.0, LIGHT)
+    window.show()
+    qapp.processEvents()
+    window.close()
+    window.deleteLater()
+    del window
+    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+    gc.collect()
+    assert qapp.allWidgets() == []

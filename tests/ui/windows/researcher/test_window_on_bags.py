@@ -36,6 +36,7 @@ def opened(bag: Path, qapp: QApplication) -> Iterator[ResearcherWindow]:
         qapp.processEvents()
     yield made
     made.close()
+    made.deleteLater()
 
 
 @pytest.fixture
@@ -78,6 +79,7 @@ def test_the_deviation_of_a_robot_that_stands_is_a_line(tmp_path: Path, qtbot: Q
     qtbot.waitUntil(lambda: [window.plots.points("sigma", robot) for robot in (0, 1)] == [2, 2])
     assert [len(feed.series.of(robot).deviations) for robot in (0, 1)] == [1, 1]
     window.close()
+    window.deleteLater()
 
 
 def test_seeking_moves_the_robots_and_the_time(window: ResearcherWindow) -> None:
@@ -269,6 +271,7 @@ def test_a_bag_that_is_none_is_told_in_the_window(tmp_path: Path, qtbot: QtBot) 
     window.show()
     qtbot.waitUntil(lambda: "not a ROS 1 bag" in window.sign.text())
     window.close()
+    window.deleteLater()
 
 
 def test_a_click_on_a_plot_goes_there(window: ResearcherWindow) -> None:

@@ -40,6 +40,7 @@ def opened(port: int, qapp: QApplication) -> Iterator[ResearcherWindow]:
     made.show()
     yield made
     made.close()
+    made.deleteLater()
 
 
 @pytest.fixture
@@ -173,6 +174,7 @@ def test_who_comes_late_to_a_paused_session_sees_what_those_see_who_were_there(
         waits(qtbot, lambda: known(late)[0] != [] and known(late) == known(window))
     finally:
         late.close()
+        late.deleteLater()
         window.playback.play_toggled.emit()
 
 
@@ -228,6 +230,7 @@ def test_the_wizard_speaks_in_a_robots_place(tmp_path: Path, qtbot: QtBot) -> No
         said = next(row for n in range(rows.rowCount()) if "By the way, hello." in (row := rows.row(n)).cells)
         assert "spoken for" in said.cells[0]
         window.close()
+        window.deleteLater()
 
 
 def test_where_nobody_answers_it_says_so_and_waits(qtbot: QtBot) -> None:
@@ -236,6 +239,7 @@ def test_where_nobody_answers_it_says_so_and_waits(qtbot: QtBot) -> None:
     window.show()
     waits(qtbot, lambda: "Nobody answers at 127.0.0.1:1" in window.sign.text())
     window.close()
+    window.deleteLater()
 
 
 @pytest.mark.slow
@@ -250,3 +254,4 @@ def test_a_session_that_ends_is_told_and_the_next_one_is_shown(tmp_path: Path, q
     with watched_hunt(tmp_path / "two.bag", "--watch", str(port)):
         waits(qtbot, lambda: window.sign.text() == "")
     window.close()
+    window.deleteLater()

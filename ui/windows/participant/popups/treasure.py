@@ -55,7 +55,11 @@ class TreasurePanel(TitledPanel):
             right.addWidget(widget, stretch)
         for button in (self.aside, self.take_picture, self.name_it, self.leave):
             button.requested.connect(self.requested)
-        self.names.picked.connect(lambda name: self.requested.emit(PickName(name)))
+        self.names.picked.connect(self._ask_for_pick)
+
+    def _ask_for_pick(self, name: str) -> None:
+        # A function within `__init__` would hold this panel by a list that it owns, so that nothing could free it.
+        self.requested.emit(PickName(name))
 
     def show_pop(self, pop: TreasurePopup) -> None:
         """Show this; does nothing when it is shown already."""

@@ -61,6 +61,7 @@ def test_all_that_waits_is_reached_at_all_sizes(qtbot: QtBot, qapp: QApplication
             assert misfits(window) == [], size
             assert window.size() == QSize(*size)
             window.close()
+            window.deleteLater()
     finally:
         look.apply_text_size(qapp, 1.0)
 
@@ -95,5 +96,6 @@ def test_many_robots_and_a_reason_fit_at_all_sizes(qtbot: QtBot, qapp: QApplicat
             assert misfits(window) == [], size
             assert window.size() == QSize(*size)
             window.close()
+            window.deleteLater()
     finally:
         look.apply_text_size(qapp, 1.0)
