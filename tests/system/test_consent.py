@@ -174,3 +174,40 @@ def test_a_participant_of_2016_is_not_asked_and_the_server_says_so(folder, hunt)
         programs.until("the robot to set out", recorded_at_last, running)
     assert "cannot ask for consent" in running[0].text
     assert programs.kinds(folder)[0] == "started" and "agreed" not in programs.kinds(folder)
+
+
+def test_a_hunt_for_another_program_is_recorded_from_its_yes_on_and_can_be_replayed(folder, terminal):
+    game = programs.Program(folder, "play", "study.yaml", "--headless", "--outside", "TabUI", "--bag", "hunt.bag")
+    try:
+        programs.until("the question", lambda: "nothing is recorded until" in game.text, [game])
+        at = game.text.split("join at ")[1].split()[0].rstrip(".")
+        person = terminal("tabui", "--server", at, "--participant", "person")
+        person.until("yes or no")
+        assert [name for name in left_in(folder) if name.startswith("hunt")] == []
+        person.type("yes")
+        person.until("how things stand")
+        person.type("end")
+        assert person.finish() == 0, person.shown
+        assert game.process.wait(60) == 0, game.text
+    finally:
+        game.close()
+    assert [event["event"] for event in recorded(folder / "hunt.journal")][:2] == ["started", "agreed"]
+    replayed = subprocess.run(
+        [*programs.THBRIDGE, "replay", "hunt.bag"], cwd=folder, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert replayed.returncode == 0, replayed.stdout + replayed.stderr
+
+
+def test_a_hunt_for_another_program_ends_with_its_no(folder, terminal):
+    game = programs.Program(folder, "play", "study.yaml", "--headless", "--outside", "TabUI", "--bag", "hunt.bag")
+    try:
+        programs.until("the question", lambda: "nothing is recorded until" in game.text, [game])
+        at = game.text.split("join at ")[1].split()[0].rstrip(".")
+        person = terminal("tabui", "--server", at, "--participant", "person")
+        person.until("yes or no")
+        person.type("no")
+        assert person.finish() == 3
+        assert game.process.wait(60) == 3, game.text
+    finally:
+        game.close()
+    assert [name for name in left_in(folder) if name.startswith("hunt")] == []

@@ -1,5 +1,6 @@
 """A whole hunt in one program: all roles except those of other programs, until the game is over or it is stopped."""
 
+import logging
 from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack, closing
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from thbridge.app.compose.game import build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record
 from thbridge.app.compose.robots import build_simr, build_team, rehearse, vehicle_factory
 from thbridge.app.compose.setting import StudySetting
+from thbridge.app.consent import ConsentDesk, ParticipantDeclined, introduction
 from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress, listeners
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder, TlogRecorder
@@ -20,6 +22,7 @@ from thbridge.protocols.text import legacy
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, tlog_of
 from thbridge.recording.tlog import TlogFile
+from thbridge.roles.keeper.consent import CONSENT_SENTENCES, ConsentStatus
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import Request
 from thbridge.roles.role import Role
@@ -33,6 +36,8 @@ from thbridge.sockets.text.server import TextServer
 from thbridge.timing.keepalive import kept_alive
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
+
+_log = logging.getLogger(__name__)
 
 PLAY = "play"
 """Name of this program in recordings."""
@@ -144,7 +149,11 @@ async def play(
         progress: takes every tick.
         callbacks: for the results of starting graph, watch server and links.
 
+    A participant of an outside program is asked for consent first, where the study does so: no tick is run and no file
+    written before the answer.
+
     Raises:
+        ParticipantDeclined: the participant did not agree to take part, or left before an answer.
         BadFile: the journal, the telemetry log or the bag cannot be written (the latter as `BagNotWritten`).
         Unfinished: it was stopped, or the game was not over in time; what was recorded is complete.
     """
@@ -171,6 +180,22 @@ async def play(
         links = await _links(options.mavlink, opened, callbacks)
         if options.rate > 0.0:
             rehearse(setting)
+        session = Session(build_keeper(setting), roles, (), inside, vehicle_factory(setting, simr))
+        desk = ConsentDesk(session, introduction(setting)) if setting.consent and inside is None else None
+        server = TextServer(desk or session, session.note_forwarded)
+        session.perform = server.perform
+
+        async def listen() -> None:
+            where = await server.start(setting.study.server.host, setting.study.server.port)
+            if isinstance(where, CannotListen) and options.left is not None:
+                where = await server.start(setting.study.server.host, 0)  # The window gets the port that was found.
+            ready(where)
+
+        if desk is not None:
+            opened.push_async_callback(server.stop)
+            await listen()
+            # In a window people have been asked already, and it says yes as soon as it joins.
+            await _consent(desk, options.left, _ignore if options.left is not None else _log.warning)
         log: EventLog | None = None
         if options.bag is not None:
             log = opened.enter_context(closing(JournalStore(journal_of(options.bag))))
@@ -183,9 +208,7 @@ async def play(
             recorders.append(BagRecorder(Broadcast(publisher, record, setting.map.grid, audience)))
         if options.bag is not None and has_vehicles and setting.study.mavlink.tlog:
             recorders.append(TlogRecorder(opened.enter_context(TlogFile(tlog_of(options.bag)))))
-        session = Session(build_keeper(setting), roles, recorders, inside, vehicle_factory(setting, simr), log)
-        server = TextServer(session, session.note_forwarded)
-        session.perform = server.perform
+        session.record_with(recorders, log)
         if has_vehicles and options.graph is not None:
             graph_link = session.open_link(GRAPH_LINK)
         if links is not None:
@@ -199,16 +222,32 @@ async def play(
             progress(session.step())
             return not ending.reached(session)
 
-        where = await server.start(setting.study.server.host, setting.study.server.port)
-        if isinstance(where, CannotListen) and options.left is not None:
-            where = await server.start(setting.study.server.host, 0)  # The window gets the port that was found.
-        ready(where)
-        opened.push_async_callback(server.stop)
+        if desk is None:
+            await listen()
+        opened.push_async_callback(server.stop)  # It stops before the recording is closed.
         run = await run_ticks(tick, pacer)
     outcome = _outcome(setting, session, ending, roles, run.seconds, options.bag)
     if ending.tick is None:
         raise HuntUnfinished(outcome, stopped=not run.finished)
     return outcome
+
+
+def _ignore(sentence: str) -> None:
+    """Do nothing."""
+
+
+async def _consent(desk: ConsentDesk, left: Callable[[], bool] | None, tell: Callable[[str], None]) -> None:
+    """Wait until the participant has agreed to take part, or cannot be asked. Raises ParticipantDeclined."""
+    tell(CONSENT_SENTENCES[desk.status])
+
+    def waiting() -> bool:
+        return desk.status is ConsentStatus.AWAITED and not (left is not None and left())
+
+    await run_ticks(waiting, Pacer(1.0))
+    if desk.status is ConsentStatus.NOT_ASKED:
+        tell(CONSENT_SENTENCES[desk.status])
+    if not desk.status.recordable:
+        raise ParticipantDeclined(desk.status is ConsentStatus.DECLINED)
 
 
 async def _links(

@@ -8,7 +8,7 @@ from thbridge.app.compose.setting import StudySetting
 from thbridge.app.session.session import Session
 from thbridge.hunt.events import Event, GameStarted
 from thbridge.recording.journal_folder import JournalStore
-from thbridge.roles.keeper.consent import ConsentStatus
+from thbridge.roles.keeper.consent import CONSENT_SENTENCES, ConsentStatus
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.text.server import TextServer
@@ -16,15 +16,6 @@ from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 
 _log = logging.getLogger(__name__)
-
-CONSENT_SENTENCES = {
-    ConsentStatus.AWAITED: "nothing is recorded until the participant has agreed to take part",
-    ConsentStatus.GIVEN: "the participant has agreed to take part, and the game is recorded",
-    ConsentStatus.DECLINED: "the participant does not take part: nothing is recorded, and the next one can join",
-    ConsentStatus.NOT_ASKED: "this TabUI is a program of 2016, which cannot ask for consent: ask the participant "
-    "yourself; the game is recorded",
-}
-"""Sentences for the researcher on the participant's agreement to take part."""
 
 
 class ConsentedLog:

@@ -35,7 +35,7 @@ from ui.options import (
     WatchKey,
 )
 from ui.outputs import make_ready
-from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
+from ui.terminal import BAD_INPUT, DECLINED, FAILED, NOT_TAKING_PART, bad_input, fail, note, print_json
 
 AN_HOUR = 3600.0
 
@@ -93,6 +93,7 @@ def play(
     Other programs may join on the TCP port; those named by --outside take the place of ours.
     """
     from thbridge.app import play as hunt
+    from thbridge.app.consent import ParticipantDeclined
     from thbridge.app.play import HuntUnfinished, PlayOptions
     from thbridge.app.session.session import TickRecord
     from thbridge.protocols.text import legacy
@@ -155,6 +156,8 @@ def play(
         options = PlayOptions(pace, path, others, who, limit, graph, watch=door, mavlink=ports)
         program = hunt.play(setting, seat.tabui, options, ready, progress, told)
         outcome = run(program, seat.typed)
+    except ParticipantDeclined as declined:
+        fail(DECLINED if declined.answered else FAILED, NOT_TAKING_PART)
     except HuntUnfinished as early:
         outcome, unfinished = early.outcome, early
     if as_json:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from thbridge.app import play as hunt
 from thbridge.app.compose.setting import StudySetting
+from thbridge.app.consent import ParticipantDeclined
 from thbridge.app.listeners import StartupCallbacks
 from thbridge.app.play import HuntOutcome, HuntUnfinished, PlayOptions
 from thbridge.sockets.addresses import ListeningAddress
@@ -80,7 +81,10 @@ class WindowGames:
         async def play(visit: GameVisit) -> None:
             make_ready(bag)
             options = dataclasses.replace(self.options, bag=bag, left=visit.has_left)
-            show_outcome(await self._played(setting, options, visit))
+            outcome = await self._played(setting, options, visit)
+            if outcome is None:
+                return
+            show_outcome(outcome)
             if self.report:
                 with bad_input():
                     await asyncio.to_thread(write_report, bag, bag.with_suffix(".html"))
@@ -100,7 +104,9 @@ class WindowGames:
 
         return play
 
-    async def _played(self, setting: StudySetting, options: PlayOptions, visit: GameVisit) -> HuntOutcome:
+    async def _played(self, setting: StudySetting, options: PlayOptions, visit: GameVisit) -> HuntOutcome | None:
+        """Play a game; None when the window left before it began."""
+
         def ready(where: ListeningAddress | CannotListen) -> None:
             if isinstance(where, CannotListen):
                 fail(FAILED, str(where))
@@ -110,6 +116,10 @@ class WindowGames:
         announce_compiling()
         try:
             return await hunt.play(setting, None, options, ready, print_story, self.hosts)
+        except ParticipantDeclined:
+            if visit.ended is None:
+                raise  # Ctrl-C: the program ends.
+            return None
         except HuntUnfinished as early:
             if early.stopped and visit.ended is None:
                 raise  # Ctrl-C: the program ends.
@@ -129,6 +139,8 @@ def play_in_window(games: WindowGames, offer: Offer, arguments: tuple[str, ...] 
     try:
         with bad_input(FAILED):
             answer = asyncio.run(program)
+    except ParticipantDeclined:
+        fail(FAILED, NOT_TAKING_PART)
     except HuntUnfinished:
         fail(FAILED, "stopped; what was recorded up to here is complete")
     if window.given_up and answer is not Answer.NO:

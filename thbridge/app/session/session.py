@@ -133,6 +133,10 @@ class Session:
         """State of the game; None before the first."""
         return self._keeper.state
 
+    def record_with(self, recorders: Sequence[TickRecorder], log: EventLog | None) -> None:
+        """Have every tick recorded, and the game's events logged; to be called before the first tick."""
+        self._recorders, self._log = tuple(recorders), log
+
     def note_forwarded(self, forwarded: Forwarded) -> None:
         """Take a line that the router forwarded, for the keeper and the record."""
         self._forwarded.append(forwarded)

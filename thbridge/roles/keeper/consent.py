@@ -23,6 +23,16 @@ class ConsentStatus(Enum):
         return self not in {ConsentStatus.AWAITED, ConsentStatus.DECLINED}
 
 
+CONSENT_SENTENCES = {
+    ConsentStatus.AWAITED: "nothing is recorded until the participant has agreed to take part",
+    ConsentStatus.GIVEN: "the participant has agreed to take part, and the game is recorded",
+    ConsentStatus.DECLINED: "the participant does not take part: nothing is recorded, and the next one can join",
+    ConsentStatus.NOT_ASKED: "this TabUI is a program of 2016, which cannot ask for consent: ask the participant "
+    "yourself; the game is recorded",
+}
+"""Sentences for the researcher on the participant's agreement to take part."""
+
+
 class ConsentAnswer:
     """The answer of the participant who is there.
 

@@ -1,0 +1,137 @@
+"""The question whether the participant takes part, asked over the wire before a session runs and is recorded."""
+
+from collections.abc import Sequence
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.app.compose.game import build_keeper
+from thbridge.app.compose.robots import build_simr
+from thbridge.app.compose.setting import StudySetting
+from thbridge.app.session.session import Session
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.lines import TextMessage, encode_line
+from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, parse_notice
+from thbridge.protocols.text.router import (
+    ClientJoined,
+    ConnectionId,
+    Forwarded,
+    RouterOutput,
+    SendToClient,
+    TurnedAway,
+)
+from thbridge.roles.keeper.consent import ConsentStatus
+from thbridge.roles.notices import KEEPER, ParticipantReady
+from thbridge.roles.view import DeclineConsent, GiveConsent, View
+
+
+class ParticipantDeclined(Exception):  # noqa: N818 - nothing went wrong with the program
+    """The participant did not agree to take part. Nothing was recorded.
+
+    Attributes:
+        answered: True when they said no; False when they left, or the program was stopped, before an answer.
+    """
+
+    def __init__(self, answered: bool) -> None:
+        super().__init__("the participant did not agree to take part")
+        self.answered = answered
+
+
+class ConsentDesk:
+    """The router of a session that does not run yet: it asks the participant's program for consent.
+
+    All that comes in goes to the session too, as inputs of its first tick: the yes is the first thing it records. After
+    the answer the desk only passes on. See `RouterInterface` for the methods.
+
+    Args:
+        session: whose ticks are not run before the answer.
+        introduction: messages to a participant's program that joins.
+
+    Attributes:
+        status: state of the agreement.
+    """
+
+    def __init__(self, session: Session, introduction: Sequence[TextMessage]) -> None:
+        self._session = session
+        self._introduction = tuple(introduction)
+        self.status = ConsentStatus.AWAITED
+
+    def connect(self, now: float) -> ConnectionId | TurnedAway:
+        """Accept a connection."""
+        return self._session.connect(now)
+
+    def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> Sequence[RouterOutput]:
+        """Handle received bytes; a participant's program that joins is shown the text."""
+        outputs = self._session.receive_data(connection, data, now)
+        replies: list[RouterOutput] = []
+        for output in outputs:
+            if self.status is not ConsentStatus.AWAITED:
+                break
+            match output:
+                case ClientJoined(_, legacy.TABUI, extended=False):
+                    self.status = ConsentStatus.NOT_ASKED
+                case Forwarded(message, _, sender_extended=True) if message.receiver == KEEPER:
+                    replies += [SendToClient(connection, encode_line(line.line())) for line in self._answer(message)]
+        return [*outputs, *replies]
+
+    def eof(self, connection: ConnectionId) -> Sequence[RouterOutput]:
+        """Remove a connection that has ended."""
+        return self._session.eof(connection)
+
+    def report_backlog(self, connection: ConnectionId, size: int) -> Sequence[RouterOutput]:
+        """Note the bytes that wait for a connection."""
+        return self._session.report_backlog(connection, size)
+
+    def advance(self, now: float) -> Sequence[RouterOutput]:
+        """Ping idle connections."""
+        return self._session.advance(now)
+
+    def stop(self) -> Sequence[RouterOutput]:
+        """Close all connections."""
+        return self._session.stop()
+
+    def _answer(self, message: TextMessage) -> Sequence[TextMessage]:
+        """Take in a message to the keeper; return the messages to its sender."""
+        notice = parse_notice(message)
+        if not isinstance(notice, Notice):
+            return ()
+        if decode_notice(notice, GiveConsent) is not None:
+            self.status = ConsentStatus.GIVEN
+        elif decode_notice(notice, DeclineConsent) is not None:
+            self.status = ConsentStatus.DECLINED
+        elif decode_notice(notice, ParticipantReady) is not None:
+            return self._introduction
+        return ()
+
+
+def introduction(setting: StudySetting) -> list[TextMessage]:
+    """Return the messages to a participant who has not agreed yet: floor plan, and view with the consent text.
+
+    They are those of a session with the same robots, which nobody joins.
+    """
+    newcomer = _Newcomer()
+    session = Session(build_keeper(setting), [build_simr(setting)], participant=newcomer)
+    while not newcomer.has_view and session.tick < TICKS_PER_SECOND:
+        session.step()
+    return newcomer.received
+
+
+class _Newcomer:
+    """A participant who joins and listens."""
+
+    name = legacy.TABUI
+
+    def __init__(self) -> None:
+        self.received: list[TextMessage] = []
+        self.has_view = False
+        self._introduce = False
+
+    def connected(self) -> None:
+        """Introduce itself with the next step."""
+        self._introduce = True
+
+    def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
+        """See `Role`."""
+        self.received += messages
+        notices = [notice for message in messages if isinstance(notice := parse_notice(message), Notice)]
+        self.has_view = self.has_view or any(View.of_notice(notice) is not None for notice in notices)
+        introduce, self._introduce = self._introduce, False
+        return [encode_notice(self.name, KEEPER, ParticipantReady())] if introduce else []
