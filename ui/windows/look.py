@@ -50,6 +50,8 @@ TEXT_SIZES = (80, 90, 100, 110, 125, 150, 175, 200)
 """Sizes of text that may be chosen, percent of the usual one."""
 
 _TEXT_KEY = "text/percent"
+_TEXT_KEYS_OF = "textKeysOf"
+"""Property of windows whose keys choose the size of text: the identity of their `TextSize`."""
 _SCALE: dict[Size, float] = {"small": 0.88, "body": 1.0, "title": 1.24, "hero": 1.9}
 _SMALLEST_BODY = 10.5
 _USUAL_WINDOW = QSize(1200, 800)
@@ -233,13 +235,24 @@ class TextSize(QObject):
         self._watcher = QFileSystemWatcher([str(folder)], self)
         self._watcher.directoryChanged.connect(self._read)
         self._read()
+        app.focusWindowChanged.connect(self._add_keys_to_box)
 
     def add_keys(self, window: QWidget) -> None:
-        """Let a window's keys choose the size."""
+        """Let a window's keys choose the size, and those of boxes that open over it."""
+        window.setProperty(_TEXT_KEYS_OF, id(self))
         for keys, step in ((("Ctrl++", "Ctrl+="), 1), (("Ctrl+-",), -1), (("Ctrl+0",), 0)):
             shortcut = QShortcut(window)
             shortcut.setKeys([QKeySequence(key) for key in keys])
             shortcut.activated.connect(partial(self.step, step))
+
+    def _add_keys_to_box(self) -> None:
+        """Let the keys of a box that has become active do the same: it may shut out its window with all its keys."""
+        box = self._app.activeWindow()
+        opener = None if box is None else box.parentWidget()
+        if box is None or opener is None or box.property(_TEXT_KEYS_OF) == id(self):
+            return
+        if opener.window().property(_TEXT_KEYS_OF) == id(self):
+            self.add_keys(box)
 
     def step(self, by: int) -> None:
         """Choose the next larger size (1), the next smaller one (-1), or the usual one (0)."""

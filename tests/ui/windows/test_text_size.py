@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtCore import QSettings, QSize, Qt
-from PySide6.QtWidgets import QApplication, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QApplication, QLabel, QMessageBox, QPushButton, QVBoxLayout, QWidget
 from pytestqt.qtbot import QtBot
 
 from ui.model.theme import LIGHT
@@ -47,6 +47,37 @@ def test_keys_make_text_larger_and_smaller(qtbot: QtBot, qapp: QApplication, fil
     assert pressed(Qt.Key.Key_Plus, times=9) == pytest.approx((2.0, 2.0)), "the largest"
     assert pressed(Qt.Key.Key_0) == pytest.approx((1.0, 1.0))
     assert pressed(Qt.Key.Key_Minus, times=9) == pytest.approx((0.8, 0.8)), "the smallest"
+
+
+@pytest.mark.parametrize("modal", [True, False])
+def test_keys_choose_the_size_in_a_box_over_the_window_too(
+    qtbot: QtBot, qapp: QApplication, file: Path, modal: bool
+) -> None:
+    size, window = text_size(qapp, file), QWidget()
+    qtbot.addWidget(window)
+    inside = QVBoxLayout(window)
+    opener = QPushButton("Reset")
+    inside.addWidget(opener)
+    size.add_keys(window)
+    with qtbot.waitActive(window):
+        window.show()
+        window.activateWindow()
+
+    def pressed_in_a_box() -> int:
+        box = QMessageBox(QMessageBox.Icon.Question, "Robot 1", "Kill it?", parent=opener)
+        box.setModal(modal)
+        box.show()
+        box.activateWindow()
+        qtbot.waitUntil(lambda: qapp.focusWindow() == box.windowHandle())
+        qtbot.keyClick(box, Qt.Key.Key_Plus, Qt.KeyboardModifier.ControlModifier)
+        box.close()
+        window.activateWindow()
+        qtbot.waitUntil(lambda: qapp.focusWindow() == window.windowHandle())
+        return size.percent
+
+    assert [pressed_in_a_box(), pressed_in_a_box()] == [110, 125]
+    qtbot.keyClick(window, Qt.Key.Key_0, Qt.KeyboardModifier.ControlModifier)
+    assert size.percent == 100
 
 
 def test_the_size_is_kept_and_followed_by_other_programs(qtbot: QtBot, qapp: QApplication, file: Path) -> None:

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from ui.windows.look import FRAME, font, spaced
+from ui.windows.look import FRAME, follow_text, font, spaced
 from ui.windows.researcher.docks.displays import SWITCHES
 from ui.windows.researcher.map.tools import TOOLS
 
@@ -95,13 +95,13 @@ def _group(title: str, keys: KeyLines) -> QGridLayout:
     grid = QGridLayout()
     grid.setHorizontalSpacing(16)
     grid.setVerticalSpacing(4)
-    heading = QLabel(title)
-    heading.setFont(font(bold=True))
-    grid.addWidget(heading, 0, 0, 1, 2)
+    grid.addWidget(_bold(title), 0, 0, 1, 2)
     for row, (key, what) in enumerate(keys, start=1):
-        name = QLabel(key)
-        name.setFont(font(bold=True))
-        grid.addWidget(name, row, 0)
+        grid.addWidget(_bold(key), row, 0)
         grid.addWidget(QLabel(what), row, 1)
     grid.setColumnStretch(1, 1)
     return grid
+
+
+def _bold(words: str) -> QLabel:
+    return follow_text(QLabel(words), lambda it: it.setFont(font(bold=True)))
