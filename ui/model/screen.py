@@ -244,6 +244,7 @@ class RobotCard:
         commander: the other party that commands it, "ground station 255"; empty where the participant does.
         ask_back: asks the commander to give it back; None where the participant commands it, and once the game is over.
         take_up: takes up again what was left where it stands; None where nothing was, and beside `ask_back`.
+        warning: what its energy will not suffice for where it is going, in words; empty where it suffices.
     """
 
     robot: int
@@ -263,6 +264,7 @@ class RobotCard:
     commander: str = ""
     ask_back: Action | None = None
     take_up: Action | None = None
+    warning: str = ""
 
     @property
     def commanded(self) -> str:

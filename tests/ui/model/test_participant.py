@@ -350,6 +350,39 @@ def test_energy_that_does_not_do_to_name_what_is_there_is_warned_of():
     assert tile(16.0).choose.hint == "This costs 17; robot 1 has 16 energy."
 
 
+def driving_with(energy):
+    seat = Seat(rules=replace(RULES, energy=energy))
+    assert seat.screen.cards[0].warning == ""
+    seat.do(ChooseRoom(3))
+    while seat.view.robots[0].moving_to is None:
+        seat.press(seat.screen.popup.choices[0].act)
+    return seat
+
+
+@pytest.mark.parametrize(
+    ("energy", "warning"),
+    [
+        (17.0, "too little to name"),
+        (17.5, "too little to name"),
+        (18.0, "too little for a picture"),
+        (22.5, "picture or name only"),
+        (23.0, ""),
+    ],
+)
+def test_the_card_of_a_robot_that_drives_tells_what_its_energy_will_not_do_for(energy, warning):
+    seat = driving_with(energy)
+    card = seat.screen.cards[0]
+    assert card.warning == warning
+    assert card.select.hint == "You command robot 1." + (f" On arrival: {warning}." if warning else "")
+    seat.run(200)
+    assert seat.view.robots[0].place == 3
+    assert seat.screen.cards[0].warning == ""
+
+
+def test_a_robot_that_stops_is_not_warned_of_where_it_was_going():
+    assert driving_with(18.0).press(StopRobot(0), 0).cards[0].warning == ""
+
+
 def test_digits_choose_rooms():
     seat = Seat()
     assert seat.press(TypeDigit(3)).popup.title == "Robot 1: go to room 3?"

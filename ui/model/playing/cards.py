@@ -9,7 +9,7 @@ from thbridge.hunt.rules import affordable
 from thbridge.roles.notices import RobotMotion
 from thbridge.roles.view import CallBack, RequestHandback, RobotView, TakeUpTreasure
 from ui.model.keys import key_of
-from ui.model.playing.possible import is_allowed, left_beside, undecided_beside, why_not_command
+from ui.model.playing.possible import arrival_warning, is_allowed, left_beside, undecided_beside, why_not_command
 from ui.model.playing.state import HuntMemory, ParticipantMemory
 from ui.model.playing.words import as_sentence, how_it_comes_back, place_name, titled
 from ui.model.screen import Action, AskForRobot, ChooseRobot, NextRobot, RobotCard, StopRobot, TakeUpAgain
@@ -31,8 +31,8 @@ def is_in_trouble(robot: RobotView) -> bool:
 def card_sentence(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> str:
     """The card of a robot as a sentence to be read out."""
     card = _card(memory, hunt, hunt.view.robots[robot])
-    commanded = f", {card.commanded}" if card.commanded else ""
-    return f"{card.name}: {card.place}, {card.state}, {energy_text(card.energy)} energy{commanded}."
+    more = "".join(f", {words}" for words in (card.warning, card.commanded) if words)
+    return f"{card.name}: {card.place}, {card.state}, {energy_text(card.energy)} energy{more}."
 
 
 def _card(memory: ParticipantMemory, hunt: HuntMemory, robot: RobotView) -> RobotCard:
@@ -46,7 +46,7 @@ def _card(memory: ParticipantMemory, hunt: HuntMemory, robot: RobotView) -> Robo
         cost = hunt.view.costs_from(robot)[considered]
     motion = memory.motion(number)
     place = place_name(robot.place)
-    stranded = _is_stranded(hunt, robot)
+    stranded, warning = _is_stranded(hunt, robot), _warning(hunt, robot)
     return RobotCard(
         robot=number,
         name=titled(number),
@@ -60,15 +60,16 @@ def _card(memory: ParticipantMemory, hunt: HuntMemory, robot: RobotView) -> Robo
         trouble=is_in_trouble(robot) or stranded,
         progress=None if robot.moving_to is None else round(min(max(motion.progress, 0.0), 1.0), 2),
         waits=sum(item.robot == number for item in hunt.popups.waiting),
-        select=_select(memory, hunt, number),
+        select=_select(memory, hunt, number, warning),
         stop=_stop(hunt, robot, selected),
         commander=robot.other_commander,
         ask_back=_ask_back(hunt, robot, selected),
         take_up=_take_up(hunt, robot, selected),
+        warning=warning,
     )
 
 
-def _select(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> Action:
+def _select(memory: ParticipantMemory, hunt: HuntMemory, robot: int, warning: str) -> Action:
     team = len(hunt.view.robots)
     key = ""
     for step in (-1, 1):
@@ -76,13 +77,14 @@ def _select(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> Action:
             key = key_of(NextRobot(step))
     chosen = robot == memory.selected
     yours = f"You command {robot_name(robot)}." if chosen else f"Command {robot_name(robot)}."
-    return Action(ChooseRobot(robot), titled(robot), key, hint=why_not_command(hunt.known, robot) or yours)
+    arriving = f" On arrival: {warning}." if warning else ""
+    return Action(ChooseRobot(robot), titled(robot), key, hint=(why_not_command(hunt.known, robot) or yours) + arriving)
 
 
 def _stop(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
     if not is_allowed(hunt.known, CallBack(robot.robot)):
         return None
-    stopping = CallBack(robot.robot) in hunt.pending or robot.robot in hunt.reroutes
+    stopping = _is_stopping(hunt, robot)
     hint = f"{titled(robot.robot)} is about to stop." if stopping else "The energy for the rest of the way comes back."
     return Action(StopRobot(robot.robot), "Stop", key_of(StopRobot()) if selected else "", not stopping, hint, stopping)
 
@@ -129,7 +131,7 @@ def _state(hunt: HuntMemory, robot: RobotView, motion: RobotMotion) -> str:
 
 
 def _moving(hunt: HuntMemory, robot: RobotView, motion: RobotMotion, goal: str) -> str:
-    if CallBack(robot.robot) in hunt.pending or robot.robot in hunt.reroutes:
+    if _is_stopping(hunt, robot):
         return "stopping"
     if robot.condition is Condition.LOST:
         return "lost, looking for its place"
@@ -181,6 +183,16 @@ def nothing_waits(team: Sequence[RobotCard], *, answering: bool) -> str:
     if len(ready) == 1:
         return f"{titled(ready[0])} is ready to be sent"
     return f"{len(ready)} robots are ready to be sent"
+
+
+def _is_stopping(hunt: HuntMemory, robot: RobotView) -> bool:
+    return CallBack(robot.robot) in hunt.pending or robot.robot in hunt.reroutes
+
+
+def _warning(hunt: HuntMemory, robot: RobotView) -> str:
+    if robot.condition is not Condition.WELL or hunt.view.over is not None or _is_stopping(hunt, robot):
+        return ""
+    return arrival_warning(hunt.known, robot.robot)
 
 
 def _is_stranded(hunt: HuntMemory, robot: RobotView) -> bool:

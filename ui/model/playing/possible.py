@@ -5,6 +5,7 @@
 """
 
 from dataclasses import replace
+from typing import Literal
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
@@ -144,14 +145,41 @@ def energy_warning(known: Situation, robot: int, room: int) -> str:
     there = known.state
     for event in (*departure, RobotArrived(robot, Room(room))):
         there = apply(there, event)
-    if not _is_nameable(there, Room(room)):
-        return "Enough to get there, not to name what is there."
-    pictured = rules.picture(there, Room(room), "")
+    match _too_little_for(there, Room(room)):
+        case "name":
+            return "Enough to get there, not to name what is there."
+        case "picture":
+            return "Enough to name what is there, not to take a picture."
+        case "both":
+            return "Enough to take a picture there or to name what is there, not for both."
+        case None:
+            return ""
+
+
+def arrival_warning(known: Situation, robot: int) -> str:
+    """Warning of what the energy of a driving robot will not suffice for where it arrives, for its card; or empty."""
+    room = known.state.robots[robot].bound_for
+    if room is None:
+        return ""
+    match _too_little_for(apply(known.state, RobotArrived(robot, room)), room):
+        case "name":
+            return "too little to name"
+        case "picture":
+            return "too little for a picture"
+        case "both":
+            return "picture or name only"
+        case None:
+            return ""
+
+
+def _too_little_for(state: GameState, room: Room) -> Literal["name", "picture", "both"] | None:
+    """What the robot in a room cannot pay for there; None where it can pay for all."""
+    if not _is_nameable(state, room):
+        return "name"
+    pictured = rules.picture(state, room, "")
     if isinstance(pictured, RequestRefused):
-        return "Enough to name what is there, not to take a picture."
-    if not _is_nameable(apply(there, pictured[0]), Room(room)):
-        return "Enough to take a picture there or to name what is there, not for both."
-    return ""
+        return "picture"
+    return None if _is_nameable(apply(state, pictured[0]), room) else "both"
 
 
 def _is_nameable(state: GameState, room: Room) -> bool:

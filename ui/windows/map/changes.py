@@ -40,7 +40,7 @@ def _same_robot(one: RobotMark, other: RobotMark, scale: float) -> bool:
         and _same_pose(one.pose, other.pose, scale)
         and _same_pose(one.truth, other.truth, scale)
         and one.footprint is other.footprint
-        and (one.trail is other.trail or np.array_equal(one.trail, other.trail))
+        and (one.trail is other.trail or np.array_equal(one.trail, other.trail, equal_nan=True))
         and one.path.shape == other.path.shape
         and bool(np.all(np.abs(one.path - other.path) * scale < VISIBLE_SHIFT))
     )

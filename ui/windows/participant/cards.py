@@ -87,8 +87,11 @@ class CardFace(ParticipantButton):
             _draw_line(painter, line, "mast", palette.text, card.commander[:1].upper() + card.commander[1:])
             line.translate(0.0, self.commander_high())
             line.setRight(right)
-        ink = palette.bad if card.trouble else palette.text
-        _draw_line(painter, line, "trouble" if card.trouble else None, ink, card.state, card.place)
+        if card.warning:
+            _draw_line(painter, line, "trouble", palette.bad, card.warning, card.state)
+        else:
+            ink = palette.bad if card.trouble else palette.text
+            _draw_line(painter, line, "trouble" if card.trouble else None, ink, card.state, card.place)
         if card.progress is not None:
             self._progress(painter, rect, card.progress, palette.robot(card.robot))
 
@@ -348,6 +351,7 @@ def spoken_card(card: RobotCard) -> str:
         "" if card.affordable else "which it cannot pay",
         card.state,
         card.place,
+        card.warning,
         f"{card.waits} waiting for you" if card.waits else "",
     ]
     return ", ".join(part for part in parts if part)
