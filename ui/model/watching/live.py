@@ -22,7 +22,8 @@ from ui.model.watching.session_log import SessionLog, is_logged
 REMEMBERED_NS = 2_000_000_000
 """Nanoseconds for which frames of a running session are kept: longer than a scan waits to be drawn."""
 BACK_NS = 1_000_000_000
-"""Robots whose time goes back so far belong to another session. A latched message may be older than that."""
+"""Robots whose time goes back so far belong to another session, though it introduces itself by the same record, as one
+of the same study and seed does. A latched message may be older than that."""
 
 
 @dataclass(slots=True)
@@ -67,6 +68,8 @@ class LiveSource:
         rooms: rooms of the map; set from outside (`ui.sources.rooms`) once `session` is known.
         sessions: counts up when another session takes the place of the one before, and all is forgotten.
         start_ns: ROS time of the first message.
+        joined_ns: ROS time of the first tick that came whole: of the time before only what its door repeats is known;
+            None before it.
         messages: number of messages taken.
     """
 
@@ -85,6 +88,7 @@ class LiveSource:
         self.log = SessionLog()
         self.series = Series(0)
         self.start_ns = 0
+        self.joined_ns: int | None = None
         self._tf_ns = 0
         self._logged_ns = -1
         self._snapshot = _Snapshot()
@@ -125,20 +129,28 @@ class LiveSource:
 
     def _take(self, message: WatchedMessage) -> None:
         if message.topic == names.SESSION:
+            before = self._snapshot.newest(names.SESSION)
+            if before is not None and before.data != message.data:
+                self._begin_another()
             self._opening = []
             # The same session met again repeats what the log has.
             self._logged_ns = self._snapshot.at_ns if self.messages else -1
         if message.msgtype in TF_TYPES and not message.topic.endswith("tf_static"):
             opening, self._opening = self._opening, None
             if message.stamp_ns < self._tf_ns - BACK_NS:
-                self.sessions += 1
-                self._begin()
+                self._begin_another()
                 for again in opening or ():
                     self._absorb(again)
             self._tf_ns = message.stamp_ns
+            if self.joined_ns is None:
+                self.joined_ns = message.stamp_ns
         elif self._opening is not None:
             self._opening.append(message)
         self._absorb(message)
+
+    def _begin_another(self) -> None:
+        self.sessions += 1
+        self._begin()
 
     def _absorb(self, message: WatchedMessage) -> None:
         if not self.messages:

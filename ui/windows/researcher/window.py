@@ -186,6 +186,7 @@ class ResearcherWindow(DockedWindow):
             series = self._feed.series
             curves = [RobotCurves(robot.robot, _figures(series.of(robot.robot), panel)) for robot in self.scene.robots]
             self.plots.show_curves(curves, self._feed.span)
+            self.plots.show_joined(self._feed.known_since)
         self.plots.show_time(self._feed.time)
 
     # Robots

@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -74,6 +75,23 @@ def test_another_session_begins_anew(source: LiveSource) -> None:
     assert scene.stamp_ns == source.start_ns
     assert scene.grid == arena()  # published before its robots tell that it is another session
     assert len(source.series.of(0).truth) == 1
+
+
+def test_a_session_that_introduces_itself_otherwise_is_another_though_its_time_goes_on(source: LiveSource) -> None:
+    other = replace(SESSION, seed=SESSION.seed + 1)
+    introduced = stamped(TeamPublisher(2, MOUNT, SCAN_PERIOD).opening(0, other, arena()))
+    source.take([*introduced, *ticks(120, 1)], 20.0)
+    assert (source.sessions, source.session) == (1, other)
+    assert len(source.series.of(0).truth) == 1
+
+
+def test_who_comes_late_knows_since_when_it_knows() -> None:
+    live = LiveSource()
+    live.take(opening(), 10.0)
+    assert live.joined_ns is None
+    live.take(ticks(100, 20), 10.0)
+    assert live.joined_ns is not None
+    assert live.joined_ns - live.start_ns == pytest.approx(2 * SECOND, abs=0.02 * SECOND)
 
 
 def test_the_same_session_met_again_goes_on(source: LiveSource) -> None:

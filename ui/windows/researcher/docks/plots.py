@@ -14,6 +14,8 @@ from sim.common.geometry import FloatArray
 from ui.model.theme import Palette
 from ui.windows.look import follow_text, font, px
 
+LATE = 1.0
+"""Seconds after the beginning of a session from which on a window has joined late."""
 LIVE_SECONDS = 60.0
 """Seconds of a running session that the plots show until somebody looks elsewhere."""
 MOST_POINTS = 4000
@@ -113,6 +115,13 @@ class Plots(QWidget):
             plot.addItem(cursor, ignoreBounds=True)
             self._cursors.append(cursor)
             self._plots[panel.name] = plot
+        # The first says in words what the others only mark.
+        self._joined = [pg.InfiniteLine(angle=90, movable=False) for _ in PANELS]
+        # Left of the line, where nothing is drawn.
+        self._joined_words = pg.InfLineLabel(self._joined[0], anchors=[(1.0, 0.5), (1.0, 0.5)])
+        for plot, line in zip(self._plots.values(), self._joined, strict=True):
+            line.hide()
+            plot.addItem(line, ignoreBounds=True)
         self._band = pg.PlotCurveItem(fillLevel=0.0)
         self._plots[PANELS[0].name].addItem(self._band)
         self.canvas.scene().sigMouseClicked.connect(self._clicked)
@@ -154,6 +163,15 @@ class Plots(QWidget):
                 cursor.setValue(now)
             self._range()
 
+    def show_joined(self, time: float) -> None:
+        """Mark the time before which nothing is shown because the window joined the session then."""
+        if time == self._joined[0].value():
+            return
+        for line in self._joined:
+            line.setValue(time)
+            line.setVisible(time > LATE)
+        self._joined_words.setFormat(f"window joined\nat {time:.0f} s")
+
     def select(self, robot: int) -> None:
         """Draw this robot's curves stronger, and the band of its standard deviation."""
         self._selected = robot
@@ -180,6 +198,10 @@ class Plots(QWidget):
         self._plots[PANELS[-1].name].setLabel("bottom", "seconds since the beginning", **style)
         for cursor in self._cursors:
             cursor.setPen(pg.mkPen(palette.accent, width=1))
+        for line in self._joined:
+            line.setPen(pg.mkPen(palette.muted, width=1, style=Qt.PenStyle.DashLine))
+        self._joined_words.setColor(palette.muted)
+        self._joined_words.textItem.setFont(self._letters)
         self.select(self._selected)
 
     def resizeEvent(self, event: QResizeEvent) -> None:

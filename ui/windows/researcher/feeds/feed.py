@@ -47,6 +47,10 @@ class Feed(Protocol):
         """Length of the recording, or of the session so far."""
 
     @property
+    def known_since(self) -> float:
+        """Time from which on the series are known."""
+
+    @property
     def playing(self) -> bool:
         """True while time goes on."""
 

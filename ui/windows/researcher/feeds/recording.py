@@ -79,6 +79,7 @@ class RecordingFeed:
 
     live = False
     refusal = RECORDED.sentence
+    known_since = 0.0
 
     def __init__(self, opener: BagOpener) -> None:
         self._opener = opener

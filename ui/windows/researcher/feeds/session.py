@@ -115,6 +115,12 @@ class SessionFeed:
     span = time
 
     @property
+    def known_since(self) -> float:
+        """Time at which this window joined the session."""
+        joined = self._source.joined_ns
+        return 0.0 if joined is None else (joined - self._source.start_ns) / 1e9
+
+    @property
     def playing(self) -> bool:
         """True while it goes on, by the watch server's status."""
         return self._status is None or not self._status.paused

@@ -1,6 +1,7 @@
 """Plots look like the figures they are given, and a click asks for its moment."""
 
 import numpy as np
+import pyqtgraph as pg
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -46,6 +47,19 @@ def test_the_cursor_the_selection_and_the_colours_are_seen(plots: Plots) -> None
     plots.set_palette(DARK)
     dark = plots.grab().toImage()
     assert before != at_70 != selected != dark
+
+
+def test_a_window_that_joined_late_says_so_where_its_curves_begin(plots: Plots) -> None:
+    def words() -> list[str]:
+        items = plots.canvas.scene().items()
+        return [item.textItem.toPlainText() for item in items if isinstance(item, pg.InfLineLabel) and item.isVisible()]
+
+    plots.show_joined(0.02)
+    before = plots.grab().toImage()
+    assert words() == []
+    plots.show_joined(40.0)
+    assert words() == ["window joined\nat 40 s"]
+    assert plots.grab().toImage() != before
 
 
 @given(st.lists(st.floats(-1e3, 1e3) | st.just(float("nan")), min_size=1, max_size=300), st.integers(1, 60))
