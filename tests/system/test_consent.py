@@ -89,7 +89,14 @@ def terminal(folder: Path):
 
 
 def left_in(folder: Path) -> set[str]:
-    return {str(path.relative_to(folder)) for path in folder.rglob("*")} - {"consent.txt", "study.yaml"}
+    """Files and folders that programs have made, but for what they print."""
+    return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.suffix not in {".txt", ".yaml"}}
+
+
+def replay(folder: Path, bag: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [*programs.THBRIDGE, "replay", bag], cwd=folder, capture_output=True, text=True, timeout=120, check=False
+    )
 
 
 def recorded(journal: Path) -> list[dict]:
@@ -130,7 +137,8 @@ def hunt(folder):
     running = [programs.Program(folder, "server", "study.yaml", "--port", "0")]
     try:
         at = f"127.0.0.1:{programs.port_of(running[0], running)}"
-        running.append(programs.Program(folder, "simr", "--study", "study.yaml", "--server", at, "--rate", "8"))
+        simr = ("simr", "--study", "study.yaml", "--server", at, "--rate", "8", "--bag", "robots.bag")
+        running.append(programs.Program(folder, *simr))
         running.append(programs.Program(folder, "hider", "--server", at))
         yield running, at
     finally:
@@ -146,18 +154,21 @@ def test_at_a_server_a_no_is_told_and_the_next_participant_is_asked(folder, term
     assert first.finish() == 3
     assert "Thank you." in first.shown
     programs.until("the no", lambda: "the participant does not take part" in running[0].text, running)
-    assert list((folder / "journal").iterdir()) == []
+    assert left_in(folder) == {"journal"}
 
     second = terminal("tabui", "--server", at, "--participant", "person")
     second.until("yes or no")
-    assert list((folder / "journal").iterdir()) == []
+    assert left_in(folder) == {"journal"}
     second.type("yes")
     second.until("how things stand")
     second.type("end")
     assert second.finish() == 0, second.shown
     assert "agreed" in programs.kinds(folder)
+    assert running[1].stop() == 0
+    assert (folder / "robots.bag").exists()
     assert running[0].stop() == 0
     assert programs.kinds(folder)[-1] == "ended"
+    assert replay(folder, "robots.bag").returncode == 0
 
 
 def test_a_participant_of_2016_is_not_asked_and_the_server_says_so(folder, hunt):
@@ -192,9 +203,7 @@ def test_a_hunt_for_another_program_is_recorded_from_its_yes_on_and_can_be_repla
     finally:
         game.close()
     assert [event["event"] for event in recorded(folder / "hunt.journal")][:2] == ["started", "agreed"]
-    replayed = subprocess.run(
-        [*programs.THBRIDGE, "replay", "hunt.bag"], cwd=folder, capture_output=True, text=True, timeout=120, check=False
-    )
+    replayed = replay(folder, "hunt.bag")
     assert replayed.returncode == 0, replayed.stdout + replayed.stderr
 
 

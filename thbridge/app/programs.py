@@ -1,5 +1,6 @@
 """Programs of one role at a text server, in real time, until it is over or stopped."""
 
+import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import count
@@ -13,18 +14,25 @@ from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress,
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.simr_session import SimrSession
+from thbridge.protocols.text import legacy
 from thbridge.protocols.text.client import NameRegistered
 from thbridge.protocols.text.lines import TextMessage
+from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, parse_notice
 from thbridge.roles.hider import Hider
+from thbridge.roles.keeper.consent import CONSENT_SENTENCES, ConsentStatus
+from thbridge.roles.notices import KEEPER, ConsentQuery, RecordingPermission
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import Request
 from thbridge.roles.role import Role
+from thbridge.roles.simr.simr import SimR
 from thbridge.roles.view import View
 from thbridge.sockets.reconnecting import ConnectionLost, LossReason
 from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.text.client import TextClient
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
+
+_log = logging.getLogger(__name__)
 
 SIMR = "simr"
 """Name in recordings of the program with the robots alone."""
@@ -63,6 +71,45 @@ class SingleRole:
         """Run one tick of the role."""
         messages, self._messages = self._messages, []
         return self._role.step(next(self._ticks), messages)
+
+
+class UnrecordedSimr:
+    """The runner of SimR while the participant may not be recorded yet; it asks the keeper for that.
+
+    Attributes:
+        granted: the keeper has said that the participant may be recorded.
+    """
+
+    def __init__(self, role: SimR) -> None:
+        self._role = role
+        self._session = SimrSession(role)
+        self._ask = False
+        self.granted = False
+
+    @property
+    def rejection(self) -> str | None:
+        """The keeper's reason for rejecting these robots, or None."""
+        return self._role.rejection
+
+    def connected(self) -> None:
+        """See `RoleRunner`, for this and the next two."""
+        self._session.connected()
+        self._ask = True
+
+    def receive(self, message: TextMessage) -> None:
+        """Take a message to SimR, or the keeper's answer."""
+        notice = parse_notice(message)
+        answer = decode_notice(notice, RecordingPermission) if isinstance(notice, Notice) else None
+        if answer is None:
+            self._session.receive(message)
+        else:
+            self.granted = answer.granted
+
+    def step(self) -> Sequence[TextMessage]:
+        """Run one tick of SimR; ask the keeper whenever the server is reached."""
+        asked, self._ask = self._ask, False
+        said = self._session.step()
+        return [*said, encode_notice(legacy.SIMR, KEEPER, ConsentQuery())] if asked else said
 
 
 def exchange(runner: RoleRunner, client: TextClient, lost: Callable[[ConnectionLost], None]) -> None:
@@ -145,6 +192,9 @@ async def simr(
 ) -> str | None:
     """Run the robots' program until stopped.
 
+    Where the study asks for consent, nothing is recorded before the server says that the participant has agreed: robots
+    stand ready, and the program then begins anew, with graph and watch server.
+
     Args:
         setting: the study.
         options: of the program.
@@ -158,6 +208,10 @@ async def simr(
         BagNotWritten: the bag cannot be written; it is closed, and the program over.
     """
     rehearse(setting)
+    if options.bag is not None and setting.consent is not None:
+        waited = await await_consent(build_simr(setting), options, lost)
+        if not waited.granted:
+            return waited.rejection
     team = build_team(setting)
     role = build_simr(setting, team)
     publisher = build_publisher(setting)
@@ -173,6 +227,26 @@ async def simr(
         client = TextClient(role.name, options.token, options.host, options.port)
         await run_at_server(session, client, pacer, lambda: role.rejection is not None, lost)
     return role.rejection
+
+
+async def await_consent(role: SimR, options: SimrOptions, lost: Callable[[ConnectionLost], None]) -> UnrecordedSimr:
+    """Run the robots unrecorded until the participant may be recorded, the robots are rejected, or it is stopped.
+
+    Args:
+        role: of the robots.
+        options: of the program.
+        lost: takes the reason when the connection is lost.
+
+    Returns:
+        The runner, which tells why it has ended.
+    """
+    _log.warning(CONSENT_SENTENCES[ConsentStatus.AWAITED])
+    waiting = UnrecordedSimr(role)
+    client = TextClient(role.name, options.token, options.host, options.port)
+    await run_at_server(
+        waiting, client, Pacer(options.rate), lambda: waiting.granted or waiting.rejection is not None, lost
+    )
+    return waiting
 
 
 async def hider(role: Hider, host: str, port: int, token: str, lost: Callable[[ConnectionLost], None]) -> None:

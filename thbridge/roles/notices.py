@@ -265,6 +265,20 @@ class PicturePiece(NoticeValue, frozen=True, tag="Picture"):
     data: str
 
 
+class ConsentQuery(NoticeValue, frozen=True, tag="MayRecord"):
+    """SimR to keeper: tell whether the participant may be recorded, now and whenever that changes."""
+
+
+class RecordingPermission(NoticeValue, frozen=True, tag="Recordable"):
+    """Keeper to SimR, in answer to `ConsentQuery`.
+
+    Attributes:
+        granted: the participant has agreed to take part, or the study does not ask, or their program cannot.
+    """
+
+    granted: bool
+
+
 class TeamRejection(NoticeValue, frozen=True, tag="Unfit"):
     """Keeper to SimR: these robots do not fit the game in progress; SimR ends."""
 

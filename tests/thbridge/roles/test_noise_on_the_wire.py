@@ -92,6 +92,8 @@ well_formed = st.one_of(
     st.builds(notices.HideRequest, small, st.integers(0, 20)),
     st.builds(notices.Subscribe),
     st.builds(notices.ParticipantReady),
+    st.builds(notices.ConsentQuery),
+    st.builds(notices.RecordingPermission, st.booleans()),
     st.builds(notices.PoseTelemetry, small, poses),
     st.builds(notices.PlannedPaths, small, st.just(())),
     st.builds(notices.FloorPlan, word, real, pose, small, small, word, st.just(()), st.just(())),

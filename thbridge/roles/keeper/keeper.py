@@ -48,6 +48,7 @@ from thbridge.roles.keeper.station_requests import (
 from thbridge.roles.keeper.wizard import WizardState, handle_wizard_request, wizard_state
 from thbridge.roles.notices import (
     KEEPER,
+    ConsentQuery,
     HideRequest,
     HiderReady,
     HideTreasures,
@@ -55,6 +56,7 @@ from thbridge.roles.notices import (
     MoveCosts,
     Orders,
     ParticipantReady,
+    RecordingPermission,
     RobotsReady,
     TeamRejection,
     TeamStatus,
@@ -133,6 +135,8 @@ class Keeper:
         self._poses: tuple[tuple[float, float, float], ...] | None = None
         self._debrief: Debrief | None = None
         self._ordered: Orders | None = None
+        # The answer to SimR's last question for consent; None: it has not asked.
+        self._permission: RecordingPermission | None = None
         # Of the current step, and of the last one.
         self._has_input = False
         self._requests: list[GameRequest] = []
@@ -201,6 +205,7 @@ class Keeper:
                 sense_for_stations(self._game, self.state)
             self._end_if_over()
             self._send_notices()
+            self._send_permission()
             wizard = wizard_state(self._game, self.state)
         self._outgoing += self._participants.pieces(tick)
         self.decisions = KeeperDecisions(
@@ -226,6 +231,9 @@ class Keeper:
         elif (ready := decode_notice(notice, ParticipantReady)) is not None:
             self._consent.join(self.state, ready.run)
             self._outgoing += self._participants.join(notice.sender, None if self._team is None else self._team.map)
+        elif decode_notice(notice, ConsentQuery) is not None:
+            self._permission = RecordingPermission(self.consent.recordable)
+            self._send(notice.sender, self._permission)
         elif decode_notice(notice, DeclineConsent) is not None:
             self._consent.decline(self.state)
         elif (consent := decode_notice(notice, GiveConsent)) is not None:
@@ -368,6 +376,12 @@ class Keeper:
                 debrief=self._debriefed(state),
             )
         )
+
+    def _send_permission(self) -> None:
+        fresh = RecordingPermission(self.consent.recordable)
+        if self._permission not in {None, fresh}:
+            self._permission = fresh
+            self._send(legacy.SIMR, fresh)
 
     def _debriefed(self, state: GameState) -> Debrief | None:
         """Return the debrief of a game that is over, made once."""
