@@ -89,7 +89,7 @@ def test_unknown_ground_about_a_map_is_cut_off(report: Report) -> None:
 
 def test_goals_have_the_number_of_their_room(report: Report) -> None:
     leg = report.tracks[0].attempts[0]
-    departed = TimelineEntry(leg.start, "departed", "robot1", 7, "")
+    departed = TimelineEntry(leg.start, "departed", "robot 1", 7, "")
     axes = drawn(FigureKind.TIMELINE, replace(report, timeline=(departed,))).axes[0]
     assert "7" in [text.get_text() for text in axes.texts]
 

@@ -98,17 +98,19 @@ def test_a_goal_without_end_is_under_way() -> None:
 
 def test_moments_are_for_people(report: Report) -> None:
     arrived, identified, ended, said = report.timeline[:4]
-    assert (arrived.kind, arrived.who, arrived.room, arrived.text) == ("arrived", "robot1", 1, "")
+    assert (arrived.kind, arrived.who, arrived.room, arrived.text) == ("arrived", "robot 1", 1, "")
     assert (identified.text, identified.points) == ("name Blue <Bottle>", -20)
     assert (ended.who, ended.room, ended.text) == ("", None, "reason every room is visited")
-    assert (said.kind, said.who, said.text) == ("said", "robot1", "It will cost me £1 to go there")
+    assert (said.kind, said.who, said.text) == ("said", "robot 1", "It will cost me £1 to go there")
     assert report.score is not None
     assert report.score.visited == 8
     assert report.inputs == 8
 
 
 def test_ten_robots_come_in_the_order_of_their_numbers() -> None:
-    assert [track.name for track in session(11, 2).tracks][-3:] == ["robot9", "robot10", "robot11"]
+    tracks = session(11, 2).tracks
+    assert [track.name for track in tracks][-3:] == ["robot9", "robot10", "robot11"]
+    assert [track.label for track in tracks][-3:] == ["robot 9", "robot 10", "robot 11"]
 
 
 def test_a_foreign_bag_of_one_robot_without_namespace() -> None:
@@ -173,7 +175,7 @@ def test_why_a_robot_did_not_get_there_is_told_in_words() -> None:
     failed = MoveFailed(1, Room(3), "Robot 2 is stuck and cannot get free.", 27.76007947445022, Room(0))
     data = pack.game_event(0, GameEvent("failed", 1, 3, to_json(failed)))
     (moment,) = read_report([recorded("/hunt/events", types.GAME_EVENT, 1.0, data)]).timeline
-    assert (moment.who, moment.room) == ("robot2", 3)
+    assert (moment.who, moment.room) == ("robot 2", 3)
     assert moment.text == "reason Robot 2 is stuck and cannot get free, refund 27.7601, at 0"
 
 

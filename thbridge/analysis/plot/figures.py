@@ -130,14 +130,14 @@ def timeline(report: Report, style: FigureStyle) -> Figure | None:
     """Drives to goals with their rooms, events of the game, and utterances."""
     if not report.timeline and not any(track.attempts for track in report.tracks):
         return None
-    names = [track.name for track in report.tracks]
+    names = [track.label for track in report.tracks]
     utterances = [entry for entry in report.timeline if entry.kind == "said"]
     events = [entry for entry in report.timeline if entry.kind != "said"]
     labels = [*names, *(["game"] if any(e.who not in names for e in events) else []), *(["talk"] if utterances else [])]
     line = 3.0 * style.font / 72.0
     figure, ((axes,),) = style.figure(4.5 * style.font / 72.0 + line * max(len(labels), 2))
     for index, track in enumerate(report.tracks):
-        _draw_attempts(axes, index, track.attempts, events, track.name, report.duration, style)
+        _draw_attempts(axes, index, track.attempts, events, track.label, report.duration, style)
     for event in events:
         row = names.index(event.who) if event.who in names else len(names)
         axes.plot(event.time, row, "D", ms=0.45 * style.font, color=INK, mec="white", mew=0.5, zorder=3)

@@ -138,7 +138,7 @@ def label_above(axes: Axes, handles: Sequence[object], columns: int = 10) -> Non
 def robot_handles(tracks: Sequence[Track], shown: Sequence[int] | None = None) -> list[object]:
     """Legend handles of the robots."""
     return [
-        Line2D([], [], color=colour(index), lw=2.0, label=track.name)
+        Line2D([], [], color=colour(index), lw=2.0, label=track.label)
         for index, track in enumerate(tracks)
         if shown is None or index in shown
     ]

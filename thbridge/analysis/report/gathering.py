@@ -13,7 +13,7 @@ import numpy as np
 
 from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
-from sim.common.robot_numbers import namespace_of
+from sim.common.robot_numbers import namespace_of, robot_name
 from thbridge.analysis.games import OF_A_GAME, game_start
 from thbridge.analysis.report.tracks import PoseSeries, SeriesByTopic, deviations
 from thbridge.analysis.report.values import GoalAttempt, ObstacleTrack, Report, TimelineEntry, Track
@@ -164,7 +164,7 @@ class _ReportBuilder:
             yield "There are no robots: no topic of type nav_msgs/Odometry, no odom frame in /tf."
 
         def without(part: Callable[[Track], FloatArray]) -> str:
-            return ", ".join(track.name for track in tracks if not len(part(track)))
+            return ", ".join(track.label for track in tracks if not len(part(track)))
 
         if names := without(lambda track: track.truth):
             yield f"No true path of {names}: no topic base_pose_ground_truth, nor any that is called the truth."
@@ -238,15 +238,15 @@ class _ReportBuilder:
 
     def _event(self, time: float, topic: str, data: bytes) -> None:
         event = unpack.game_event(data)
-        who = "" if event.robot is None else namespace_of(event.robot)
-        if event.kind == "carried":
-            self._series.carried[who].append(time)
+        who = "" if event.robot is None else robot_name(event.robot)
+        if event.kind == "carried" and event.robot is not None:
+            self._series.carried[namespace_of(event.robot)].append(time)
         text, points = _event_text(event)
         self._timeline.append(TimelineEntry(time, kind_in_words(event.kind), who, event.room, text, points))
 
     def _utterance(self, time: float, topic: str, data: bytes) -> None:
         message: UtteranceRecord = unpack.utterance(data)
-        robot = namespace_of(message.robot)
+        robot = robot_name(message.robot)
         who = robot if message.speaker == "robot" else f"participant to {robot}"
         who += " (by a wizard)" if message.author == "wizard" else ""
         self._timeline.append(TimelineEntry(time, "said", who, message.room, message.text or message.move))

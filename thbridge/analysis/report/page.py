@@ -116,7 +116,7 @@ def _robot_row(index: int, track: Track) -> dict[str, str]:
     errors, energy = track.errors, track.energy
     arrived = sum(attempt.outcome == "arrived" for attempt in track.attempts)
     return {
-        "name": track.name,
+        "name": track.label,
         "colour": colour(index),
         "distance": f"{track.distance:.1f}",
         "goals": f"{arrived} of {len(track.attempts)}" if track.attempts else unknown,

@@ -1,13 +1,16 @@
 """Values of a report. Times are seconds since the first message of the recording, or of the game."""
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
 
 from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
+from sim.common.robot_numbers import index_of, robot_name
 from thbridge.ros.messages.session_records import ScoreRecord, SessionRecord
 
+_OURS = re.compile(r"robot([1-9][0-9]*)")
 NEVER: FloatArray = np.empty(0)
 """No times."""
 
@@ -34,7 +37,7 @@ class Track:
     """The data of one robot.
 
     Attributes:
-        name: "robot1", from its namespace.
+        name: for programs: "robot1", from its namespace.
         truth: (n, 4) time, x, y, theta of its true pose in the map.
         estimate: (m, 4) time, x, y, theta of its estimated pose in the map.
         errors: (m, 3) time, distance (m) and absolute angle (rad) between the two; empty when either is missing.
@@ -65,6 +68,12 @@ class Track:
     carried: FloatArray
     relocated: FloatArray
 
+    @property
+    def label(self) -> str:
+        """The name for people: "robot 1"; a name that is not of our robots' form as it is."""
+        number = _OURS.fullmatch(self.name)
+        return robot_name(index_of(int(number[1]))) if number else self.name
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ObstacleTrack:
@@ -88,7 +97,7 @@ class TimelineEntry:
     Attributes:
         time: seconds.
         kind: an event's kind in words, or "said" for an utterance.
-        who: "robot1", "participant", or empty.
+        who: label of a robot, "participant to" one, or empty.
         room: the room's number, or None.
         text: a text for people.
         points: points won or lost; None for events without points.

@@ -182,7 +182,7 @@ class Entry:
     Attributes:
         stamp_ns: its time, nanoseconds of ROS time.
         kind: the list.
-        what: an event's kind, a dialogue's scenario, a line's topic, an input's kind, a log line's level.
+        what: an event's kind or a dialogue's scenario in words, a line's topic, an input's kind, a log line's level.
         who: its author, for people; empty where there is none.
         robot: index of the robot that it concerns, or None.
         room: as people count, or None.

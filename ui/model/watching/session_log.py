@@ -148,7 +148,8 @@ class SessionLog:
                 speaker = robot_name(utterance.robot) if utterance.speaker == "robot" else "participant"
                 speaker += " (spoken for)" if utterance.author == "wizard" else ""
                 text = utterance.text or utterance.move
-                return Entry(stamp, "said", utterance.scenario, speaker, utterance.robot, utterance.room, text)
+                what = utterance.scenario.replace("-", " ")
+                return Entry(stamp, "said", what, speaker, utterance.robot, utterance.room, text)
             case types.INPUT:
                 given = unpack.outside_input(message.data)
                 return Entry(stamp, "input", given.kind, given.sender, None, None, given.line)
