@@ -54,3 +54,32 @@ def test_a_whole_hunt_with_robots_of_another_process(tmp_path: Path):
     first = next(bag_reader.messages(bag))
     assert (first.topic, first.msgtype) == (names.SESSION, types.SESSION)
     assert "robots_from: ros" in unpack.session(first.data).study
+
+
+def test_real_robots_are_recorded_from_the_yes_on_with_what_is_latched(tmp_path: Path):
+    uri = f"http://127.0.0.1:{free_port()}"
+    (tmp_path / "consent.txt").write_text("We record what you do.")
+    (tmp_path / "study.yaml").write_text("robots_from: ros\nrobots: 1\nparticipant: {consent: consent.txt}\n")
+    field = Program(tmp_path, "simr", "--robots", "1", "--ros", "--ros-master", uri, "--server", "127.0.0.1:9")
+    server = Program(tmp_path, "server", "study.yaml", "--port", "0")
+    programs = [field, server]
+    try:
+        at = f"127.0.0.1:{port_of(server, programs)}"
+        until("the robot to be on the graph", lambda: "this program is it" in field.text, programs)
+        words = ("--study", "study.yaml", "--ros-master", uri, "--server", at, "--bag", "real.bag")
+        simr = Program(tmp_path, "simr", *words)
+        programs.append(simr)
+        until("the question", lambda: "nothing is recorded until" in simr.text, programs)
+        assert list(tmp_path.glob("real*")) == []
+        programs += [Program(tmp_path, "hider", "--server", at), Program(tmp_path, "tabui", "--server", at, "--json")]
+        until("the robot to be recorded", lambda: "departed" in kinds(tmp_path), programs)
+        until("the bag", lambda: bool(list(tmp_path.glob("real*"))), programs)
+        until("an arrival", lambda: "arrived" in kinds(tmp_path), programs)
+        assert simr.stop() == 0
+    finally:
+        for program in programs:
+            program.close()
+    recorded = [message.topic for message in bag_reader.messages(tmp_path / "real.bag")]
+    assert recorded[0] == names.SESSION
+    before_odometry = set(recorded[: recorded.index("/robot1/odom")])
+    assert {"/map", "/tf_static"} <= before_odometry, "they were sent before the yes, once"

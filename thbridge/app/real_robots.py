@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack
+from pathlib import Path
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from sim.common.observations import TICKS_PER_SECOND
 from thbridge.app.compose.recording import build_record, build_writer
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import StudySetting
-from thbridge.app.programs import SIMR, SimrOptions, run_at_server
+from thbridge.app.programs import SIMR, SimrOptions, await_consent, run_at_server
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.simr_session import SimrSession
 from thbridge.protocols.rosgraph.links import TopicHeader
@@ -26,14 +27,43 @@ from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 
 
-class _NoRecorder:
-    """The recorder of a session that is not recorded."""
+class HeldTraffic:
+    """The recorder of a fleet's messages until they may be recorded, and after that the way to the bag's recorder.
+
+    Of what comes before, it keeps the last message of each latched topic, such as fixed transforms: a bag needs them,
+    and robots send them only once.
+
+    Attributes:
+        recorder: of the bag; None: nothing is recorded yet, or at all.
+    """
+
+    def __init__(self) -> None:
+        self.recorder: FleetRecorder | None = None
+        self._latched: dict[tuple[str, str], tuple[TopicHeader, str, int, bytes]] = {}
 
     def received(self, topic: TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
-        """Take no notice."""
+        """Pass a message on; before that is allowed, keep it if it is latched."""
+        if self.recorder is not None:
+            self.recorder.received(topic, publisher, stamp_ns, data)
+        elif topic.latched:
+            self._latched[topic.name, publisher] = (topic, publisher, stamp_ns, data)
 
     def sent(self, message: RosMessage) -> None:
-        """Take no notice."""
+        """Pass a message to a robot on, once that is allowed."""
+        if self.recorder is not None:
+            self.recorder.sent(message)
+
+    def release(self, recorder: FleetRecorder) -> None:
+        """Record from now on, the latched messages first."""
+        self.recorder = recorder
+        for topic, publisher, stamp_ns, data in sorted(self._latched.values(), key=lambda kept: kept[2]):
+            recorder.received(topic, publisher, stamp_ns, data)
+        self._latched.clear()
+
+    def flush(self) -> None:
+        """Write the messages that wait. Raises BagNotWritten."""
+        if self.recorder is not None:
+            self.recorder.flush()
 
 
 async def simr_with_real_robots(
@@ -45,6 +75,8 @@ async def simr_with_real_robots(
     missing: Callable[[Sequence[str]], None],
 ) -> str | None:
     """Command real robots for the game until stopped; they stand when it ends.
+
+    Where the study asks for consent, nothing is recorded before the server says that the participant has agreed.
 
     Args:
         setting: the study.
@@ -61,15 +93,20 @@ async def simr_with_real_robots(
         BagNotWritten: the bag cannot be written; it is closed, the robots stand, and the program is over.
     """
     async with AsyncExitStack() as opened:
-        recorder: FleetRecorder | None = None
-        if options.bag is not None:
-            writer = opened.enter_context(build_writer(setting, options.bag, CALLER))
-            recorder = FleetRecorder(writer, build_record(setting, SIMR, [legacy.SIMR], ""))
+        traffic = HeldTraffic()
+
+        def record(bag: Path) -> None:
+            writer = opened.enter_context(build_writer(setting, bag, CALLER))
+            traffic.release(FleetRecorder(writer, build_record(setting, SIMR, [legacy.SIMR], "")))
+
+        asks = options.bag is not None and setting.consent is not None
+        if options.bag is not None and not asks:
+            record(options.bag)
         footprint = np.array(setting.study.world.footprint, dtype=np.float64)
         named = setting.study.fleet.names(setting.study.robots)
         stale_ns = round(setting.study.fleet.silence * 1e9)
         robots = [RemoteRobot(robot, each, CALLER, footprint, stale_ns) for robot, each in enumerate(named)]
-        fleet = Fleet(graph, robots, recorder or _NoRecorder())
+        fleet = Fleet(graph, robots, traffic)
         opened.push_async_callback(fleet.stop)
         started = await fleet.start()
         if isinstance(started, CannotListen):
@@ -78,8 +115,7 @@ async def simr_with_real_robots(
 
         def wait() -> bool:
             nonlocal reported
-            if recorder is not None:
-                recorder.flush()
+            traffic.flush()
             found = fleet.missing()
             news = [sentence for sentence in found if sentence not in reported]
             reported = found
@@ -89,11 +125,16 @@ async def simr_with_real_robots(
 
         if not (await run_ticks(wait, Pacer(1.0))).finished:
             return None
-        role = build_simr(setting, fleet, round(setting.study.fleet.silence * TICKS_PER_SECOND))
-        session = SimrSession(role, [] if recorder is None else [BagRecorder(recorder)])
+        timeout = round(setting.study.fleet.silence * TICKS_PER_SECOND)
+        if options.bag is not None and asks:
+            waited = await await_consent(build_simr(setting, fleet, timeout), options, lost)
+            if not waited.granted:
+                return waited.rejection
+            record(options.bag)
+        role = build_simr(setting, fleet, timeout)
+        session = SimrSession(role, [] if traffic.recorder is None else [BagRecorder(traffic.recorder)])
         client = TextClient(role.name, options.token, options.host, options.port)
         await run_at_server(session, client, Pacer(1.0), lambda: role.rejection is not None, lost)
         await fleet.stop()
-        if recorder is not None:
-            recorder.flush()
+        traffic.flush()
         return role.rejection
