@@ -173,7 +173,7 @@ def arrival_warning(known: Situation, robot: int) -> str:
 
 
 def _too_little_for(state: GameState, room: Room) -> Literal["name", "picture", "both"] | None:
-    """What the robot in a room cannot pay for there; None where it can pay for all."""
+    """The work that the robot in a room cannot pay for there; None where it can pay for all."""
     if not _is_nameable(state, room):
         return "name"
     pictured = rules.picture(state, room, "")
