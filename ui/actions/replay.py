@@ -8,6 +8,7 @@ from pathlib import Path
 from rich.table import Table
 
 from thbridge.analysis.comparison import RobotFigures, RunFigures
+from thbridge.analysis.report.values import label_of
 from thbridge.app.compose.recording import versions
 from thbridge.app.replay.replay import Difference, Replayed
 from thbridge.ros.messages.session_records import SessionRecord
@@ -95,7 +96,7 @@ def _table(was: RunFigures | None, now: RunFigures | None, of_game: str) -> Tabl
     for one, other in zip_longest(*(() if run is None else run.robots for run in runs)):
         table.add_section()
         for row in zip(_ROWS, _column(one), _column(other), strict=True):
-            table.add_row(f"{(one or other).name}: {row[0]}", *row[1:])
+            table.add_row(f"{label_of((one or other).name)}: {row[0]}", *row[1:])
     return table
 
 

@@ -84,7 +84,7 @@ def test_what_if_for_people_is_a_table(hunt: Path) -> None:
     done = thbridge("replay", hunt, "--with", "other.yaml", "--participant", "nearest")
     assert done.exit_code == 0, done.output
     assert "What became of it" in done.stdout
-    assert "robot2: energy left" in done.stdout
+    assert "robot 2: energy left" in done.stdout
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,12 @@ NEVER: FloatArray = np.empty(0)
 """No times."""
 
 
+def label_of(name: str) -> str:
+    """A robot's name for people: "robot 1" for "robot1"; one that is not of our robots' form stays as it is."""
+    number = _OURS.fullmatch(name)
+    return robot_name(index_of(int(number[1]))) if number else name
+
+
 @dataclass(frozen=True, slots=True)
 class GoalAttempt:
     """A robot's drive to one goal.
@@ -70,9 +76,8 @@ class Track:
 
     @property
     def label(self) -> str:
-        """The name for people: "robot 1"; a name that is not of our robots' form as it is."""
-        number = _OURS.fullmatch(self.name)
-        return robot_name(index_of(int(number[1]))) if number else self.name
+        """The name for people."""
+        return label_of(self.name)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -71,7 +71,7 @@ def bag_plot(
     with bad_input(), destination(to) as file:
         _write(file, look.rendered(drawn, FigureFormat(kind)))
     for track in report.tracks:
-        note(f"{track.name}: {'; '.join(track.sources)}.")
+        note(f"{track.label}: {'; '.join(track.sources)}.")
     if to != STANDARD_OUTPUT:
         note(f"Figure: {to}")
 
