@@ -96,6 +96,15 @@ def joined(pieces: Sequence[FloatArray]) -> FloatArray:
     return np.concatenate([part for piece in pieces for part in (gap, piece)][1:])
 
 
+def broken(rows: FloatArray, gaps: Sequence[float]) -> FloatArray:
+    """(m, 1 + columns) samples of a curve, with a row of NaN after a time where a gap lies between two of them."""
+    after = np.searchsorted(rows[:, 0], gaps)
+    inside = (after > 0) & (after < len(rows))
+    empty = np.full((int(inside.sum()), rows.shape[1]), np.nan)
+    empty[:, 0] = np.asarray(gaps, dtype=np.float64)[inside]
+    return np.insert(rows, after[inside], empty, axis=0)
+
+
 def as_steps(rows: FloatArray, end: float) -> FloatArray:
     """(2 n, 1 + columns) samples as a line of steps: each holds until the next one, the last one until the end.
 

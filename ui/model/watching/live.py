@@ -132,6 +132,8 @@ class LiveSource:
             before = self._snapshot.newest(names.SESSION)
             if before is not None and before.data != message.data:
                 self._begin_another()
+            elif before is not None:
+                self.series.interrupt(self._snapshot.at_ns)
             self._opening = []
             # The same session met again repeats what the log has.
             self._logged_ns = self._snapshot.at_ns if self.messages else -1

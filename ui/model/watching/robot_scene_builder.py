@@ -182,12 +182,13 @@ class RobotSceneBuilder:
     def _tracks(self, carried: Sequence[float]) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Its paths so far in this game by truth, by estimate and by odometry."""
         series, time, begun = self._context.series.of(self._robot.robot), self._context.time, self._context.begun
-        driven = series.odometry.path(time, begun)
+        gaps = self._context.series.gaps
+        driven = series.odometry.path(time, begun, gaps)
         if len(driven) and self._odometry is not None:
             odom_in_map = self._on_map(self._odometry.frame, Pose2(0.0, 0.0, 0.0))
             driven = NO_POINTS if odom_in_map is None else odom_in_map.transform(driven)
-        estimate = series.estimate.path(time, begun, series.relocations)
-        return series.truth.path(time, begun, carried), estimate, driven
+        estimate = series.estimate.path(time, begun, sorted((*series.relocations, *gaps)))
+        return series.truth.path(time, begun, sorted((*carried, *gaps))), estimate, driven
 
     def _cloud(self) -> FloatArray:
         frame, cloud = self._context.decoded.clouds.of(self._newest(self._robot.cloud)) or ("", NO_POSES)

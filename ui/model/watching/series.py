@@ -20,8 +20,8 @@ PERIOD = 0.1
 """Seconds from one sample to the next, at least."""
 ODOMETRY_TIMEOUT = 1.0
 """Seconds in which a robot that tf tells of may begin to publish its odometry."""
-RELOCATIONS_KEPT = 1000
-"""Jumps of an estimate that are remembered; a robot that is lost for long may have many."""
+JUMPS_KEPT = 1000
+"""Jumps of an estimate that are remembered, and gaps; a robot that is lost for long may have many jumps."""
 _SLACK = 1e-6
 _WAITING = 64
 """Samples that wait for the truth at their time, before the oldest is given up."""
@@ -51,7 +51,7 @@ class RobotSeries:
     deviations: Curve = field(default_factory=lambda: Curve(2, peaks=True))
     energy: Curve = field(default_factory=Curve)
     speeds: Curve = field(default_factory=lambda: Curve(2))
-    relocations: deque[float] = field(default_factory=lambda: deque(maxlen=RELOCATIONS_KEPT))
+    relocations: deque[float] = field(default_factory=lambda: deque(maxlen=JUMPS_KEPT))
 
 
 class Series:
@@ -59,9 +59,13 @@ class Series:
 
     Args:
         start_ns: beginning of time.
+
+    Attributes:
+        gaps: times after which nothing was heard for a while, in order.
     """
 
     def __init__(self, start_ns: int) -> None:
+        self.gaps: deque[float] = deque(maxlen=JUMPS_KEPT)
         self._start_ns = start_ns
         self._builders: dict[int, _SeriesBuilder] = {}
         self._handlers: dict[str, list[Callable[[WatchedMessage, float], None]]] = {}
@@ -105,6 +109,11 @@ class Series:
                 handler(message, (message.stamp_ns - self._start_ns) / 1e9)
             except ValueError:
                 continue
+
+    def interrupt(self, last_ns: int) -> None:
+        """Note that messages after this time were missed: what comes next does not go on where the last ones were."""
+        # A tick is far longer.
+        self.gaps.append((last_ns - self._start_ns) / 1e9 + _SLACK)
 
     def of(self, robot: int) -> RobotSeries:
         """The series of a robot; empty where it is unknown."""

@@ -1,7 +1,7 @@
 """The researcher's window: passes data from a feed to the parts, and people's actions to the feed."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from PySide6.QtCore import Qt, QTimer
@@ -12,7 +12,7 @@ from sim.common.robot_numbers import number_of, robot_name
 from thbridge.roles.keeper.floor_plan import floor_plan_of
 from ui.model.scene import RobotMark
 from ui.model.theme import Palette
-from ui.model.watching.curves import as_steps
+from ui.model.watching.curves import as_steps, broken
 from ui.model.watching.scene import NO_POINTS, RobotScene, Scene, ShownLayers
 from ui.model.watching.series import RobotSeries
 from ui.windows.map import MapView
@@ -184,7 +184,10 @@ class ResearcherWindow(DockedWindow):
     def _show_plots(self, panel: str) -> None:
         if self.scene is not None and self.plots.isVisible():
             series = self._feed.series
-            curves = [RobotCurves(robot.robot, _figures(series.of(robot.robot), panel)) for robot in self.scene.robots]
+            curves = [
+                RobotCurves(robot.robot, _figures(series.of(robot.robot), panel, series.gaps))
+                for robot in self.scene.robots
+            ]
             self.plots.show_curves(curves, self._feed.span)
             self.plots.show_joined(self._feed.known_since)
         self.plots.show_time(self._feed.time)
@@ -250,23 +253,29 @@ def _row_of(robot: RobotScene) -> RobotRow:
     return RobotRow(robot.name, state, robot.error, robot.deviation, robot.energy, robot.speed, trouble)
 
 
-def _figures(series: RobotSeries, panel: str) -> dict[str, tuple[FloatArray, FloatArray]]:
-    """Return the curves of a robot in one panel: its own, and for the error the band of two standard deviations."""
+def _figures(series: RobotSeries, panel: str, gaps: Sequence[float]) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Return the curves of a robot in one panel: its own, and for the error the band of two standard deviations.
+
+    Args:
+        series: of the robot.
+        panel: name of the panel.
+        gaps: times after which nothing was heard for a while; curves break off there.
+    """
     match panel:
         case "error":
-            errors, doubts = series.errors.rows(), _admitted(series)
+            errors, doubts = broken(series.errors.rows(), gaps), _admitted(series, gaps)
             return {panel: (errors[:, 0], errors[:, 1]), BAND: (doubts[:, 0], 2.0 * doubts[:, 1])}
         case "heading_error":
-            rows, column = series.errors.rows(), 2
+            rows, column = broken(series.errors.rows(), gaps), 2
         case "sigma":
-            rows, column = _admitted(series), 1
+            rows, column = _admitted(series, gaps), 1
         case "energy":
-            rows, column = series.energy.rows(), 1
+            rows, column = broken(series.energy.rows(), gaps), 1
         case _:
-            rows, column = series.speeds.rows(), 1
+            rows, column = broken(series.speeds.rows(), gaps), 1
     return {panel: (rows[:, 0], rows[:, column])}
 
 
-def _admitted(series: RobotSeries) -> FloatArray:
+def _admitted(series: RobotSeries, gaps: Sequence[float]) -> FloatArray:
     """Return the standard deviations as steps: while its robot stands a localiser publishes none, and the last hold."""
-    return as_steps(series.deviations.rows(), series.estimate.time)
+    return as_steps(broken(series.deviations.rows(), gaps), series.estimate.time)

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ui.model.watching.curves import MAX_LINE_POINTS, Curve, as_steps
+from ui.model.watching.curves import MAX_LINE_POINTS, Curve, as_steps, broken
 
 TIMES = st.lists(st.floats(0.0, 100.0), max_size=60)
 
@@ -71,6 +71,19 @@ def test_no_line_leads_over_a_cut(count: int, cuts: list[float], since: float) -
         assert np.isnan(before) or np.isnan(after) or not any(before < cut <= after for cut in cuts)
     if len(line):
         assert not np.isnan(line[[0, -1]]).any()
+
+
+@given(
+    times=st.lists(st.floats(0.0, 100.0), unique=True, max_size=20).map(sorted),
+    gaps=st.lists(st.floats(-10.0, 110.0), max_size=5).map(sorted),
+)
+def test_a_gap_is_empty_and_all_else_stays(times: list[float], gaps: list[float]) -> None:
+    rows = np.column_stack((times, np.arange(len(times), dtype=np.float64))).reshape(-1, 2)
+    told = broken(rows, gaps)
+    assert np.array_equal(told[~np.isnan(told[:, 1])], rows)
+    assert (np.diff(told[:, 0]) >= 0.0).all()
+    between = [gap for gap in gaps if len(times) and times[0] < gap <= times[-1]]
+    assert told[np.isnan(told[:, 1]), 0].tolist() == between
 
 
 @given(times=st.lists(st.floats(0.0, 100.0), unique=True, max_size=20).map(sorted), end=st.floats(-10.0, 200.0))

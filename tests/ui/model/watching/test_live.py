@@ -1,6 +1,7 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from sim.common.geometry import Pose2
@@ -100,6 +101,11 @@ def test_the_same_session_met_again_goes_on(source: LiveSource) -> None:
     source.take([*opening(), *ticks(120, 50)], 20.0)
     assert source.sessions == 0
     assert len(source.series.of(0).truth) > samples
+    assert len(source.series.gaps) == 1
+    robot = source.scene(ShownLayers()).robots[0]
+    for path in (robot.truth_path, robot.estimate_path, robot.odometry_path):
+        (gap,) = np.flatnonzero(np.isnan(path[:, 0]))
+        assert 0 < gap == samples, "no line leads over what was missed"
 
 
 def test_of_what_the_same_session_repeats_only_what_was_missed_is_listed(source: LiveSource) -> None:
