@@ -14,7 +14,6 @@ from thbridge.hunt.events import (
     CommanderChanged,
     Condition,
     ConditionChanged,
-    ConsentGiven,
     CostsEstimated,
     EndReason,
     Event,
@@ -59,11 +58,6 @@ class RuleReason(StrEnum):
 
 
 Ruling = tuple[Event, ...] | RequestRefused
-
-
-def agree(state: GameState, at: str = "") -> Ruling:
-    """Rule for the participant's agreement to take part, at this time of day. A repeated one gives no event."""
-    return () if state.agreed else (ConsentGiven(at),)
 
 
 def command(state: GameState, robot: int, by: CommandHolder) -> Ruling:

@@ -7,19 +7,19 @@ from hypothesis import strategies as st
 
 from thbridge.protocols.text.notice import decode_notice, encode_notice, kind_of, parse_notice
 from thbridge.roles import notices
-from thbridge.roles.view import ParticipantRequest, View
+from thbridge.roles.view import DeclineConsent, ParticipantRequest, View
 
 STATES = [
     each
     for each in vars(notices).values()
     if isinstance(each, type) and issubclass(each, notices.NoticeValue) and each is not notices.NoticeValue
 ]
-VALUES = (*STATES, View, *get_args(ParticipantRequest))
+VALUES = (*STATES, View, DeclineConsent, *get_args(ParticipantRequest))
 ON_THE_WIRE = """
     RobotsReady Orders Status MoveCosts HiderReady HidePlease HideTreasures Reply ParticipantReady Subscribe Whereabouts
-    Ways House Picture Unfit
-    View Agree Select Unsure Answer SendRobot CallBack AskBack Sense Discuss TakePicture Identify Leave TakeUp GiveUp
-    PlayAgain
+    Ways House Picture MayRecord Recordable Unfit
+    View Decline Agree Select Unsure Answer SendRobot CallBack AskBack Sense Discuss TakePicture Identify Leave TakeUp
+    GiveUp PlayAgain
 """
 
 

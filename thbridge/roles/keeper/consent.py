@@ -36,9 +36,9 @@ CONSENT_SENTENCES = {
 class ConsentAnswer:
     """The answer of the participant who is there.
 
-    A yes that comes before the first game is kept for it. A no is final for the program that says it: only another
-    one that joins is asked again. A yes holds for later games too, until another program joins after a game is over,
-    which may be the next person's.
+    A yes that comes before a game is kept for it. A no is final for the program that says it: only another one that
+    joins is asked again. A yes holds for later games too, until another program joins when a game is over: that may be
+    the next person's, who is asked before they see anything of it.
 
     Args:
         asked: the study has a consent text.
@@ -56,17 +56,22 @@ class ConsentAnswer:
         """Note that a participant's program has joined which can ask; `run` as in `ParticipantReady`."""
         self._declined = self._legacy = False
         if state is not None and state.ended is not None and run != self._run:
-            self._another = True
+            self._early, self._another = None, True
         self._run = run
 
     def note_legacy(self) -> None:
         """Note that a participant's program of 2016 plays."""
         self._legacy = True
 
-    def agree_early(self, consent: GiveConsent) -> None:
-        """Keep a yes for the first game."""
-        if self._asked and self._early is None and not self._declined:
+    def agree(self, state: GameState | None, consent: GiveConsent) -> tuple[ConsentGiven, ...]:
+        """Return the event of a yes in this game; empty where it is kept for the next one, or comes too late."""
+        if self._declined and self.awaited(state):
+            return ()
+        if state is not None and not self._another:
+            return () if state.agreed else (ConsentGiven(consent.at),)
+        if self._asked and self._early is None:
             self._early = consent
+        return ()
 
     def decline(self, state: GameState | None) -> None:
         """Note a no, unless the participant has agreed already."""
@@ -78,19 +83,16 @@ class ConsentAnswer:
         Args:
             former: the game before; an agreement outlasts it. None: there was none.
         """
+        early, self._early = self._early, None
         another, self._another = self._another, False
-        if former is not None:
-            return (ConsentGiven(former.agreed_at),) if former.agreed and not another else ()
-        return () if self._early is None else (ConsentGiven(self._early.at),)
+        if early is not None:
+            return (ConsentGiven(early.at),)
+        return (ConsentGiven(former.agreed_at),) if former is not None and former.agreed and not another else ()
 
     def awaited(self, state: GameState | None) -> bool:
         """Return True while the participant has to agree to take part before anything else."""
-        agreed = self._early is not None if state is None else state.agreed
+        agreed = self._early is not None if state is None or self._another else state.agreed
         return self._asked and not agreed
-
-    def refuses(self, state: GameState | None) -> bool:
-        """Return True when the participant has said no, so that their program cannot agree any more."""
-        return self._declined and self.awaited(state)
 
     def status(self, state: GameState | None) -> ConsentStatus:
         """Return the state of the agreement in this game; None: before the first."""

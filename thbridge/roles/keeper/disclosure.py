@@ -19,10 +19,14 @@ def view_of(
     briefing: Briefing,
     *,
     robots_ready: bool,
+    asks: bool,
     asked_back: Collection[int] = (),
     debrief: Debrief | None = None,
 ) -> View:
-    """Return the participant's view; it never reads the treasures themselves, only what was found out about them."""
+    """Return the participant's view; it never reads the treasures themselves, only what was found out about them.
+
+    `asks` is True while the participant has to agree to take part.
+    """
     sensed = any(room.sensed is not None for room in state.rooms)
     return View(
         game=state.started.game,
@@ -38,7 +42,7 @@ def view_of(
         identify_cost=state.started.identify_cost,
         refusal=refusal,
         names=briefing.names if sensed else (),
-        consent=None if state.agreed else briefing.consent,
+        consent=briefing.consent if asks else None,
         thinking=dialogues.asked_for_advice,
         by_position=state.by_position,
         debrief=debrief,

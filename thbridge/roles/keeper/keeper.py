@@ -237,7 +237,7 @@ class Keeper:
         elif decode_notice(notice, DeclineConsent) is not None:
             self._consent.decline(self.state)
         elif (consent := decode_notice(notice, GiveConsent)) is not None:
-            self._agree(consent)
+            self._game.record(self._consent.agree(self.state, consent))
         elif self.state is not None and notice.kind in _AFTER_AGREEING and self._consent.awaited(self.state):
             self._game.refuse(notice.kind, _BEFORE_AGREEING)
         elif (again := decode_notice(notice, PlayAgain)) is not None:
@@ -250,12 +250,6 @@ class Keeper:
     def _awaits_treasures(self, state: GameState) -> bool:
         """Return True while Hider is about to hide the treasures."""
         return self._hider_ready and state.treasures is None
-
-    def _agree(self, consent: GiveConsent) -> None:
-        if self.state is None:
-            self._consent.agree_early(consent)
-        elif not self._consent.refuses(self.state):
-            self._game.apply_ruling(kind_of(GiveConsent), rules.agree(self.state, consent.at))
 
     def _robots(self, sender: str, robots: RobotsReady) -> None:
         state = self.state
@@ -372,6 +366,7 @@ class Keeper:
                 refusal,
                 self._briefing,
                 robots_ready=self._team is not None,
+                asks=self._consent.awaited(state),
                 asked_back=self._game.asked_back,
                 debrief=self._debriefed(state),
             )

@@ -14,6 +14,7 @@ from thbridge.app.compose.game import build_floor_plan
 from thbridge.app.compose.setting import read_setting
 from thbridge.hunt.events import (
     ConsentGiven,
+    GameStarted,
     RobotDeparted,
     TreasureIdentified,
     TreasurePictured,
@@ -240,9 +241,16 @@ def test_the_next_person_at_a_finished_game_is_asked_anew():
     played.say(GiveUp(2))
     played.tabui.run = "another"
     played.tabui.connected()
-    assert played.say(PlayAgain(2)).consent == CONSENT
-    third = [type(event).__name__ for event in played.stage.log.events][-2:]
-    assert third == ["GameStarted", "TreasuresHidden"]
+    assert played.say(PlayAgain(2)).consent == CONSENT, "before anything of the game that is over"
+    assert played.tabui.view.game == 2
+    played.say(GiveConsent("2026-11-24T09:30:00Z"))
+    assert played.say(PlayAgain(2)).consent is None
+    started, agreed, hidden = played.stage.log.events[-3:]
+    assert (type(started), agreed, type(hidden)) == (
+        GameStarted,
+        ConsentGiven("2026-11-24T09:30:00Z"),
+        TreasuresHidden,
+    )
 
 
 def test_who_agreed_before_joining_has_agreed_when_the_game_starts():
