@@ -194,6 +194,7 @@ class View(NoticeValue, frozen=True, tag="View"):
         worth: points of the treasure of each name in `names`, None where it is not the same for all of that name; empty
             where the study does not tell.
         wrong_share: share of a treasure's points that a wrong name costs; None where the study does not tell.
+        sound: the window may sound.
         by_position: moves from outside rooms are priced by where the robot stands: the row of the corridor holds
             nowhere.
     """
@@ -217,6 +218,7 @@ class View(NoticeValue, frozen=True, tag="View"):
     debrief: Debrief | None = None
     worth: tuple[int | None, ...] = ()
     wrong_share: float | None = None
+    sound: bool = True
 
     def room(self, number: int) -> RoomView:
         """Return the room with this number, from 1."""

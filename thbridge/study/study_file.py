@@ -92,6 +92,7 @@ class ParticipantSection:
         MOST_ROBOTS,
     )
     shows: ShowsSection = param(ShowsSection(), "what participants see of robots and treasures")
+    sound: bool = param(True, "whether the participant's window may sound; participants can switch that off by M")
     farewell: Path | None = param(
         None, "path of a text for the end of a game: thanks, and what comes next; null thanks in a sentence"
     )

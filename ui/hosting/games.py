@@ -93,7 +93,8 @@ class WindowGames:
 
     def practice(self) -> PlayGame:
         """A short game to learn how it goes; it is not recorded."""
-        study = dataclasses.replace(PRACTICE, seed=self.study.seed, server=self.study.server)
+        told = dataclasses.replace(PRACTICE.participant, sound=self.study.participant.sound)
+        study = dataclasses.replace(PRACTICE, seed=self.study.seed, server=self.study.server, participant=told)
         setting = setting_of(study, None)
 
         async def play(visit: GameVisit) -> None:

@@ -34,6 +34,7 @@ from ui.model.screen import (
     ShowNext,
     StopRobot,
     SubmitName,
+    SwitchSound,
     TakeThePicture,
     TakeUpAgain,
     TreasurePopup,
@@ -69,7 +70,8 @@ PLAYING = (
     KeyBinding(("Ctrl+Z",), TakeUpAgain(), "Take up again what was left, until the robot sets out"),
     KeyBinding(("Esc", "W"), ShowNext(), "Put the pop-up aside, or show what waits"),
     KeyBinding(("F",), FollowRobot(), "Keep the robot in the middle of the map, or stop doing so"),
-    KeyBinding(("M",), FitMap(), "Show the whole map"),
+    KeyBinding(("Home",), FitMap(), "Show the whole map"),
+    KeyBinding(("M",), SwitchSound(), "Switch sound off, or on again"),
     KeyBinding(("E",), EndGame(), "End the game"),
 )
 """Keys while the game goes on. While letters belong to a list, Ctrl and the letter does what the letter does."""

@@ -28,10 +28,14 @@ class Participant:
 
     Args:
         time_of_day: returns the time of day, for the record of an agreement to take part.
+        sound_on: True when the participant wants sounds.
+        can_sound: True where there is something to play them with.
     """
 
-    def __init__(self, time_of_day: Callable[[], str] = utc_now) -> None:
-        self._memory = ParticipantMemory(time_of_day=time_of_day)
+    def __init__(
+        self, time_of_day: Callable[[], str] = utc_now, *, sound_on: bool = True, can_sound: bool = True
+    ) -> None:
+        self._memory = ParticipantMemory(time_of_day=time_of_day, sound_on=sound_on, can_sound=can_sound)
         self._playback = MotionPlayback()
         self._marks: MapMarks | None = None
         self._screen: Screen | None = None
@@ -55,6 +59,11 @@ class Participant:
     def leaving(self) -> bool:
         """True once the participant has agreed to close the window."""
         return self._memory.leaving
+
+    @property
+    def sound_on(self) -> bool:
+        """True while the participant wants sounds."""
+        return self._memory.sound_on
 
     def receive(self, level: View | FloorPlan | PoseTelemetry | PlannedPaths | PicturePiece, now: float) -> None:
         """Take a message of the game."""
@@ -121,7 +130,7 @@ class Participant:
         elif fresh.popup is not None and drawn.subject != memory.last_drawn.subject:
             memory.history.announce(fresh.popup.title)
         memory.last_drawn = drawn
-        fresh = self._announcing(fresh)
+        fresh = self._sounding(self._announcing(fresh))
         self._due = next_change(memory, now)
         if fresh != self._screen:
             self._screen = fresh
@@ -170,6 +179,15 @@ class Participant:
         before = ("", 0) if self._screen is None else (self._screen.announcement, self._screen.announcement_number)
         announcement, number = (announcement, before[1] + 1) if announcement else before
         return replace(fresh, announcement=announcement, announcement_number=number)
+
+    def _sounding(self, fresh: Screen) -> Screen:
+        """Return the screen with the most important of the newest sounds, or else with the last one."""
+        memory = self._memory
+        heard = memory.sounds if memory.sound_on and memory.hunt is not None and memory.hunt.view.sound else []
+        before = (None, 0) if self._screen is None else (self._screen.sound, self._screen.sound_number)
+        sound, number = (max(heard), before[1] + 1) if heard else before
+        memory.sounds.clear()
+        return replace(fresh, sound=sound, sound_number=number)
 
     def _drawn(self) -> DrawnState:
         hunt = self._memory.hunt

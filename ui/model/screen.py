@@ -5,8 +5,18 @@ when it is not possible just now, the reason in words.
 """
 
 from dataclasses import dataclass
-from enum import StrEnum
+from enum import IntEnum, StrEnum
 from typing import Literal
+
+
+class GameSound(IntEnum):
+    """Things that sound, the least important first."""
+
+    ARRIVAL = 0
+    QUESTION = 1
+    FIND = 2
+    LOST = 3
+    WON = 4
 
 
 class Phase(StrEnum):
@@ -196,6 +206,11 @@ class FollowRobot(Act):
 @dataclass(frozen=True, slots=True)
 class FitMap(Act):
     """Show the whole map."""
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchSound(Act):
+    """Switch sound off, or on again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -464,6 +479,8 @@ class Screen:
         history: oldest first.
         ending: page after the game; None before its end.
         help: the sheet of keys as (key, effect); empty while closed.
+        sound: the last sound to be heard; None before the first.
+        sound_number: its number, so that the same sound twice is heard twice.
         rules: of the game in sentences, above the keys on the sheet; empty while closed, and before the game is there.
         typed: the digits of a room number typed so far.
         announcement: last sentence for a screen reader.
@@ -494,3 +511,5 @@ class Screen:
     announcement_number: int
     rules: tuple[str, ...] = ()
     nothing_waits: str = ""
+    sound: GameSound | None = None
+    sound_number: int = 0

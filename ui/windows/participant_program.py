@@ -53,7 +53,10 @@ from ui.windows.participant.pages.start import StartPage
 from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
 from ui.windows.participant.widgets.panels import set_text
 from ui.windows.participant.window import ParticipantWindow
+from ui.windows.sounds import SoundPlayer, system_player
 
+SOUND_KEY = "sound"
+"""Name of the participant's choice among the settings of the windows."""
 FRAME = 15
 """Milliseconds between two polls of the link and of the host."""
 
@@ -81,8 +84,14 @@ class GamePage(QWidget):
         self._link = link
         self._clock = clock
         self._practice = practice
-        self._model = Participant()
+        command, self._settings = system_player(), look.user_settings()
+        self._model = Participant(
+            sound_on=bool(self._settings.value(SOUND_KEY, True, bool)), can_sound=command is not None
+        )
+        self._sound_on = self._model.sound_on
+        self._sounds = SoundPlayer(self, command)
         self.window_of_game = ParticipantWindow(self._model, clock, look.colours())
+        self.window_of_game.sounded.connect(self._sounds.play)
         appearance.changed.connect(self.window_of_game.set_palette)
         rows = spaced(QVBoxLayout(self), 0, 0)
         self._strip, self._advice = QWidget(), look.label()
@@ -137,11 +146,20 @@ class GamePage(QWidget):
                 case notice:
                     self._model.receive(notice, received.time)
         self._link.request(self._model.requests())
+        if self._model.sound_on != self._sound_on:
+            self._keep_sound(self._model.sound_on)
         screen = self._model.screen(now)
         if self._practice:
             set_text(self._advice, advice(screen))
         else:
             self._strip.setVisible(screen.phase is Phase.OVER)
+
+    def _keep_sound(self, on: bool) -> None:
+        """Keep the participant's choice for other games; be silent at once where it is that."""
+        self._sound_on = on
+        self._settings.setValue(SOUND_KEY, on)
+        if not on:
+            self._sounds.stop()
 
     def decline(self) -> None:
         """Tell the server, when this leaves it, that the participant does not take part."""
@@ -150,6 +168,7 @@ class GamePage(QWidget):
     def leave(self) -> None:
         """Leave the server."""
         self._link.stop()
+        self._sounds.stop()
         self.window_of_game.close()
 
 

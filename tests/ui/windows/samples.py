@@ -45,6 +45,7 @@ from ui.model.screen import (
     ShowWaiting,
     StopRobot,
     SubmitName,
+    SwitchSound,
     TakeThePicture,
     TakeUpAgain,
     TreasurePopup,
@@ -181,7 +182,8 @@ def playing(robots: int = 3, rooms: int = 8, considered: int | None = None) -> S
         end=Action(EndGame(), "End the game", "E", hint="Robots could still do something."),
         tools=(
             Action(FollowRobot(), "Follow", "F", hint="Keeps robot 1 in the middle of the map."),
-            Action(FitMap(), "Whole map", "M", hint="Shows all of the map."),
+            Action(FitMap(), "Whole map", "Home", hint="Shows all of the map."),
+            Action(SwitchSound(), "Mute", "M", hint="All of it is also seen."),
             Action(ShowHelp(), "Help", "F1", hint="All keys on one sheet."),
         ),
         popup=None,

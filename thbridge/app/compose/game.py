@@ -44,6 +44,7 @@ def build_briefing(setting: StudySetting) -> Briefing:
         worth=tuple(min(each) if len(each) == 1 else None for each in worth.values()) if shows.points else (),
         answers=shows.answers,
         farewell=setting.farewell,
+        sound=setting.study.participant.sound,
     )
 
 

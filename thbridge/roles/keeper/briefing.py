@@ -18,6 +18,7 @@ class Briefing:
         worth: points of each of `names`, None where treasures of this name differ; empty: they are not told.
         answers: True when it is told after the game what was in the rooms.
         farewell: thanks, and what comes next; may be empty.
+        sound: True when their window may sound.
     """
 
     floor_plan: FloorPlan | None = None
@@ -27,3 +28,4 @@ class Briefing:
     worth: tuple[int | None, ...] = ()
     answers: bool = False
     farewell: str = ""
+    sound: bool = True

@@ -48,6 +48,7 @@ def view_of(
         debrief=debrief,
         worth=briefing.worth if sensed else (),
         wrong_share=state.started.wrong_share if briefing.worth else None,
+        sound=briefing.sound,
     )
 
 

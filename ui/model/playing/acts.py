@@ -31,6 +31,7 @@ from ui.model.playing.possible import (
     why_not_picture,
     why_not_stop,
 )
+from ui.model.playing.sounds import why_silent
 from ui.model.playing.state import (
     EndGameEarly,
     HuntMemory,
@@ -68,6 +69,7 @@ from ui.model.screen import (
     ShowWaiting,
     StopRobot,
     SubmitName,
+    SwitchSound,
     TakeThePicture,
     TakeUpAgain,
     TypeDigit,
@@ -87,9 +89,22 @@ def do(memory: ParticipantMemory, act: Act, now: float) -> None:
             memory.followed = None
         case ConsiderRoom(room):
             memory.hovered = room
+        case SwitchSound():
+            _switch_sound(memory, now)
         case _ if memory.hunt is not None and memory.hunt.view.game == memory.last_drawn.game:
             _in_game(memory, memory.hunt, act, now)
             settle(memory.hunt)
+
+
+def _switch_sound(memory: ParticipantMemory, now: float) -> None:
+    if memory.hunt is None:
+        return
+    why_not = why_silent(memory, memory.hunt)
+    if why_not:
+        note(memory, why_not, now)
+        return
+    memory.sound_on = not memory.sound_on
+    note(memory, "Sound is on." if memory.sound_on else "Sound is off.", now)
 
 
 def _in_game(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) -> None:

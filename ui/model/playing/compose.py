@@ -12,6 +12,7 @@ from ui.model.playing.popups.confirmations import confirmation
 from ui.model.playing.popups.dialogues import destination_popup, dialogue_title
 from ui.model.playing.popups.game_over import game_over_page
 from ui.model.playing.popups.treasures import PICTURE_TIMEOUT, treasure_popup
+from ui.model.playing.sounds import why_silent
 from ui.model.playing.state import HuntMemory, ParticipantMemory
 from ui.model.playing.tiles import dont_know, end, tiles
 from ui.model.playing.words import titled, verdict_words
@@ -30,6 +31,7 @@ from ui.model.screen import (
     Screen,
     ShowHelp,
     ShowWaiting,
+    SwitchSound,
     TreasurePopup,
     WaitingItem,
 )
@@ -57,7 +59,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         tiles=() if hunt is None else tiles(memory, hunt),
         ask_advice=_not_now(AskAdvice(), "Don't know") if playing is None else dont_know(memory, playing),
         end=_not_now(EndGame(), "End the game") if playing is None else end(playing),
-        tools=_tools(memory, phase),
+        tools=_tools(memory, playing),
         popup=None if playing is None else _popup(memory, playing, now),
         confirmation=None if playing is None else confirmation(memory, playing),
         waiting=() if playing is None else _waiting(playing),
@@ -151,17 +153,27 @@ def _not_now(act: AgreeToTakePart | AskAdvice | EndGame, label: str) -> Action:
     return keyed(act, label, enabled=False, hint="Not just now.")
 
 
-def _tools(memory: ParticipantMemory, phase: Phase) -> tuple[Action, ...]:
+def _sound(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[Action, ...]:
+    """The switch of the sound; none where the study is without sound."""
+    if not hunt.view.sound:
+        return ()
+    why_not = why_silent(memory, hunt)
+    hint = "Arrivals, finds, questions and points sound. All of it is also seen."
+    return (keyed(SwitchSound(), "Mute" if memory.sound_on else "Unmute", not why_not, why_not or hint),)
+
+
+def _tools(memory: ParticipantMemory, hunt: HuntMemory | None) -> tuple[Action, ...]:
     sheet = Action(
         ShowHelp(), "Close help" if memory.help_open else "Help", HELP.keys[0], hint="Rules and keys on one sheet."
     )
-    if phase is not Phase.PLAYING:
+    if hunt is None:
         return (sheet,)
     robot = robot_name(memory.selected)
     follow = f"Follow {robot}" if memory.followed is None else f"Stop following {robot}"
     return (
         keyed(FollowRobot(), follow, hint="Keeps it in the middle of the map."),
         keyed(FitMap(), "Whole map", hint="Shows all of the map."),
+        *_sound(memory, hunt),
         sheet,
     )
 

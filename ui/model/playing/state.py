@@ -15,6 +15,7 @@ from ui.model.playing.name_choice import NameChoice
 from ui.model.playing.pending import PendingRequests
 from ui.model.playing.pictures import Pictures
 from ui.model.playing.popup_queue import DestinationItem, PopupItem, PopupQueue, TreasureItem
+from ui.model.screen import GameSound
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,6 +190,9 @@ class ParticipantMemory:
         last_drawn: state behind the last screen.
         leaving: True once the participant has agreed to close the window.
         time_of_day: returns the time of day.
+        sound_on: True while the participant wants sounds.
+        can_sound: True where there is something to play them with.
+        sounds: those to be heard with the next screen.
     """
 
     hunt: HuntMemory | None = None
@@ -208,6 +212,9 @@ class ParticipantMemory:
     time_of_day: Callable[[], str] = utc_now
     last_drawn: DrawnState = field(default_factory=DrawnState)
     leaving: bool = False
+    sound_on: bool = True
+    can_sound: bool = True
+    sounds: list[GameSound] = field(default_factory=list)
 
     def motion(self, robot: int) -> RobotMotion:
         """Progress of a robot on its path by the last telemetry; an older program that moves robots sends none."""

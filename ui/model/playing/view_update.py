@@ -26,6 +26,7 @@ from thbridge.roles.view import (
 from ui.model.playing.history import GameHistory, stopped_words
 from ui.model.playing.popup_queue import DestinationItem, PopupItem, TreasureItem
 from ui.model.playing.possible import ends_game, why_not_command, why_not_end, why_not_go, why_not_name
+from ui.model.playing.sounds import sounds_of
 from ui.model.playing.state import (
     EndGameEarly,
     HuntMemory,
@@ -57,6 +58,7 @@ def receive_view(memory: ParticipantMemory, view: View, now: float) -> None:
     hunt.receive(view)
     hunt.most_energy = max([hunt.most_energy, *(robot.energy for robot in view.robots)])
     memory.history.receive(before, view)
+    memory.sounds += sounds_of(before, view)
     _receive_refunds(memory, before, view, now)
     _receive_rooms(memory, hunt, before, former.state, now)
     _receive_commanders(memory, hunt, before, former.discussed, now)
@@ -117,6 +119,7 @@ def _begin(memory: ParticipantMemory, view: View) -> None:
             memory.pictures.forget()
     memory.hunt = hunt
     memory.typed, memory.note = "", None
+    memory.sounds.clear()
     memory.selected = min(memory.selected, max(len(view.robots) - 1, 0))
     memory.followed = None if memory.followed is None else memory.selected
     memory.motions = ()

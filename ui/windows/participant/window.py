@@ -84,9 +84,11 @@ class ParticipantWindow(QWidget):
 
     Attributes:
         declined: the participant does not take part in the study.
+        sounded: a `GameSound` is to be heard.
     """
 
     declined = Signal()
+    sounded = Signal(object)
 
     def __init__(self, model: Participant, clock: Callable[[], float], palette: Palette) -> None:
         super().__init__()
@@ -252,6 +254,8 @@ class ParticipantWindow(QWidget):
         self._show_pops(screen, before, now)
         self._keyboard.show_screen(screen)
         self._announce(screen)
+        if before is not None and screen.sound_number != before.sound_number:
+            self.sounded.emit(screen.sound)
         self._keep_focus(focused)
 
     def _show_pops(self, screen: Screen, before: Screen | None, now: float) -> None:

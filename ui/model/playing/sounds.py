@@ -1,0 +1,29 @@
+"""Sounds of a game: what each view has that is worth one. Everything that sounds is seen in the window as well."""
+
+from collections.abc import Iterator
+
+from thbridge.roles.view import View
+from ui.model.playing.state import HuntMemory, ParticipantMemory
+from ui.model.screen import GameSound
+
+
+def why_silent(memory: ParticipantMemory, hunt: HuntMemory) -> str:
+    """Return why there can be no sound, as a sentence; empty when there can be."""
+    if not hunt.view.sound:
+        return "This study is without sound."
+    return "" if memory.can_sound else "This computer has no program that plays sounds."
+
+
+def sounds_of(before: View, view: View) -> Iterator[GameSound]:
+    """Yield the sounds of a view's news."""
+    for was, now in zip(before.robots, view.robots, strict=True):
+        if was.moving_to not in (None, now.moving_to) and view.room(was.moving_to).state == "visited":
+            yield GameSound.ARRIVAL
+    for old, new in zip(before.rooms, view.rooms, strict=True):
+        if new.sensed and not old.sensed:
+            yield GameSound.FIND
+        if new.verdict is not None and old.verdict is None and new.verdict.points:
+            yield GameSound.WON if new.verdict.points > 0 else GameSound.LOST
+    known = {(dialogue.dialogue, dialogue.turn) for dialogue in before.dialogues if dialogue.choices}
+    if any(dialogue.choices and (dialogue.dialogue, dialogue.turn) not in known for dialogue in view.dialogues):
+        yield GameSound.QUESTION

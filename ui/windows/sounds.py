@@ -1,0 +1,113 @@
+"""Sounds of the participant's window: five short figures of pure tones, played by a program of the system.
+
+A program of its own needs no library in this one, and where there is no sound it fails without holding anything up.
+"""
+
+import io
+import shutil
+import wave
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QObject, QProcess, QTemporaryDir
+
+from ui.model.screen import GameSound
+
+RATE = 44_100
+"""Samples a second."""
+LOUDNESS = 0.25
+"""Largest amplitude, of 1."""
+ATTACK = 0.008
+"""Seconds in which a tone rises; without it, it would click."""
+TONES: Mapping[GameSound, tuple[tuple[float, float, float], ...]] = {
+    GameSound.ARRIVAL: ((587.3, 0.0, 0.22),),
+    GameSound.FIND: ((784.0, 0.0, 0.16), (1046.5, 0.1, 0.3)),
+    GameSound.QUESTION: ((880.0, 0.0, 0.14), (880.0, 0.16, 0.24)),
+    GameSound.WON: ((523.3, 0.0, 0.16), (659.3, 0.09, 0.18), (784.0, 0.18, 0.2), (1046.5, 0.27, 0.34)),
+    GameSound.LOST: ((392.0, 0.0, 0.22), (311.1, 0.18, 0.36)),
+}
+"""Tones of each sound: frequency in hertz, beginning and length in seconds. Won rises, lost falls."""
+KILL_TIMEOUT = 1000
+"""Milliseconds that a program may take to end once it is killed."""
+PLAYERS = (("pw-play",), ("paplay",), ("aplay", "-q"), ("afplay",))
+"""Programs that play a file, of Linux and of macOS; the first that is there is taken."""
+
+
+def samples_of(sound: GameSound) -> NDArray[np.int16]:
+    """Return a sound as 16-bit samples, `RATE` a second."""
+    tones = TONES[sound]
+    total = np.zeros(round(max(begin + length for _, begin, length in tones) * RATE))
+    for frequency, begin, length in tones:
+        time = np.arange(round(length * RATE)) / RATE
+        wave_form = np.sin(2 * np.pi * frequency * time) + 0.2 * np.sin(4 * np.pi * frequency * time)
+        envelope = np.minimum(time / ATTACK, 1.0) * np.exp(-4.0 * time / length) * (1.0 - time / length)
+        first = round(begin * RATE)
+        total[first : first + len(time)] += wave_form * envelope
+    samples: NDArray[np.int16] = np.round(total / np.abs(total).max() * LOUDNESS * 32767).astype(np.int16)
+    return samples
+
+
+def wav_of(sound: GameSound) -> bytes:
+    """Return a sound as a WAV file."""
+    file = io.BytesIO()
+    with wave.open(file, "wb") as out:
+        out.setnchannels(1)
+        out.setsampwidth(2)
+        out.setframerate(RATE)
+        out.writeframes(samples_of(sound).astype("<i2").tobytes())
+    return file.getvalue()
+
+
+def system_player() -> tuple[str, ...] | None:
+    """Return the command that plays a file on this computer, without the file; None if there is none."""
+    return next((player for player in PLAYERS if shutil.which(player[0])), None)
+
+
+class SoundPlayer(QObject):
+    """Plays sounds one at a time; of those that come while one is heard, only the most important one comes after it.
+
+    Args:
+        parent: owner; what is heard ends with it.
+        command: plays a file whose path is added to it; None: nothing is ever heard.
+    """
+
+    def __init__(self, parent: QObject, command: tuple[str, ...] | None) -> None:
+        super().__init__(parent)
+        self._command = command
+        self._next: GameSound | None = None
+        self._folder = QTemporaryDir()
+        self._process = QProcess(self)
+        self._process.setStandardOutputFile(QProcess.nullDevice())
+        self._process.setStandardErrorFile(QProcess.nullDevice())
+        self._process.finished.connect(self._go_on)
+
+    @property
+    def is_playing(self) -> bool:
+        """True while a sound is heard."""
+        return self._process.state() is not QProcess.ProcessState.NotRunning
+
+    def play(self, sound: GameSound) -> None:
+        """Play a sound now or next; does nothing where that is not possible."""
+        if self._command is None or not self._folder.isValid():
+            return
+        if self.is_playing:
+            self._next = sound if self._next is None else max(sound, self._next)
+            return
+        file = Path(self._folder.filePath(f"{sound.name.lower()}.wav"))
+        if not file.exists():
+            file.write_bytes(wav_of(sound))
+        program, *arguments = self._command
+        self._process.start(program, [*arguments, str(file)])
+
+    def stop(self) -> None:
+        """Be silent at once."""
+        self._next = None
+        self._process.kill()
+        self._process.waitForFinished(KILL_TIMEOUT)
+
+    def _go_on(self) -> None:
+        sound, self._next = self._next, None
+        if sound is not None:
+            self.play(sound)
