@@ -70,7 +70,7 @@ PLAYING = (
     KeyBinding(("Ctrl+Z",), TakeUpAgain(), "Take up again what was left, until the robot sets out"),
     KeyBinding(("Esc", "W"), ShowNext(), "Put the pop-up aside, or show what waits"),
     KeyBinding(("F",), FollowRobot(), "Keep the robot in the middle of the map, or stop doing so"),
-    KeyBinding(("Home",), FitMap(), "Show the whole map"),
+    KeyBinding(("A",), FitMap(), "Show the whole map"),
     KeyBinding(("M",), SwitchSound(), "Switch sound off, or on again"),
     KeyBinding(("E",), EndGame(), "End the game"),
 )

@@ -64,11 +64,13 @@ def test_participants_are_briefed_with_the_study_s_map_pictures_and_consent(tmp_
 def test_participants_are_told_points_answers_and_a_farewell_as_the_study_says(tmp_path: Path) -> None:
     told = build_briefing(read_setting(Study(), Path()))
     assert told.worth == (20, 10, 30, 20)
-    assert (told.answers, told.farewell) == (True, "")
+    assert (told.answers, told.farewell, told.sound) == (True, "", True)
     (tmp_path / "bye.txt").write_text("Thanks.\nPlease ring.\n", encoding="utf-8")
-    participant = ParticipantSection(farewell=Path("bye.txt"), shows=ShowsSection(points=False, answers=False))
+    participant = ParticipantSection(
+        sound=False, farewell=Path("bye.txt"), shows=ShowsSection(points=False, answers=False)
+    )
     silent = build_briefing(read_setting(Study(participant=participant), tmp_path))
-    assert (silent.worth, silent.answers, silent.farewell) == ((), False, "Thanks.\nPlease ring.")
+    assert (silent.worth, silent.answers, silent.farewell, silent.sound) == ((), False, "Thanks.\nPlease ring.", False)
 
 
 @pytest.mark.parametrize("truth", [False, True])

@@ -179,10 +179,10 @@ def playing(robots: int = 3, rooms: int = 8, considered: int | None = None) -> S
         cards=cards,
         tiles=tuple(tile(number, rooms, considered=number == considered) for number in range(1, rooms + 1)),
         ask_advice=Action(AskAdvice(), "Don't know", "D", hint="Ask robot 1 where to go."),
-        end=Action(EndGame(), "End the game", "E", hint="Robots could still do something."),
+        end=Action(EndGame(), "End game", "E", hint="Robots could still do something."),
         tools=(
             Action(FollowRobot(), "Follow", "F", hint="Keeps robot 1 in the middle of the map."),
-            Action(FitMap(), "Whole map", "Home", hint="Shows all of the map."),
+            Action(FitMap(), "Whole map", "A", hint="Shows all of the map."),
             Action(SwitchSound(), "Mute", "M", hint="All of it is also seen."),
             Action(ShowHelp(), "Help", "F1", hint="All keys on one sheet."),
         ),

@@ -58,7 +58,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         cards=team,
         tiles=() if hunt is None else tiles(memory, hunt),
         ask_advice=_not_now(AskAdvice(), "Don't know") if playing is None else dont_know(memory, playing),
-        end=_not_now(EndGame(), "End the game") if playing is None else end(playing),
+        end=_not_now(EndGame(), "End game") if playing is None else end(playing),
         tools=_tools(memory, playing),
         popup=None if playing is None else _popup(memory, playing, now),
         confirmation=None if playing is None else confirmation(memory, playing),
@@ -169,9 +169,9 @@ def _tools(memory: ParticipantMemory, hunt: HuntMemory | None) -> tuple[Action, 
     if hunt is None:
         return (sheet,)
     robot = robot_name(memory.selected)
-    follow = f"Follow {robot}" if memory.followed is None else f"Stop following {robot}"
+    follow = "Follow" if memory.followed is None else "Stop following"
     return (
-        keyed(FollowRobot(), follow, hint="Keeps it in the middle of the map."),
+        keyed(FollowRobot(), follow, hint=f"Keeps {robot} in the middle of the map."),
         keyed(FitMap(), "Whole map", hint="Shows all of the map."),
         *_sound(memory, hunt),
         sheet,

@@ -33,7 +33,7 @@ def end(hunt: HuntMemory) -> Action:
     refused = why_not_end(hunt.known)
     asked = GiveUp(hunt.view.game) in hunt.pending
     hint = "End the game as it stands." if refused is None else refused
-    return keyed(EndGame(), "End the game", refused is None and not asked, hint, asked)
+    return keyed(EndGame(), "End game", refused is None and not asked, hint, asked)
 
 
 def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Mapping[int, str]) -> RoomTile:

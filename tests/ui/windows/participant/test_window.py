@@ -236,7 +236,7 @@ KEYS: list[tuple[str, str, Act]] = [
     ("left", "Ctrl+Z", TakeUpAgain()),
     ("playing", "E", EndGame()),
     ("playing", "F", FollowRobot()),
-    ("playing", "Home", FitMap()),
+    ("playing", "A", FitMap()),
     ("playing", "M", SwitchSound()),
     ("playing", "Tab", NextRobot(1)),
     ("playing", "Shift+Tab", NextRobot(-1)),
