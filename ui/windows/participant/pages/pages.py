@@ -59,7 +59,8 @@ class ConsentPage(ActionWidget):
         self._text.document().setDocumentMargin(2 * GAP)
         look.style_as_panel(self._text)
         rows.addWidget(self._text, 1)
-        self.decline, self.agree = ActionButton(hints=True), ActionButton("main", hints=True)
+        # Both weigh the same: neither answer is the one to give.
+        self.decline, self.agree = ActionButton(hints=True), ActionButton(hints=True)
         foot = _foot(rows)
         for button in (self.decline, self.agree):
             button.requested.connect(self.requested)
