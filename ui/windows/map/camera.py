@@ -39,6 +39,11 @@ class Camera:
         scale = min(max(min(across, up), MIN_SCALE), MAX_SCALE)
         return cls((left + right) / 2.0, (bottom + top) / 2.0, scale, width, height)
 
+    def moved_within(self, left: float, top: float, width: float, height: float) -> "Camera":
+        """Return this view of a part of a wider one, which begins so many pixels right of and below its corner."""
+        x, y = self.point(width / 2.0 - left, height / 2.0 - top)
+        return replace(self, x=x, y=y, width=width, height=height)
+
     def to_screen(self, points: FloatArray) -> FloatArray:
         """Return the (n, 2) pixels of (n, 2) map points."""
         pixels: FloatArray = (points - (self.x, self.y)) * (self.scale, -self.scale)

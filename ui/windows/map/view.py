@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
-from PySide6.QtCore import QEvent, QPointF, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QPointF, QRect, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QMouseEvent,
     QNativeGestureEvent,
@@ -100,6 +100,7 @@ class MapView(QWidget):
         self._layers: list[MapLayer] = []
         self.camera = Camera(0.0, 0.0, 50.0, 1.0, 1.0)
         self._fitted = True
+        self._free: QRect | None = None
         self.followed: int | None = None
         self._tool: Qt.CursorShape | None = None
         self.hovered: int | None = None
@@ -159,6 +160,23 @@ class MapView(QWidget):
         self.followed, self._fitted = None, True
         self._refit()
         self.update()
+
+    @property
+    def fitted(self) -> bool:
+        """True while the whole floor plan is shown, since nobody has moved it."""
+        return self._fitted
+
+    def scale_within(self, free: QRect) -> float:
+        """Return the scale of the whole floor plan in a part of the view, pixels a metre."""
+        return self._fit(free).scale
+
+    def keep_within(self, free: QRect | None) -> None:
+        """Show the whole floor plan in a part of the view, while nobody has moved it; None: in all of it."""
+        if free != self._free:
+            self._free = free
+            if self._fitted:
+                self._refit()
+                self.update()
 
     def follow(self, robot: int | None) -> None:
         """Keep this robot in the middle; None: stop following."""
@@ -259,8 +277,15 @@ class MapView(QWidget):
 
     def _refit(self) -> None:
         if self._geometry is not None:
-            width, height = float(max(self.width(), 1)), float(max(self.height(), 1))
-            self.camera = Camera.fitted(self._geometry.bounds, width, height, FIT_MARGIN)
+            self.camera = self._fit(self._free or self.rect())
+
+    def _fit(self, free: QRect) -> Camera:
+        """Return the view of the whole floor plan in a part of the widget."""
+        if self._geometry is None:
+            return self.camera
+        margin = FIT_MARGIN if free == self.rect() else FIT_MARGIN / 2.0
+        part = Camera.fitted(self._geometry.bounds, max(free.width(), 1), max(free.height(), 1), margin)
+        return part.moved_within(free.left(), free.top(), max(self.width(), 1), max(self.height(), 1))
 
     def _follow(self) -> None:
         target = next((mark.pose for mark in self._robots if mark.robot == self.followed), None)

@@ -24,6 +24,9 @@ MAX_PANEL_WIDTH = 620
 POPUP = QSize(360, 380)
 """Usual width of a pop-up in a corner, and the height that is kept for it to grow in, `px`."""
 
+LEAST_SCALE = 0.35
+"""Least scale, as a share of the usual one, at which a map beside a pop-up can still be read."""
+
 _CORNERS = ((True, True), (True, False), (False, True), (False, False))
 """Corners of the map: at the right or not, at the bottom or not."""
 
@@ -32,7 +35,8 @@ class MapArea(QWidget):
     """The map, a banner across its top, and the place of at most one panel.
 
     A pop-up is docked in the column, below the rooms, where there is space for it; else it lies in a corner of the map,
-    away from what it is about, so that this stays in sight. Any other panel is in the middle.
+    and the whole map is shown beside or above it. A map that is followed or was moved stays as it is, and the corner is
+    one away from what the pop-up is about. Any other panel is in the middle.
     """
 
     def __init__(self, map_view: MapView, column: SideColumn) -> None:
@@ -101,6 +105,7 @@ class MapArea(QWidget):
     def _place_panel(self) -> None:
         panel = self._panel
         if panel is None:
+            self._map.keep_within(None)
             return
         free = self._column.free
         docked = self._robot is not None and free.height() >= max(px(POPUP.height()), panel.least(free.width()))
@@ -111,6 +116,7 @@ class MapArea(QWidget):
         if docked:
             size = panel.wanted(free.width(), free.height())
             place = QRect(QPoint(free.left(), free.top() + free.height() - size.height()), size)
+            self._map.keep_within(None)
         else:
             place = self._on_map(panel)
         panel.setGeometry(place)
@@ -127,20 +133,35 @@ class MapArea(QWidget):
             widest = narrow
         size = panel.wanted(widest, space.height())
         left, foot = space.left() + (space.width() - size.width()) // 2, (space.bottom() + 1 + top + size.height()) // 2
+        shown_in = None
         if self._robot is not None:
-            at_right, at_bottom = self._corner = self._corner or self._best_corner(space, size)
+            kept = QSize(size.width(), max(size.height(), min(px(POPUP.height()), space.height())))
+            shown_in = self._beside(space, kept)
+            if shown_in is not None:
+                self._corner = (True, True)
+            at_right, at_bottom = self._corner = self._corner or self._best_corner(space, kept)
             left = space.left() + at_right * (space.width() - size.width())
-            kept = max(size.height(), min(px(POPUP.height()), space.height()))
-            foot = top + (space.height() if at_bottom else kept)
+            foot = top + (space.height() if at_bottom else kept.height())
+        self._map.keep_within(shown_in)
         if self._foot is None:
             self._foot = foot
         # It grows upwards as the dialogue goes on, so that the answers stay where they are, as far as that is possible.
         y = min(max(self._foot - size.height(), top), top + space.height() - size.height())
         return QRect(QPoint(left, y), size)
 
-    def _best_corner(self, space: QRect, size: QSize) -> tuple[bool, bool]:
+    def _beside(self, space: QRect, kept: QSize) -> QRect | None:
+        """Return the part of the map that a pop-up at the right and the bottom leaves free; None: it is of no use."""
+        if not self._map.fitted:
+            return None
+        left = QRect(0, 0, space.right() + 1 - kept.width(), self.height())
+        above = QRect(0, 0, self.width(), space.bottom() + 1 - kept.height())
+        usable = [free for free in (left, above) if free.width() > 0 and free.height() > 0]
+        best = max(usable, key=self._map.scale_within, default=None)
+        least = LEAST_SCALE * self._map.scale_within(self._map.rect())
+        return best if best is not None and self._map.scale_within(best) >= least else None
+
+    def _best_corner(self, space: QRect, kept: QSize) -> tuple[bool, bool]:
         """Return the corner (at the right, at the bottom) in which a pop-up covers least of what it is about."""
-        kept = QSize(size.width(), max(size.height(), min(px(POPUP.height()), space.height())))
         apart = space.size() - kept
         about = self._about()
 

@@ -162,8 +162,8 @@ class ParticipantWindow(QWidget):
         self._panels: tuple[TitledPanel, ...] = (self.dialogue, self.treasure, self.ending, self.question, self.help)
         for panel in self._panels:
             panel.requested.connect(self.do)
-        self.map.room_clicked.connect(lambda room: self.do(ChooseRoom(room)))
-        self.map.robot_clicked.connect(lambda robot: self.do(ChooseRobot(robot)))
+        self.map.room_clicked.connect(lambda room: self._do_on_map(ChooseRoom(room)))
+        self.map.robot_clicked.connect(lambda robot: self._do_on_map(ChooseRobot(robot)))
         self.map.room_hovered.connect(lambda _room: self._consider())
         self.column.tiles.looked_at.connect(self._consider)
 
@@ -209,6 +209,11 @@ class ParticipantWindow(QWidget):
         if isinstance(act, FitMap):
             self.map.fit()
         self.refresh()
+
+    def _do_on_map(self, act: Act) -> None:
+        """Do what was clicked on the map, unless a pop-up that came or went has just moved it."""
+        if self._clock() - self._popped_at >= ANSWER_DELAY:
+            self.do(act)
 
     def _consider(self) -> None:
         """Have the model consider the room looked at on the map or among the tiles, if it is another than before."""

@@ -8,7 +8,7 @@ from dataclasses import replace
 from itertools import combinations, product
 
 import pytest
-from PySide6.QtCore import QEvent, QObject, QPoint, QRect, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, Qt
 from PySide6.QtGui import QAccessible, QCursor, QFontMetricsF
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
@@ -190,8 +190,12 @@ def test_a_pop_up_that_comes_below_the_resting_pointer_is_not_pointed_at(qtbot: 
 def test_the_map_below_a_pop_up_that_has_gone_is_not_pointed_at(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["dialogue"])
     under = covered(shown, shown.window.dialogue)
-    room = next(room for room in range(1, 9) if under.contains(room_on_map(shown, room)))
-    place = room_on_map(shown, room)
+    shown.show(STATES["playing"])
+    places = {room: room_on_map(shown, room) for room in range(1, 9)}
+    free = {room for room, place in places.items() if shown.window.map.robot_at(QPointF(place)) is None}
+    room = next(room for room in free if under.contains(places[room]))
+    place = places[room]
+    shown.show(STATES["dialogue"])
     point(qtbot, shown.window.map, place)
     shown.done.clear()
     shown.show(STATES["playing"])
@@ -520,14 +524,48 @@ def test_a_pop_up_leaves_its_robot_in_sight(opened: Open, size: tuple[int, int])
                 assert not covered(shown, panel).intersects(window.map.rect()), "it is docked below the rooms"
 
 
-@pytest.mark.parametrize("size", [(1024, 600), (1200, 800)])
-def test_a_find_leaves_its_room_in_sight(opened: Open, size: tuple[int, int]) -> None:
+@pytest.mark.parametrize("size", [(1000, 560), (1024, 600), (1200, 800)])
+@pytest.mark.parametrize("state", ["dialogue", "treasure", "naming"])
+def test_the_whole_map_is_shown_beside_a_pop_up_and_all_of_its_place_taken_again(
+    opened: Open, state: str, size: tuple[int, int]
+) -> None:
     shown = opened(STATES["playing"], *size)
-    shown.model.robots = lambda _now: ()
+    window = shown.window
+    whole = window.map.camera
+    shown.show(STATES[state])
+    under = covered(shown, window.treasure if state == "treasure" else window.dialogue)
+    for mark in shown.model.rooms(0.0):
+        for x, y in mark.region:
+            corner = QPointF(*window.map.camera.pixel(float(x), float(y))).toPoint()
+            assert window.map.rect().contains(corner) and not under.contains(corner), mark.room
+    shown.show(STATES["playing"])
+    assert window.map.camera == whole
+
+
+def test_a_map_that_was_moved_stays_where_it_is_and_the_pop_up_in_another_corner(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["playing"], 1200, 800)
+    middle = shown.window.map.rect().center()
+    qtbot.mousePress(shown.window.map, LEFT, pos=middle)
+    qtbot.mouseMove(shown.window.map, middle + QPoint(40, 20))
+    qtbot.mouseRelease(shown.window.map, LEFT, pos=middle + QPoint(40, 20))
+    moved = shown.window.map.camera
     for room in (1, 2, 3, 6, 7, 8):
         shown.show(STATES["playing"])
         shown.show(replace(STATES["playing"], popup=replace(samples.treasure(), room=room)))
+        assert shown.window.map.camera == moved
         assert not covered(shown, shown.window.treasure).contains(room_on_map(shown, room)), room
+
+
+def test_a_click_on_the_map_that_has_just_moved_sends_nobody(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["playing"], 1200, 800)
+    shown.model.shown = STATES["treasure"]
+    shown.window.refresh()
+    place = room_on_map(shown, 6)
+    qtbot.mouseClick(shown.window.map, LEFT, pos=place)
+    assert ChooseRoom(6) not in shown.done
+    shown.now += 1.0
+    qtbot.mouseClick(shown.window.map, LEFT, pos=place)
+    assert ChooseRoom(6) in shown.done
 
 
 def covered(shown: Opened, panel: QWidget) -> QRect:
