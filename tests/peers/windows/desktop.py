@@ -126,6 +126,19 @@ class Desktop:
         """Ask a window to close, as window managers do when somebody clicks on the cross."""
         _ask_to_close(self.environment["DISPLAY"], int(window))
 
+    def leave_game(self) -> None:
+        """Close the participant's window in the middle of a game, and say so again while the question is too new."""
+        self.ask_to_close(self.focus_window("Treasure hunt"))
+        self.found("Leave the game", role="push button")
+
+        def gone() -> bool:
+            button = self.find("Leave the game", role="push button")
+            if button is not None:
+                self.click(button)
+            return button is None
+
+        self.wait("the window to close", gone)
+
     def press(self, *keys: str) -> None:
         """Press and release keys, one after the other."""
         self.do("key", "--delay", "40", *keys)

@@ -58,8 +58,7 @@ def test_a_yes_in_the_window_is_the_first_thing_recorded(
     assert files_of(folder) == []
     screen.click(start)
     screen.found("Score 0")
-    screen.ask_to_close(screen.focus_window("Treasure hunt"))
-    screen.click(screen.rested("Leave the game", role="push button"))
+    screen.leave_game()
     assert played.process.wait(60) == 0, played.text
     lines = (folder / "hunt.journal" / "game-0001.jsonl").read_text().splitlines()
     started, agreed, *_ = map(json.loads, lines)

@@ -155,8 +155,7 @@ def test_a_window_closed_in_the_middle_says_that_one_can_come_back(
 ) -> None:
     player = Player(screen)
     room, _ = sent(player)
-    screen.ask_to_close(screen.focus_window("Treasure hunt"))
-    screen.click(screen.rested("Leave the game", role="push button"))
+    screen.leave_game()
     assert window.process.wait(30) == 0
     again = window.again()
     try:

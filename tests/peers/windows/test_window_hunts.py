@@ -114,8 +114,7 @@ def test_a_whole_hunt_by_mouse(played: subprocess.Popen[bytes], screen: Desktop,
     back = player.look()
     assert back.score == 0
     assert not back.visited
-    screen.ask_to_close(screen.focus_window("Treasure hunt"))
-    screen.click(screen.rested("Leave the game", role="push button"))
+    screen.leave_game()
     first = first_game(played, tmp_path)
     assert sum(moment.points or 0 for moment in first) == score
     assert {moment.room for moment in first if moment.kind == "arrived"} == visited

@@ -96,8 +96,7 @@ def test_a_participant_asks_for_a_robot_names_what_it_left_and_has_it_back(
     player.insist("a talk", lambda: screen.press("3"), lambda seen: seen.answers)
     player.insist("its way to room 3", lambda: screen.press("Return"), lambda seen: "to room 3" in seen.robot(1))
     screen.picture(tmp_path / "sent.png")
-    screen.ask_to_close(screen.focus_window("Treasure hunt"))
-    screen.click(screen.rested("Leave the game", role="push button"))
+    screen.leave_game()
     assert played.process.wait(60) == 0, played.text
     done = subprocess.run(
         [*THBRIDGE, "replay", "a.bag", "--json"], cwd=tmp_path, capture_output=True, text=True, check=False
