@@ -79,7 +79,7 @@ def frames_again(folder: Path, bag: str, *arguments: str) -> dict[str, Any]:
 def departures(bag: Path) -> dict[int, list[int | None]]:
     """The rooms that each robot set out for."""
     moments = [moment for moment in read_report(messages(bag)).timeline if moment.kind == "departed"]
-    return {robot: [moment.room for moment in moments if moment.who == f"robot{robot}"] for robot in (1, 2)}
+    return {robot: [moment.room for moment in moments if moment.who == f"robot {robot}"] for robot in (1, 2)}
 
 
 @dataclass(frozen=True)
