@@ -235,7 +235,8 @@ class MapView(QWidget):
         for layer in self._layers:
             if layer.z >= 0:
                 self._paint_layer(painter, layer)
-        paint_scale_bar(painter, camera, self.colours, font)
+        if self._free is None:  # else it would lie below what covers the rest
+            paint_scale_bar(painter, camera, self.colours, font)
         painter.end()
 
     def _paint_layer(self, painter: QPainter, layer: MapLayer) -> None:

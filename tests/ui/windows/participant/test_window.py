@@ -57,7 +57,7 @@ from ui.windows.participant.popups.finding import NamingResult, SensedFacts, Tre
 from ui.windows.participant.score import ScoreLabel
 from ui.windows.participant.top import BannerLine
 from ui.windows.participant.widgets.buttons import ActionButton, ParticipantButton
-from ui.windows.participant.widgets.panels import RobotChip, SpeechBubble, TitledPanel
+from ui.windows.participant.widgets.panels import RobotChip, SpeechBubble, TitledPanel, Transcript
 
 Open = Callable[..., Opened]
 STATES = samples.states()
@@ -840,3 +840,19 @@ def test_nobody_looks_while_it_is_hidden(qtbot: QtBot, opened: Open) -> None:
     assert looks == []
     shown.window.show()
     qtbot.waitUntil(lambda: len(looks) > 1)
+
+
+def test_a_talk_that_fits_has_no_scroll_bar_that_would_break_its_lines(qtbot: QtBot) -> None:
+    talk = Transcript()
+    qtbot.addWidget(talk)
+    said = "I suggest room 3: room 7 costs me less now, but my whole round costs less with room 3 first. Shall I go?"
+    talk.show_sentences((("you", "I don't know where to go."), ("robot", said)), 0)
+    with qtbot.waitExposed(talk):
+        talk.show()
+    for width in range(300, 360):
+        talk.resize(width, 40)
+        QApplication.processEvents()
+        assert talk.verticalScrollBar().isVisible()
+        talk.resize(width, talk.heightForWidth(width))
+        QApplication.processEvents()
+        assert not talk.verticalScrollBar().isVisible(), width

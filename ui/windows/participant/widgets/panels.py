@@ -252,8 +252,11 @@ class Transcript(QScrollArea):
         return QSize(px(120), min(self.sizeHint().height(), px(60)))
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Report another height when the width is another."""
+        """Report another height for another width; where all fits, no bar takes width that would break lines."""
         super().resizeEvent(event)
+        fits = self.height() >= self.heightForWidth(self.width())
+        policy = Qt.ScrollBarPolicy.ScrollBarAlwaysOff if fits else Qt.ScrollBarPolicy.ScrollBarAsNeeded
+        self.setVerticalScrollBarPolicy(policy)
         if event.size().width() != event.oldSize().width():
             self.updateGeometry()
 
