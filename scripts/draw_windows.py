@@ -1,6 +1,7 @@
 """Draw every window and dialogue, and the page that shows them, `docs/windows-gallery.md`.
 
-The pictures are `docs/pictures/windows/<name>-<light|dark>-<100|200>.png`. Run it from the project's folder:
+The pictures are `docs/pictures/windows/<name>-<light|dark>.png`; those of `SIZED` are drawn at three sizes with two
+sizes of text besides, as `<name>-<width>x<height>-<text>.png`. Run it from the project's folder:
 `.venv/bin/python scripts/draw_windows.py`. What is shown are real games and a real recording, made on the spot in
 simulated time; nothing appears on a screen. The same code, fonts and Qt give the same pictures. The typeface is Inter,
 as everywhere (Debian: fonts-inter).
@@ -10,8 +11,6 @@ import argparse
 import io
 import json
 import os
-import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Sequence
@@ -21,21 +20,28 @@ from pictured.shot import Shot, Story
 from pictured.shrinking import shrunk
 from pictured.stories import STORIES
 from PIL import Image
-from PySide6.QtCore import QBuffer
+from PySide6.QtCore import QBuffer, QSize
 from PySide6.QtWidgets import QApplication, QWidget
 
 from ui.model.theme import DARK, LIGHT
-from ui.windows.look import apply_palette
+from ui.windows.look import apply_palette, apply_text_size, usual_growth
 
 ROOT = Path(__file__).parents[1]
 PICTURES = ROOT / "docs" / "pictures" / "windows"
 GALLERY = ROOT / "docs" / "windows-gallery.md"
-SCALES = (100, 200)
-"""Scales, per cent. Qt takes one for a process, so that each has a process of its own."""
+SIZES = ((1024, 600), (1200, 800), (1920, 1080))
+"""Widths and heights of windows, logical pixels."""
+TEXTS = (100, 150)
+"""Sizes of text, per cent of what is usual on a screen of the window's size."""
+SIZED = (
+    *("start", "consent", "practice", "begin", "talk", "treasure", "picture", "verdict-wrong", "playing", "queue"),
+    *("help", "over", "six-robots", "recording", "live-wizard", "study-section", "study-noise"),
+)
+"""The pictures that are drawn at all sizes."""
 ABOUT = (
-    "Light and dark at 100 %; a click on a picture shows it at 200 %. `make pictures` draws them from real games and a",
-    "real recording, and writes this page. What is seen in them is explained in [windows.md](windows.md),",
-    "[watching.md](watching.md) and [study-edit.md](study-edit.md).",
+    "Each window light and dark, and the most important ones at three sizes with text of 100 % and 150 %.",
+    "`make pictures` draws them from real games and a real recording, and writes this page. What is seen in them is",
+    "explained in [windows.md](windows.md), [watching.md](watching.md) and [study-edit.md](study-edit.md).",
 )
 SCREEN = (1920, 1080)
 """Width and height of the screen, logical pixels; windows keep within it. That of `offscreen` is 800 x 800."""
@@ -43,14 +49,8 @@ SETTLE_TIMEOUT = 10.0
 """Seconds that a window may need to come to rest."""
 
 
-def screen_at(scale: int) -> dict[str, int]:
-    """Return a screen on which all windows have the size that they want, in the words of Qt's platform `offscreen`."""
-    width, height = (side * scale // 100 for side in SCREEN)
-    return {"x": 0, "y": 0, "width": width, "height": height, "logicalDpi": 96, "logicalBaseDpi": 96, "dpr": 1}
-
-
-def draw(into: Path, scale: int, wanted: frozenset[str]) -> None:
-    """Draw the pictures with these names at the scale that Qt was started with."""
+def draw(into: Path, wanted: frozenset[str]) -> None:
+    """Draw the pictures with these names."""
     application = QApplication([])
     apply_palette(application, LIGHT)
     application.setCursorFlashTime(0)
@@ -59,19 +59,45 @@ def draw(into: Path, scale: int, wanted: frozenset[str]) -> None:
             continue
         last = [name for name in story.pictures if name in wanted][-1]
         for shot in story.tell():
-            for look, palette in (("light", LIGHT), ("dark", DARK)):
-                if shot.name not in wanted:
-                    continue
-                apply_palette(application, palette)
-                shot.wear(palette)
-                settle(application, shot)
-                small = shrunk(grabbed(shot))
-                (into / f"{shot.name}-{look}-{scale}.png").write_bytes(small)
-                print(f"{shot.name}-{look}-{scale}.png", len(small) // 1000, "kB", flush=True)
-            apply_palette(application, LIGHT)
-            shot.wear(LIGHT)
+            if shot.name in wanted:
+                draw_looks(into, shot, application)
+            if shot.name in wanted.intersection(SIZED):
+                draw_sizes(into, shot, application)
             if shot.name == last:
                 break
+
+
+def draw_looks(into: Path, shot: Shot, application: QApplication) -> None:
+    """Draw a state light and dark."""
+    for look, palette in (("dark", DARK), ("light", LIGHT)):
+        apply_palette(application, palette)
+        shot.wear(palette)
+        save(into / f"{shot.name}-{look}.png", shot, application)
+
+
+def draw_sizes(into: Path, shot: Shot, application: QApplication) -> None:
+    """Draw a state at all sizes."""
+    before = shot.window.size()
+    for text in TEXTS:
+        for size in SIZES:
+            apply_text_size(application, text / 100 * usual_growth(QSize(*size)))
+            shot.window.resize(*size)
+            save(into / sized(shot.name, size, text), shot, application)
+    apply_text_size(application, 1.0)
+    shot.window.resize(before)
+
+
+def sized(name: str, size: tuple[int, int], text: int) -> str:
+    """Return the name of the file of a picture at some size."""
+    return f"{name}-{size[0]}x{size[1]}-{text}.png"
+
+
+def save(file: Path, shot: Shot, application: QApplication) -> None:
+    """Write the picture of a window that has come to rest."""
+    settle(application, shot)
+    small = shrunk(grabbed(shot))
+    file.write_bytes(small)
+    print(file.name, len(small) // 1000, "kB", flush=True)
 
 
 def settle(application: QApplication, shot: Shot) -> None:
@@ -114,10 +140,22 @@ def gallery(stories: Sequence[Story]) -> str:
     for story in stories:
         lines += ["", f"## {story.title}"]
         for name, caption in story.pictures.items():
-            files = [f"pictures/windows/{name}-{look}" for look in ("light", "dark")]
-            shown = [f"[![{caption}]({file}-100.png)]({file}-200.png)" for file in files]
+            shown = [f"![{caption}](pictures/windows/{name}-{look}.png)" for look in ("light", "dark")]
             lines += ["", f"{caption}:", "", "| light | dark |", "|---|---|", f"| {shown[0]} | {shown[1]} |"]
+            if name in SIZED:
+                lines += ["", *table_of_sizes(name, caption)]
     return "\n".join(lines) + "\n"
+
+
+def table_of_sizes(name: str, caption: str) -> list[str]:
+    """Return the lines that show a state at all sizes."""
+    heads = [f"{width} x {height}" for width, height in SIZES]
+    lines = [f"| text | {' | '.join(heads)} |", "|---|" + "---|" * len(SIZES)]
+    for text in TEXTS:
+        files = [f"pictures/windows/{sized(name, size, text)}" for size in SIZES]
+        shown = [f"[![{caption}, {head}]({file})]({file})" for head, file in zip(heads, files, strict=True)]
+        lines.append(f"| {text} % | {' | '.join(shown)} |")
+    return lines
 
 
 def main() -> None:
@@ -126,9 +164,7 @@ def main() -> None:
     parser.add_argument("--into", type=Path, default=PICTURES, help="the folder")
     parser.add_argument("--only", nargs="+", metavar="NAME", help="draw these and no others")
     parser.add_argument("--list", action="store_true", help="say the names of all pictures, and draw none")
-    parser.add_argument("--scale", type=int, choices=SCALES, help="per cent; both by default")
     options = parser.parse_args()
-    os.environ["QT_QPA_PLATFORM"] = "offscreen"
     known = [name for story in STORIES for name in story.pictures]
     if options.list:
         print("\n".join(known))
@@ -137,19 +173,15 @@ def main() -> None:
     if unknown:
         parser.error(f"there are no pictures called {', '.join(sorted(unknown))}; --list says which there are")
     options.into.mkdir(parents=True, exist_ok=True)
-    if os.environ.get("QT_SCALE_FACTOR") != str((options.scale or 0) / 100):
-        for scale in SCALES if options.scale is None else (options.scale,):
-            environment = {**os.environ, "QT_SCALE_FACTOR": str(scale / 100)}
-            command = [sys.executable, *sys.argv, "--scale", str(scale)]
-            subprocess.run(command, env=environment, check=True)
-        if options.into == PICTURES and not options.only:
-            GALLERY.write_text(gallery(STORIES), encoding="utf-8")
-        return
     with tempfile.TemporaryDirectory() as folder:
-        screen = Path(folder) / "screen.json"
-        screen.write_text(json.dumps({"screens": [screen_at(options.scale)]}), encoding="utf-8")
-        os.environ["QT_QPA_PLATFORM"] = f"offscreen:configfile={screen}"
-        draw(options.into, options.scale, frozenset(options.only or known))
+        width, height = SCREEN
+        screen = {"x": 0, "y": 0, "width": width, "height": height, "logicalDpi": 96, "logicalBaseDpi": 96, "dpr": 1}
+        file = Path(folder) / "screen.json"
+        file.write_text(json.dumps({"screens": [screen]}), encoding="utf-8")
+        os.environ["QT_QPA_PLATFORM"] = f"offscreen:configfile={file}"
+        draw(options.into, frozenset(options.only or known))
+    if options.into == PICTURES and not options.only:
+        GALLERY.write_text(gallery(STORIES), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,5 @@
 """The pictures of the windows are those that the script draws, and it draws them."""
 
-import os
 import re
 import subprocess
 import sys
@@ -20,22 +19,20 @@ def names() -> list[str]:
     return listed.stdout.split()
 
 
-def test_the_pictures_are_those_that_the_script_draws(names: list[str]) -> None:
-    drawn = {f"{name}-{look}-{scale}.png" for name in names for look in ("light", "dark") for scale in (100, 200)}
-    assert {file.name for file in PICTURES.iterdir()} == drawn
-
-
-def test_the_gallery_shows_all_of_them(names: list[str]) -> None:
+def test_the_pictures_are_those_that_the_script_draws_and_the_gallery_shows_all(names: list[str]) -> None:
     gallery = (ROOT / "docs" / "windows-gallery.md").read_text(encoding="utf-8")
-    shown = set(re.findall(r"pictures/windows/(.*?)-light-100\.png", gallery))
-    assert shown == set(names)
+    shown = set(re.findall(r"!\[[^]]*]\(pictures/windows/(.*?)\)", gallery))
+    assert {file.name for file in PICTURES.iterdir()} == shown
+    assert {f"{name}-{look}.png" for name in names for look in ("light", "dark")} <= shown
 
 
-def test_a_window_is_drawn_light_and_dark(tmp_path: Path) -> None:
-    command = [sys.executable, SCRIPT, "--only", "connecting", "--scale", "200", "--into", tmp_path]
-    # With Qt's scale as it has to be, the script draws itself, and starts no other process for it.
-    environment = {**os.environ, "QT_SCALE_FACTOR": "2.0"}
-    subprocess.run(command, check=True, capture_output=True, cwd="/", env=environment)
-    light, dark = (Image.open(tmp_path / f"connecting-{look}-200.png").convert("L") for look in ("light", "dark"))
-    assert light.size == dark.size == (2400, 1600)
+def test_a_window_is_drawn_light_and_dark_and_the_important_ones_at_all_sizes(tmp_path: Path) -> None:
+    command = [sys.executable, SCRIPT, "--only", "start", "connecting", "--into", tmp_path]
+    subprocess.run(command, check=True, capture_output=True, cwd="/")
+    light, dark = (Image.open(tmp_path / f"connecting-{look}.png").convert("L") for look in ("light", "dark"))
+    assert light.size == dark.size == (1200, 800)
     assert light.getpixel((5, 5)) > 200 > 60 > dark.getpixel((5, 5))
+    for text in (100, 150):
+        for size in ((1024, 600), (1200, 800), (1920, 1080)):
+            assert Image.open(tmp_path / f"start-{size[0]}x{size[1]}-{text}.png").size == size
+    assert len(list(tmp_path.iterdir())) == 4 + 6
