@@ -121,7 +121,7 @@ class _RecordedLink(ParticipantLink):
     """A link on which all events have arrived already."""
 
     def __init__(self, hunt: PicturedHunt) -> None:
-        super().__init__("", 0, "")
+        super().__init__("", 0, "nobody")
         self._recorded = [ReceivedEvent(hunt.now, event) for event in (ServerReached(), *hunt.levels.values())]
 
     def start(self) -> None:

@@ -21,7 +21,7 @@ from ui.windows.participant.widgets.panels import TitledPanel
 MAX_PANEL_WIDTH = 620
 """Greatest width of a panel in the middle, and of a pop-up that needs it, `px`."""
 
-POPUP = QSize(360, 380)
+POPUP = QSize(360, 320)
 """Usual width of a pop-up in a corner, and the height that is kept for it to grow in, `px`."""
 
 LEAST_SCALE = 0.35

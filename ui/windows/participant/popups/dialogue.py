@@ -10,6 +10,9 @@ from ui.windows.participant.popups.finding import SensedFacts, TreasurePicture
 from ui.windows.participant.widgets.buttons import ActionButton, ActionRow
 from ui.windows.participant.widgets.panels import TitledPanel, Transcript
 
+SHARE_OF_PICTURE = 0.6
+"""Size of the picture beside a talk about naming, as a share of the usual one: what is said needs the space."""
+
 
 class DialoguePanel(TitledPanel):
     """A dialogue with a robot: what it is about, sentences as bubbles, answers as buttons."""
@@ -20,7 +23,7 @@ class DialoguePanel(TitledPanel):
         self.aside = ActionButton("quiet")
         self.aside.requested.connect(self.requested)
         self.top.addWidget(self.aside)
-        self.facts, self.picture = SensedFacts(), TreasurePicture()
+        self.facts, self.picture = SensedFacts(), TreasurePicture(SHARE_OF_PICTURE)
         find = spaced(QHBoxLayout(), GAP)
         self.rows.addLayout(find)
         find.addWidget(self.picture, 2)

@@ -15,10 +15,16 @@ _PICTURE = QSize(224, 168)
 
 
 class TreasurePicture(QWidget):
-    """A treasure's picture, or an empty frame with a note that says why."""
+    """A treasure's picture, or an empty frame with a note that says why.
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    Args:
+        share: of the usual size.
+        parent: as for any widget.
+    """
+
+    def __init__(self, share: float = 1.0, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self._share = share
         self._data: bytes | None = None
         self._note = ""
         self.setAccessibleName("Picture of what was found")
@@ -28,7 +34,7 @@ class TreasurePicture(QWidget):
 
     def sizeHint(self) -> QSize:
         """Return the size of a small photograph."""
-        return QSize(px(_PICTURE.width()), px(_PICTURE.height()))
+        return QSize(px(self._share * _PICTURE.width()), px(self._share * _PICTURE.height()))
 
     def _fit(self) -> None:
         usual = self.sizeHint()
