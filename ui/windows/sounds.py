@@ -24,11 +24,14 @@ ATTACK = 0.008
 TONES: Mapping[GameSound, tuple[tuple[float, float, float], ...]] = {
     GameSound.ARRIVAL: ((587.3, 0.0, 0.22),),
     GameSound.FIND: ((784.0, 0.0, 0.16), (1046.5, 0.1, 0.3)),
-    GameSound.QUESTION: ((880.0, 0.0, 0.14), (880.0, 0.16, 0.24)),
-    GameSound.WON: ((523.3, 0.0, 0.16), (659.3, 0.09, 0.18), (784.0, 0.18, 0.2), (1046.5, 0.27, 0.34)),
-    GameSound.LOST: ((392.0, 0.0, 0.22), (311.1, 0.18, 0.36)),
+    GameSound.QUESTION: ((880.0, 0.0, 0.12), (880.0, 0.13, 0.12), (1174.7, 0.26, 0.24)),
+    GameSound.WON: ((523.3, 0.0, 0.16), (659.3, 0.08, 0.18), (784.0, 0.16, 0.2), (1046.5, 0.24, 0.26)),
+    GameSound.LOST: ((392.0, 0.0, 0.22), (311.1, 0.17, 0.33)),
 }
-"""Tones of each sound: frequency in hertz, beginning and length in seconds. Won rises, lost falls."""
+"""Tones of each sound: frequency in hertz, beginning and length in seconds.
+
+Won rises, lost falls, a question ends upward.
+"""
 KILL_TIMEOUT = 1000
 """Milliseconds that a program may take to end once it is killed."""
 PLAYERS = (("pw-play",), ("paplay",), ("aplay", "-q"), ("afplay",))

@@ -20,7 +20,7 @@ def test_a_sound_is_short_quiet_begins_and_ends_in_silence_and_has_its_tones(sou
         assert (file.getnchannels(), file.getsampwidth(), file.getframerate()) == (1, 2, RATE)
         samples = np.frombuffer(file.readframes(file.getnframes()), "<i2")
     assert np.array_equal(samples, samples_of(sound))
-    assert len(samples) / RATE < 0.7
+    assert len(samples) / RATE < 0.55
     assert 0.2 < np.abs(samples).max() / 32767 < 0.3
     assert max(abs(int(samples[0])), abs(int(samples[-1]))) < 100
     spectrum = np.abs(np.fft.rfft(samples, 4 * RATE))
@@ -31,6 +31,13 @@ def test_a_sound_is_short_quiet_begins_and_ends_in_silence_and_has_its_tones(sou
 
 def test_no_two_sounds_are_alike() -> None:
     assert len({wav_of(sound) for sound in GameSound}) == len(GameSound)
+
+
+def test_points_won_rise_points_lost_fall_and_a_question_ends_upward() -> None:
+    pitch = {sound: [frequency for frequency, _, _ in TONES[sound]] for sound in GameSound}
+    assert pitch[GameSound.WON] == sorted(set(pitch[GameSound.WON]))
+    assert pitch[GameSound.LOST] == sorted(set(pitch[GameSound.LOST]), reverse=True)
+    assert pitch[GameSound.QUESTION][-1] > max(pitch[GameSound.QUESTION][:-1])
 
 
 def test_the_player_is_the_first_program_of_the_system_that_is_there(
