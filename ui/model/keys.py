@@ -158,11 +158,18 @@ def is_letter(key: str) -> bool:
     return len(key) == 1 and key.isalpha()
 
 
-def help_lines(rooms: int) -> tuple[tuple[str, str], ...]:
-    """The help sheet: (keys, what they do)."""
+def help_lines(rooms: int, silent: str = "") -> tuple[tuple[str, str], ...]:
+    """The help sheet: (keys, what they do).
+
+    Args:
+        rooms: number of rooms; 0 before there is a game.
+        silent: why there can be no sound, which stands in place of what its key does; empty when there can be.
+    """
     number = "Send the robot to this room" + (": both digits, or Enter after the first" if rooms > 9 else "")
     lines = [(f"1 to {rooms}", number)] if rooms else []
-    lines += [(" or ".join(binding.keys), binding.does) for binding in PLAYING]
+    for binding in PLAYING:
+        does = silent if silent and isinstance(binding.act, SwitchSound) else binding.does
+        lines.append((" or ".join(binding.keys), does))
     lines.append(("Enter", "The first of the answers to a robot; each answer's own letter is on its button"))
     lines.append(("Letters", "While a name is asked for: pick the name that begins so"))
     lines.append((", ".join(_STEPS), "While a name is asked for: pick the name before or after, the first or last"))

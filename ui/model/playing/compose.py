@@ -65,7 +65,7 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         waiting=() if playing is None else _waiting(playing),
         history=memory.history.lines,
         ending=game_over_page(hunt) if hunt is not None and phase is Phase.OVER else None,
-        help=help_lines(0 if hunt is None else len(hunt.view.rooms)) if memory.help_open else (),
+        help=_help(memory, hunt) if memory.help_open else (),
         typed=memory.typed,
         announcement="",
         announcement_number=0,
@@ -151,6 +151,10 @@ def _agree(hunt: HuntMemory | None) -> Action:
 
 def _not_now(act: AgreeToTakePart | AskAdvice | EndGame, label: str) -> Action:
     return keyed(act, label, enabled=False, hint="Not just now.")
+
+
+def _help(memory: ParticipantMemory, hunt: HuntMemory | None) -> tuple[tuple[str, str], ...]:
+    return help_lines(0) if hunt is None else help_lines(len(hunt.view.rooms), why_silent(memory, hunt))
 
 
 def _sound(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[Action, ...]:

@@ -10,7 +10,7 @@ from thbridge.roles.view import IdentificationVerdict, View
 from ui.model.keys import act_for
 from ui.model.participant import Participant
 from ui.model.playing.offers import offer
-from ui.model.screen import GameSound, SwitchSound
+from ui.model.screen import GameSound, ShowHelp, SwitchSound
 
 
 @dataclass
@@ -113,3 +113,18 @@ def test_a_computer_without_a_player_is_said_to_have_none():
     listener.see(view())
     switch = offer(listener.model.screen(0.0), SwitchSound())
     assert (switch.enabled, switch.hint) == (False, "This computer has no program that plays sounds.")
+
+
+@pytest.mark.parametrize(
+    ("can_sound", "sound", "said"),
+    [
+        (True, True, "Switch sound off, or on again"),
+        (True, False, "This study is without sound."),
+        (False, True, "This computer has no program that plays sounds."),
+    ],
+)
+def test_the_sheet_of_keys_says_of_m_what_it_does_or_why_it_does_nothing(can_sound: bool, sound: bool, said: str):
+    listener = Listener(Participant(can_sound=can_sound))
+    listener.see(structs.replace(view(), sound=sound))
+    listener.model.do(ShowHelp(), 0.0)
+    assert dict(listener.model.screen(0.0).help)["M"] == said
