@@ -219,6 +219,15 @@ def test_who_may_be_sent_is_said_where_nothing_waits():
     assert seat.screen.nothing_waits == "2 robots are ready to be sent"
 
 
+def test_a_robot_for_which_no_room_is_left_is_not_said_to_be_ready():
+    seat = Seat(robots=2, rules=replace(RULES, energy=1000.0))
+    for room in range(1, 9):
+        go(seat, room)
+        if room < 8:
+            seat.do(LeaveTreasure())
+    assert {card.state for card in seat.screen.cards if card.robot == 1} == {"nothing left to do"}
+
+
 def test_arrivals_wait_behind_what_is_read_and_never_take_its_place():
     seat = Seat(robots=3)
     for robot, room in ((0, 1), (1, 2)):

@@ -165,7 +165,9 @@ def _resting(hunt: HuntMemory, robot: RobotView) -> str:
     room = undecided_beside(hunt.known, number)
     if room is not None:
         return "found something" if hunt.view.room(room).sensed else "looking at what is here"
-    return "at rest" if robot.other_commander else READY
+    if robot.other_commander:
+        return "at rest"
+    return READY if affordable(hunt.known.state, number) else "nothing left to do"
 
 
 def nothing_waits(team: Sequence[RobotCard], *, answering: bool) -> str:

@@ -218,7 +218,10 @@ class _Pill:
     def __init__(self, space: _Space, text: str, font: QFont) -> None:
         self.font = sized(font, NAME_HEIGHT * text_scale(font), QFont.Weight.Medium)
         metrics = QFontMetricsF(self.font)
-        self.words = metrics.elidedText(text, Qt.TextElideMode.ElideRight, space.width - 2.0 * space.inset - 16.0)
+        width = space.width - 2.0 * space.inset - 16.0
+        # A name without its points says more than a part of both.
+        text = text if metrics.horizontalAdvance(text) <= width else text.partition(",")[0]
+        self.words = metrics.elidedText(text, Qt.TextElideMode.ElideRight, width)
         self._size = metrics.horizontalAdvance(self.words) + 16.0, metrics.height() + 6.0
         self._space = space
 
