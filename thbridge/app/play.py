@@ -90,7 +90,7 @@ class HuntOutcome:
 
 
 class HuntUnfinished(Exception):  # noqa: N818 - nothing went wrong with the program
-    """The hunt ended before the game was over. Everything is closed in good order.
+    """The hunt ended before the game was over, or before the participant had left. Everything is closed in good order.
 
     Attributes:
         outcome: at that time.
@@ -155,7 +155,7 @@ async def play(
     Raises:
         ParticipantDeclined: the participant did not agree to take part, or left before an answer.
         BadFile: the journal, the telemetry log or the bag cannot be written (the latter as `BagNotWritten`).
-        Unfinished: it was stopped, or the game was not over in time; what was recorded is complete.
+        HuntUnfinished: it was stopped, or the game was not over in time; what was recorded is complete.
     """
     team = build_team(setting)
     simr = build_simr(setting, team)
@@ -227,7 +227,8 @@ async def play(
         opened.push_async_callback(server.stop)  # It stops before the recording is closed.
         run = await run_ticks(tick, pacer)
     outcome = _outcome(setting, session, ending, roles, run.seconds, options.bag)
-    if ending.tick is None:
+    # With a window, the end of a game is not the end of the hunt: participants may play again.
+    if ending.tick is None or (options.left is not None and not run.finished):
         raise HuntUnfinished(outcome, stopped=not run.finished)
     return outcome
 
