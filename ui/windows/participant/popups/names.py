@@ -96,6 +96,8 @@ class NameList(QListWidget):
         self.clear()
         told = dict(zip(self._names, self._worth, strict=False))
         self.addItems([_words(name, told.get(name)) for name in self._names])
+        for row in range(self.count()):
+            self.item(row).setToolTip(self.item(row).text())  # a narrow list cuts it off
         self._high = max(self.sizeHintForRow(0), self._high)
 
     def _pick(self) -> None:
