@@ -225,9 +225,10 @@ class Tiles(ActionWidget):
 
 
 def below(tile: RoomTile) -> tuple[str, ...]:
-    """Return the line below a room's number, and perhaps a shorter one: the finding there, or the cost to go there."""
+    """Return the line below a room's number, and shorter ones: the finding there, or the cost to go there."""
     if tile.found:
-        return (tile.found,)
+        name = tile.found.partition(",")[0]
+        return tile.found, name, name.removeprefix("something ")
     if tile.state != "unvisited":
         return ("on the way", "taken") if tile.state == "reserved" else ("",)
     if tile.cost is None:

@@ -55,6 +55,7 @@ from ui.windows.participant.cards import EDGE, PAD
 from ui.windows.participant.pages.pages import KeyCap
 from ui.windows.participant.popups.finding import NamingResult, SensedFacts, TreasurePicture
 from ui.windows.participant.score import ScoreLabel
+from ui.windows.participant.tiles import below
 from ui.windows.participant.top import BannerLine
 from ui.windows.participant.widgets.buttons import ActionButton, ParticipantButton
 from ui.windows.participant.widgets.panels import RobotChip, SpeechBubble, TitledPanel, Transcript
@@ -856,3 +857,9 @@ def test_a_talk_that_fits_has_no_scroll_bar_that_would_break_its_lines(qtbot: Qt
         talk.resize(width, talk.heightForWidth(width))
         QApplication.processEvents()
         assert not talk.verticalScrollBar().isVisible(), width
+
+
+def test_a_finding_has_shorter_words_for_a_narrow_tile() -> None:
+    tile = samples.tile(1, 8)
+    assert below(replace(tile, found="Orange bottle, +10")) == ("Orange bottle, +10", "Orange bottle", "Orange bottle")
+    assert below(replace(tile, found="something pink"))[-1] == "pink"
