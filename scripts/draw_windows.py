@@ -24,6 +24,7 @@ from PySide6.QtCore import QBuffer, QSize
 from PySide6.QtWidgets import QApplication, QWidget
 
 from ui.model.theme import DARK, LIGHT
+from ui.windows.application import application as open_application
 from ui.windows.look import apply_palette, apply_text_size, usual_growth
 
 ROOT = Path(__file__).parents[1]
@@ -51,7 +52,7 @@ SETTLE_TIMEOUT = 10.0
 
 def draw(into: Path, wanted: frozenset[str]) -> None:
     """Draw the pictures with these names."""
-    application = QApplication([])
+    application = open_application()
     apply_palette(application, LIGHT)
     application.setCursorFlashTime(0)
     for story in STORIES:
