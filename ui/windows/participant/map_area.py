@@ -136,7 +136,8 @@ class MapArea(QWidget):
         shown_in = None
         if self._robot is not None:
             kept = QSize(size.width(), max(size.height(), min(px(POPUP.height()), space.height())))
-            shown_in = self._beside(space, kept)
+            # Where the room to grow is not there, the map gives way as the dialogue goes on.
+            shown_in = self._beside(space, kept) or self._beside(space, size)
             if shown_in is not None:
                 self._corner = (True, True)
             at_right, at_bottom = self._corner = self._corner or self._best_corner(space, kept)

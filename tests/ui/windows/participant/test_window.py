@@ -49,6 +49,7 @@ from ui.model.screen import (
     TypeLetter,
 )
 from ui.model.theme import LIGHT
+from ui.windows import look
 from ui.windows.look import GAP, font
 from ui.windows.map import MapView
 from ui.windows.participant.cards import EDGE, PAD
@@ -541,6 +542,18 @@ def test_the_whole_map_is_shown_beside_a_pop_up_and_all_of_its_place_taken_again
             assert window.map.rect().contains(corner) and not under.contains(corner), mark.room
     shown.show(STATES["playing"])
     assert window.map.camera == whole
+
+
+def test_with_large_text_the_whole_map_is_shown_above_a_talk(opened: Open, qapp: QApplication) -> None:
+    look.apply_text_size(qapp, 1.5)
+    try:
+        shown = opened(STATES["playing"], 1200, 800)
+        shown.show(STATES["dialogue"])
+        under = covered(shown, shown.window.dialogue)
+        for mark in shown.model.rooms(0.0):
+            assert not under.contains(room_on_map(shown, mark.room)), mark.room
+    finally:
+        look.apply_text_size(qapp, 1.0)
 
 
 def test_a_map_that_was_moved_stays_where_it_is_and_the_pop_up_in_another_corner(qtbot: QtBot, opened: Open) -> None:
