@@ -28,9 +28,12 @@ from std_msgs.msg import String
 rospy.init_node("named")
 publisher = rospy.Publisher("/words", String, queue_size=1)
 rate = rospy.Rate(50)
-while not rospy.is_shutdown():
-    publisher.publish(sys.argv[1])
-    rate.sleep()
+try:
+    while not rospy.is_shutdown():
+        publisher.publish(sys.argv[1])
+        rate.sleep()
+except rospy.ROSException:  # told to end in the middle of publishing or sleeping
+    pass
 """
 
 LOGGER = """
