@@ -31,7 +31,7 @@ from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.keeper.advice import advise
 from thbridge.study.study_file import CostModel, GameSection, Study
 
-TREASURE = TreasureKind("Green", "Round and Small", 10, "bottle", None)
+TREASURE = TreasureKind({"colour": "Green", "footprint": "Round and Small"}, 10, "bottle", None)
 IDENTIFY_COST = 2.0
 SPREAD = 0.3
 """Greatest share by which a drive takes longer or shorter than its cost in seconds."""

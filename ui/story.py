@@ -20,6 +20,8 @@ from thbridge.hunt.events import (
     GameStarted,
     HandbackRequested,
     MoveFailed,
+    PropertyMeasured,
+    PropertyTold,
     RobotArrived,
     RobotDeparted,
     TreasureIdentified,
@@ -29,8 +31,9 @@ from thbridge.hunt.events import (
     TreasuresHidden,
     TreasureTakenUp,
 )
+from thbridge.hunt.properties import value_in_words
 from thbridge.hunt.rules import commander_name
-from thbridge.hunt.treasures import name_in_words, sensed_in_words
+from thbridge.hunt.treasures import name_in_words
 from ui.terminal import out
 
 
@@ -93,8 +96,13 @@ def _happened(event: Event) -> str:
             return f"{robot_name(robot).capitalize()} is commanded by {who} from now on."
         case HandbackRequested(robot):
             return f"The participant asks for {robot_name(robot)} back."
-        case TreasureSensed(room, colour, footprint):
-            return f"Something {sensed_in_words(colour, footprint)}, is in {room}."
+        case TreasureSensed(room, properties):
+            told = ", ".join(map(value_in_words, properties.values()))
+            return f"Something {told}, is in {room}." if told else f"Something is in {room}."
+        case PropertyMeasured(room, robot, name, value):
+            return f"{robot_name(robot).capitalize()} senses in {room}: {_property_in_words(name, value)}."
+        case PropertyTold(room, name, value):
+            return f"The participant tells of {room}: {_property_in_words(name, value)}."
         case TreasurePictured(room, robot):
             return f"{robot_name(robot).capitalize()} takes a picture in {room}."
         case TreasureIdentified(room, _, name, points):
@@ -107,3 +115,7 @@ def _happened(event: Event) -> str:
             return f"The treasure in {room} is taken up again."
         case GameEnded(reason, score):
             return f"The game is over: {ENDS[reason]}. Score {score}."
+
+
+def _property_in_words(name: str, value: str) -> str:
+    return f"{name_in_words(name)} {value_in_words(value)}"

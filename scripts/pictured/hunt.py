@@ -112,7 +112,7 @@ class PicturedHunt:
 
     def reached(self) -> None:
         """Wait until a robot has reported what it sees in the room that it came to."""
-        self.until(lambda screen: bool(getattr(screen.popup, "colour", "")))
+        self.until(lambda screen: bool(getattr(screen.popup, "facts", ())))
 
     def tell(self, change: Callable[[View], View]) -> None:
         """Have the game's view changed in this way from now on."""

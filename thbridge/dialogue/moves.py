@@ -6,9 +6,10 @@ outcome) is computed from the record.
 A new kind of dialogue (arguments, for example) adds its moves to `Move`, and a protocol and a strategy for them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 
+from thbridge.hunt.properties import Properties
 from thbridge.hunt.rooms import Room
 
 
@@ -62,8 +63,9 @@ class DialogueTopic:
         room: the destination, or the room of the treasure.
         cost: energy of the proposal.
         energy: of the robot.
-        colour: of the treasure as sensed; empty when the robot has not been there.
-        footprint: likewise.
+        room_name: of the room, as people read it within a sentence.
+        other_robot: the robot that could get to the room for the least energy besides this one; None without one.
+        properties: known of the treasure there.
         reason: of the robot's suggestion, as part of a sentence; empty for what it did not suggest.
     """
 
@@ -72,8 +74,9 @@ class DialogueTopic:
     room: Room
     cost: float
     energy: float
-    colour: str = ""
-    footprint: str = ""
+    room_name: str = ""
+    other_robot: int | None = None
+    properties: Properties = field(default_factory=dict)
     reason: str = ""
 
 

@@ -1,6 +1,8 @@
 """Errors of files that a person can correct."""
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -54,6 +56,31 @@ class BadFiles(BadFile):
 
     def __reduce__(self) -> tuple[type["BadFiles"], tuple[tuple[BadFile, ...]]]:  # type: ignore[override]  # as built
         return (type(self), (self.faults,))
+
+
+class FaultCollection:
+    """Faults of several files that are read one after the other, so that they can be corrected together.
+
+    Attributes:
+        found: all so far.
+    """
+
+    def __init__(self) -> None:
+        self.found: list[BadFile] = []
+
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """Keep a fault that is raised within, and go on after it."""
+        try:
+            yield
+        except BadFiles as several:
+            self.found += several.faults
+        except BadFile as fault:
+            self.found.append(fault)
+
+    def together(self) -> BadFile:
+        """Return the only fault, or all of them, of which there is at least one."""
+        return self.found[0] if len(self.found) == 1 else BadFiles(tuple(self.found))
 
 
 def reason_of(error: OSError) -> str:

@@ -1,31 +1,40 @@
-"""Reads template folders: the files of 2016 with the treasures and dialogue of a game, and perhaps its travel costs.
+"""Reads template folders: the treasures and the dialogue of a game, and perhaps its travel costs.
 
-A folder has `treasures`, `DialogueText` and `pictures/`, and for the participant's machine, which must not know which
-picture belongs to which treasure, `treasures.participant`: the same lines without their last field. It may have a
+A folder has `treasures` as in 2016 or `treasures.yaml`, `DialogueText` and `pictures/`; perhaps, for the participant's
+machine, which must not know which picture belongs to which treasure, `treasures.participant`. It may have a
 `mapTimes` for maps without one, and a `set.yaml` that names the one map whose moves `mapTimes` prices. All are UTF-8
 text; Windows line ends, a byte order mark and blank lines are accepted.
 """
 
 import difflib
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.dialogue.moves import Scenario
-from thbridge.dialogue.templates import ScriptedQuestion, Template, word_fault
-from thbridge.files.errors import BadFile
+from thbridge.dialogue.templates import ScriptedQuestion, Template
+from thbridge.dialogue.words import word_fault
+from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.map_times import MAP_TIMES, read_map_times
-from thbridge.files.template_lines import count_in, first_line, numbered_lines
+from thbridge.files.template_lines import first_line, numbered_lines
+from thbridge.files.treasure_files import (
+    PARTICIPANT_TREASURES,
+    PICTURES,
+    TREASURES,
+    TREASURES_YAML,
+    TreasureList,
+    check_copy,
+    read_treasures,
+    read_treasures_yaml,
+)
 from thbridge.files.yaml.load import load
 from thbridge.hunt.costs import CostMatrix
-from thbridge.hunt.treasures import TreasureKind, same_name
+from thbridge.hunt.properties import OF_2016, TreasureProperty
+from thbridge.hunt.treasures import TreasureKind
 
-TREASURES = "treasures"
-PARTICIPANT_TREASURES = "treasures.participant"
 DIALOGUE_TEXT = "DialogueText"
 SET = "set.yaml"
-PICTURES = "pictures"
 LARGEST_PICTURE = 2_000_000
 """Largest size of an image file in bytes."""
 
@@ -35,20 +44,6 @@ _SECTIONS: Mapping[str, Scenario] = {
     "TakeTreasure:": Scenario.TAKE_TREASURE,
 }
 _BETWEEN_WORDINGS = re.compile(r"(?<!\S)\|(?!\S)")
-_TREASURE_FORM = "Colour,Footprint,Points,Name,ImageFile"
-
-
-@dataclass(frozen=True, slots=True)
-class TreasureList:
-    """The contents of a treasures file.
-
-    Attributes:
-        rooms: number of rooms.
-        kinds: the treasures, at least one, in the order of the file; either all have an image or none has.
-    """
-
-    rooms: int
-    kinds: tuple[TreasureKind, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +59,7 @@ class TemplateSet:
         rooms: number of rooms that the list of treasures is for.
         costs: energy of every move on maps that have no costs of their own; None without a `mapTimes`.
         map: name of the map on which `costs` count although it has its own; None: no map.
+        properties: of the treasures.
         kinds: treasures with their images.
         dialogue: the scripted questions.
         pictures: the treasures' image files, by name.
@@ -72,6 +68,7 @@ class TemplateSet:
     rooms: int
     costs: CostMatrix | None
     map: str | None
+    properties: tuple[TreasureProperty, ...]
     kinds: tuple[TreasureKind, ...]
     dialogue: Template
     pictures: Mapping[str, bytes]
@@ -84,38 +81,67 @@ def read_template_set(folder: Path) -> TemplateSet:
     no treasure has.
 
     Raises:
-        BadFile: a file is missing or wrong, or two files do not agree.
+        BadFiles: all that is missing or wrong in its files, and where two do not agree.
     """
     if not folder.is_dir():
         raise BadFile(folder, "there is no such template folder", "name a folder that has DialogueText in it")
-    costs = read_map_times(folder / MAP_TIMES) if (folder / MAP_TIMES).exists() else None
-    path = folder / TREASURES
+    faults = FaultCollection()
+    costs: CostMatrix | None = None
+    treasures: TreasureList | None = None
+    dialogue: Template | None = None
+    place: str | None = None
+    pictures: dict[str, bytes] = {}
+    declaring = (folder / TREASURES_YAML).exists()
+    path = folder / (TREASURES_YAML if declaring else TREASURES)
+    with faults.kept():
+        costs = read_map_times(folder / MAP_TIMES) if (folder / MAP_TIMES).exists() else None
+    with faults.kept():
+        treasures = read_treasures_yaml(path) if declaring else _treasures_with_images(path)
+    with faults.kept():
+        place = _priced_map(folder / SET, has_costs=(folder / MAP_TIMES).exists())
+    if treasures is not None:
+        with faults.kept():
+            dialogue = read_dialogue_text(folder / DIALOGUE_TEXT, treasures.properties)
+        with faults.kept():
+            _check_together(folder, path, treasures, costs)
+        for kind in treasures.kinds:
+            with faults.kept():
+                image = kind.image or ""
+                pictures[image] = _picture(path, kind.name, folder / PICTURES / image)
+    if faults.found or treasures is None or dialogue is None:
+        raise faults.together()
+    return TemplateSet(treasures.rooms, costs, place, treasures.properties, treasures.kinds, dialogue, pictures)
+
+
+def _treasures_with_images(path: Path) -> TreasureList:
+    """A list of 2016 whose treasures have images."""
     treasures = read_treasures(path)
+    if any(kind.image is None for kind in treasures.kinds):
+        raise BadFile(
+            path,
+            "no treasure has an image, as in a participant's copy",
+            f"write every treasure with its image; name the copy {PARTICIPANT_TREASURES}",
+            key="ImageFile",
+        )
+    return treasures
+
+
+def _check_together(folder: Path, path: Path, treasures: TreasureList, costs: CostMatrix | None) -> None:
+    """Check that the files of a folder agree."""
     if costs is not None and treasures.rooms != len(costs.rooms):
         raise BadFile(
             path,
             f"{treasures.rooms} rooms, but {MAP_TIMES} has {len(costs.rooms) + 1} nodes, "
             f"the corridor and {len(costs.rooms)} rooms",
             "make both files tell of the same rooms",
-            line=1,
-            key="number of rooms",
+            line=1 if path.name == TREASURES else None,
+            key="number of rooms" if path.name == TREASURES else "rooms",
         )
-    pictures: dict[str, bytes] = {}
-    for kind in treasures.kinds:
-        if kind.image is None:
-            raise BadFile(
-                path,
-                "no treasure has an image, as in a participant's copy",
-                f"write every treasure as {_TREASURE_FORM}; name the copy {PARTICIPANT_TREASURES}",
-                key="ImageFile",
-            )
-        pictures[kind.image] = _picture(path, kind.name, folder / PICTURES / kind.image)
+    if path.name == TREASURES_YAML and (folder / TREASURES).exists():
+        raise BadFile(folder / TREASURES, f"there is a {TREASURES_YAML} beside it", "keep one of the two")
     copy = folder / PARTICIPANT_TREASURES
-    if copy.exists():
-        _check_copy(copy, treasures)
-    place = _priced_map(folder / SET, has_costs=costs is not None)
-    dialogue = read_dialogue_text(folder / DIALOGUE_TEXT)
-    return TemplateSet(treasures.rooms, costs, place, treasures.kinds, dialogue, pictures)
+    if path.name == TREASURES and copy.exists():
+        check_copy(copy, treasures)
 
 
 def _priced_map(path: Path, *, has_costs: bool) -> str | None:
@@ -145,41 +171,11 @@ def _picture(treasures: Path, name: str, file: Path) -> bytes:
     return data
 
 
-def read_treasures(path: Path) -> TreasureList:
-    """Read a list of treasures: the number of rooms, then one treasure per line, with or without its image file.
-
-    Raises:
-        BadFile: as the module promises.
-    """
-    lines = numbered_lines(path)
-    number, first = first_line(path, lines, "number of rooms", "the number of rooms")
-    rooms = count_in(path, number, "number of rooms", first, least=1)
-    if not lines[1:]:
-        raise BadFile(path, "there is no treasure in the list", f"add lines of the form {_TREASURE_FORM}")
-    kinds: list[TreasureKind] = []
-    for number, line in lines[1:]:
-        kind = _treasure(path, number, line)
-        if any(same_name(kind.name, other.name) for other in kinds):
-            raise BadFile(
-                path, f"{kind.name!r} is there twice", "give every treasure its own name", line=number, key="Name"
-            )
-        if kinds and (kind.image is None) != (kinds[0].image is None):
-            raise BadFile(
-                path,
-                "some treasures have an image and some have none",
-                "give every treasure its image, or leave all out in the participant's copy",
-                line=number,
-                key="ImageFile",
-            )
-        kinds.append(kind)
-    return TreasureList(rooms, tuple(kinds))
-
-
-def read_dialogue_text(path: Path) -> Template:
+def read_dialogue_text(path: Path, properties: Sequence[TreasureProperty] = OF_2016) -> Template:
     """Read scripted questions: a name, the questions of *don't know*, `SpecificRoom:` and its questions.
 
-    There may be two more sections, `TakePicture:` and `TakeTreasure:`. A line may have several wordings of one question
-    with ` | ` between them.
+    Questions about a treasure may name its properties. There may be two more sections, `TakePicture:` and
+    `TakeTreasure:`. A line may have several wordings of one question with ` | ` between them.
 
     Raises:
         BadFile: as the module promises.
@@ -199,7 +195,7 @@ def read_dialogue_text(path: Path) -> Template:
     for number, line in lines[1:]:
         section = _section(path, number, line)
         if section is None:
-            questions[scenario].append(_question(path, number, line, scenario))
+            questions[scenario].append(_question(path, number, line, scenario, properties))
             continue
         if section in questions:
             raise BadFile(
@@ -217,31 +213,6 @@ def read_dialogue_text(path: Path) -> Template:
     return Template(name, {scenario: tuple(asked) for scenario, asked in questions.items()})
 
 
-def _treasure(path: Path, number: int, line: str) -> TreasureKind:
-    fields = [field.strip() for field in line.split(",")]
-    if len(fields) not in (4, 5):
-        raise BadFile(
-            path,
-            f"{len(fields)} fields in a line that needs 5, or 4 in a participant's copy",
-            f"write it as {_TREASURE_FORM}, with commas only between the fields",
-            line=number,
-        )
-    for key, field in zip(_TREASURE_FORM.split(","), fields, strict=False):
-        if not field:
-            raise BadFile(path, "nothing is written there", f"write the line as {_TREASURE_FORM}", line=number, key=key)
-    colour, footprint, points, name = fields[:4]
-    image = fields[4] if len(fields) == 5 else None
-    if image is not None and ("/" in image or "\\" in image or image in (".", "..") or len(image.split()) > 1):
-        raise BadFile(
-            path,
-            f"{image!r} is not a plain file name",
-            f"write the name alone, without folder and without blanks, and put the file into {PICTURES}/",
-            line=number,
-            key="ImageFile",
-        )
-    return TreasureKind(colour, footprint, count_in(path, number, "Points", points, least=0), name, image)
-
-
 def _section(path: Path, number: int, line: str) -> Scenario | None:
     if line in _SECTIONS:
         return _SECTIONS[line]
@@ -253,29 +224,16 @@ def _section(path: Path, number: int, line: str) -> Scenario | None:
     return None
 
 
-def _question(path: Path, number: int, line: str, scenario: Scenario) -> ScriptedQuestion:
+def _question(
+    path: Path, number: int, line: str, scenario: Scenario, properties: Sequence[TreasureProperty]
+) -> ScriptedQuestion:
     wordings = tuple(wording.strip() for wording in _BETWEEN_WORDINGS.split(line))
     if not all(wordings):
         raise BadFile(
             path, "an empty wording", "write a wording on both sides of every bar, or remove the bar", line=number
         )
     for wording in wordings:
-        fault = word_fault(wording, scenario)
+        fault = word_fault(wording, scenario, properties)
         if fault is not None:
             raise BadFile(path, fault.problem, fault.remedy, line=number)
     return ScriptedQuestion(wordings)
-
-
-def _check_copy(path: Path, treasures: TreasureList) -> None:
-    copy = read_treasures(path)
-    wanted = TreasureList(treasures.rooms, tuple(replace(kind, image=None) for kind in treasures.kinds))
-    if any(kind.image is not None for kind in copy.kinds):
-        raise BadFile(
-            path, "the participant's copy tells the images", "leave the last field of every line out", key="ImageFile"
-        )
-    if copy != wanted:
-        raise BadFile(
-            path,
-            f"does not say the same as {TREASURES}",
-            f"copy {TREASURES} here again and leave the last field of every line out",
-        )

@@ -2,24 +2,41 @@
 
 Every line holds the version of the format (`v`) and the kind of event (`event`); rooms are the numbers people use, with
 0 for the corridor, because people read journals. Unknown fields are errors: a journal that this version does not
-fully understand would fold to a wrong game.
+fully understand would fold to a wrong game. The properties of a treasure are fields beside its others, so their names
+may not be theirs (`TAKEN`); those of the 2016 dialect go without their declaration, as in journals of old.
 """
 
 import json
 import math
+from collections.abc import Collection, Mapping
+from typing import get_args
 
 import msgspec
 
 from thbridge.hunt.costs import CostMatrix
-from thbridge.hunt.events import Event, Number, TreasuresHidden
+from thbridge.hunt.events import Event, GameStarted, Number, TreasureSensed, TreasuresHidden
+from thbridge.hunt.properties import OF_2016
 from thbridge.hunt.rooms import Room
+from thbridge.hunt.treasures import TreasureKind
 
 VERSION = 1
+
+_OF_A_KIND = frozenset(TreasureKind.__dataclass_fields__) - {"properties"}
+_OF_A_SENSED = frozenset(TreasureSensed.__struct_fields__) - {"properties"} | {"event"}
+TAKEN = _OF_A_KIND.union({"v", "event"}, *(event.__struct_fields__ for event in get_args(Event)))
+"""Names that no property of a treasure may have: those of the fields of events, as columns of tables have them."""
 
 
 def to_json(event: Event) -> str:
     """Return one line of ASCII without its line end. Raises ValueError if a number is NaN or infinite."""
     fields: dict[str, object] = msgspec.to_builtins(event, enc_hook=_encode_value)
+    match event:
+        case TreasureSensed():
+            fields = _spread(fields)
+        case TreasuresHidden():
+            fields["treasures"] = [treasure_fields(kind) for kind in event.treasures]
+        case GameStarted() if event.properties == OF_2016:
+            del fields["properties"]
     return json.dumps({"v": VERSION, **fields}, separators=(",", ":"), allow_nan=False)
 
 
@@ -40,14 +57,31 @@ def from_json(line: str) -> Event:
     version: object = fields.pop("v", None)
     if version != VERSION or not isinstance(version, int) or isinstance(version, bool):
         raise ValueError(f"the format is version {version!r}, this program reads version {VERSION}")
+    if fields.get("event") == "sensed":
+        fields = _gathered(fields, _OF_A_SENSED)
+    treasures = fields.get("treasures")
+    if isinstance(treasures, list):
+        fields["treasures"] = [_gathered(kind, _OF_A_KIND) if isinstance(kind, dict) else kind for kind in treasures]
     try:
         event: Event = msgspec.convert(fields, Event, dec_hook=_decode_value)
     except msgspec.ValidationError as error:
         raise ValueError(str(error)) from None
-    # Notices hold treasures too, and those of other releases may have more fields; a journal may not.
-    if isinstance(event, TreasuresHidden) and [*msgspec.to_builtins(event.treasures)] != fields["treasures"]:
-        raise ValueError("a treasure has an unknown or missing field")
+    if isinstance(event, TreasuresHidden) and [*map(treasure_fields, event.treasures)] != treasures:
+        raise ValueError("a treasure lacks a field")
     return event
+
+
+def treasure_fields(kind: TreasureKind) -> dict[str, str | int | None]:
+    """Return a treasure as JSON holds it."""
+    return {**kind.properties, "points": kind.points, "name": kind.name, "image": kind.image}
+
+
+def treasure_of(fields: Mapping[str, object]) -> TreasureKind:
+    """Return the treasure of `treasure_fields`. Raises ValueError for anything else."""
+    try:
+        return msgspec.convert(_gathered(fields, _OF_A_KIND), TreasureKind)
+    except msgspec.ValidationError as error:
+        raise ValueError(str(error)) from None
 
 
 def kind_of(event_class: type[Event]) -> str:
@@ -73,6 +107,20 @@ def _decode_value(kind: type, value: object) -> object:
         # msgspec adds the place in the line to a ValueError alone.
         raise ValueError(str(error)) from None
     return CostMatrix(tuple(tuple(math.inf if cost is None else cost for cost in row) for row in rows))
+
+
+def _spread(fields: Mapping[str, object]) -> dict[str, object]:
+    """Return the fields with the properties among them, each a field of its own."""
+    spread: dict[str, object] = {}
+    for name, value in fields.items():
+        spread.update(value if name == "properties" and isinstance(value, dict) else {name: value})
+    return spread
+
+
+def _gathered(fields: Mapping[str, object], others: Collection[str]) -> dict[str, object]:
+    """Return the fields with all but these others as properties."""
+    properties = {name: value for name, value in fields.items() if name not in others}
+    return {name: value for name, value in fields.items() if name in others} | {"properties": properties}
 
 
 def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:

@@ -7,6 +7,7 @@ from typing import Annotated, TypeAlias
 import msgspec
 
 from thbridge.hunt.costs import CostMatrix
+from thbridge.hunt.properties import OF_2016, Properties, TreasureProperty
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
 
@@ -61,6 +62,7 @@ class GameStarted(_Event, frozen=True, tag="started"):
         identify_cost: energy of identifying.
         wrong_share: share of a treasure's points that a wrong name costs; 1 is the rule of 2016.
         costs: energy of every move; its size determines the number of rooms.
+        properties: of its treasures.
 
     Raises:
         ValueError: a team without robots, or a negative number.
@@ -74,6 +76,7 @@ class GameStarted(_Event, frozen=True, tag="started"):
     identify_cost: Number
     wrong_share: Number
     costs: CostMatrix
+    properties: tuple[TreasureProperty, ...] = OF_2016
 
     def __post_init__(self) -> None:
         if self.robots < 1:
@@ -172,11 +175,28 @@ class HandbackRequested(_Event, frozen=True, tag="asked-back"):
 
 
 class TreasureSensed(_Event, frozen=True, tag="sensed"):
-    """Colour and footprint of the treasure in a room, as the robot there perceives them."""
+    """Properties of the treasure in a room that the robot there senses as it finds it."""
 
     room: Room
-    colour: str
-    footprint: str
+    properties: Properties
+
+
+class PropertyMeasured(_Event, frozen=True, tag="measured"):
+    """A robot sensed one more property of the treasure in a room, for energy."""
+
+    room: Room
+    robot: int
+    property: str
+    value: str
+    cost: Number
+
+
+class PropertyTold(_Event, frozen=True, tag="told"):
+    """The participant told a property of the treasure in a room, as it appears to a person."""
+
+    room: Room
+    property: str
+    value: str
 
 
 class TreasurePictured(_Event, frozen=True, tag="pictured"):
@@ -237,6 +257,8 @@ Event = (
     | CommanderChanged
     | HandbackRequested
     | TreasureSensed
+    | PropertyMeasured
+    | PropertyTold
     | TreasurePictured
     | TreasureIdentified
     | TreasureLeft

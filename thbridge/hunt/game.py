@@ -7,15 +7,15 @@ events that programs of 2016 cause without asking the rules:
   it.
 - `RobotArrived` in another room than the destination ends the move in progress and its reservation.
 - `MoveFailed` of a robot that is not moving places it and refunds nothing; no refund exceeds the price paid.
-- `TreasureSensed`, `TreasurePictured`, `TreasureIdentified` and `TreasureLeft` are noted for rooms where no robot ever
-  arrived, which stay unvisited.
+- `TreasureSensed`, `PropertyMeasured`, `PropertyTold`, `TreasurePictured`, `TreasureIdentified` and `TreasureLeft` are
+  noted for rooms where no robot ever arrived, which stay unvisited.
 - `TreasureIdentified` may come without room, robot or name, more than once, or after `GameEnded`: the score is the sum
   of them all.
 - Energy may become negative by such events; the robot is then blocked as at 0.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import assert_never
 
 from thbridge.hunt.events import (
@@ -30,6 +30,8 @@ from thbridge.hunt.events import (
     GameStarted,
     HandbackRequested,
     MoveFailed,
+    PropertyMeasured,
+    PropertyTold,
     RobotArrived,
     RobotDeparted,
     TreasureIdentified,
@@ -39,6 +41,7 @@ from thbridge.hunt.events import (
     TreasuresHidden,
     TreasureTakenUp,
 )
+from thbridge.hunt.properties import Properties
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.treasures import TreasureKind
 
@@ -102,7 +105,8 @@ class RoomState:
 
     Attributes:
         visited: a robot has arrived there.
-        sensed: the colour and footprint perceived, or None.
+        sensed: what robots sensed of its treasure, or None.
+        told: what the participant told of it.
         image: file name of the picture taken, or None.
         points: won or lost by identifying; None before.
         name: given at identification; None before, or if only the points are known.
@@ -111,7 +115,8 @@ class RoomState:
     """
 
     visited: bool = False
-    sensed: TreasureSensed | None = None
+    sensed: Properties | None = None
+    told: Properties = field(default_factory=dict)
     image: str | None = None
     points: int | None = None
     name: str | None = None
@@ -122,6 +127,11 @@ class RoomState:
     def is_decided(self) -> bool:
         """True when its treasure was identified or given up."""
         return self.left or self.points is not None
+
+    @property
+    def known(self) -> Properties:
+        """Properties of its treasure that are known, by whomever."""
+        return {**(self.sensed or {}), **self.told}
 
 
 @dataclass(frozen=True, slots=True)
@@ -269,7 +279,15 @@ def apply(state: GameState, event: Event) -> GameState:
             robot = _robot(state, event.robot)
             return _with_robot(state, event.robot, replace(robot, asked_back=robot.asked_back + 1))
         case TreasureSensed():
-            return _with_room(state, event.room, replace(_room(state, event.room), sensed=event))
+            return _with_room(state, event.room, replace(_room(state, event.room), sensed=event.properties))
+        case PropertyMeasured():
+            room = _room(state, event.room)
+            sensed = {**(room.sensed or {}), event.property: event.value}
+            state = _with_room(state, event.room, replace(room, sensed=sensed))
+            return _charge(state, event.robot, event.cost)
+        case PropertyTold():
+            room = _room(state, event.room)
+            return _with_room(state, event.room, replace(room, told={**room.told, event.property: event.value}))
         case TreasurePictured():
             state = _with_room(state, event.room, replace(_room(state, event.room), image=event.image))
             return _charge(state, event.robot, event.cost)

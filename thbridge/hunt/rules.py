@@ -20,6 +20,8 @@ from thbridge.hunt.events import (
     GameEnded,
     HandbackRequested,
     MoveFailed,
+    PropertyMeasured,
+    PropertyTold,
     RobotArrived,
     RobotDeparted,
     TreasureIdentified,
@@ -29,6 +31,7 @@ from thbridge.hunt.events import (
     TreasureTakenUp,
 )
 from thbridge.hunt.game import CommandHolder, GameState, apply
+from thbridge.hunt.properties import Properties, Teller, property_named
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.treasures import same_name
@@ -55,6 +58,7 @@ class RuleReason(StrEnum):
     NOBODY_THERE = "nobody-there"
     NOTHING_KNOWN = "nothing-known"
     ALREADY_DECIDED = "already-decided"
+    UNKNOWN_PROPERTY = "unknown-property"
 
 
 Ruling = tuple[Event, ...] | RequestRefused
@@ -157,7 +161,7 @@ def move(state: GameState, robot: int, room: Room, asker: Commander = Commander.
     left: tuple[Event, ...] = ()
     if asker is Commander.PARTICIPANT and not mover.at.is_corridor:
         here = state.room(mover.at)
-        left = (TreasureLeft(mover.at),) if here.sensed and not here.is_decided else ()
+        left = (TreasureLeft(mover.at),) if here.sensed is not None and not here.is_decided else ()
     return (*left, RobotDeparted(robot, room, cost))
 
 
@@ -233,13 +237,13 @@ def price(state: GameState, robot: int, costs: Sequence[float | None]) -> Ruling
     return () if apply(state, estimated).costs_from(robot) == state.costs_from(robot) else (estimated,)
 
 
-def sense(state: GameState, room: Room, reported: tuple[str, str] | None = None) -> Ruling:
-    """Sense colour and footprint of the treasure where a robot stands. Sensing again gives no event.
+def sense(state: GameState, room: Room, reported: Properties | None = None) -> Ruling:
+    """Sense what a robot senses of a treasure as it finds it. Sensing again gives no event.
 
     Args:
         state: the game.
         room: the room.
-        reported: colour and footprint as a Hider of 2016 reported them; None takes them from the state.
+        reported: properties as a Hider of 2016 reported them; None takes them from the state.
     """
     found = _standing_robot(state, room)
     if isinstance(found, RequestRefused):
@@ -248,10 +252,49 @@ def sense(state: GameState, room: Room, reported: tuple[str, str] | None = None)
         return ()
     treasure = state.treasure(room)
     if reported is not None:
-        return (TreasureSensed(room, *reported),)
+        return (TreasureSensed(room, reported),)
     if treasure is None:
         return _nothing_known(room)
-    return (TreasureSensed(room, treasure.colour, treasure.footprint),)
+    names = (each.name for each in state.started.properties if each.is_found and each.name in treasure.properties)
+    return (TreasureSensed(room, {name: treasure.properties[name] for name in names}),)
+
+
+def measure(state: GameState, room: Room, name: str) -> Ruling:
+    """Sense one more property of a treasure that was found, for its energy. Sensing it again gives no event."""
+    robot = _standing_robot(state, room)
+    if isinstance(robot, RequestRefused):
+        return robot
+    measured = property_named(state.started.properties, name)
+    treasure, sensed = state.treasure(room), state.room(room).sensed
+    if measured is None or not measured.is_measured:
+        return RequestRefused(RuleReason.UNKNOWN_PROPERTY, f"No robot can be asked to sense {name or 'that'}.")
+    if treasure is None or sensed is None or name not in treasure.properties:
+        return _nothing_known(room)
+    if name in sensed:
+        return ()
+    if state.room(room).is_decided:
+        return _decided(room)
+    return _paid(state, robot, f"sensing the {measured.label.lower()}", measured.cost) or (
+        PropertyMeasured(room, robot, name, treasure.properties[name], measured.cost),
+    )
+
+
+def tell(state: GameState, room: Room, name: str, value: str) -> Ruling:
+    """Take down what the participant tells of a treasure by its picture, free of charge, until it is decided.
+
+    A new value replaces the one before; the same again gives no event.
+    """
+    refused = _over(state) or _no_room(state, room)
+    if refused:
+        return refused
+    known, told = state.room(room), property_named(state.started.properties, name)
+    if told is None or told.told_by is not Teller.PERSON or value not in told.values:
+        return RequestRefused(RuleReason.UNKNOWN_PROPERTY, f"{value or 'That'} is nothing that people tell here.")
+    if known.is_decided:
+        return _decided(room)
+    if known.image is None:
+        return RequestRefused(RuleReason.NOTHING_KNOWN, f"There is no picture of what is in {room} yet.")
+    return () if known.told.get(name) == value else (PropertyTold(room, name, value),)
 
 
 def picture(state: GameState, room: Room, reported: str | None = None) -> Ruling:

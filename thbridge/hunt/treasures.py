@@ -3,21 +3,21 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from thbridge.hunt.properties import Properties
+
 
 @dataclass(frozen=True, slots=True)
 class TreasureKind:
-    """One line of a treasures file.
+    """One kind of a treasures file.
 
     Attributes:
-        colour: as a robot senses it, e.g. `Orange`.
-        footprint: as a robot senses it, e.g. `Round and Large`.
+        properties: the value of each property that its set declares.
         points: won by naming it rightly, never negative.
         name: by which people identify it.
         image: file name of its picture without a directory; None in the participant's copy.
     """
 
-    colour: str
-    footprint: str
+    properties: Properties
     points: int
     name: str
     image: str | None = None
@@ -51,8 +51,3 @@ def same_name(left: str, right: str) -> bool:
 def name_in_words(name: str) -> str:
     """Return a treasure's name as people read it: `beer_bottle` of a file is `beer bottle`."""
     return " ".join(name.replace("_", " ").split())
-
-
-def sensed_in_words(colour: str, footprint: str) -> str:
-    """Return what a robot senses as people read it within a sentence: `orange, round and large`."""
-    return f"{colour.lower()}, {footprint.lower()}"

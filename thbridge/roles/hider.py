@@ -4,6 +4,8 @@ from collections.abc import Sequence
 
 from sim.common import noise
 from sim.common.observations import TICKS_PER_SECOND
+from thbridge.hunt.codec import treasure_fields
+from thbridge.hunt.properties import OF_2016, TreasureProperty, labelled
 from thbridge.hunt.treasures import TreasureKind, hide, same_name
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.legacy import (
@@ -39,12 +41,16 @@ class Hider:
         kinds: kinds of treasures, with their pictures.
         seed: of the random choice.
         rooms: number of rooms to fill without a keeper (that of the treasures file).
+        properties: that the kinds have.
     """
 
     name = legacy.HIDER
 
-    def __init__(self, kinds: Sequence[TreasureKind], seed: int, rooms: int) -> None:
+    def __init__(
+        self, kinds: Sequence[TreasureKind], seed: int, rooms: int, properties: Sequence[TreasureProperty] = OF_2016
+    ) -> None:
         self._kinds = tuple(kinds)
+        self._properties = tuple(properties)
         self._chance = noise.key(seed, "hider")
         self._alone = self._draw(1, rooms)
         self._introduce = False
@@ -78,7 +84,7 @@ class Hider:
         if (request := decode_notice(notice, HideRequest)) is not None:
             if request.game not in COUNTED or not 0 < request.rooms <= MOST_ROOMS:
                 return []
-            treasures = self._draw(request.game, request.rooms)
+            treasures = tuple(treasure_fields(kind) for kind in self._draw(request.game, request.rooms))
             return [encode_notice(self.name, KEEPER, HideTreasures(request.game, treasures))]
         if (reply := decode_notice(notice, LegacyReply)) is not None:
             return [TextMessage.of(reply.command, self.name, legacy.TABUI, reply.text)]
@@ -101,7 +107,7 @@ class Hider:
         treasure = self._alone[question.room]
         match question:
             case AskTreasure(room):
-                return [FoundTreasure(room, treasure.colour, treasure.footprint).message()]
+                return [FoundTreasure(room, labelled(self._properties, treasure.properties)).message()]
             case SnapTreasure(room):
                 return [] if treasure.image is None else [TreasureImage(room, treasure.image).message()]
             case NameTreasure(_, name):

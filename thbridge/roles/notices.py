@@ -3,11 +3,11 @@
 Each holds a state and not a change, so a notice that is sent twice does no harm.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 from thbridge.hunt.events import Condition
-from thbridge.hunt.treasures import TreasureKind
 from thbridge.protocols.text.notice import NoticeValue
 
 KEEPER = "Game"
@@ -119,10 +119,10 @@ class HideRequest(NoticeValue, frozen=True, tag="HidePlease"):
 
 
 class HideTreasures(NoticeValue, frozen=True, tag="HideTreasures"):
-    """Hider to keeper: the treasure of each room, room 1 first."""
+    """Hider to keeper: the treasure of each room, room 1 first, each as journals hold it (`hunt.codec`)."""
 
     game: int
-    treasures: tuple[TreasureKind, ...]
+    treasures: tuple[Mapping[str, str | int | None], ...]
 
 
 class LegacyReply(NoticeValue, frozen=True, tag="Reply"):

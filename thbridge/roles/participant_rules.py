@@ -15,7 +15,7 @@ from typing import NamedTuple, TypeAlias
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
 from thbridge.hunt.costs import CostMatrix
-from thbridge.hunt.events import Commander, EndReason, GameEnded, GameStarted, TreasureSensed
+from thbridge.hunt.events import Commander, EndReason, GameEnded, GameStarted
 from thbridge.hunt.game import CommandHolder, GameState, RobotState, RoomState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
@@ -28,6 +28,7 @@ from thbridge.roles.view import (
     DialogueView,
     GiveUp,
     GiveUpTreasure,
+    MeasureProperty,
     OpenDialogue,
     RequestHandback,
     RequestSuggestion,
@@ -35,6 +36,7 @@ from thbridge.roles.view import (
     RoomView,
     SelectRoom,
     TakeUpTreasure,
+    TellProperty,
     View,
 )
 
@@ -44,6 +46,8 @@ JudgedRequest: TypeAlias = (
     | OpenDialogue
     | GiveUpTreasure
     | TakeUpTreasure
+    | MeasureProperty
+    | TellProperty
     | GiveUp
     | CallBack
     | RequestHandback
@@ -98,6 +102,10 @@ def judge(now: Situation, request: JudgedRequest) -> rules.Ruling:
             return rules.leave(state, place(room))
         case TakeUpTreasure(room):
             return rules.take_up(state, place(room))
+        case MeasureProperty(room, name):
+            return rules.measure(state, place(room), name)
+        case TellProperty(room, name, value):
+            return rules.tell(state, place(room), name, value)
         case GiveUp():
             return rules.give_up(state)
         case CallBack(robot):
@@ -134,11 +142,12 @@ def revealed(view: View) -> Situation:
         identify_cost=view.identify_cost,
         wrong_share=0.0,
         costs=CostMatrix.of_plain(view.costs),
+        properties=view.properties,
     )
     state = GameState(
         started=started,
         treasures=tuple(
-            TreasureKind(room.colour or "", room.footprint or "", 0, "", room.picture or "") for room in view.rooms
+            TreasureKind({each.name: "" for each in view.properties}, 0, "", room.picture or "") for room in view.rooms
         ),
         robots=tuple(_robot(view, robot) for robot in view.robots),
         rooms=tuple(_room(room) for room in view.rooms),
@@ -209,7 +218,8 @@ def _room(room: RoomView) -> RoomState:
     visited = room.state == "visited"
     return RoomState(
         visited=visited,
-        sensed=None if room.colour is None else TreasureSensed(Room(room.room), room.colour, room.footprint or ""),
+        sensed=room.sensed,
+        told=room.told,
         image=room.picture,
         points=None if room.verdict is None else room.verdict.points,
         name=None if room.verdict is None else room.verdict.name,

@@ -5,12 +5,13 @@ room is in here only from the moment the rules reveal it. A view holds the state
 missed some views is up to date with the next.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
 import msgspec
 
 from thbridge.hunt.events import Commander, Condition
+from thbridge.hunt.properties import OF_2016, Properties, TreasureProperty
 from thbridge.hunt.rules import commander_name
 from thbridge.protocols.text.notice import COUNTED, Notice, NoticeValue, decode_notice
 
@@ -67,8 +68,8 @@ class RoomView:
         room: its number as people count, from 1.
         state: "reserved" while a robot drives to it.
         robot: the robot that drives to it, stands there, or found the undecided treasure there.
-        colour: of the treasure, once sensed.
-        footprint: of the treasure, once sensed.
+        sensed: what robots sensed of its treasure, by the names of properties; None before.
+        told: what the participant told of it.
         picture: file name of its picture, once taken.
         verdict: once identified.
         left: True when the treasure was given up, and not taken up again.
@@ -77,16 +78,21 @@ class RoomView:
     room: int
     state: Literal["unvisited", "reserved", "visited"]
     robot: int | None
-    colour: str | None
-    footprint: str | None
+    sensed: Properties | None
     picture: str | None
     verdict: IdentificationVerdict | None
     left: bool
+    told: Properties = field(default_factory=dict)
 
     @property
-    def sensed(self) -> bool:
-        """True when colour and footprint are known."""
-        return self.colour is not None
+    def found(self) -> bool:
+        """True when a robot has sensed its treasure."""
+        return self.sensed is not None
+
+    @property
+    def known(self) -> Properties:
+        """Properties of its treasure that are known, by whomever."""
+        return {**(self.sensed or {}), **self.told}
 
     @property
     def undecided(self) -> bool:
@@ -195,6 +201,7 @@ class View(NoticeValue, frozen=True, tag="View"):
             where the study does not tell.
         wrong_share: share of a treasure's points that a wrong name costs; None where the study does not tell.
         sound: the window may sound.
+        properties: that treasures have.
         by_position: moves from outside rooms are priced by where the robot stands: the row of the corridor holds
             nowhere.
     """
@@ -219,6 +226,7 @@ class View(NoticeValue, frozen=True, tag="View"):
     worth: tuple[int | None, ...] = ()
     wrong_share: float | None = None
     sound: bool = True
+    properties: tuple[TreasureProperty, ...] = OF_2016
 
     def room(self, number: int) -> RoomView:
         """Return the room with this number, from 1."""
@@ -312,6 +320,21 @@ class SenseTreasure(NoticeValue, frozen=True, tag="Sense"):
     room: int
 
 
+class MeasureProperty(NoticeValue, frozen=True, tag="Measure"):
+    """Let the robot in a room sense one more property of the treasure there, for energy."""
+
+    room: int
+    property: str
+
+
+class TellProperty(NoticeValue, frozen=True, tag="Tell"):
+    """Tell a property of the treasure in a room that only people can tell."""
+
+    room: int
+    property: str
+    value: str
+
+
 class OpenDialogue(NoticeValue, frozen=True, tag="Discuss"):
     """Open a dialogue about taking a picture, or the treasure."""
 
@@ -387,4 +410,6 @@ ParticipantRequest = (
     | TakeUpTreasure
     | GiveUp
     | PlayAgain
+    | MeasureProperty
+    | TellProperty
 )

@@ -82,9 +82,11 @@ def maps_check(
 ) -> None:
     """Check a map: image, rooms, goals and start poses."""
     from thbridge.files.map_files import check_map
-    from ui.settings import map_folder
+    from thbridge.files.resources import shipped
 
-    findings = check_map(map_folder(name))
+    wanted = f"./{name}" if "/" not in name and Path(name).is_dir() else name
+    with bad_input():
+        findings = check_map(shipped().find("maps", wanted, Path()))
     errors = sum(finding.severity == "error" for finding in findings)
     if as_json:
         told = [{"severity": finding.severity, "message": str(finding.fault)} for finding in findings]

@@ -44,6 +44,7 @@ def offer_of(setting: StudySetting, given: bool) -> Offer:
         identify_cost=game.identify_cost,
         energy=game.energy,
         wrong_share=game.wrong_share if study.participant.shows.points else None,
+        properties=setting.templates.properties,
     )
     if study.participant.robots is None or given:
         return Offer(study.robots, study.robots, study.robots, rules, consent)

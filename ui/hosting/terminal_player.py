@@ -7,6 +7,7 @@ from typing import Literal
 from sim.common.robot_numbers import index_of, robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
+from thbridge.hunt.properties import Teller, TreasureProperty, properties_in_words
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import (
     AnswerDialogue,
@@ -17,6 +18,7 @@ from thbridge.roles.view import (
     GiveUp,
     GiveUpTreasure,
     IdentifyTreasure,
+    MeasureProperty,
     OpenDialogue,
     ParticipantRequest,
     RequestHandback,
@@ -28,11 +30,12 @@ from thbridge.roles.view import (
     SenseTreasure,
     TakePicture,
     TakeUpTreasure,
+    TellProperty,
     View,
 )
 from thbridge.timing.wall_clock import utc_now
 from ui.model.consent_words import QUESTION, answer_in
-from ui.model.playing.words import seen_words, verdict_words
+from ui.model.playing.words import verdict_words
 from ui.model.rules_sheet import rules_of
 from ui.story import CONDITIONS
 
@@ -41,6 +44,8 @@ HELP = """\
   1 ?        don't know: ask robot 1 where to go
   c   s      Continue, or Stop, in the dialogue that waits
   p 4        take a picture of what is in room 4; a terminal cannot show it
+  m 4 WHAT   let the robot sense one more property of what is in room 4, where the game has such
+  t 4 WHAT VALUE   tell what you see on the picture of room 4, where the game asks for it
   n 4 NAME   name the treasure in room 4 (the list: names)
   l 4        leave the treasure in room 4
   u 4        take it up again, while the robot stands there
@@ -77,7 +82,7 @@ class TerminalPlayer:
                 self.show(line)
         wanted, self._wanted = self._wanted, ()
         follow = [request for consent in view.consents if (request := self._follow(consent)) is not None]
-        sense = [SenseTreasure(room.room) for room in view.rooms if room.undecided and not room.sensed]
+        sense = [SenseTreasure(room.room) for room in view.rooms if room.undecided and not room.found]
         return (*wanted, *follow, *sense)
 
     def type(self, line: str) -> None:
@@ -108,6 +113,10 @@ class TerminalPlayer:
                 self._discuss(view, int(room), "take-picture")
             case ["n", room, *words] if _is_number(room) and words:
                 self._name(view, int(room), " ".join(words))
+            case ["m", room, *words] if _is_number(room) and words:
+                self._measure(view, int(room), words)
+            case ["t", room, *words] if _is_number(room) and words:
+                self._tell(view, int(room), words)
             case ["l", room] if _is_number(room):
                 self._wanted = (GiveUpTreasure(int(room)),)
             case ["u", room] if _is_number(room):
@@ -149,6 +158,24 @@ class TerminalPlayer:
         self._names[room] = fitting[0]
         self._discuss(view, room, "take-treasure")
 
+    def _measure(self, view: View, room: int, words: Sequence[str]) -> None:
+        asked = _begun([each for each in view.properties if each.is_measured], words)
+        if asked is None:
+            self.show("Robots sense nothing of that name on request.")
+        else:
+            self._wanted = (MeasureProperty(room, asked.name),)
+
+    def _tell(self, view: View, room: int, words: Sequence[str]) -> None:
+        told = _begun([each for each in view.properties if each.told_by is Teller.PERSON], words)
+        typed = " ".join(words).casefold()
+        value = next(
+            (value for value in (() if told is None else told.values) if typed.endswith(value.casefold())), None
+        )
+        if told is None or value is None:
+            self.show("People tell nothing of that name here.")
+        else:
+            self._wanted = (TellProperty(room, told.name, value),)
+
     def _discuss(self, view: View, room: int, matter: Literal["take-picture", "take-treasure"]) -> None:
         robot = view.room(room).robot if 0 < room <= len(view.rooms) else None
         if robot is None:
@@ -165,6 +192,12 @@ class TerminalPlayer:
             case "take-treasure":
                 name = self._names.get(consent.room)
                 return None if name is None else IdentifyTreasure(consent.room, name)
+
+
+def _begun(properties: Sequence[TreasureProperty], words: Sequence[str]) -> TreasureProperty | None:
+    """The property whose label or name the typed words begin with, or None."""
+    typed = " ".join(words).casefold()
+    return next((each for each in properties if typed.startswith((each.label.casefold(), each.name))), None)
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -190,7 +223,7 @@ def _changes(before: View | None, view: View) -> list[str]:
     for was, now in zip(before.robots, view.robots, strict=True):
         lines += _robot_changes(was, now)
     for old, new in zip(before.rooms, view.rooms, strict=True):
-        lines += _room_changes(old, new)
+        lines += _room_changes(view, old, new)
     known = {(dialogue.dialogue, dialogue.turn) for dialogue in before.dialogues}
     lines += [_asked(dialogue) for dialogue in view.dialogues if (dialogue.dialogue, dialogue.turn) not in known]
     if view.refusal is not None and view.refusal != before.refusal:
@@ -217,10 +250,10 @@ def _robot_changes(was: RobotView, now: RobotView) -> list[str]:
     return lines
 
 
-def _room_changes(old: RoomView, new: RoomView) -> list[str]:
+def _room_changes(view: View, old: RoomView, new: RoomView) -> list[str]:
     lines = []
-    if new.sensed and (not old.sensed or (old.left and not new.left)):
-        lines.append(_found(new))
+    if new.found and (new.known != old.known or (old.left and not new.left)):
+        lines.append(_found(view, new))
     if new.left and not old.left:
         again = f" u {new.room} takes it up again, until its robot sets out." if new.robot is not None else ""
         lines.append(f"Room {new.room}: what is there is left there.{again}")
@@ -231,9 +264,19 @@ def _room_changes(old: RoomView, new: RoomView) -> list[str]:
     return lines
 
 
-def _found(room: RoomView) -> str:
-    seen = seen_words(room.colour or "", room.footprint or "")
-    return f"Room {room.room}: {seen}. n {room.room} NAME names it."
+def _found(view: View, room: RoomView) -> str:
+    seen = properties_in_words(view.properties, room.known)
+    more = [
+        f" m {room.room} {each.label.lower()} senses its {each.label.lower()} for {energy_text(each.cost)} energy."
+        for each in view.properties
+        if each.is_measured and each.name not in room.known
+    ]
+    more += [
+        f" t {room.room} {each.label.lower()} VALUE tells its {each.label.lower()}: {', '.join(each.values)}."
+        for each in view.properties
+        if each.told_by is Teller.PERSON and room.picture is not None and each.name not in room.told
+    ]
+    return f"Room {room.room}: {seen}.{''.join(more)} n {room.room} NAME names it."
 
 
 def _asked(dialogue: DialogueView) -> str:
@@ -254,7 +297,7 @@ def _state_lines(view: View) -> list[str]:
             lines.append(f"  {name} {CONDITIONS[robot.condition]}")
         if other := robot.other_commander:
             lines.append(f"  {name} is commanded by {other}.")
-    lines += [f"  {_found(room)}" for room in view.rooms if room.sensed and room.undecided]
+    lines += [f"  {_found(view, room)}" for room in view.rooms if room.found and room.undecided]
     free = [str(room.room) for room in view.rooms if room.state == "unvisited"]
     lines.append(f"  Rooms not visited: {' '.join(free) or 'none'}. Score {view.score}.")
     lines += [f"  {_asked(dialogue)}" for dialogue in view.dialogues]

@@ -158,11 +158,12 @@ def is_letter(key: str) -> bool:
     return len(key) == 1 and key.isalpha()
 
 
-def help_lines(rooms: int, silent: str = "") -> tuple[tuple[str, str], ...]:
+def help_lines(rooms: int, silent: str = "", *, properties: bool = False) -> tuple[tuple[str, str], ...]:
     """The help sheet: (keys, what they do).
 
     Args:
         rooms: number of rooms; 0 before there is a game.
+        properties: True when robots can be asked to sense more, or the participant to tell it.
         silent: why there can be no sound, which stands in place of what its key does; empty when there can be.
     """
     number = "Send the robot to this room" + (": both digits, or Enter after the first" if rooms > 9 else "")
@@ -173,6 +174,8 @@ def help_lines(rooms: int, silent: str = "") -> tuple[tuple[str, str], ...]:
     lines.append(("Enter", "The first of the answers to a robot; each answer's own letter is on its button"))
     lines.append(("Letters", "While a name is asked for: pick the name that begins so"))
     lines.append((", ".join(_STEPS), "While a name is asked for: pick the name before or after, the first or last"))
+    if properties:
+        lines.append(("Ctrl and a number", "While a name is asked for: sense or say more of what was found"))
     lines.append(("Ctrl and a letter", "While a name is asked for: what the letter does otherwise"))
     lines += [(" or ".join(binding.keys), binding.does) for binding in (*QUESTION, HELP)]
     return tuple(lines)
@@ -197,6 +200,8 @@ def _playing(key: str, screen: Screen) -> Act | None:
         case TreasurePopup() as pop if pop.asks_for_name:
             if key in _STEPS:
                 return _step(key, pop)
+            if (of_a_fact := next((act.act for act in pop.acts if act.key == key), None)) is not None:
+                return of_a_fact
             return _bound(key, PLAYING) or _bound(key.removeprefix(_CTRL), (*PLAYING, HELP))
         case TreasurePopup() if key == "Enter":
             return ShowNext()

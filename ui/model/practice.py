@@ -34,7 +34,7 @@ def advice(screen: Screen) -> str:
 def _about_treasure(pop: TreasurePopup) -> str:
     if pop.verdict is not None:
         return "This is what came of it, and the score has moved. Close this, and go on."
-    if not pop.colour:
+    if pop.facts is None:
         return "The robot looks around in the room."
     if pop.picture is None and pop.take_picture is not None and pop.take_picture.enabled:
         return (

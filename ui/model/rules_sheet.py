@@ -1,8 +1,11 @@
 """Rules of the game in sentences, for the sheet that F1 opens and for players at a terminal."""
 
+from collections.abc import Iterator, Sequence
+
 from thbridge.hunt.costs import energy_text
+from thbridge.hunt.properties import Teller, TreasureProperty
 from thbridge.roles.view import View
-from ui.model.playing.words import percent
+from ui.model.playing.words import listed, percent
 
 GOAL = "A treasure lies in each room. Send robots to the rooms, and name what they find."
 ONE_VISIT = "A room is visited once by the team. Once you send its robot on, a treasure not named is left for good."
@@ -23,6 +26,7 @@ def rules_of(view: View) -> tuple[str, ...]:
         wrong_share=view.wrong_share,
         moves=(min(moves), max(moves)) if moves else None,
         by_position=view.by_position,
+        properties=view.properties,
     )
 
 
@@ -34,6 +38,7 @@ def rules_lines(
     wrong_share: float | None = None,
     moves: tuple[float, float] | None = None,
     by_position: bool = False,
+    properties: Sequence[TreasureProperty] = (),
 ) -> tuple[str, ...]:
     """The rules with the numbers of a study.
 
@@ -44,6 +49,7 @@ def rules_lines(
         wrong_share: share of a treasure's points that a wrong name costs; None where it is not told.
         moves: least and most energy of a move between two places; None where it is not known.
         by_position: those are moves between rooms; others cost by where the robot stands.
+        properties: of treasures.
     """
     start = "" if energy is None else f"Each robot starts with {energy_text(energy)} energy. "
     between = ", from room to room" if by_position else ","
@@ -52,11 +58,22 @@ def rules_lines(
     return (
         GOAL,
         f"{start}A move costs energy{move}, {work}.",
+        *_more(properties),
         f"A right name wins the treasure's points. {_wrong(wrong_share)}",
         ONE_VISIT,
         CALLED_BACK,
         ENDS,
     )
+
+
+def _more(properties: Sequence[TreasureProperty]) -> Iterator[str]:
+    """Sentences on what is found out of a treasure beyond what a robot senses as it finds it."""
+    measured = [f"the {each.label.lower()} for {energy_text(each.cost)}" for each in properties if each.is_measured]
+    if measured:
+        yield f"When you ask for it, a robot senses more of what it found: {listed(measured)} energy."
+    told = [f"the {each.label.lower()}" for each in properties if each.told_by is Teller.PERSON]
+    if told:
+        yield f"What only people can tell, {listed(told)}, you may say once there is a picture. It costs nothing."
 
 
 def _wrong(share: float | None) -> str:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from enum import IntEnum, StrEnum
 from typing import Literal
 
+from thbridge.hunt.properties import PropertyDrawing
+
 
 class GameSound(IntEnum):
     """Things that sound, the least important first."""
@@ -117,6 +119,21 @@ class GiveAnswer(Act):
 @dataclass(frozen=True, slots=True)
 class TakeThePicture(Act):
     """Take a picture of the treasure shown."""
+
+
+@dataclass(frozen=True, slots=True)
+class SenseMore(Act):
+    """Let the robot sense one more property of the treasure shown, for energy."""
+
+    property: str
+
+
+@dataclass(frozen=True, slots=True)
+class TellOfIt(Act):
+    """Say what a property of the treasure shown is."""
+
+    property: str
+    value: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -316,6 +333,30 @@ class RoomTile:
 
 
 @dataclass(frozen=True, slots=True)
+class TreasureFact:
+    """Line on one property of a treasure.
+
+    Attributes:
+        label: of the property.
+        value: as far as it is known; empty before.
+        drawn: beside the value.
+        sense: lets the robot sense it; None where it is known, or nothing to ask a robot for.
+        tell: for each value that the participant may say of it, the act; none where it is not theirs to say.
+    """
+
+    label: str
+    value: str
+    drawn: PropertyDrawing = PropertyDrawing.NONE
+    sense: Action | None = None
+    tell: tuple[Action, ...] = ()
+
+    @property
+    def acts(self) -> tuple[Action, ...]:
+        """Acts by which it can be found out or told."""
+        return self.tell if self.sense is None else (self.sense,)
+
+
+@dataclass(frozen=True, slots=True)
 class DialoguePopup:
     """Pop-up of a dialogue between a robot and the participant.
 
@@ -327,8 +368,7 @@ class DialoguePopup:
         aside: puts the pop-up aside.
         warning: caution before answering: enough energy to get there, but not to take a picture or name the treasure.
         room: number of the room that it is about; None where the robot has not said one yet.
-        colour: of the treasure that it is about, as sensed; empty where it is about none.
-        footprint: likewise.
+        facts: of the treasure that it is about; none where it is about none.
         picture: bytes of the treasure's image file; None without one.
     """
 
@@ -339,8 +379,7 @@ class DialoguePopup:
     aside: Action
     warning: str = ""
     room: int | None = None
-    colour: str = ""
-    footprint: str = ""
+    facts: tuple[TreasureFact, ...] = ()
     picture: bytes | None = None
 
 
@@ -352,8 +391,7 @@ class TreasurePopup:
         robot: index of the robot.
         room: number of the room.
         title: heading, in words.
-        colour: as sensed; empty while the robot still looks.
-        footprint: likewise.
+        facts: a line for each property that can be known; None while the robot still looks.
         take_picture: with its cost in the hint; None once there is a picture.
         picture: bytes of the image file; None before, or while it arrives.
         names: possible names, in alphabetical order.
@@ -371,8 +409,7 @@ class TreasurePopup:
     robot: int
     room: int
     title: str
-    colour: str
-    footprint: str
+    facts: tuple[TreasureFact, ...] | None
     take_picture: Action | None
     picture: bytes | None
     names: tuple[str, ...]
@@ -385,6 +422,11 @@ class TreasurePopup:
     picture_note: str = ""
     typed: str = ""
     worth: tuple[int | None, ...] = ()
+
+    @property
+    def acts(self) -> tuple[Action, ...]:
+        """The acts of its facts."""
+        return tuple(action for fact in self.facts or () for action in fact.acts)
 
     @property
     def asks_for_name(self) -> bool:

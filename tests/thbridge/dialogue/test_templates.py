@@ -1,12 +1,18 @@
+from pathlib import Path
+
 import pytest
 
-from thbridge.dialogue.moves import DialogueTopic, Scenario
-from thbridge.dialogue.templates import fill, word_fault, words_of
+from thbridge.dialogue.moves import Ask, Dialogue, DialogueTopic, Scenario
+from thbridge.dialogue.templates import ScriptedQuestion, Template, TemplatePhrasing
+from thbridge.dialogue.words import WORDS, fill, word_fault, words_of
+from thbridge.hunt.properties import OF_2016, TreasureProperty
 from thbridge.hunt.rooms import Room
 
 
 def test_reserved_words_become_what_people_read():
-    topic = DialogueTopic(Scenario.TAKE_PICTURE, 0, Room(4), 5.0, 82.5, "Orange", "Round and Large")
+    topic = DialogueTopic(
+        Scenario.TAKE_PICTURE, 0, Room(4), 5.0, 82.5, properties={"colour": "Orange", "footprint": "Round and Large"}
+    )
     wording = "£robot£: £colour£, £footprint£ in room £room£; £cost£ of £energy£; £5 each"
     assert fill(wording, words_of(topic)) == "1: orange, round and large in room 4; 5 of 82.5; £5 each"
 
@@ -22,7 +28,7 @@ def test_what_fills_a_word_is_not_filled_again():
 
 @pytest.mark.parametrize("wording", ["£room£ £cost£", "It costs £5", "5£ or 6£", "plain"])
 def test_good_wordings_pass(wording):
-    assert word_fault(wording, Scenario.DONT_KNOW) is None
+    assert word_fault(wording, Scenario.DONT_KNOW, OF_2016) is None
 
 
 @pytest.mark.parametrize(
@@ -37,6 +43,32 @@ def test_good_wordings_pass(wording):
     ],
 )
 def test_a_bad_word_is_named_with_the_right_one(wording, scenario, problem, remedy):
-    fault = word_fault(wording, scenario)
+    fault = word_fault(wording, scenario, OF_2016)
     assert problem in fault.problem
     assert remedy in fault.remedy
+
+
+def test_a_property_of_a_set_is_a_word_beside_its_treasures_only():
+    weight = (TreasureProperty("weight", "Weight"),)
+    assert word_fault("It is £weight£", Scenario.TAKE_PICTURE, weight) is None
+    assert "beside a treasure" in word_fault("It is £weight£", Scenario.DONT_KNOW, weight).problem
+    assert "£colour£" in word_fault("It is £colour£", Scenario.TAKE_PICTURE, weight).problem
+
+
+def test_a_wording_that_names_what_is_unknown_is_left_out_while_there_is_another():
+    both = ScriptedQuestion(("It is £weight£.", "It is there."))
+    only = ScriptedQuestion(both.wordings[:1])
+    template = Template("", {Scenario.TAKE_PICTURE: (both,), Scenario.TAKE_TREASURE: (only,)})
+
+    def said(scenario, seed, **known):
+        topic = DialogueTopic(scenario, 0, Room(4), 5.0, 82.5, properties=known)
+        return TemplatePhrasing(template, seed).say(Dialogue(1, topic), Ask(0))
+
+    assert {said(Scenario.TAKE_PICTURE, seed) for seed in range(20)} == {"It is there."}
+    assert {said(Scenario.TAKE_PICTURE, seed, weight="Heavy") for seed in range(20)} == {"It is heavy.", "It is there."}
+    assert said(Scenario.TAKE_TREASURE, 1) == "It is unknown."
+
+
+def test_the_manual_lists_every_word_with_its_meaning():
+    manual = (Path(__file__).parents[3] / "docs" / "game.md").read_text(encoding="utf-8")
+    assert all(f"| `£{word.name}£` | {word.meaning} |" in manual for word in WORDS)

@@ -10,7 +10,8 @@ from PIL import Image
 from thbridge.dialogue.moves import Scenario
 from thbridge.files.errors import BadFile
 from thbridge.files.map_times import map_times, read_map_times
-from thbridge.files.template_files import read_dialogue_text, read_template_set, read_treasures
+from thbridge.files.template_files import read_dialogue_text, read_template_set
+from thbridge.files.treasure_files import read_treasures
 from thbridge.hunt.rooms import CORRIDOR, Room
 
 TEMPLATES = Path(__file__).parents[3] / "templates"
@@ -63,7 +64,7 @@ def test_the_treasures_of_2016():
         ("Yellow can", 20, "rsz_t3.jpg"),
         ("Pink can", 30, "rsz_t4.jpg"),
     ]
-    assert (treasures[2].colour, treasures[2].footprint) == ("Yellow", "Square and Small")
+    assert treasures[2].properties == {"colour": "Yellow", "footprint": "Square and Small"}
 
 
 def test_the_participants_copy_tells_no_images():
@@ -103,7 +104,7 @@ def test_blanks_after_commas_do_not_count(tmp_path):
     path = tmp_path / "treasures"
     path.write_text("8\nOrange, Round (very) and Large, 10, Orange Bottle, rsz_t1.jpg\n")
     (kind,) = read_treasures(path).kinds
-    assert (kind.footprint, kind.points, kind.image) == ("Round (very) and Large", 10, "rsz_t1.jpg")
+    assert (kind.properties["footprint"], kind.points, kind.image) == ("Round (very) and Large", 10, "rsz_t1.jpg")
 
 
 def test_a_file_saved_as_latin_1_is_told_how_to_be_saved(tmp_path):

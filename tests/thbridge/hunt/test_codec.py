@@ -21,6 +21,8 @@ from thbridge.hunt.events import (
     GameStarted,
     HandbackRequested,
     MoveFailed,
+    PropertyMeasured,
+    PropertyTold,
     RobotArrived,
     RobotDeparted,
     TreasureIdentified,
@@ -30,6 +32,7 @@ from thbridge.hunt.events import (
     TreasuresHidden,
     TreasureTakenUp,
 )
+from thbridge.hunt.properties import OF_2016, Teller, TreasureProperty
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
 
@@ -41,14 +44,20 @@ shares = st.floats(0, 1e9)
 rooms = st.integers(0, 50).map(Room)
 robots = st.integers(0, 9)
 texts = st.text(max_size=12)
-treasures = st.builds(TreasureKind, texts, texts, st.integers(), texts, st.none() | texts)
+values = st.dictionaries(st.sampled_from(["colour", "footprint", "weight"]), texts)
+treasures = st.builds(TreasureKind, values, st.integers(), texts, st.none() | texts)
+properties = st.just(OF_2016) | st.lists(
+    st.builds(TreasureProperty, texts, texts, told_by=st.sampled_from(Teller))
+).map(tuple)
 costs = st.integers(2, 4).flatmap(
     lambda size: st.lists(
         st.lists(shares | st.just(math.inf), min_size=size, max_size=size).map(tuple), min_size=size, max_size=size
     ).map(lambda rows: CostMatrix(tuple(rows)))
 )
 events = st.one_of(
-    st.builds(GameStarted, st.integers(), st.integers(), st.integers(1, 9), shares, shares, shares, shares, costs),
+    st.builds(
+        GameStarted, st.integers(), st.integers(), st.integers(1, 9), shares, shares, shares, shares, costs, properties
+    ),
     st.builds(TreasuresHidden, st.lists(treasures, max_size=4).map(tuple)),
     st.builds(ConsentGiven, at=st.sampled_from(["", "2026-11-23T09:30:00Z"])),
     st.builds(RobotDeparted, robots, rooms, numbers),
@@ -57,7 +66,9 @@ events = st.one_of(
     st.builds(ConditionChanged, robots, st.sampled_from(Condition)),
     st.builds(CommanderChanged, robots, st.sampled_from(Commander), texts),
     st.builds(HandbackRequested, robots),
-    st.builds(TreasureSensed, rooms, texts, texts),
+    st.builds(TreasureSensed, rooms, values),
+    st.builds(PropertyMeasured, rooms, robots, texts, texts, numbers),
+    st.builds(PropertyTold, rooms, texts, texts),
     st.builds(TreasurePictured, rooms, robots, texts, numbers),
     st.builds(TreasureIdentified, st.none() | rooms, st.none() | robots, st.none() | texts, st.integers(), numbers),
     st.builds(TreasureLeft, rooms),
@@ -76,9 +87,11 @@ def test_an_event_comes_back_as_it_went(event):
 @given(events, st.data())
 def test_a_field_more_or_less_is_refused(event, data):
     fields = json.loads(to_json(event))
-    with pytest.raises(ValueError, match="unknown field `extra`"):
+    with pytest.raises(ValueError, match=r"unknown field `extra`|Expected `str`.*properties"):
         from_json(json.dumps(fields | {"extra": 1}))
     optional = {"at"} if isinstance(event, ConsentGiven) else set()
+    optional |= {"properties"} if isinstance(event, GameStarted) else set()
+    optional |= event.properties.keys() if isinstance(event, TreasureSensed) else set()
     missing = data.draw(st.sampled_from(sorted(fields.keys() - optional)))
     del fields[missing]
     with pytest.raises(ValueError, match=missing):

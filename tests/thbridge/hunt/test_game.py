@@ -34,8 +34,8 @@ from thbridge.hunt.rules import RuleReason
 from thbridge.hunt.treasures import TreasureKind
 
 ARENA = read_map_times(Path(__file__).parents[3] / "templates" / "original-2016" / "mapTimes")
-ORANGE = TreasureKind("Orange", "Round and Large", 10, "Orange Bottle", "rsz_t1.jpg")
-PINK = TreasureKind("Pink", "Square and Small", 30, "Pink can", "rsz_t4.jpg")
+ORANGE = TreasureKind({"colour": "Orange", "footprint": "Round and Large"}, 10, "Orange Bottle", "rsz_t1.jpg")
+PINK = TreasureKind({"colour": "Pink", "footprint": "Square and Small"}, 30, "Pink can", "rsz_t4.jpg")
 ROOM_1, ROOM_2, ROOM_3, ROOM_4 = all_rooms(4)
 
 
@@ -226,7 +226,7 @@ def test_only_a_robot_under_way_can_fail():
 def test_sensing_tells_colour_and_footprint_once():
     state = visit(new_game(), 0, ROOM_4)
     ruling = rules.sense(state, ROOM_4)
-    assert ruling == (TreasureSensed(ROOM_4, "Orange", "Round and Large"),)
+    assert ruling == (TreasureSensed(ROOM_4, {"colour": "Orange", "footprint": "Round and Large"}),)
     assert rules.sense(after(state, ruling), ROOM_4) == ()
 
 
@@ -329,11 +329,11 @@ def test_another_programs_hider_may_tell_what_this_game_did_not_hide():
     assert rules.sense(state, ROOM_4).reason == RuleReason.NOTHING_KNOWN
     assert rules.picture(state, ROOM_4).reason == RuleReason.NOTHING_KNOWN
     assert rules.identify(state, ROOM_4, "x").reason == RuleReason.NOTHING_KNOWN
-    state = after(state, rules.sense(state, ROOM_4, ("Blue", "Round")))
+    state = after(state, rules.sense(state, ROOM_4, {"colour": "Blue", "footprint": "Round"}))
     state = after(state, rules.picture(state, ROOM_4, "rsz_t2.jpg"))
     state = after(state, rules.identify(state, ROOM_4, "Blue Bottle", 20))
     assert state.score == 20
-    assert state.room(ROOM_4).sensed == TreasureSensed(ROOM_4, "Blue", "Round")
+    assert state.room(ROOM_4).sensed == {"colour": "Blue", "footprint": "Round"}
 
 
 def test_a_score_alone_counts():

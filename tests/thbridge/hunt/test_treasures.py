@@ -2,7 +2,7 @@ import pytest
 
 from thbridge.hunt.treasures import TreasureKind, hide, same_name
 
-KINDS = tuple(TreasureKind("Red", "Round", points, f"kind {points}") for points in range(4))
+KINDS = tuple(TreasureKind({"colour": "Red", "footprint": "Round"}, points, f"kind {points}") for points in range(4))
 
 
 def test_every_kind_gets_an_equal_share_of_the_unit_interval():

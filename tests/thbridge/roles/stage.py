@@ -138,7 +138,8 @@ class Stage:
             self.templates = replace(self.templates, kinds=tuple(kinds))
         self.log = Log()
         self.log.append(history)
-        self.briefing = briefing or Briefing(names=tuple(sorted(kind.name for kind in self.templates.kinds)))
+        names = tuple(sorted(kind.name for kind in self.templates.kinds))
+        self.briefing = briefing or Briefing(names=names, properties=self.templates.properties)
         last_game = 1 if history else 0
         self.keeper = Keeper(rules, lambda game: engine(self.templates, seed), history, last_game, self.briefing)
         costs = self.templates.costs or templates("original-2016").costs

@@ -6,7 +6,7 @@ from thbridge.protocols.text.notice import encode_notice
 from thbridge.roles.hider import KEEPER_TIMEOUT, Hider
 from thbridge.roles.notices import KEEPER, HideRequest
 
-KINDS = [TreasureKind("Red", "Round and Large", 10, "Red Ball", "ball.jpg")]
+KINDS = [TreasureKind({"colour": "Red", "footprint": "Round and Large"}, 10, "Red Ball", "ball.jpg")]
 
 
 def answers(hider: Hider, question) -> list[str]:
@@ -33,7 +33,7 @@ def test_with_a_keeper_it_waits_to_be_told():
 
 
 def test_a_game_is_hidden_by_its_seed_and_number():
-    many = [TreasureKind("Red", "Round", 10, f"thing{i}", None) for i in range(20)]
+    many = [TreasureKind({"colour": "Red", "footprint": "Round"}, 10, f"thing{i}", None) for i in range(20)]
 
     def hidden(seed: int, game: int) -> str:
         (said,) = Hider(many, seed, 8).step(0, [encode_notice(KEEPER, legacy.HIDER, HideRequest(game, 8))])

@@ -199,9 +199,11 @@ def test_what_is_hidden_is_not_in_the_view_before_it_is_found(scripted):
     treasures = next(event.treasures for event in scripted.log.events if isinstance(event, TreasuresHidden))
     view = go(scripted, 0, 3)
     text = repr(view)
-    assert not any(kind.name in text or kind.image in text or kind.footprint in text for kind in treasures)
+    assert not any(
+        kind.name in text or kind.image in text or kind.properties["footprint"] in text for kind in treasures
+    )
     view = scripted.say(SenseTreasure(3))
-    assert view.room(3).colour == treasures[2].colour
+    assert view.room(3).sensed == treasures[2].properties
     assert treasures[2].image not in repr(view)
 
 
@@ -405,7 +407,8 @@ def test_programs_of_2016_need_no_consensus_and_never_say_that_they_give_up():
     line('%%error TabUI Hider  "2"\n')
     played.run(4)
     treasure = played.session.game.treasure(rules.Room(3))
-    found = f'%%found Hider TabUI 2 2 "(Colour: {treasure.colour}) (Footprint: {treasure.footprint})" '
+    colour, footprint = treasure.properties.values()
+    found = f'%%found Hider TabUI 2 2 "(Colour: {colour}) (Footprint: {footprint})" '
     assert found in played.lines
     line("%%snap TabUI Hider 2\n")
     played.run(4)

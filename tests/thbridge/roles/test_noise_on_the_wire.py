@@ -61,7 +61,7 @@ def junk(draw) -> TextMessage:
                 legacy.GotoRoom(robot % 4, room),
                 legacy.RoomReached(robot % 4, room),
                 legacy.AskTreasure(room),
-                legacy.FoundTreasure(room, "Red", "Flat"),
+                legacy.FoundTreasure(room, (("Colour", "Red"), ("Footprint", "Flat"))),
                 legacy.SnapTreasure(room),
                 legacy.TreasureImage(room, "x.jpg"),
                 legacy.NameTreasure(room, "thing"),

@@ -19,13 +19,16 @@ ON_THE_WIRE = """
     RobotsReady Orders Status MoveCosts HiderReady HidePlease HideTreasures Reply ParticipantReady Subscribe Whereabouts
     Ways House Picture MayRecord Recordable Unfit
     View Decline Agree Select Unsure Answer SendRobot CallBack AskBack Sense Discuss TakePicture Identify Leave TakeUp
-    GiveUp PlayAgain
+    GiveUp PlayAgain Measure Tell
 """
 
 
 def any_of(value_class: type) -> st.SearchStrategy:
     hints = get_type_hints(value_class)
     fields = {name: st.from_type(hints[name]) for name in value_class.__struct_fields__}
+    if value_class is notices.HideTreasures:
+        kinds = st.dictionaries(st.text(), st.none() | st.integers() | st.text())
+        fields["treasures"] = st.lists(kinds).map(tuple)
     return st.fixed_dictionaries(fields).map(lambda fields: value_class(**fields))
 
 

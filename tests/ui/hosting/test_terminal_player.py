@@ -13,10 +13,10 @@ from ui.model.rules_sheet import rules_of
 
 
 class Seat:
-    def __init__(self, briefing: Briefing | None = None) -> None:
+    def __init__(self, briefing: Briefing | None = None, set_name: str = "original-2016") -> None:
         self.shown: list[str] = []
         self.person = TerminalPlayer(self.shown.append)
-        self.stage = Stage(participant=TabUI(self.person), briefing=briefing)
+        self.stage = Stage(participant=TabUI(self.person), briefing=briefing, set_name=set_name)
         self.stage.run(6)
 
     def type(self, line: str, ticks: int = 8) -> list[str]:
@@ -48,7 +48,7 @@ def test_a_person_hunts_by_keyboard_alone(seat):
     treasure = next(event for event in seat.stage.log.events if isinstance(event, TreasuresHidden)).treasures[2]
     assert seat.shown[-2:] == [
         "Robot 1 is in room 3.",
-        f"Room 3: something {treasure.colour.lower()}, {treasure.footprint.lower()}. n 3 NAME names it.",
+        f"Room 3: something {', '.join(treasure.properties.values()).lower()}. n 3 NAME names it.",
     ]
     assert seat.type("p 3") == ["Room 3: a picture is taken. A terminal cannot show it."]
     assert seat.type("names") == ["  Blue Bottle, Orange Bottle, Pink can, Yellow can"]
@@ -159,3 +159,21 @@ def test_a_person_asks_for_a_robot_and_names_what_a_station_left(seat):
     treasure = next(event for event in seat.stage.log.events if isinstance(event, TreasuresHidden)).treasures[2]
     assert f"Room 3: {treasure.name} is right, {treasure.points} points won." in seat.type(f"n 3 {treasure.name}")
     assert not any(line.startswith("  Room 3") for line in seat.type("?"))
+
+
+def test_a_person_has_more_sensed_and_tells_what_they_see():
+    seat = Seat(set_name="four-properties")
+    seat.type("1 3")
+    seat.type("c", 20)
+    kind = next(event for event in seat.stage.log.events if isinstance(event, TreasuresHidden)).treasures[2]
+    assert "m 3 weight senses its weight for 2 energy." in seat.shown[-1]
+    assert seat.type("m 3 smell") == ["Robots sense nothing of that name on request."]
+    assert seat.type("t 3 material wood") == ["There is no picture of what is in room 3 yet."]
+    (line,) = seat.type("m 3 weight")
+    assert f"{kind.properties['weight']} to lift" in line
+    seat.type("p 3")
+    seat.type("c")
+    assert "t 3 material VALUE tells its material: wood, metal, ceramic." in seat.type("?")[2]
+    assert seat.type("t 3 age old") == ["People tell nothing of that name here."]
+    (line,) = seat.type("t 3 material Wood")
+    assert "made of wood" in line

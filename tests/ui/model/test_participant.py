@@ -162,14 +162,15 @@ def test_naming_needs_a_name_picked_and_is_talked_over_in_the_same_place():
     assert not pop.name_it.enabled
     assert pop.name_it.hint == "Pick a name first."
     treasure = seat.stage.session.game.treasures[2]
-    assert (pop.colour, pop.footprint) == (treasure.colour, treasure.footprint)
+    assert [fact.value for fact in pop.facts] == [*treasure.properties.values()]
     seat.press(PickName(treasure.name))
     pop = seat.do(SubmitName()).popup
     assert isinstance(pop, DialoguePopup)
     words = name_in_words(treasure.name)
     assert pop.title == f"Robot 1: name it {words}?"
     assert pop.sentences[0] == ("you", f"Name it {words}.")
-    assert (pop.colour, pop.footprint, pop.picture) == (treasure.colour, treasure.footprint, None)
+    assert [fact.value for fact in pop.facts] == [*treasure.properties.values()]
+    assert pop.picture is None
     assert pop.title in seat.screen.announcement
     pop = seat.do(GiveAnswer(1)).popup
     assert (pop.picked, pop.verdict, pop.name_it.enabled) == (None, None, False), "a name not confirmed is gone"

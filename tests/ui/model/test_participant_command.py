@@ -202,7 +202,7 @@ def test_what_a_station_leaves_unnamed_stays_on_the_table():
 
 def test_what_nobody_can_pay_to_name_is_said_and_left():
     found = with_room(with_robot(view(), 0, place=3, energy=0.5, **THEIRS), 3, state="visited", robot=0)
-    found = with_room(found, 3, colour="Pink", footprint="Small")
+    found = with_room(found, 3, sensed={"colour": "Pink", "footprint": "Small"})
     model = model_of(found)
     model.receive(with_robot(found, 0, moving_to=2), 1.0)
     screen = model.screen(1.0)
@@ -212,6 +212,8 @@ def test_what_nobody_can_pay_to_name_is_said_and_left():
 
 def test_a_verdict_is_shown_although_nothing_was_received_since_before_the_robot_came():
     model = model_of(with_room(with_robot(view(), 0, moving_to=3), 3, state="reserved", robot=0))
-    found = with_room(with_robot(view(), 0, place=3), 3, state="visited", robot=0, colour="Pink", footprint="Small")
+    found = with_room(
+        with_robot(view(), 0, place=3), 3, state="visited", robot=0, sensed={"colour": "Pink", "footprint": "Small"}
+    )
     model.receive(with_room(found, 3, verdict=IdentificationVerdict("Pink can", 30)), 1.0)
     assert model.screen(1.0).popup.points == 30

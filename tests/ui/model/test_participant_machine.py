@@ -269,10 +269,10 @@ def views(draw, robots=2, rooms=3):
         )
 
     def room_view(number):
-        sensed = st.sampled_from((None, "Pink"))
+        sensed = st.sampled_from((None, {}, {"colour": "Pink", "footprint": "Small"}))
         return st.builds(
             lambda state, who, colour, picture, verdict, left: RoomView(
-                number, state, who, colour, colour, picture, verdict, left
+                number, state, who, colour, picture, verdict, left
             ),
             st.sampled_from(("unvisited", "reserved", "visited")),
             st.one_of(st.none(), robot),

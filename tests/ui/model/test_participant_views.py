@@ -60,7 +60,13 @@ from ui.model.screen import (
 
 UNDER_WAY = with_room(with_robot(view(), 0, moving_to=3, energy=93.0), 3, state="reserved", robot=0)
 FOUND = structs.replace(
-    with_room(with_robot(view(), 0, place=3), 3, state="visited", robot=0, colour="Pink", footprint="Round and Large"),
+    with_room(
+        with_robot(view(), 0, place=3),
+        3,
+        state="visited",
+        robot=0,
+        sensed={"colour": "Pink", "footprint": "Round and Large"},
+    ),
     names=("ball", "can"),
 )
 HOUSE = FloorPlan(
@@ -260,9 +266,9 @@ def test_what_follows_from_agreements_is_wanted_without_being_asked_again():
     model = model_of(view(consents=(Consent(0, "select-room", 3),)))
     assert model.requests() == (SendRobot(0, 3),)
     assert model.screen(0.0).cards[0].state == "about to set out for room 3"
-    model.receive(with_room(FOUND, 3, colour=None, footprint=None), 0.1)
+    model.receive(with_room(FOUND, 3, sensed=None), 0.1)
     assert model.requests() == (SenseTreasure(3),)
-    model.receive(with_robot(with_room(FOUND, 3, colour=None, footprint=None), 0, condition=Condition.SILENT), 0.05)
+    model.receive(with_robot(with_room(FOUND, 3, sensed=None), 0, condition=Condition.SILENT), 0.05)
     assert model.requests() == ()
     assert model.screen(0.1).popup.title == "Robot 1 looks around in room 3"
 
@@ -291,7 +297,11 @@ def test_an_agreed_name_is_said_only_as_it_was_picked():
 
 def test_an_act_for_what_has_gone_from_the_screen_meanwhile_does_nothing():
     two = with_room(
-        with_robot(FOUND, 1, place=2), 2, state="visited", robot=1, colour="Blue", footprint="Square and Small"
+        with_robot(FOUND, 1, place=2),
+        2,
+        state="visited",
+        robot=1,
+        sensed={"colour": "Blue", "footprint": "Square and Small"},
     )
     model = model_of(FOUND)
     model.receive(two, 0.1)
@@ -305,7 +315,9 @@ def test_an_act_for_what_has_gone_from_the_screen_meanwhile_does_nothing():
 
 
 def test_what_came_up_meanwhile_is_not_put_aside_unseen():
-    two = with_room(with_robot(FOUND, 1, place=2), 2, state="visited", robot=1, colour="Blue", footprint="Square")
+    two = with_room(
+        with_robot(FOUND, 1, place=2), 2, state="visited", robot=1, sensed={"colour": "Blue", "footprint": "Square"}
+    )
     model = model_of(FOUND)
     model.receive(with_room(two, 3, left=True), 0.1)
     model.do(ShowNext(), 0.1)

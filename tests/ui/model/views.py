@@ -12,7 +12,7 @@ COSTS = ((None, 5.0, 9.0, 7.0), (None, None, 5.0, 5.0), (None, 5.0, None, 5.0), 
 
 def view(robots: int = 2, rooms: int = 3, **changes) -> View:
     team = tuple(RobotView(robot, 0, None, 100.0, False, Condition.WELL) for robot in range(robots))
-    known = tuple(RoomView(room, "unvisited", None, None, None, None, None, False) for room in range(1, rooms + 1))
+    known = tuple(RoomView(room, "unvisited", None, None, None, None, False) for room in range(1, rooms + 1))
     costs = COSTS if rooms == 3 else tuple((5.0,) * (rooms + 1) for _ in range(rooms + 1))
     return structs.replace(View(1, True, costs, team, known, (), (), 0, None, 5.0, 1.0, None), **changes)
 

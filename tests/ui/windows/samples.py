@@ -11,6 +11,7 @@ import numpy as np
 
 from sim.common.geometry import Pose2
 from thbridge.files.map_files import read_map
+from thbridge.hunt.properties import PropertyDrawing
 from thbridge.roles.notices import FloorPlan, RoomOutline
 from ui.model.keys import help_lines
 from ui.model.scene import RobotMark, RoomMark
@@ -48,6 +49,7 @@ from ui.model.screen import (
     SwitchSound,
     TakeThePicture,
     TakeUpAgain,
+    TreasureFact,
     TreasurePopup,
     WaitingItem,
 )
@@ -230,8 +232,10 @@ def treasure(
         robot=1,
         room=4,
         title="Robot 2 found something in room 4",
-        colour="Pink",
-        footprint="Square and Small",
+        facts=(
+            TreasureFact("Colour", "Pink", PropertyDrawing.COLOUR),
+            TreasureFact("Footprint", "Square and Small", PropertyDrawing.SHAPE),
+        ),
         take_picture=None
         if picture
         else Action(TakeThePicture(), "Take a picture", "Ctrl+P", hint="Costs 5 of 72 energy."),
@@ -256,7 +260,7 @@ def naming() -> DialoguePopup:
     """The robot asks whether what it found shall be named, with its picture beside the talk."""
     find = treasure(picture=True)
     talk = replace(dialogue(), robot=find.robot, room=find.room, warning="")
-    return replace(talk, colour=find.colour, footprint=find.footprint, picture=find.picture)
+    return replace(talk, facts=find.facts or (), picture=find.picture)
 
 
 def waiting(number: int) -> tuple[WaitingItem, ...]:

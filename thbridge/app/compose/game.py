@@ -38,6 +38,7 @@ def build_briefing(setting: StudySetting) -> Briefing:
     worth = {name: {kind.points for kind in setting.templates.kinds if kind.name == name} for name in treasures}
     return Briefing(
         floor_plan=build_floor_plan(setting),
+        properties=setting.templates.properties,
         names=treasures,
         pictures=setting.templates.pictures,
         consent=setting.consent,
@@ -69,7 +70,7 @@ def treasure_names(setting: StudySetting) -> tuple[str, ...]:
 
 def build_hider(templates: TemplateSet, seed: int) -> Hider:
     """Return the treasures' role."""
-    return Hider(templates.kinds, seed, templates.rooms)
+    return Hider(templates.kinds, seed, templates.rooms, templates.properties)
 
 
 def build_bot(templates: TemplateSet, strategy: BotStrategy, seed: int) -> Bot:

@@ -70,7 +70,7 @@ def load(path: Path, into: type[T]) -> Loaded[T]:
     Fields may be bool, int, float, str, Literal, StrEnum, Path, tuples, dataclasses, and any of these or None. A field
     without a default must be in the file. An empty section keeps its defaults. A field may also be a mapping from
     numbers counted from 1 to dataclasses; if its metadata have `like`, each of them takes what it leaves out from the
-    field of that name.
+    field of that name. A mapping from text to text takes any names.
 
     Raises:
         BadFiles: all faults of the file; or one BadFile when it cannot be read at all.
@@ -256,7 +256,9 @@ class _Reader:
                 continue
             self.lines[place] = name.line
             field, hint = known[name.text], hints[name.text]
-            if get_origin(hint) is Mapping:
+            if get_origin(hint) is Mapping and get_args(hint)[0] is str:
+                values[name.text] = self.texts(child, place)
+            elif get_origin(hint) is Mapping:
                 model = model_of(field) or ""
                 like = values.get(model, cast(object, getattr(defaults, model, None)))
                 values[name.text] = self.numbered(child, get_args(hint)[1], place, like)
@@ -317,6 +319,22 @@ class _Reader:
                 # If the section with the defaults has faults, these were reported; this one is read for its own faults.
                 defaults = cast("DataclassInstance", like) if isinstance(like, into) else None
                 values[int(name.text)] = self.section(child, into, place, defaults)
+        return _WRONG if _WRONG in values.values() else values
+
+    def texts(self, node: Node, key: str) -> object:
+        if isinstance(node, Scalar) and node.absent:
+            return {}
+        if not isinstance(node, Section):
+            return self.wrong(node.line, key, "a section is needed", "Write 'NAME: TEXT' lines")
+        values: dict[str, object] = {}
+        for name, child in node.entries:
+            place = f"{key}.{name.text}"
+            if name.text in values:
+                first = self.lines[place]
+                self.wrong(name.line, place, f"stands twice, first in line {first}", "Keep one of the two")
+            else:
+                self.lines[place] = name.line
+                values[name.text] = self.value(child, str, {}, place)
         return _WRONG if _WRONG in values.values() else values
 
     def unknown(self, name: Scalar, place: str, into: type) -> None:

@@ -66,16 +66,20 @@ class AskTreasure:
 
 @dataclass(frozen=True, slots=True)
 class FoundTreasure:
-    """Answer of Hider: what the robot senses in a room; several blanks in a row become one on the wire."""
+    """Answer of Hider: what the robot senses in a room; several blanks in a row become one on the wire.
+
+    Attributes:
+        room: the room's number.
+        senses: label and value of each property; in 2016 `Colour` and `Footprint`.
+    """
 
     room: int
-    colour: str
-    footprint: str
+    senses: tuple[tuple[str, str], ...]
 
     def message(self) -> TextMessage:
         """``%%found Hider TabUI ROOM ROOM "(Colour: C) (Footprint: F)"``."""
-        senses = f'"(Colour: {self.colour}) (Footprint: {self.footprint})"'
-        return TextMessage.of(TextCommand.FOUND, HIDER, TABUI, f"{self.room} {self.room} {senses}")
+        senses = " ".join(f"({label}: {value})" for label, value in self.senses)
+        return TextMessage.of(TextCommand.FOUND, HIDER, TABUI, f'{self.room} {self.room} "{senses}"')
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +150,8 @@ _NUMBER = rf"([0-9]{{1,{_MAX_DIGITS}}})"
 _GOTO = re.compile(rf"{_NUMBER} {_NUMBER} \2 {_HEADING}")
 _ARRIVED = re.compile(rf'"{_NUMBER};{_NUMBER}"')
 _ASK = re.compile(rf'"{_NUMBER}"')
-_FOUND = re.compile(rf'{_NUMBER} \1 "\(Colour: ?(.*?)\) \(Footprint: ?(.*)\)"')
+_FOUND = re.compile(rf'{_NUMBER} \1 "((?:\([^():]+: ?.*\))?)"')
+_SENSE = re.compile(r"\(([^():]+): ?(.*?)\)(?= \([^():]+:|$)")
 _SNAP = re.compile(_NUMBER)
 _IMAGE = re.compile(rf"{_NUMBER} (\S+)")
 _IDENTIFY = re.compile(rf'"{_NUMBER}, ?(.*?)"?')
@@ -167,7 +172,7 @@ def decode(message: TextMessage) -> LegacyValue | UnreadableText:
                 return AskTreasure(int(found[1]))
         case TextCommand.FOUND:
             if found := _FOUND.fullmatch(text):
-                return FoundTreasure(int(found[1]), found[2], found[3])
+                return FoundTreasure(int(found[1]), tuple(_SENSE.findall(found[2])))
             if found := _IDENTIFY.fullmatch(text):
                 return NameTreasure(int(found[1]), found[2])
         case TextCommand.SNAP:

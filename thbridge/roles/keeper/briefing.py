@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from thbridge.hunt.properties import OF_2016, TreasureProperty
 from thbridge.roles.notices import FloorPlan
 
 
@@ -19,6 +20,7 @@ class Briefing:
         answers: True when it is told after the game what was in the rooms.
         farewell: thanks, and what comes next; may be empty.
         sound: True when their window may sound.
+        properties: of the treasures.
     """
 
     floor_plan: FloorPlan | None = None
@@ -29,3 +31,9 @@ class Briefing:
     answers: bool = False
     farewell: str = ""
     sound: bool = True
+    properties: tuple[TreasureProperty, ...] = OF_2016
+
+    @property
+    def room_names(self) -> dict[int, str]:
+        """Names of rooms, by the number people use; empty without a map."""
+        return {} if self.floor_plan is None else {room.room: room.name for room in self.floor_plan.rooms}

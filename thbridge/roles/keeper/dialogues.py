@@ -1,6 +1,9 @@
 """Open dialogues of robots and participant, and agreements that were not acted upon yet."""
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from thbridge.dialogue.engine import DialogueStep, Engine
 from thbridge.dialogue.moves import Dialogue, DialogueOutcome, DialogueTopic, DialogueUtterance, Scenario, Speaker
@@ -45,6 +48,7 @@ class GameDialogues:
     Args:
         engine: runs the dialogues.
         puppets: robots that a person speaks for (Wizard-of-Oz).
+        room_names: names of rooms, by the number people use.
 
     Attributes:
         puppets: the current ones.
@@ -52,8 +56,14 @@ class GameDialogues:
         consents: agreements not yet acted upon, oldest first.
     """
 
-    def __init__(self, engine: Engine, puppets: frozenset[int] = frozenset()) -> None:
+    def __init__(
+        self,
+        engine: Engine,
+        puppets: frozenset[int] = frozenset(),
+        room_names: Mapping[int, str] = MappingProxyType({}),
+    ) -> None:
         self.puppets = puppets
+        self._room_names = room_names
         self.asked_for_advice: tuple[int, ...] = ()
         self._engine = engine
         # By robot, in the order of opening.
@@ -78,7 +88,7 @@ class GameDialogues:
             reason: of a suggestion, as part of a sentence.
         """
         self._forget(robot, MATTERS[scenario])
-        topic = _topic(state, scenario, robot, room, reason)
+        topic = _topic(state, scenario, robot, room, self._room_names.get(room.people, str(room)), reason)
         self._opened += 1
         self._follow(self._engine.open(self._opened, topic, held=robot in self.puppets))
 
@@ -217,7 +227,7 @@ class GameDialogues:
         self.asked_for_advice = tuple(asked for asked in self.asked_for_advice if asked != robot)
 
 
-def _topic(state: GameState, scenario: Scenario, robot: int, room: Room, reason: str) -> DialogueTopic:
+def _topic(state: GameState, scenario: Scenario, robot: int, room: Room, room_name: str, reason: str) -> DialogueTopic:
     here = state.robots[robot]
     match scenario:
         case Scenario.TAKE_PICTURE:
@@ -226,10 +236,27 @@ def _topic(state: GameState, scenario: Scenario, robot: int, room: Room, reason:
             cost = state.started.identify_cost
         case _:
             cost = state.cost(robot, room)
-    sensed = state.room(room).sensed
-    if sensed is None:
-        return DialogueTopic(scenario, robot, room, cost, here.energy, reason=reason)
-    return DialogueTopic(scenario, robot, room, cost, here.energy, sensed.colour, sensed.footprint, reason)
+    return DialogueTopic(
+        scenario,
+        robot,
+        room,
+        cost,
+        here.energy,
+        room_name=room_name,
+        other_robot=_nearest_other(state, robot, room),
+        properties=state.room(room).known,
+        reason=reason,
+    )
+
+
+def _nearest_other(state: GameState, robot: int, room: Room) -> int | None:
+    """Return the robot besides this one that could get to a room for the least energy, or None."""
+    costs = {
+        other: state.cost(other, room)
+        for other, mover in enumerate(state.robots)
+        if other != robot and mover.bound_for is None and not (mover.is_silent or mover.is_blocked)
+    }
+    return min((other for other, cost in costs.items() if math.isfinite(cost)), key=costs.__getitem__, default=None)
 
 
 def _still_open(state: GameState, robot: int, matter: DialogueMatter, room: Room) -> bool:

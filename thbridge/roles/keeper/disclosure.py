@@ -49,6 +49,7 @@ def view_of(
         worth=briefing.worth if sensed else (),
         wrong_share=state.started.wrong_share if briefing.worth else None,
         sound=briefing.sound,
+        properties=state.started.properties,
     )
 
 
@@ -88,9 +89,9 @@ def _room(state: GameState, room: Room) -> RoomView:
         room=room.people,
         state="visited" if known.visited else "unvisited" if going is None else "reserved",
         robot=state.decider(room) if going is None else going,
-        colour=None if known.sensed is None else known.sensed.colour,
-        footprint=None if known.sensed is None else known.sensed.footprint,
+        sensed=known.sensed,
         picture=known.image,
         verdict=None if known.points is None else IdentificationVerdict(known.name or "", known.points),
         left=known.left,
+        told=known.told,
     )

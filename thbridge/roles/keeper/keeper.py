@@ -6,6 +6,7 @@ are events; the caller must write them to the journal before it passes on the me
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import get_args
 
@@ -14,6 +15,7 @@ from msgspec import structs
 from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.moves import DialogueUtterance
 from thbridge.hunt import rules
+from thbridge.hunt.codec import treasure_of
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Commander, Event, GameStarted, TreasuresHidden
 from thbridge.hunt.game import GameState
@@ -123,7 +125,7 @@ class Keeper:
     ) -> None:
         self._rules = rules
         self._briefing = briefing or Briefing()
-        self._game = OpenGame(engine, last_game)
+        self._game = OpenGame(engine, last_game, self._briefing.room_names)
         self._game.restore(history)
         return_robots(self._game)
         self._legacy_lines = LegacyLines(self._game)
@@ -280,6 +282,7 @@ class Keeper:
             identify_cost=chosen.identify_cost,
             wrong_share=chosen.wrong_share,
             costs=costs,
+            properties=self._briefing.properties,
         )
         # Agreement to take part, and commands of ground stations, outlast a game.
         former = self.state
@@ -306,8 +309,10 @@ class Keeper:
     def _hide(self, hidden: HideTreasures) -> None:
         state = self.state
         fresh = state is not None and state.treasures is None and state.started.game == hidden.game
-        if state is not None and fresh and len(hidden.treasures) == len(state.rooms):
-            self._game.record((TreasuresHidden(hidden.treasures),))
+        if state is None or not fresh or len(hidden.treasures) != len(state.rooms):
+            return
+        with suppress(ValueError):
+            self._game.record((TreasuresHidden(tuple(treasure_of(fields) for fields in hidden.treasures)),))
 
     def _status(self, status: TeamStatus) -> None:
         state = self.state

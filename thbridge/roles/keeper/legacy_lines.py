@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
+from thbridge.hunt.properties import labelled, named_by_labels
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.protocols.text import legacy
@@ -67,8 +68,9 @@ class LegacyLines:
                 return self._picture(state, Room.of_wire(room), needs_consent)
             case legacy.NameTreasure(room, name) if message.receiver == legacy.HIDER:
                 return self._identify(state, Room.of_wire(room), name, needs_consent)
-            case legacy.FoundTreasure(room, colour, footprint) if message.sender == legacy.HIDER:
-                self._apply_reported(state, lambda: rules.sense(state, Room.of_wire(room), (colour, footprint)))
+            case legacy.FoundTreasure(room, senses) if message.sender == legacy.HIDER:
+                sensed = named_by_labels(state.started.properties, senses)
+                self._apply_reported(state, lambda: rules.sense(state, Room.of_wire(room), sensed))
             case legacy.TreasureImage(room, filename) if message.sender == legacy.HIDER:
                 self._apply_reported(state, lambda: rules.picture(state, Room.of_wire(room), filename))
             case legacy.PointsAwarded(points) if message.sender == legacy.HIDER and self._named is not None:
@@ -103,7 +105,7 @@ class LegacyLines:
         treasure = state.treasure(room)
         if treasure is None:
             return None
-        return legacy.FoundTreasure(room.wire, treasure.colour, treasure.footprint).message()
+        return legacy.FoundTreasure(room.wire, labelled(state.started.properties, treasure.properties)).message()
 
     def _picture(self, state: GameState, room: Room, needs_consent: bool) -> TextMessage | None:
         if state.treasures is None:

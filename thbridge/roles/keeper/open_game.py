@@ -1,6 +1,6 @@
 """The open game: its state, the events of this step, the dialogues, the last refusal."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.engine import Engine
@@ -31,13 +31,15 @@ class OpenGame:
     Args:
         engine: makes the dialogue engine of a game, given the game's number.
         last_game: number of the last game so far.
+        room_names: names of rooms, by the number people use.
     """
 
-    def __init__(self, engine: Callable[[int], Engine], last_game: int) -> None:
+    def __init__(self, engine: Callable[[int], Engine], last_game: int, room_names: Mapping[int, str]) -> None:
         self._engine = engine
+        self._room_names = room_names
         self.last_game = last_game
         self.state: GameState | None = None
-        self.dialogues = GameDialogues(engine(last_game))
+        self.dialogues = GameDialogues(engine(last_game), room_names=room_names)
         # By robot, the tick of the participant's request to get it back.
         self._asked_back: dict[int, int] = {}
         self._tick = 0
@@ -128,7 +130,7 @@ class OpenGame:
         if isinstance(event, GameStarted):
             self.state = game.begin(event)
             self.last_game = event.game
-            self.dialogues = GameDialogues(self._engine(event.game), self.dialogues.puppets)
+            self.dialogues = GameDialogues(self._engine(event.game), self.dialogues.puppets, self._room_names)
             self._asked_back.clear()
             self.refusal = None
             self._moves, self._ordered = [0] * event.robots, [0] * event.robots

@@ -17,12 +17,14 @@ from thbridge.roles.view import (
     CallBack,
     GiveUp,
     GiveUpTreasure,
+    MeasureProperty,
     OpenDialogue,
     ParticipantRequest,
     RequestHandback,
     RequestSuggestion,
     SelectRoom,
     TakeUpTreasure,
+    TellProperty,
 )
 
 
@@ -37,7 +39,7 @@ def handle_participant_request(game: OpenGame, state: GameState, notice: Notice,
     """
     now = Situation(state, game.dialogues.discussed, awaits_treasures)
     match _decode_request(notice):
-        case GiveUpTreasure() | TakeUpTreasure() as request:
+        case GiveUpTreasure() | TakeUpTreasure() | MeasureProperty() | TellProperty() as request:
             game.apply_ruling(notice.kind, judge(now, request))
         case GiveUp() as request if request.game == state.started.game:
             game.apply_ruling(notice.kind, judge(now, request))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from sim.common import noise
 from thbridge.hunt.events import Condition
+from thbridge.hunt.properties import Teller
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.view import (
@@ -16,6 +17,7 @@ from thbridge.roles.view import (
     GiveUp,
     GiveUpTreasure,
     IdentifyTreasure,
+    MeasureProperty,
     OpenDialogue,
     ParticipantRequest,
     RequestSuggestion,
@@ -25,6 +27,7 @@ from thbridge.roles.view import (
     SendRobot,
     SenseTreasure,
     TakePicture,
+    TellProperty,
     View,
 )
 
@@ -51,7 +54,8 @@ class Bot:
     """A simulated participant; a player for TabUI.
 
     It plays each robot on its own: it looks at what a robot found before that robot goes on, names a treasure that
-    colour and footprint determine, otherwise takes a picture if the energy suffices, and else gives the treasure up.
+    what is known of it determines, otherwise lets the robot sense more where that costs less than a picture, or takes a
+    picture and tells what only people can tell, as far as the energy suffices, and else gives the treasure up.
     For a robot that somebody else commands it only decides about the treasures found, and waits. A room that a robot
     did not reach is left for last, whatever the strategy, and after three attempts for good. A lost robot is sent once,
     because it may localise itself while it drives. When nothing is left to request, the bot ends the game.
@@ -156,9 +160,11 @@ class Bot:
         return AnswerDialogue(dialogue.dialogue, dialogue.turn, 0)
 
     def _treasure(self, view: View, robot: RobotView, room: RoomView, agreed: set[str]) -> ParticipantRequest:
-        if not room.sensed:
+        if not room.found:
             return SenseTreasure(room.room)
         name = self._name(room)
+        if room.picture is not None and name is not None and (told := self._told(view, room, name)) is not None:
+            return told
         if name is not None and robot.energy >= view.identify_cost:
             return (
                 IdentifyTreasure(room.room, name)
@@ -167,6 +173,8 @@ class Bot:
             )
         beside = robot.place == room.room and robot.moving_to is None
         can_look = beside and room.picture is None and robot.energy >= view.picture_cost + view.identify_cost
+        if name is None and beside and (asked := self._measured(view, robot, room)) is not None:
+            return asked
         if name is None and can_look:
             return (
                 TakePicture(room.room)
@@ -179,15 +187,41 @@ class Bot:
         """Return the name of the treasure in a room, or None while several names fit."""
         if room.picture is not None:
             return self._knowledge.shown_by.get(room.picture)
-        fitting = {
-            kind.name
-            for kind in self._knowledge.kinds
-            if kind.colour == room.colour and kind.footprint == room.footprint
-        }
+        fitting = {kind.name for kind in self._fitting(room)}
         return fitting.pop() if len(fitting) == 1 else None
+
+    def _fitting(self, room: RoomView) -> list[TreasureKind]:
+        """Return the kinds that have all the properties known of the treasure in a room."""
+        known = room.known.items()
+        return [
+            kind for kind in self._knowledge.kinds if all(kind.properties.get(name) == value for name, value in known)
+        ]
+
+    def _measured(self, view: View, robot: RobotView, room: RoomView) -> MeasureProperty | None:
+        """Return the request for a property that tells fitting treasures apart for less energy than a picture."""
+        fitting = self._fitting(room)
+        telling = [
+            each
+            for each in view.properties
+            if each.is_measured
+            and each.name not in room.known
+            and each.cost < view.picture_cost
+            and each.cost + view.identify_cost <= robot.energy
+            and len({kind.properties[each.name] for kind in fitting}) > 1
+        ]
+        return MeasureProperty(room.room, min(telling, key=lambda each: each.cost).name) if telling else None
+
+    def _told(self, view: View, room: RoomView, name: str) -> TellProperty | None:
+        """Return the next property that a person tells by the picture of a treasure."""
+        shown = next((kind for kind in self._knowledge.kinds if kind.name == name), None)
+        untold = (each for each in view.properties if each.told_by is Teller.PERSON and each.name not in room.told)
+        each = next(untold, None)
+        return (
+            None if each is None or shown is None else TellProperty(room.room, each.name, shown.properties[each.name])
+        )
 
 
 def _waits_for(robot: RobotView, room: RoomView) -> bool:
     """Return True when this robot has to sense the treasure in a room, or to name one that it found there earlier."""
     beside = robot.place == room.room and robot.moving_to is None
-    return room.undecided and room.robot == robot.robot and (room.sensed or beside)
+    return room.undecided and room.robot == robot.robot and (room.found or beside)

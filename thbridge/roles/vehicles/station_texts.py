@@ -5,8 +5,9 @@ from collections.abc import Iterator
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import Commander
 from thbridge.hunt.game import GameState, RoomState
+from thbridge.hunt.properties import properties_in_words
 from thbridge.hunt.rooms import Room
-from thbridge.hunt.treasures import name_in_words, sensed_in_words
+from thbridge.hunt.treasures import name_in_words
 
 
 def game_texts(robot: int, before: GameState | None, now: GameState) -> Iterator[str]:
@@ -17,7 +18,7 @@ def game_texts(robot: int, before: GameState | None, now: GameState) -> Iterator
     if was.bound_for is not None and mover.bound_for is None and mover.at == was.bound_for:
         yield f"{robot_name(robot).capitalize()} is in {mover.at}."
     if mover.bound_for is None and now.has_room(mover.at):
-        yield from _room_news(mover.at, before.room(mover.at), now.room(mover.at))
+        yield from _room_news(now, mover.at, before.room(mover.at), now.room(mover.at))
     if now.ended is not None and before.ended is None:
         yield f"The game is over. The score is {now.score}."
 
@@ -30,10 +31,10 @@ def handback_texts(robot: int, before: GameState | None, now: GameState) -> Iter
         yield f"The participant asks for {robot_name(robot)} back."
 
 
-def _room_news(room: Room, was: RoomState, now: RoomState) -> Iterator[str]:
+def _room_news(state: GameState, room: Room, was: RoomState, now: RoomState) -> Iterator[str]:
     name = str(room).capitalize()
-    if now.sensed is not None and was.sensed is None:
-        yield f"{name}: something {sensed_in_words(now.sensed.colour, now.sensed.footprint)}."
+    if now.sensed is not None and was.sensed != now.sensed:
+        yield f"{name}: {properties_in_words(state.started.properties, now.sensed)}."
     if now.image is not None and was.image is None:
         yield f"{name}: a picture was taken."
     if now.points is not None and was.points is None:

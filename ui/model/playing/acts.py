@@ -10,12 +10,14 @@ from thbridge.roles.view import (
     GiveConsent,
     GiveUp,
     GiveUpTreasure,
+    MeasureProperty,
     OpenDialogue,
     PlayAgain,
     RequestHandback,
     RequestSuggestion,
     SelectRoom,
     TakeUpTreasure,
+    TellProperty,
 )
 from ui.model.playing.cards import card_sentence
 from ui.model.playing.name_choice import NameChoice
@@ -29,6 +31,7 @@ from ui.model.playing.possible import (
     why_not_go,
     why_not_name,
     why_not_picture,
+    why_not_request,
     why_not_stop,
 )
 from ui.model.playing.sounds import why_silent
@@ -64,6 +67,7 @@ from ui.model.screen import (
     LeaveTreasure,
     NextRobot,
     PickName,
+    SenseMore,
     ShowHelp,
     ShowNext,
     ShowWaiting,
@@ -72,6 +76,7 @@ from ui.model.screen import (
     SwitchSound,
     TakeThePicture,
     TakeUpAgain,
+    TellOfIt,
     TypeDigit,
     TypeLetter,
 )
@@ -194,6 +199,14 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
                 memory, why_not_picture(hunt.known, item.robot, room), now
             ):
                 _discuss(hunt, OpenDialogue(item.robot, "take-picture", room))
+        case SenseMore(name):
+            asked = MeasureProperty(room, name)
+            if not _refused(memory, why_not_request(hunt.known, item.robot, asked), now):
+                hunt.pending.ask(asked, view)
+        case TellOfIt(name, value):
+            told = TellProperty(room, name, value)
+            if not _refused(memory, why_not_request(hunt.known, item.robot, told), now):
+                hunt.pending.ask(told, view)
         case SubmitName():
             name = hunt.picked
             if name is None:
@@ -272,7 +285,7 @@ def _ask_to_go(memory: ParticipantMemory, hunt: HuntMemory, request: SelectRoom 
     """Ask a robot to go, unless it would leave something behind that it can still name: then ask for confirmation."""
     view, robot = hunt.view, request.robot
     room = undecided_beside(hunt.known, robot)
-    if room is not None and view.room(room).sensed and why_not_name(hunt.known, robot, room) is None:
+    if room is not None and view.room(room).found and why_not_name(hunt.known, robot, room) is None:
         hunt.pending_step = LeaveUndecided(request, room)
     else:
         memory.history.add_request(robot, hunt.ask_to_go(request))

@@ -164,7 +164,7 @@ def _resting(hunt: HuntMemory, robot: RobotView) -> str:
         return f"about to set out for {place_name(goal)}"
     room = undecided_beside(hunt.known, number)
     if room is not None:
-        return "found something" if hunt.view.room(room).sensed else "looking at what is here"
+        return "found something" if hunt.view.room(room).found else "looking at what is here"
     if robot.other_commander:
         return "at rest"
     return READY if affordable(hunt.known.state, number) else "nothing left to do"

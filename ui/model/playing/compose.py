@@ -154,7 +154,10 @@ def _not_now(act: AgreeToTakePart | AskAdvice | EndGame, label: str) -> Action:
 
 
 def _help(memory: ParticipantMemory, hunt: HuntMemory | None) -> tuple[tuple[str, str], ...]:
-    return help_lines(0) if hunt is None else help_lines(len(hunt.view.rooms), why_silent(memory, hunt))
+    if hunt is None:
+        return help_lines(0)
+    properties = any(not each.is_found for each in hunt.view.properties)
+    return help_lines(len(hunt.view.rooms), why_silent(memory, hunt), properties=properties)
 
 
 def _sound(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[Action, ...]:
@@ -221,4 +224,4 @@ def _waits(hunt: HuntMemory, item: PopupItem) -> str:
         return f"Room {item.room}: {verdict_words(room.verdict.name, room.verdict.points)}"
     if hunt.robot_in_room(item.room) is None:
         return f"{name} found something in room {item.room}"
-    return f"{name} is in room {item.room}" + (" and found something" if room.sensed else "")
+    return f"{name} is in room {item.room}" + (" and found something" if room.found else "")

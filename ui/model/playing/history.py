@@ -7,8 +7,9 @@ from typing import Literal
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
+from thbridge.hunt.properties import Teller, properties_in_words, value_in_words
 from thbridge.roles.view import DialogueView, RobotView, RoomView, View
-from ui.model.playing.words import counted, place_name, scored, seen_words, titled, verdict_words
+from ui.model.playing.words import counted, place_name, scored, titled, verdict_words
 from ui.model.screen import HistoryLine
 
 MAX_LINES = 500
@@ -68,7 +69,7 @@ class GameHistory:
                 for sentence in _robot_changes(was, now, view):
                     self.add_event(sentence, now.robot)
             for old, new in zip(before.rooms, view.rooms, strict=True):
-                for sentence in _room_changes(old, new):
+                for sentence in _room_changes(view, old, new):
                     self.add_event(sentence, new.robot)
         for dialogue in view.dialogues:
             self._receive_dialogue(dialogue)
@@ -127,9 +128,15 @@ def _robot_changes(was: RobotView, now: RobotView, view: View) -> Iterator[str]:
         yield f"{name} has no energy left."
 
 
-def _room_changes(old: RoomView, new: RoomView) -> Iterator[str]:
-    if new.colour is not None and new.footprint is not None and not old.sensed:
-        yield f"In room {new.room} is {seen_words(new.colour, new.footprint)}."
+def _room_changes(view: View, old: RoomView, new: RoomView) -> Iterator[str]:
+    if new.sensed is not None and not old.found:
+        yield f"In room {new.room} is {properties_in_words(view.properties, new.sensed)}."
+    elif new.known != old.known:
+        for each in view.properties:
+            if new.known.get(each.name) != old.known.get(each.name):
+                who = "You say" if each.told_by is Teller.PERSON else "Sensed"
+                value = value_in_words(new.known[each.name])
+                yield f"{who} of what is in room {new.room}: {each.label.lower()} {value}."
     if new.picture is not None and old.picture is None:
         by = "" if new.robot is None else f" by {robot_name(new.robot)}"
         yield f"A picture is taken in room {new.room}{by}."

@@ -72,6 +72,7 @@ def _playing(screen: Screen) -> Iterator[Action]:
         case TreasurePopup() as treasure:
             if treasure.take_picture is not None:
                 yield treasure.take_picture
+            yield from treasure.acts
             if treasure.asks_for_name:
                 yield from (treasure.name_it, treasure.leave)
             yield treasure.aside

@@ -11,6 +11,7 @@ from thbridge.roles.view import (
     GiveConsent,
     GiveUp,
     GiveUpTreasure,
+    MeasureProperty,
     OpenDialogue,
     ParticipantRequest,
     PlayAgain,
@@ -19,6 +20,7 @@ from thbridge.roles.view import (
     RequestSuggestion,
     SelectRoom,
     TakeUpTreasure,
+    TellProperty,
     View,
 )
 from ui.model.playing.possible import why_not_command, why_not_go, why_not_work
@@ -50,6 +52,11 @@ class PendingRequests:
         """Add a request; a robot is asked to go to one place at a time."""
         if isinstance(request, SelectRoom | RequestSuggestion):
             self.forget_destination(request.robot)
+        if isinstance(request, TellProperty):
+            about = (request.room, request.property)
+            told = [each for each in self._requests if isinstance(each, TellProperty)]
+            for earlier in (each for each in told if (each.room, each.property) == about):
+                del self._requests[earlier]
         self._requests[request] = (
             _open_dialogue(view, request.robot) if isinstance(request, RequestSuggestion) else None
         )
@@ -129,6 +136,10 @@ def _granted(request: ParticipantRequest, view: View, known: Situation, before: 
             return not view.room(room).undecided
         case TakeUpTreasure(room):
             return not view.room(room).left
+        case MeasureProperty(room, name):
+            return name in view.room(room).known
+        case TellProperty(room, name, value):
+            return view.room(room).told.get(name) == value
         case GiveUp(game):
             return view.over is not None or view.game != game
         case PlayAgain(game):
@@ -151,7 +162,7 @@ def _moot(request: ParticipantRequest, view: View, known: Situation) -> str | No
         case RequestHandback(robot):
             # A robot that came back is announced anyway.
             return None if view.robots[robot].other_commander else ""
-        case TakeUpTreasure():
+        case TakeUpTreasure() | MeasureProperty() | TellProperty():
             refused = judge(known, request)
             return refused.sentence if isinstance(refused, RequestRefused) else None
         case OpenDialogue(robot, matter, room) if robot != _worker(known.state, matter, room):

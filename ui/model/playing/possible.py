@@ -115,6 +115,12 @@ def why_not_name(known: Situation, robot: int, room: int) -> str | None:
     )
 
 
+def why_not_request(known: Situation, robot: int, request: JudgedRequest) -> str | None:
+    """Reason why a robot cannot do what a request asks for, or None."""
+    refused = judge(known, request)
+    return None if isinstance(refused, tuple) else _hint(known, robot, refused)
+
+
 def why_not_stop(known: Situation, robot: int) -> str | None:
     """Reason why a robot cannot be stopped, or None."""
     refused = judge(known, CallBack(robot))

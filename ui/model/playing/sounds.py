@@ -20,7 +20,7 @@ def sounds_of(before: View, view: View) -> Iterator[GameSound]:
         if was.moving_to not in (None, now.moving_to) and view.room(was.moving_to).state == "visited":
             yield GameSound.ARRIVAL
     for old, new in zip(before.rooms, view.rooms, strict=True):
-        if new.sensed and not old.sensed:
+        if new.found and not old.found:
             yield GameSound.FIND
         if new.verdict is not None and old.verdict is None and new.verdict.points:
             yield GameSound.WON if new.verdict.points > 0 else GameSound.LOST

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
+from thbridge.hunt.properties import value_in_words
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import GiveUp, RequestSuggestion, RoomView, SelectRoom
 from ui.model.keys import keyed
@@ -85,4 +86,4 @@ def _found(room: RoomView) -> str:
         return f"{name_in_words(room.verdict.name) or 'named'}, {gained(room.verdict.points)}"
     if room.left:
         return "left there"
-    return "" if room.colour is None else f"something {room.colour.lower()}"
+    return f"something {value_in_words(next(iter(room.known.values()), ''))}".rstrip() if room.found else ""

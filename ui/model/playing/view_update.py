@@ -100,7 +100,7 @@ def open_requests(hunt: HuntMemory) -> tuple[ParticipantRequest, ...]:
             case "take-treasure" if consent.room in hunt.submitted_names:
                 agreed.append(IdentifyTreasure(consent.room, hunt.submitted_names[consent.room]))
     sense = [
-        SenseTreasure(room.room) for room in view.rooms if room.undecided and not room.sensed and _can_look(hunt, room)
+        SenseTreasure(room.room) for room in view.rooms if room.undecided and not room.found and _can_look(hunt, room)
     ]
     return (*hunt.pending.requests, *agreed, *sense)
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import Commander
-from thbridge.hunt.treasures import name_in_words, sensed_in_words
+from thbridge.hunt.treasures import name_in_words
 
 
 def titled(robot: int) -> str:
@@ -61,11 +61,6 @@ def verdict_words(name: str, points: int) -> str:
     if points < 0:
         return f"{named} is wrong, {counted(-points, 'point')} lost."
     return f"{named} brings no points."
-
-
-def seen_words(colour: str, footprint: str) -> str:
-    """A treasure as a robot senses it."""
-    return f"something {sensed_in_words(colour, footprint)}"
 
 
 def as_sentence(text: str) -> str:

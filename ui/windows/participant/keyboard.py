@@ -12,6 +12,7 @@ from ui.model.screen import Act, Screen
 _NAMES = {
     **{key: key for key in f"{string.digits}{string.ascii_uppercase}?"},
     **{f"Ctrl+{letter}": f"Ctrl+{letter}" for letter in string.ascii_uppercase},
+    **{f"Ctrl+{digit}": f"Ctrl+{digit}" for digit in "123456789"},
     **{key: key for key in ("Tab", "Shift+Tab", "Enter", "Esc", "Space", "Up", "Down", "Home", "End", "F1")},
     "Return": "Enter",
 }

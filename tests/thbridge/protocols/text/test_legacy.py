@@ -23,7 +23,7 @@ LINES: list[tuple[LegacyValue, str]] = [
     (RoomReached(1, 4), '%%error SimR TabUI "1;4" '),
     (AskTreasure(4), '%%error TabUI Hider "4" '),
     (
-        FoundTreasure(4, "Orange", "Round and Large"),
+        FoundTreasure(4, (("Colour", "Orange"), ("Footprint", "Round and Large"))),
         '%%found Hider TabUI 4 4 "(Colour: Orange) (Footprint: Round and Large)" ',
     ),
     (SnapTreasure(4), "%%snap TabUI Hider 4 "),
@@ -54,11 +54,12 @@ def test_the_double_blank_of_the_2016_question_makes_no_difference() -> None:
 
 ROOMS = st.integers(0, 99)
 PHRASES = st.lists(st.from_regex(r"[A-Za-zäöü0-9_£-]{1,8}", fullmatch=True), min_size=1, max_size=4).map(" ".join)
+LABELS = st.sampled_from(["Colour", "Footprint", "Weight", "Country of origin"])
 VALUES = st.one_of(
     st.builds(GotoRoom, ROOMS, ROOMS),
     st.builds(RoomReached, ROOMS, ROOMS),
     st.builds(AskTreasure, ROOMS),
-    st.builds(FoundTreasure, ROOMS, PHRASES, PHRASES),
+    st.builds(FoundTreasure, ROOMS, st.lists(st.tuples(LABELS, PHRASES), max_size=3).map(tuple)),
     st.builds(SnapTreasure, ROOMS),
     st.builds(TreasureImage, ROOMS, st.from_regex(r"[a-z0-9_]{1,8}\.jpg", fullmatch=True)),
     st.builds(NameTreasure, ROOMS, PHRASES),
@@ -74,7 +75,7 @@ def test_every_value_survives_the_wire(value: LegacyValue) -> None:
 
 
 def test_parentheses_in_a_footprint_are_text() -> None:
-    value = FoundTreasure(0, "Blue (dark)", "Round (and) Large")
+    value = FoundTreasure(0, (("Colour", "Blue (dark)"), ("Footprint", "Round (and) Large")))
     assert decode(value.message()) == value
 
 

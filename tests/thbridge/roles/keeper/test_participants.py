@@ -40,6 +40,7 @@ from thbridge.roles.view import (
     GiveUp,
     GiveUpTreasure,
     IdentifyTreasure,
+    MeasureProperty,
     OpenDialogue,
     ParticipantRequest,
     PlayAgain,
@@ -50,6 +51,7 @@ from thbridge.roles.view import (
     SenseTreasure,
     TakePicture,
     TakeUpTreasure,
+    TellProperty,
     View,
 )
 from thbridge.study.study_file import Study
@@ -190,6 +192,8 @@ EVERY_WISH = [
     TakeUpTreasure(3),
     GiveUp(1),
     PlayAgain(1),
+    MeasureProperty(3, "weight"),
+    TellProperty(3, "material", "wood"),
 ]
 
 
@@ -340,7 +344,10 @@ def test_who_watches_sees_all_that_is_told_in_its_order():
 
 def hidden_kinds() -> list[TreasureKind]:
     """Words that occur nowhere else; two and two look alike, so that pictures are taken."""
-    return [TreasureKind(f"colour{n // 2}q", f"print{n // 2}q", 10, f"name{n}q", f"file{n}q.jpg") for n in range(8)]
+    return [
+        TreasureKind({"colour": f"colour{n // 2}q", "footprint": f"print{n // 2}q"}, 10, f"name{n}q", f"file{n}q.jpg")
+        for n in range(8)
+    ]
 
 
 @pytest.mark.parametrize("strategy", BotStrategy)
@@ -352,7 +359,7 @@ def test_nothing_of_a_treasure_is_told_before_the_game_reveals_it(strategy, seed
     briefing = Briefing(house, tuple(kind.name for kind in kinds), files, CONSENT)
     played = Stage(robots=2, strategy=strategy, seed=seed, briefing=briefing, kinds=kinds)
     played.finish()
-    secrets = {word for kind in kinds for word in (kind.colour, kind.footprint, kind.name, kind.image)}
+    secrets = {word for kind in kinds for word in (*kind.properties.values(), kind.name, kind.image)}
     secrets |= {base64.b64encode(data).decode() for data in files.values()}
     names = ",".join(f'"{kind.name}"' for kind in kinds)
     revealed: set[str] = set()
@@ -365,8 +372,8 @@ def test_nothing_of_a_treasure_is_told_before_the_game_reveals_it(strategy, seed
         # What is decided in a tick is told in the next.
         for event in tick_record.events:
             match event:
-                case TreasureSensed(_, colour, footprint):
-                    revealed |= {colour, footprint}
+                case TreasureSensed(_, properties):
+                    revealed |= set(properties.values())
                 case TreasurePictured(_, _, image):
                     revealed |= {image, base64.b64encode(files[image]).decode()}
                     pictures += 1

@@ -403,7 +403,7 @@ def test_treasures_are_pictured_named_and_left_from_the_helm(taken: Flight) -> N
     assert [event.points for event in taken.events(TreasureIdentified)] == [treasure.points]
     assert taken.news == [
         "Robot 1 is in room 3.",
-        f"Room 3: something {treasure.colour.lower()}, {treasure.footprint.lower()}.",
+        f"Room 3: something {', '.join(treasure.properties.values()).lower()}.",
         "Room 3: a picture was taken.",
         f"Room 3: {treasure.name}, {treasure.points:+d} points.",
     ]

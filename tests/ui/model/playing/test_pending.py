@@ -17,7 +17,9 @@ from thbridge.roles.view import (
 )
 from ui.model.playing.pending import PendingRequests
 
-STANDING = with_room(with_robot(view(), 0, place=3), 3, state="visited", robot=0, colour="Pink", footprint="Square")
+STANDING = with_room(
+    with_robot(view(), 0, place=3), 3, state="visited", robot=0, sensed={"colour": "Pink", "footprint": "Square"}
+)
 UNDER_WAY = with_room(with_robot(view(), 0, moving_to=3), 3, state="reserved", robot=0)
 
 

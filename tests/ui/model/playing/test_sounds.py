@@ -35,7 +35,7 @@ class Listener:
 
 UNDER_WAY = with_room(with_robot(view(), 0, moving_to=2), 2, state="reserved", robot=0)
 THERE = with_room(with_robot(view(), 0, place=2), 2, state="visited", robot=0)
-SENSED = with_room(THERE, 2, colour="Red", footprint="Round")
+SENSED = with_room(THERE, 2, sensed={"colour": "Red", "footprint": "Round"})
 NAMES = {"names": ("ball", "die")}
 
 

@@ -10,8 +10,10 @@ from pytestqt.qtbot import QtBot
 
 from tests.ui.model.seat import Seat
 from tests.ui.windows.participant.test_window import buttons, press, that_asks
+from thbridge.hunt.events import PropertyMeasured, PropertyTold
 from ui.model.screen import (
     Act,
+    Action,
     AnotherGame,
     AskAdvice,
     DialoguePopup,
@@ -55,9 +57,9 @@ class Player:
 
 @pytest.fixture
 def player(qtbot: QtBot, qapp: QApplication) -> Callable[..., Player]:
-    def sit(robots: int) -> Player:
+    def sit(robots: int, set_name: str = "original-2016") -> Player:
         look.apply_palette(qapp, LIGHT)
-        seat = Seat(robots=robots)
+        seat = Seat(robots=robots, set_name=set_name)
         window = ParticipantWindow(seat.model, lambda: seat.now, LIGHT)
         qtbot.addWidget(window)
         window.show()
@@ -66,6 +68,12 @@ def player(qtbot: QtBot, qapp: QApplication) -> Callable[..., Player]:
         return Player(seat, window, qtbot)
 
     return sit
+
+
+def to_find_out(pop: TreasurePopup) -> Action | None:
+    """What is left to sense or to tell of a treasure."""
+    acts = (act for fact in pop.facts or () if not fact.value for act in fact.acts)
+    return next((act for act in acts if act.enabled), None)
 
 
 def by_mouse(player: Player, right: str) -> None:
@@ -77,6 +85,8 @@ def by_mouse(player: Player, right: str) -> None:
         player.click(ShowNext())
     elif isinstance(pop, TreasurePopup) and pop.take_picture is not None and pop.take_picture.enabled:
         player.click(TakeThePicture())
+    elif isinstance(pop, TreasurePopup) and (more := to_find_out(pop)) is not None:
+        player.click(more.act)
     elif isinstance(pop, TreasurePopup) and pop.picked is None and pop.names:
         names = window.treasure.names
         item = names.findItems(right, Qt.MatchFlag.MatchExactly)[0]
@@ -101,6 +111,8 @@ def by_keyboard(player: Player, right: str) -> None:
         player.key("Esc")
     elif isinstance(pop, TreasurePopup) and pop.take_picture is not None and pop.take_picture.enabled:
         player.key("Ctrl+P")
+    elif isinstance(pop, TreasurePopup) and (more := to_find_out(pop)) is not None:
+        player.key(more.key)
     elif isinstance(pop, TreasurePopup) and pop.names and pop.picked != right and pop.verdict is None:
         player.key("Down")
     elif isinstance(pop, TreasurePopup) and (pop.name_it.enabled or pop.leave.enabled):
@@ -113,9 +125,19 @@ def by_keyboard(player: Player, right: str) -> None:
         player.wait()
 
 
-@pytest.mark.parametrize(("play", "robots"), [(by_mouse, 2), (by_keyboard, 6)])
-def test_a_whole_hunt(player: Callable[..., Player], play: Callable[[Player, str], None], robots: int) -> None:
-    sitting = player(robots)
+@pytest.mark.parametrize(
+    ("play", "robots", "set_name"),
+    [
+        (by_mouse, 2, "original-2016"),
+        (by_keyboard, 6, "original-2016"),
+        (by_mouse, 3, "four-properties"),
+        (by_keyboard, 2, "four-properties"),
+    ],
+)
+def test_a_whole_hunt(
+    player: Callable[..., Player], play: Callable[[Player, str], None], robots: int, set_name: str
+) -> None:
+    sitting = player(robots, set_name)
     seat = sitting.seat
     for _ in range(TURNS):
         if seat.screen.phase is Phase.OVER:
@@ -125,6 +147,8 @@ def test_a_whole_hunt(player: Callable[..., Player], play: Callable[[Player, str
         play(sitting, right)
     assert seat.screen.phase is Phase.OVER
     assert seat.screen.score > 0
+    found_out = [type(event) for event in seat.stage.log.events if isinstance(event, PropertyMeasured | PropertyTold)]
+    assert set(found_out) == ({PropertyMeasured, PropertyTold} if set_name == "four-properties" else set())
     assert sitting.window.ending.isVisible()
     assert sitting.window.top.score.accessibleName() == f"Score {seat.screen.score}"
     sitting.wait()  # until the end can have been read

@@ -54,7 +54,7 @@ from ui.windows.look import GAP, font
 from ui.windows.map import MapView
 from ui.windows.participant.cards import EDGE, PAD
 from ui.windows.participant.pages.pages import KeyCap
-from ui.windows.participant.popups.finding import NamingResult, SensedFacts, TreasurePicture
+from ui.windows.participant.popups.finding import NamingResult, TreasureFacts, TreasurePicture
 from ui.windows.participant.score import ScoreLabel
 from ui.windows.participant.tiles import below
 from ui.windows.participant.top import BannerLine
@@ -624,7 +624,7 @@ def test_a_question_makes_the_answer_stand_out_that_changes_nothing(qtbot: QtBot
 SHOWS = (
     MapView
     | ScoreLabel
-    | SensedFacts
+    | TreasureFacts
     | TreasurePicture
     | NamingResult
     | SpeechBubble

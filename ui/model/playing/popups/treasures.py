@@ -1,21 +1,41 @@
 """Pop-up of a treasure that a robot found, with the acts that are possible on it."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import TreasureIdentified, TreasureLeft
+from thbridge.hunt.properties import Teller, TreasureProperty, value_in_words
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import name_in_words
-from thbridge.roles.view import GiveUpTreasure, OpenDialogue, RoomView, View
+from thbridge.roles.view import GiveUpTreasure, MeasureProperty, OpenDialogue, RoomView, View
 from ui.model.keys import keyed
 from ui.model.playing.pictures import Pictures
 from ui.model.playing.popup_queue import TreasureItem
 from ui.model.playing.popups.dialogues import dialogue_popup
-from ui.model.playing.possible import ends_game, is_allowed, why_not_name, why_not_picture, why_not_work
+from ui.model.playing.possible import (
+    ends_game,
+    is_allowed,
+    why_not_name,
+    why_not_picture,
+    why_not_request,
+    why_not_work,
+)
 from ui.model.playing.state import HuntMemory
 from ui.model.playing.words import counted, percent, titled, verdict_words
-from ui.model.screen import Action, DialoguePopup, LeaveTreasure, ShowNext, SubmitName, TakeThePicture, TreasurePopup
+from ui.model.screen import (
+    Action,
+    DialoguePopup,
+    LeaveTreasure,
+    SenseMore,
+    ShowNext,
+    SubmitName,
+    TakeThePicture,
+    TellOfIt,
+    TreasureFact,
+    TreasurePopup,
+)
 
 PICTURE_TIMEOUT = 5.0
 """Seconds after which a picture that was taken will not come any more; its sender may not have it."""
@@ -30,7 +50,7 @@ def treasure_popup(
     if dialogue is None:
         return find
     talk = dialogue_popup(hunt, dialogue)
-    return replace(talk, colour=find.colour, footprint=find.footprint, picture=find.picture)
+    return replace(talk, facts=_without_acts(find.facts or ()), picture=find.picture)
 
 
 def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: float) -> TreasurePopup:
@@ -42,8 +62,7 @@ def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: flo
         robot=item.robot,
         room=item.room,
         title=_title(hunt, item, room),
-        colour=room.colour or "",
-        footprint=room.footprint or "",
+        facts=_facts(hunt, item, room) if room.found else None,
         take_picture=_take_picture(hunt, item, room),
         picture=picture,
         names=view.names,
@@ -59,6 +78,55 @@ def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: flo
     )
 
 
+def _facts(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> tuple[TreasureFact, ...]:
+    """A line for each property that is known, can be sensed for energy, or is the participant's to tell."""
+    facts = []
+    for number, each in enumerate(hunt.view.properties, start=1):
+        value, key = room.known.get(each.name, ""), f"Ctrl+{number}" if number < 10 else ""
+        sense = _sense(hunt, item, room, each, value, key) if each.is_measured else None
+        tell = _tell(hunt, room, each, value, key) if each.told_by is Teller.PERSON else ()
+        if value or sense is not None or tell:
+            facts.append(TreasureFact(each.label, value, each.drawn, sense, tell))
+    return tuple(facts)
+
+
+def _sense(
+    hunt: HuntMemory, item: TreasureItem, room: RoomView, measured: TreasureProperty, value: str, key: str
+) -> Action | None:
+    """The act stays when the value is known: else what is below it would move under the pointer."""
+    if not room.undecided or hunt.robot_in_room(item.room) is None:
+        return None
+    request = MeasureProperty(item.room, measured.name)
+    busy = request in hunt.pending
+    refused = why_not_request(hunt.known, item.robot, request)
+    energy, cost = hunt.view.robots[item.robot].energy, energy_text(measured.cost)
+    by = f", with its {measured.sensor}" if measured.sensor else ""
+    hint = refused or f"Costs {cost} of {energy_text(energy)} energy{by}."
+    if refused is None and energy - measured.cost < hunt.view.identify_cost <= energy:
+        hint += " Then too little is left to name what it is."
+    label = f"Sense the {measured.label.lower()}"
+    if value:
+        return Action(SenseMore(measured.name), label, key, enabled=False, hint=f"It is {value_in_words(value)}.")
+    return Action(SenseMore(measured.name), label, key, refused is None and not busy, hint, busy)
+
+
+def _tell(hunt: HuntMemory, room: RoomView, told: TreasureProperty, value: str, key: str) -> tuple[Action, ...]:
+    """The values that the participant may say once there is a picture, the next one with the key."""
+    if not room.undecided:
+        return ()
+    seen = room.picture is not None
+    hint = "" if seen else "Take a picture first."
+    after = (told.values.index(value) + 1) % len(told.values) if value in told.values else 0
+    return tuple(
+        Action(TellOfIt(told.name, each), each, key if number == after else "", each != value and seen, hint)
+        for number, each in enumerate(told.values)
+    )
+
+
+def _without_acts(facts: Sequence[TreasureFact]) -> tuple[TreasureFact, ...]:
+    return tuple(TreasureFact(fact.label, fact.value, fact.drawn) for fact in facts if fact.value)
+
+
 def _title(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str:
     name = titled(item.robot)
     gone = hunt.robot_in_room(item.room) is None
@@ -66,7 +134,7 @@ def _title(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str:
         return f"What {robot_name(item.robot)} found in room {item.room}" if gone else f"{name} in room {item.room}"
     if gone:
         return f"{name} found something in room {item.room} and was sent on"
-    return f"{name} found something in room {item.room}" if room.sensed else f"{name} looks around in room {item.room}"
+    return f"{name} found something in room {item.room}" if room.found else f"{name} looks around in room {item.room}"
 
 
 def _picture_note(hunt: HuntMemory, room: RoomView, now: float) -> str:

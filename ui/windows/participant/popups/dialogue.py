@@ -6,7 +6,7 @@ from sim.common.robot_numbers import robot_name
 from ui.model.screen import DialoguePopup
 from ui.windows import look
 from ui.windows.look import GAP, spaced
-from ui.windows.participant.popups.finding import SensedFacts, TreasurePicture
+from ui.windows.participant.popups.finding import TreasureFacts, TreasurePicture
 from ui.windows.participant.widgets.buttons import ActionButton, ActionRow
 from ui.windows.participant.widgets.panels import TitledPanel, Transcript
 
@@ -23,7 +23,7 @@ class DialoguePanel(TitledPanel):
         self.aside = ActionButton("quiet")
         self.aside.requested.connect(self.requested)
         self.top.addWidget(self.aside)
-        self.facts, self.picture = SensedFacts(), TreasurePicture(SHARE_OF_PICTURE)
+        self.facts, self.picture = TreasureFacts(), TreasurePicture(SHARE_OF_PICTURE)
         find = spaced(QHBoxLayout(), GAP)
         self.rows.addLayout(find)
         find.addWidget(self.picture, 2)
@@ -46,8 +46,8 @@ class DialoguePanel(TitledPanel):
         self._pop = pop
         self.entitle(pop.title, pop.robot)
         self.aside.show_action(pop.aside)
-        self.facts.show_facts(pop.colour, pop.footprint)
-        self.facts.setVisible(bool(pop.colour))
+        self.facts.show_facts(pop.facts)
+        self.facts.setVisible(bool(pop.facts))
         self.picture.show_picture(pop.picture, "")
         self.picture.setVisible(pop.picture is not None)
         self.transcript.show_sentences(pop.sentences, pop.robot)

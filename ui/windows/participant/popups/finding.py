@@ -1,17 +1,27 @@
 """Views of a found treasure: its picture, what the robot sensed, and the result of naming it."""
 
-from PySide6.QtCore import QRectF, QSize, Qt
+from collections.abc import Sequence
+from dataclasses import replace
+
+from PySide6.QtCore import QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPixmap
 from PySide6.QtWidgets import (
+    QGridLayout,
     QSizePolicy,
+    QVBoxLayout,
     QWidget,
 )
 
-from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter
+from thbridge.hunt.properties import PropertyDrawing
+from ui.model.screen import Act, TellOfIt, TreasureFact
+from ui.windows import look
+from ui.windows.look import GAP, RADIUS, colours, follow_text, font, px, smooth_painter, spaced
+from ui.windows.participant.widgets.buttons import ActionButton
 from ui.windows.participant.widgets.painting import WRAPPED, sign, write
 
 _PICTURE = QSize(224, 168)
 """Usual size of a picture, `px`."""
+_VALUES_A_ROW = 3
 
 
 class TreasurePicture(QWidget):
@@ -74,68 +84,71 @@ class TreasurePicture(QWidget):
         painter.drawPixmap(target, self._pixmap, QRectF(self._pixmap.rect()))
 
 
-class SensedFacts(QWidget):
-    """Sensor readings of a treasure: a patch of its colour and a drawing of its footprint, each beside its name."""
+class TreasureFacts(QWidget):
+    """Lines on what is known of a treasure: a patch of a colour or a drawing of a shape beside it, or its label."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._colour = self._footprint = ""
+        # None while the robot still looks.
+        self._facts: tuple[TreasureFact, ...] | None = None
         follow_text(self, lambda it: it.setMinimumWidth(px(_PICTURE.width() // 2)))
         policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
         policy.setHeightForWidth(True)
         self.setSizePolicy(policy)
 
     def sizeHint(self) -> QSize:
-        """Return the size of two lines."""
-        return QSize(px(_PICTURE.width()), int(2 * self._line()) + GAP)
+        """Return the size of its lines, at least one."""
+        return QSize(px(_PICTURE.width()), int(max(len(self._facts or ()), 1) * self._line()) + GAP)
 
     def heightForWidth(self, width: int) -> int:
         """Return the height of the broken lines."""
-        return int(sum(self._height(words, width) for words in (self._colour, self._footprint))) + GAP
+        return int(sum(self._height(fact, width) for fact in self._facts or ()) or self._line()) + GAP
 
-    def show_facts(self, colour: str, footprint: str) -> None:
-        """Show these words; empty ones are not known yet."""
-        if (colour, footprint) == (self._colour, self._footprint):
+    def show_facts(self, facts: tuple[TreasureFact, ...] | None) -> None:
+        """Show the known ones of these facts; None while the robot still looks."""
+        known = None if facts is None else tuple(fact for fact in facts if fact.value)
+        if known == self._facts and self.accessibleName():
             return
-        self._colour, self._footprint = colour, footprint
-        known = f"Colour: {colour}. Footprint: {footprint}." if colour else "The robot is still looking."
-        self.setAccessibleName(known)
+        self._facts = known
+        told = " ".join(f"{fact.label}: {fact.value}." for fact in known or ())
+        self.setAccessibleName("The robot is still looking." if known is None else told or "Nothing was sensed.")
         self.updateGeometry()
         self.update()
 
     def _line(self) -> float:
         return QFontMetricsF(font()).height() + GAP
 
-    def _height(self, words: str, width: float) -> float:
-        """Return the height of words beside their patch."""
-        frame = QRectF(0.0, 0.0, max(width - self._beside(), 1.0), 10000.0)
-        return QFontMetricsF(font()).boundingRect(frame, int(Qt.TextFlag.TextWordWrap), words or " ").height() + GAP
+    def _height(self, fact: TreasureFact, width: float) -> float:
+        """Return the height of a fact's words beside its drawing."""
+        frame = QRectF(0.0, 0.0, max(width - self._beside(fact), 1.0), 10000.0)
+        return QFontMetricsF(font()).boundingRect(frame, int(Qt.TextFlag.TextWordWrap), _words(fact)).height() + GAP
 
-    def _beside(self) -> float:
-        """Return the width of a patch and of the gap beside it."""
-        return self._line() - 4.0 + 1.5 * GAP
+    def _beside(self, fact: TreasureFact) -> float:
+        """Return the width of a drawing and of the gap beside it."""
+        return 0.0 if fact.drawn is PropertyDrawing.NONE else self._line() - 4.0 + 1.5 * GAP
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw the two lines."""
+        """Draw the lines."""
         palette = colours()
         painter = smooth_painter(self)
-        if not self._colour:
-            write(painter, QRectF(self.rect()), "Looking at it …", font(), palette.muted)
+        if not self._facts:
+            nothing = "Looking at it …" if self._facts is None else "Nothing was sensed."
+            write(painter, QRectF(self.rect()), nothing, font(), palette.muted)
             return
         top = 0.0
-        for row, words in enumerate((self._colour, self._footprint)):
-            line = QRectF(0.0, top, self.width(), self._height(words, self.width()))
+        for fact in self._facts:
+            line = QRectF(0.0, top, self.width(), self._height(fact, self.width()))
             top = line.bottom() + GAP / 2
             side = self._line() - 4.0
             patch = QRectF(line.left() + 1, line.top() + 2, side, side)
             painter.setPen(QColor(palette.line))
-            if row == 0:
-                swatch = QColor(words.casefold().replace(" ", ""))
+            if fact.drawn is PropertyDrawing.COLOUR:
+                swatch = QColor(fact.value.casefold().replace(" ", ""))
                 painter.setBrush(swatch if swatch.isValid() else QColor(palette.track))
                 painter.drawRoundedRect(patch, 4, 4)
-            else:
-                self._shape(painter, patch, words.casefold())
-            write(painter, line.adjusted(self._beside(), 0, 0, 0), words, font(), palette.text, WRAPPED)
+            elif fact.drawn is PropertyDrawing.SHAPE:
+                self._shape(painter, patch, fact.value.casefold())
+            write(painter, line.adjusted(self._beside(fact), 0, 0, 0), _words(fact), font(), palette.text, WRAPPED)
 
     @staticmethod
     def _shape(painter: QPainter, patch: QRectF, words: str) -> None:
@@ -148,6 +161,61 @@ class SensedFacts(QWidget):
             painter.drawEllipse(shape)
         elif "square" in words:
             painter.drawRect(shape)
+
+
+def _words(fact: TreasureFact) -> str:
+    """A fact in words: what is drawn needs no label."""
+    return f"{fact.label}: {fact.value}" if fact.drawn is PropertyDrawing.NONE else fact.value
+
+
+class FactActs(QWidget):
+    """Buttons that find out more of a treasure: one for each property to be sensed, one for each value to be told.
+
+    Signals:
+        requested: an act is asked for.
+    """
+
+    requested = Signal(object)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._rows = spaced(QVBoxLayout(self), GAP, 0)
+        # The acts shown, by the label of their property.
+        self._acts: list[tuple[str, list[Act]]] = []
+        self._buttons: list[ActionButton] = []
+
+    def show_facts(self, facts: Sequence[TreasureFact]) -> None:
+        """Show the acts of these facts."""
+        offered = [fact for fact in facts if fact.acts]
+        acts = [(fact.label, [action.act for action in fact.acts]) for fact in offered]
+        if acts != self._acts:
+            self._acts = acts
+            self._lay_out(offered)
+        actions = [action for fact in offered for action in fact.acts]
+        for button, action in zip(self._buttons, actions, strict=True):
+            # The key of the values stands beside the question, as it goes from one to the next.
+            button.show_action(replace(action, key="") if isinstance(action.act, TellOfIt) else action)
+        self.setVisible(bool(offered))
+
+    def _lay_out(self, offered: Sequence[TreasureFact]) -> None:
+        self._buttons = []
+        while (item := self._rows.takeAt(0)) is not None:
+            if (row := item.widget()) is not None:
+                row.hide()
+                row.deleteLater()
+        for fact in offered:
+            row = QWidget(self)
+            grid = spaced(QGridLayout(row), GAP // 2, 0)
+            if fact.tell:
+                key = next((action.key for action in fact.tell if action.key), "")
+                asked = f"{fact.label}, as you see it on the picture? {key}".rstrip()
+                grid.addWidget(look.label(asked, "small", muted=True), 0, 0, 1, _VALUES_A_ROW)
+            for number in range(len(fact.acts)):
+                button = ActionButton(hints=fact.sense is not None)
+                button.requested.connect(self.requested)
+                grid.addWidget(button, 1 + number // _VALUES_A_ROW, number % _VALUES_A_ROW)
+                self._buttons.append(button)
+            self._rows.addWidget(row)
 
 
 class NamingResult(QWidget):

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import (
 from ui.model.screen import PickName, TreasurePopup
 from ui.windows import look
 from ui.windows.look import GAP, spaced
-from ui.windows.participant.popups.finding import NamingResult, SensedFacts, TreasurePicture
+from ui.windows.participant.popups.finding import FactActs, NamingResult, TreasureFacts, TreasurePicture
 from ui.windows.participant.popups.names import NameList
 from ui.windows.participant.widgets.buttons import ActionButton
 from ui.windows.participant.widgets.panels import TitledPanel, set_text
@@ -23,13 +23,16 @@ class TreasurePanel(TitledPanel):
         self._pop: TreasurePopup | None = None
         self.aside = ActionButton("quiet")
         self.top.addWidget(self.aside)
+        self.more = FactActs()
+        self.more.requested.connect(self.requested)
+        self.rows.addWidget(self.more)
         columns = spaced(QHBoxLayout(), 2 * GAP)
         self.rows.addLayout(columns, 1)
         left, right = spaced(QVBoxLayout(), int(1.5 * GAP)), spaced(QVBoxLayout(), GAP)
         columns.addLayout(left, 2)
         columns.addLayout(right, 3)
         self.facts, self.picture, self.names, self.verdict = (
-            SensedFacts(),
+            TreasureFacts(),
             TreasurePicture(),
             NameList(),
             NamingResult(),
@@ -68,7 +71,8 @@ class TreasurePanel(TitledPanel):
         self._pop = pop
         self.entitle(pop.title, pop.robot)
         self.aside.show_action(pop.aside)
-        self.facts.show_facts(pop.colour, pop.footprint)
+        self.facts.show_facts(pop.facts)
+        self.more.show_facts(pop.facts or ())
         unseen = "No picture was taken" if pop.verdict is not None else "No picture yet"
         self.picture.show_picture(pop.picture, pop.picture_note or unseen)
         self.take_picture.setVisible(pop.take_picture is not None)

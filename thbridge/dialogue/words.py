@@ -1,0 +1,121 @@
+"""Reserved words of sentences: between pound signs, each stands for what the topic of a dialogue holds."""
+
+import difflib
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from sim.common.robot_numbers import number_of
+from thbridge.dialogue.moves import DialogueTopic, Scenario
+from thbridge.hunt.costs import energy_text
+from thbridge.hunt.properties import TreasureProperty, value_in_words
+
+UNKNOWN = "unknown"
+"""Word for what is not known when a sentence names it all the same."""
+
+_BESIDE_TREASURE = (Scenario.TAKE_PICTURE, Scenario.TAKE_TREASURE)
+
+_RESERVED = re.compile(r"£(\w+)£")
+_SENTENCE_START = re.compile(r"(^|[.?!…])\s*$")
+_STRAY = re.compile(r"£[^\W\d]|[^\W\d]£")
+
+
+@dataclass(frozen=True, slots=True)
+class ReservedWord:
+    """A word that sentences may have between pound signs.
+
+    Attributes:
+        name: the word.
+        meaning: for people who write sentences.
+        value: of a topic, as people read it within a sentence; empty when it has none.
+        scenarios: in whose questions it may stand.
+    """
+
+    name: str
+    meaning: str
+    value: Callable[[DialogueTopic], str]
+    scenarios: tuple[Scenario, ...] = tuple(Scenario)
+
+
+WORDS = (
+    ReservedWord("room", "the number of the room", lambda topic: str(topic.room.people)),
+    ReservedWord("name", "the name of the room; its number where it has none", lambda topic: topic.room_name),
+    ReservedWord("cost", "the energy of what is proposed", lambda topic: energy_text(topic.cost)),
+    ReservedWord("energy", "the energy that the robot has left", lambda topic: energy_text(topic.energy)),
+    ReservedWord("robot", "the number of the robot", lambda topic: str(number_of(topic.robot))),
+    ReservedWord(
+        "other_robot",
+        "the number of the other robot that is nearest to the room by its costs",
+        lambda topic: "" if topic.other_robot is None else str(number_of(topic.other_robot)),
+    ),
+    ReservedWord(
+        "reason", "the reason for a suggested room", lambda topic: topic.reason, scenarios=(Scenario.DONT_KNOW,)
+    ),
+)
+"""All but the properties of treasures, which are words of the questions beside one."""
+
+
+@dataclass(frozen=True, slots=True)
+class WordFault:
+    """Fault of a reserved word in a wording, and its remedy."""
+
+    problem: str
+    remedy: str
+
+
+def word_fault(wording: str, scenario: Scenario, properties: Sequence[TreasureProperty]) -> WordFault | None:
+    """Return the first fault in the reserved words of a wording, or None. A pound sign beside a number is only text.
+
+    Args:
+        wording: a sentence.
+        scenario: of the question.
+        properties: that treasures have.
+    """
+    beside = [each.name for each in properties]
+    allowed = [word.name for word in WORDS if scenario in word.scenarios]
+    allowed += beside if scenario in _BESIDE_TREASURE else []
+    for found in _RESERVED.finditer(wording):
+        name = found.group(1)
+        if name in allowed:
+            continue
+        if name in beside:
+            return WordFault(
+                f"£{name}£ is known only beside a treasure",
+                "use it in the sections TakePicture: and TakeTreasure: only",
+            )
+        if any(word.name == name for word in WORDS):
+            return WordFault(
+                f"£{name}£ is known only where the robot suggests a room",
+                "use it in the first questions, those for a person who does not know, only",
+            )
+        near = difflib.get_close_matches(name.casefold(), allowed, n=1)
+        choice = f"write £{near[0]}£" if near else "use one of " + ", ".join(f"£{word}£" for word in allowed)
+        return WordFault(f"unknown reserved word £{name}£", choice)
+    stray = _STRAY.search(_RESERVED.sub("", wording))
+    if stray:
+        return WordFault(
+            "a pound sign without its partner", "write reserved words between two pound signs, as in £room£"
+        )
+    return None
+
+
+def words_of(topic: DialogueTopic) -> dict[str, str]:
+    """Return the values of the reserved words that have one, as people read them within a sentence."""
+    values = {word.name: word.value(topic) for word in WORDS}
+    values |= {name: value_in_words(value) for name, value in topic.properties.items()}
+    return {name: value for name, value in values.items() if value}
+
+
+def is_filled(wording: str, words: Mapping[str, str]) -> bool:
+    """Return True when each reserved word of a wording has a value."""
+    return all(found.group(1) in words for found in _RESERVED.finditer(wording))
+
+
+def fill(wording: str, words: Mapping[str, str]) -> str:
+    """Return the wording with its reserved words replaced, and a capital where one begins a sentence."""
+
+    def value(found: re.Match[str]) -> str:
+        word = words.get(found.group(1), UNKNOWN)
+        return word[:1].upper() + word[1:] if _SENTENCE_START.search(wording[: found.start()]) else word
+
+    return _RESERVED.sub(value, wording)

@@ -1,0 +1,239 @@
+"""Reads lists of treasures: the lines of 2016, and `treasures.yaml`, which declares properties of its own.
+
+A list of 2016 has two properties and does not declare them (`OF_2016`). Its copy for the participant's machine,
+`treasures.participant`, has the same lines without the pictures.
+"""
+
+import dataclasses
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from sim.parameters import param
+from thbridge.dialogue.words import WORDS
+from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.template_lines import count_in, first_line, numbered_lines
+from thbridge.files.yaml.load import Loaded, load
+from thbridge.hunt.codec import TAKEN
+from thbridge.hunt.properties import OF_2016, PropertyDrawing, Teller, TreasureProperty
+from thbridge.hunt.treasures import TreasureKind, same_name
+
+TREASURES = "treasures"
+PARTICIPANT_TREASURES = "treasures.participant"
+TREASURES_YAML = "treasures.yaml"
+PICTURES = "pictures"
+
+_TREASURE_FORM = "Colour,Footprint,Points,Name,ImageFile"
+_NAME = re.compile(r"[a-z][a-z_]*")
+_UNSAYABLE = ("a line cannot tell brackets, colons, commas, quotation marks or pound signs", "leave them out")
+_ON_THE_WIRE = re.compile(r"[^()\":,£\n]+")
+
+
+@dataclass(frozen=True, slots=True)
+class TreasureList:
+    """The contents of a list of treasures.
+
+    Attributes:
+        rooms: number of rooms.
+        kinds: the treasures, at least one, in the order of the file; either all have an image or none has.
+        properties: that each of them has.
+    """
+
+    rooms: int
+    kinds: tuple[TreasureKind, ...]
+    properties: tuple[TreasureProperty, ...] = OF_2016
+
+
+@dataclass(frozen=True, slots=True)
+class _PropertyYaml:
+    name: str
+    label: str = param("", "as people read it above a value")
+    values: tuple[str, ...] = ()
+    told_by: Teller = Teller.ROBOT
+    sensor: str = param("", "of a robot, for people")
+    cost: float = param(0.0, "energy of sensing it", minimum=0.0, maximum=1e6)
+    drawn: PropertyDrawing = PropertyDrawing.NONE
+    said: str = param("", "within a sentence")
+
+
+@dataclass(frozen=True, slots=True)
+class _TreasureYaml:
+    name: str
+    image: str
+    points: int = param(0, "won by naming it rightly", minimum=0, maximum=999_999)
+    values: Mapping[str, str] = dataclasses.field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class _TreasuresYaml:
+    treasures: tuple[_TreasureYaml, ...]
+    properties: tuple[_PropertyYaml, ...] = ()
+    rooms: int = param(8, "rooms to fill at a server of another make", minimum=1, maximum=1000)
+
+
+def read_treasures(path: Path) -> TreasureList:
+    """Read a list of treasures: the number of rooms, then one treasure per line, with or without its image file.
+
+    Raises:
+        BadFile: as the module promises.
+    """
+    lines = numbered_lines(path)
+    number, first = first_line(path, lines, "number of rooms", "the number of rooms")
+    rooms = count_in(path, number, "number of rooms", first, least=1)
+    if not lines[1:]:
+        raise BadFile(path, "there is no treasure in the list", f"add lines of the form {_TREASURE_FORM}")
+    kinds: list[TreasureKind] = []
+    for number, line in lines[1:]:
+        kind = _treasure(path, number, line)
+        if any(same_name(kind.name, other.name) for other in kinds):
+            raise BadFile(
+                path, f"{kind.name!r} is there twice", "give every treasure its own name", line=number, key="Name"
+            )
+        if kinds and (kind.image is None) != (kinds[0].image is None):
+            raise BadFile(
+                path,
+                "some treasures have an image and some have none",
+                "give every treasure its image, or leave all out in the participant's copy",
+                line=number,
+                key="ImageFile",
+            )
+        kinds.append(kind)
+    return TreasureList(rooms, tuple(kinds))
+
+
+def read_treasures_yaml(path: Path) -> TreasureList:
+    """Read a `treasures.yaml`: properties, and treasures with a value of each.
+
+    Raises:
+        BadFile: as the module `thbridge.files.yaml.load` promises; all faults together.
+    """
+    loaded = load(path, _TreasuresYaml)
+    faults = (*_property_faults(loaded), *_treasure_faults(loaded))
+    if faults:
+        raise BadFiles(faults)
+    written = loaded.value
+    properties = tuple(
+        TreasureProperty(
+            each.name,
+            each.label or each.name.replace("_", " ").capitalize(),
+            each.values,
+            each.told_by,
+            each.sensor,
+            each.cost,
+            each.drawn,
+            each.said,
+        )
+        for each in written.properties
+    )
+    kinds = (
+        TreasureKind({each.name: kind.values[each.name] for each in properties}, kind.points, kind.name, kind.image)
+        for kind in written.treasures
+    )
+    return TreasureList(written.rooms, tuple(kinds), properties)
+
+
+def check_copy(path: Path, treasures: TreasureList) -> None:
+    """Check the participant's copy of a list of 2016.
+
+    Raises:
+        BadFile: it tells the images, or does not say the same.
+    """
+    copy = read_treasures(path)
+    wanted = TreasureList(treasures.rooms, tuple(replace(kind, image=None) for kind in treasures.kinds))
+    if any(kind.image is not None for kind in copy.kinds):
+        raise BadFile(
+            path, "the participant's copy tells the images", "leave the last field of every line out", key="ImageFile"
+        )
+    if copy != wanted:
+        raise BadFile(
+            path,
+            f"does not say the same as {TREASURES}",
+            f"copy {TREASURES} here again and leave the last field of every line out",
+        )
+
+
+def _treasure(path: Path, number: int, line: str) -> TreasureKind:
+    fields = [field.strip() for field in line.split(",")]
+    if len(fields) not in (4, 5):
+        raise BadFile(
+            path,
+            f"{len(fields)} fields in a line that needs 5, or 4 in a participant's copy",
+            f"write it as {_TREASURE_FORM}, with commas only between the fields",
+            line=number,
+        )
+    for key, field in zip(_TREASURE_FORM.split(","), fields, strict=False):
+        if not field:
+            raise BadFile(path, "nothing is written there", f"write the line as {_TREASURE_FORM}", line=number, key=key)
+    colour, footprint, points, name = fields[:4]
+    image = fields[4] if len(fields) == 5 else None
+    if image is not None and not _is_plain_name(image):
+        raise BadFile(
+            path,
+            f"{image!r} is not a plain file name",
+            f"write the name alone, without folder and without blanks, and put the file into {PICTURES}/",
+            line=number,
+            key="ImageFile",
+        )
+    values = {each.name: value for each, value in zip(OF_2016, (colour, footprint), strict=True)}
+    return TreasureKind(values, count_in(path, number, "Points", points, least=0), name, image)
+
+
+def _property_faults(loaded: Loaded[_TreasuresYaml]) -> Iterator[BadFile]:
+    """Yield faults in the declarations of properties."""
+    words, earlier = {word.name for word in WORDS}, set[str]()
+    for index, each in enumerate(loaded.value.properties):
+        key = f"properties[{index}]"
+        if not _NAME.fullmatch(each.name) or each.name in TAKEN or each.name in words:
+            problem = f"{each.name!r} cannot be the name of a property"
+            taken = ", ".join(sorted(TAKEN | words))
+            yield loaded.fault(f"{key}.name", problem, f"write small letters and underscores, but none of {taken}")
+        elif each.name in earlier:
+            yield loaded.fault(f"{key}.name", f"{each.name!r} is there twice", "give every property its own name")
+        earlier.add(each.name)
+        if each.label and not _ON_THE_WIRE.fullmatch(each.label):
+            yield loaded.fault(f"{key}.label", *_UNSAYABLE)
+        if each.said and f"£{each.name}£" not in each.said:
+            remedy = f"write £{each.name}£ where the value is said"
+            yield loaded.fault(f"{key}.said", "it does not hold the value", remedy)
+        if each.told_by is Teller.PERSON and (each.cost or each.sensor):
+            wrong = "cost" if each.cost else "sensor"
+            problem, remedy = "a person tells it, free and without a sensor", "take the line away, or write robot"
+            yield loaded.fault(f"{key}.{wrong}", problem, remedy)
+        if each.told_by is Teller.PERSON and len(each.values) < 2:
+            problem = "people choose among the values, so there are at least two"
+            yield loaded.fault(f"{key}.values", problem, "write all that it can be: [wood, metal]")
+
+
+def _treasure_faults(loaded: Loaded[_TreasuresYaml]) -> Iterator[BadFile]:
+    """Yield faults in the treasures."""
+    written = loaded.value
+    if not written.treasures:
+        yield loaded.fault("treasures", "there is no treasure in the list", "write a line '- name: ...' for each")
+    declared = {each.name: each for each in written.properties}
+    for index, kind in enumerate(written.treasures):
+        key = f"treasures[{index}]"
+        if not kind.name.strip():
+            yield loaded.fault(f"{key}.name", "nothing is written there", "give the treasure a name")
+        if any(same_name(kind.name, other.name) for other in written.treasures[:index]):
+            yield loaded.fault(f"{key}.name", f"{kind.name!r} is there twice", "give every treasure its own name")
+        if not _is_plain_name(kind.image):
+            remedy = f"write the name alone, without folder and without blanks, and put the file into {PICTURES}/"
+            yield loaded.fault(f"{key}.image", f"{kind.image!r} is not a plain file name", remedy)
+        for name in declared.keys() - kind.values.keys():
+            yield loaded.fault(f"{key}.values", f"{kind.name} has no {name}", f"add {name}: ... to its values")
+        for name, value in kind.values.items():
+            place, of = f"{key}.values.{name}", declared.get(name)
+            if of is None:
+                remedy = f"declare it under properties, or write one of {', '.join(declared) or 'those'}"
+                yield loaded.fault(place, f"no property is called {name!r}", remedy)
+            elif of.values and value not in of.values:
+                remedy = f"write one of {', '.join(of.values)}, or add it to the values of {name}"
+                yield loaded.fault(place, f"{value!r} is no value of {name}", remedy)
+            elif not _ON_THE_WIRE.fullmatch(value):
+                yield loaded.fault(place, *_UNSAYABLE)
+
+
+def _is_plain_name(image: str) -> bool:
+    """Return True for the name of a file without folder and blanks."""
+    return not ("/" in image or "\\" in image or image in ("", ".", "..") or len(image.split()) > 1)
