@@ -300,6 +300,66 @@ def candy_box() -> Solid:
     return Solid(distance, colour, gloss=0.6, sharpness=50.0)
 
 
+def wooden(shape: Callable[[Floats], Floats], body: int, board: float) -> Solid:
+    """A thing of painted boards, as wide as told, with the grain of the wood in the paint."""
+
+    def colour(points: Floats) -> Floats:
+        grain = np.sin(9.0 * points[:, 1] + 40.0 * np.sin(1.7 * points[:, 0] + 0.6 * points[:, 2]))
+        paint = painted(points, rgb(body)) * (0.90 + 0.10 * grain)[:, None]
+        bare = np.sin(23.0 * points[:, 0] + 5.0 * np.sin(3.0 * points[:, 1])) > 0.95
+        paint[bare] *= 0.55
+        paint[np.abs((points[:, 1] / board) % 1.0 - 0.5) > 0.46] = rgb(0x4A3520)
+        return paint
+
+    return Solid(shape, colour, gloss=0.15, sharpness=12.0)
+
+
+def metallic(shape: Callable[[Floats], Floats], body: int, rims: Sequence[float]) -> Solid:
+    """A thing of painted sheet metal, bare at rims of these heights."""
+
+    def colour(points: Floats) -> Floats:
+        paint = painted(points, rgb(body))
+        for height in rims:
+            paint[np.abs(points[:, 1] - height) < 0.05] = rgb(0xC9CED3)
+        return paint
+
+    return Solid(shape, colour, gloss=1.5, sharpness=140.0)
+
+
+def ceramic(shape: Callable[[Floats], Floats], glaze: int, foot: float) -> Solid:
+    """A thing of fired clay, glazed above its foot."""
+
+    def colour(points: Floats) -> Floats:
+        paint = painted(points, rgb(glaze))
+        drip = foot + 0.07 * np.sin(5.0 * np.arctan2(points[:, 0], points[:, 2]))
+        paint[points[:, 1] < drip] = rgb(0xB5653A)
+        return paint
+
+    return Solid(shape, colour, gloss=0.9, sharpness=45.0)
+
+
+def joined(*shapes: Callable[[Floats], Floats]) -> Callable[[Floats], Floats]:
+    """The union of shapes."""
+    return lambda points: np.minimum.reduce([shape(points) for shape in shapes])
+
+
+def ring(centre: Sequence[float], radius: float, thickness: float) -> Callable[[Floats], Floats]:
+    """An upright ring, such as the handle of a jug."""
+
+    def distance(points: Floats) -> Floats:
+        offset = points - np.array(centre)
+        return np.hypot(np.hypot(offset[:, 0], offset[:, 1]) - radius, offset[:, 2]) - thickness
+
+    return distance
+
+
+_TIN = [(0.50, 0.0), (0.50, 1.00), (0.46, 1.02), (0.46, 1.06), (0.05, 1.07)]
+_JUG = [(0.30, 0.0), (0.52, 0.30), (0.50, 0.65), (0.28, 0.95), (0.34, 1.20)]
+_VASE = [(0.45, 0.0), (0.86, 0.70), (0.74, 1.30), (0.34, 1.70), (0.52, 2.10)]
+_BARREL = [(0.62, 0.0), (0.90, 0.70), (0.90, 1.30), (0.62, 2.00)]
+_HANDLE = ring((0.0, 1.25, 0.0), 0.32, 0.06)
+
+
 def march(solid: Solid, start: Floats, direction: Floats, far: float) -> tuple[Floats, Floats]:
     """Follow rays (n, 3) to the solid by sphere tracing (Hart 1996): each step is as long as the solid is away.
 
@@ -401,6 +461,22 @@ PICTURES = {
     "sklar-azhar-2015/pictures/fuzzy_die.jpg": fuzzy_die,
     "sklar-azhar-2015/pictures/candy_box.jpg": candy_box,
     "sklar-azhar-2015/pictures/beer_bottle.jpg": beer_bottle,
+    "four-properties/pictures/toy_block.jpg": lambda: wooden(box((0.45,) * 3, (0.0, 0.45, 0.0), 0.05), 0xC8332B, 0.9),
+    "four-properties/pictures/paint_tin.jpg": lambda: metallic(lathe(_TIN), 0xC8332B, (0.04, 1.0)),
+    "four-properties/pictures/fruit_crate.jpg": lambda: wooden(
+        box((1.05, 0.70, 0.75), (0.0, 0.70, 0.0), 0.03), 0xC8332B, 0.28
+    ),
+    "four-properties/pictures/tool_box.jpg": lambda: metallic(
+        joined(box((1.05, 0.60, 0.55), (0.0, 0.60, 0.0), 0.06), _HANDLE), 0xC8332B, (0.85,)
+    ),
+    "four-properties/pictures/tea_tin.jpg": lambda: metallic(
+        box((0.38, 0.55, 0.38), (0.0, 0.55, 0.0), 0.04), 0x2E9E55, (0.86,)
+    ),
+    "four-properties/pictures/milk_jug.jpg": lambda: ceramic(
+        joined(lathe(smooth(_JUG)), ring((0.50, 0.70, 0.0), 0.24, 0.06)), 0x2E9E55, 0.18
+    ),
+    "four-properties/pictures/barrel.jpg": lambda: wooden(lathe(smooth(_BARREL)), 0x2E9E55, 0.50),
+    "four-properties/pictures/floor_vase.jpg": lambda: ceramic(lathe(smooth(_VASE)), 0x2E9E55, 0.22),
 }
 
 
