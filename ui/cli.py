@@ -5,7 +5,7 @@ import logging
 import typer
 from rich.logging import RichHandler
 
-from ui.commands import files, programs
+from ui.commands import files, programs, templates
 from ui.commands.bag import bag
 from ui.commands.bag.export import bag_export
 from ui.commands.bag.plot import bag_plot
@@ -54,6 +54,7 @@ files.maps_app.command("measure")(maps_measure)
 app.add_typer(files.maps_app, name="maps")
 files.study_app.command("edit")(study_edit)
 app.add_typer(files.study_app, name="study")
+app.add_typer(templates.templates_app, name="templates")
 app.add_typer(mavlink_app, name="mavlink")
 app.add_typer(ros_app, name="ros")
 

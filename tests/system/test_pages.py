@@ -1,0 +1,33 @@
+"""Pages of docs whose scripts a reader copies: each block runs as it stands, one after the other in a new folder."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PROJECT = Path(__file__).parents[2]
+PAGES = sorted(page.name for page in (PROJECT / "docs").glob("your-own-*.md"))
+_SCRIPT = re.compile(r"^```sh\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_a_page_runs_as_it_stands(name: str, tmp_path: Path) -> None:
+    scripts = _SCRIPT.findall((PROJECT / "docs" / name).read_text(encoding="utf-8"))
+    assert scripts
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    surroundings = {**os.environ, "PATH": path, "PYTHONPATH": str(PROJECT)}
+    surroundings.pop("DISPLAY", None)
+    for script in scripts:
+        ran = subprocess.run(
+            ["bash", "-euo", "pipefail", "-c", script],
+            cwd=tmp_path,
+            env=surroundings,
+            capture_output=True,
+            text=True,
+            timeout=300,
+            check=False,
+        )
+        assert ran.returncode == 0, f"{script}\n{ran.stdout}\n{ran.stderr}"

@@ -1,0 +1,61 @@
+"""The commands about sets of templates: treasures with their properties and pictures, and what robots say."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ui.commands.group import CommandGroup
+from ui.options import AsJson
+from ui.terminal import BAD_INPUT, bad_input, fail, note, out, print_json
+
+templates_app = typer.Typer(
+    cls=CommandGroup,
+    help="Template sets: treasures, their properties and pictures, and the sentences of robots.",
+    no_args_is_help=True,
+)
+
+SetName = Annotated[str, typer.Argument(help="Name of a template set, or the path of its folder.")]
+
+
+@templates_app.command("check")
+def templates_check(name: SetName, as_json: AsJson = False) -> None:
+    """Check a template set, and tell what is in it."""
+    from ui.actions.templates import read_set, told
+
+    templates = read_set(name)
+    if as_json:
+        print_json({"ok": True, "properties": len(templates.properties), "treasures": len(templates.kinds)})
+        return
+    for line in told(templates):
+        out.print(line, highlight=False, markup=False, soft_wrap=True)
+
+
+@templates_app.command("list")
+def templates_list() -> None:
+    """Name the template sets that come with the project."""
+    from thbridge.files.resources import shipped
+
+    for name in shipped().names("templates"):
+        out.print(name)
+
+
+@templates_app.command("new")
+def templates_new(
+    folder: Annotated[Path, typer.Argument(help="The folder to make; must not exist.")],
+    like: Annotated[str, typer.Option(help="Name or folder of the set to copy.")] = "four-properties",
+) -> None:
+    """Make a template set of your own: a copy of another one, to be changed."""
+    import shutil
+
+    from ui.actions.templates import folder_of
+
+    source = folder_of(like)
+    with bad_input():
+        try:
+            shutil.copytree(source, folder)
+        except FileExistsError:
+            fail(BAD_INPUT, f"{folder}: there is such a folder already. Choose another name.")
+        except OSError as error:
+            fail(BAD_INPUT, f"{folder}: it cannot be written ({error.strerror or error}). Choose another folder.")
+    note(f"Wrote {folder}, a copy of {like}. Change its files, then run `thbridge templates check {folder}`.")
