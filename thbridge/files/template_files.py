@@ -98,7 +98,7 @@ def read_template_set(folder: Path) -> TemplateSet:
     with faults.kept():
         treasures = read_treasures_yaml(path) if declaring else _treasures_with_images(path)
     with faults.kept():
-        place = _priced_map(folder / SET, has_costs=(folder / MAP_TIMES).exists())
+        place = _priced_map(folder / SET)
     if treasures is not None:
         with faults.kept():
             dialogue = read_dialogue_text(folder / DIALOGUE_TEXT, treasures.properties)
@@ -133,7 +133,7 @@ def _check_together(folder: Path, path: Path, treasures: TreasureList, costs: Co
             path,
             f"{treasures.rooms} rooms, but {MAP_TIMES} has {len(costs.rooms) + 1} nodes, "
             f"the corridor and {len(costs.rooms)} rooms",
-            "make both files tell of the same rooms",
+            f"make both files tell of the same rooms, or take {MAP_TIMES} away where the map has its own",
             line=1 if path.name == TREASURES else None,
             key="number of rooms" if path.name == TREASURES else "rooms",
         )
@@ -144,15 +144,9 @@ def _check_together(folder: Path, path: Path, treasures: TreasureList, costs: Co
         check_copy(copy, treasures)
 
 
-def _priced_map(path: Path, *, has_costs: bool) -> str | None:
+def _priced_map(path: Path) -> str | None:
     """The map that `set.yaml` names, if there is such a file."""
-    if not path.exists():
-        return None
-    loaded = load(path, _SetYaml)
-    if not has_costs:
-        problem = f"it names the map of {MAP_TIMES}, which is not in this folder"
-        raise loaded.fault("map", problem, f"put {MAP_TIMES} into the folder, or take {SET} away")
-    return loaded.value.map
+    return load(path, _SetYaml).value.map if path.exists() else None
 
 
 def _picture(treasures: Path, name: str, file: Path) -> bytes:

@@ -110,6 +110,14 @@ def test_the_matrix_of_2016_is_the_default_of_its_templates_alone_and_one_key_aw
     assert setting.by_position is by_position
 
 
+def test_a_set_without_costs_is_played_by_those_of_the_map_that_its_set_yaml_names(tmp_path: Path) -> None:
+    shutil.copytree(shipped().root / "templates" / "original-2016", tmp_path / "set")
+    (tmp_path / "set" / "mapTimes").unlink()
+    setting = read_setting(Study(templates="./set"), tmp_path)
+    assert setting.costs.rows[0][1:4] == MEASURED
+    assert setting.by_position
+
+
 def test_moves_without_any_costs_are_told_with_the_folder_and_the_remedy(tmp_path: Path) -> None:
     shutil.copytree(shipped().root / "maps" / "arena8", tmp_path / "map")
     (tmp_path / "map" / "mapTimes").unlink()

@@ -252,10 +252,11 @@ def test_the_copy_must_say_the_same_and_no_images(folder):
 
 
 def test_costs_may_be_left_to_the_maps(folder):
-    (folder / "set.yaml").unlink()
     (folder / "mapTimes").unlink()
     templates = read_template_set(folder)
-    assert (templates.rooms, templates.costs, templates.map) == (8, None, None)
+    assert (templates.rooms, templates.costs, templates.map) == (8, None, "arena8")
+    (folder / "set.yaml").unlink()
+    assert read_template_set(folder).map is None
 
 
 @pytest.mark.parametrize(
@@ -269,11 +270,6 @@ def test_costs_may_be_left_to_the_maps(folder):
 def test_a_wrong_set_yaml_is_told_with_its_place_and_its_remedy(folder, text, named):
     (folder / "set.yaml").write_text(text)
     assert re.search(named, set_refusal(folder)), set_refusal(folder)
-
-
-def test_a_map_named_without_costs_for_it_is_told(folder):
-    (folder / "mapTimes").unlink()
-    assert re.search(r"set.yaml, line 2, map: .*mapTimes.*take set.yaml away", set_refusal(folder)), set_refusal(folder)
 
 
 def test_a_folder_that_is_not_there(tmp_path):

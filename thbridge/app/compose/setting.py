@@ -122,7 +122,7 @@ def _costs_file(
         of_a_set = str(study.game.costs) in resources.names("templates")
         return resources.root / "templates" / study.game.costs / MAP_TIMES if of_a_set else beside / study.game.costs
     of_templates = templates.map == place.name and study.game.cost_model is not CostModel.POSITION
-    if place.costs is not None and not of_templates:
+    if place.costs is not None and not (of_templates and templates.costs is not None):
         return place.costs
     if templates.costs is None:
         problem = f"neither this folder nor that of the map {place.name} has a {MAP_TIMES}, so moves have no costs"
