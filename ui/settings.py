@@ -4,7 +4,9 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from thbridge.app.compose.setting import StudySetting, read_setting
+from thbridge.app.compose.setting import StudySetting, read_map_of, read_setting
+from thbridge.files.map_files import Map
+from thbridge.files.resources import shipped
 from thbridge.protocols.mavlink.options import AutopilotIdentity
 from thbridge.sockets.addresses import Address, parse_address, parse_target
 from thbridge.study.study_file import Study, load_study
@@ -41,6 +43,19 @@ def setting_of(study: Study, file: Path | None) -> StudySetting:
     """Everything the study names; paths start from the folder of its file."""
     with bad_input():
         return read_setting(study, Path() if file is None else file.parent)
+
+
+def map_of(study: Study, file: Path | None) -> Map:
+    """The study's map without travel costs, for what plays no game; paths start from the folder of its file."""
+    with bad_input():
+        return read_map_of(study, Path() if file is None else file.parent, with_costs=False)
+
+
+def map_folder(name: str) -> Path:
+    """The folder of a map, by its name or by a path, also one without a slash."""
+    wanted = f"./{name}" if "/" not in name and Path(name).is_dir() else name
+    with bad_input():
+        return shipped().find("maps", wanted, Path())
 
 
 def with_mavlink(

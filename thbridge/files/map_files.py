@@ -91,17 +91,18 @@ class MapFinding:
     fault: BadFile
 
 
-def read_map(folder: Path, footprint: Polygon = FOOTPRINT) -> Map:
+def read_map(folder: Path, footprint: Polygon = FOOTPRINT, *, with_costs: bool = True) -> Map:
     """Read a map folder, and check that a team can play on it.
 
     Args:
         folder: the folder of `map.yaml`, its image, `rooms.yaml` and, optionally, `mapTimes`.
         footprint: corners of a robot in its own frame, metres.
+        with_costs: False leaves `mapTimes` unread: the map has no costs, whatever is in that file.
 
     Raises:
         BadFile: the map has a fault; or, as BadFiles, all its faults as far as they can be found together.
     """
-    drawn, findings = _examine(folder, footprint)
+    drawn, findings = _examine(folder, footprint, with_costs)
     faults = tuple(finding.fault for finding in findings if finding.severity == "error")
     if drawn is None or faults:
         raise BadFiles(faults)
@@ -110,7 +111,7 @@ def read_map(folder: Path, footprint: Polygon = FOOTPRINT) -> Map:
 
 def check_map(folder: Path, footprint: Polygon = FOOTPRINT) -> list[MapFinding]:
     """All errors and warnings of a map folder. Arguments as for `read_map`."""
-    return _examine(folder, footprint)[1]
+    return _examine(folder, footprint, with_costs=True)[1]
 
 
 # The files ------------------------------------------------------------------------------------------------------------
@@ -203,7 +204,7 @@ def write_grid(folder: Path, grid: OccupancyGrid) -> None:
 # The checks -----------------------------------------------------------------------------------------------------------
 
 
-def _examine(folder: Path, footprint: Polygon) -> tuple[Map | None, list[MapFinding]]:
+def _examine(folder: Path, footprint: Polygon, with_costs: bool) -> tuple[Map | None, list[MapFinding]]:
     if not folder.is_dir():
         remedy = "Name a folder that holds map.yaml and rooms.yaml"
         return None, [MapFinding("error", BadFile(folder, "there is no such folder", remedy))]
@@ -221,7 +222,7 @@ def _examine(folder: Path, footprint: Polygon) -> tuple[Map | None, list[MapFind
         grid=grid,
         rooms=tuple(sorted((_room(entry) for entry in loaded.value.rooms), key=lambda entry: entry.room)),
         starts=tuple(start for _, start in _starts(loaded.value.starts)),
-        costs=costs if costs.is_file() else None,
+        costs=costs if with_costs and costs.is_file() else None,
     )
     findings.extend(_findings_of_costs(drawn))
     findings.extend(_findings_on_floor(loaded, drawn, footprint))

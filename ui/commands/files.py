@@ -82,11 +82,9 @@ def maps_check(
 ) -> None:
     """Check a map: image, rooms, goals and start poses."""
     from thbridge.files.map_files import check_map
-    from thbridge.files.resources import shipped
+    from ui.settings import map_folder
 
-    wanted = f"./{name}" if "/" not in name and Path(name).is_dir() else name
-    with bad_input():
-        findings = check_map(shipped().find("maps", wanted, Path()))
+    findings = check_map(map_folder(name))
     errors = sum(finding.severity == "error" for finding in findings)
     if as_json:
         told = [{"severity": finding.severity, "message": str(finding.fault)} for finding in findings]

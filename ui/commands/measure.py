@@ -10,7 +10,7 @@ import typer
 
 from ui.options import AsJson
 from ui.outputs import STANDARD_OUTPUT, share_no_output
-from ui.terminal import BAD_INPUT, FAILED, fail, note, print_json
+from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
 
 
 def maps_measure(
@@ -32,16 +32,18 @@ def maps_measure(
     as_json: AsJson = False,
 ) -> None:
     """Measure a map: drive a robot from every place to every room; the mean seconds make a mapTimes file."""
+    from thbridge.files.map_files import read_map
     from thbridge.files.map_times import map_times
     from thbridge.offline.measure import MeasurementSetup
     from ui.actions.measure import measure_trips, show_times, spoken_place, times_as_json, times_matrix
     from ui.first_start import announce_compiling
-    from ui.settings import setting_of, study_of
+    from ui.settings import map_folder, study_of
 
     share_no_output(to, as_json)
-    place_name = str(Path(name).resolve()) if "/" in name or Path(name).is_dir() else name
-    setting = setting_of(study_of(study_file, {"map": place_name, "robots": 1, "seed": seed}), study_file)
-    study, place = setting.study, setting.map
+    folder = map_folder(name)
+    study = study_of(study_file, {"seed": seed})
+    with bad_input():
+        place = read_map(folder, study.world.footprint, with_costs=False)
     course = MeasurementSetup(place, study.world, study.robot, study.seed)
     announce_compiling()
     with _file(to) as write:
@@ -55,10 +57,25 @@ def maps_measure(
         print_json({"map": place.name, "runs": runs, "file": told, "trips": [times_as_json(pair) for pair in times]})
     elif to != STANDARD_OUTPUT:
         show_times(times, f"{place.name}: mean seconds of {runs} trips each")
-    if to is not None and to != STANDARD_OUTPUT:
-        note(f"Wrote {to}. Put it into the map's folder as mapTimes, or name it by `game: costs:` in a study.")
-    if any(pair.mean is None for pair in times):
+    unreached = sum(pair.mean is None for pair in times)
+    if unreached:
+        note(f"{unreached} of {len(times)} pairs were never driven to the end: they have no time (99 in the file).")
+    if to != STANDARD_OUTPUT:
+        note(_next_step(to, folder))
+    if unreached:
         raise typer.Exit(FAILED)
+
+
+def _next_step(to: Path | None, folder: Path) -> str:
+    """A sentence about what was written, and what is to do for games to use it."""
+    from thbridge.files.map_times import MAP_TIMES
+
+    home = folder / MAP_TIMES
+    if to is None:
+        return f"Nothing was written. `--out {home}` keeps the times with the map, for its games."
+    if to.resolve() == home.resolve():
+        return f"Wrote {to}, into the map's folder: games on this map take it from now on. Nothing more is to do."
+    return f"Wrote {to}. Games take it once it is copied to {home}, or named by `game: costs:` in their study."
 
 
 @contextmanager

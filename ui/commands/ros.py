@@ -62,11 +62,11 @@ def ros_rviz(
     """Write a configuration of rviz that shows a study's whole team; open it by `rviz -d FILE`."""
     from sim.common.robot_numbers import robot_numbers
     from thbridge.ros.rviz import configuration
-    from ui.settings import setting_of, study_of
+    from ui.settings import map_of, study_of
 
     study = study_of(study_file, {"robots": robots, "map": map_name})
-    setting = setting_of(study, study_file)
-    text = configuration([setting.study.software(number) for number in robot_numbers(study.robots)], setting.map.grid)
+    grid = map_of(study, study_file).grid
+    text = configuration([study.software(number) for number in robot_numbers(study.robots)], grid)
     if to is None or to == STANDARD_OUTPUT:
         print(text, end="")  # noqa: T201 - this is what was asked for
         return

@@ -61,24 +61,41 @@ def read_setting(study: Study, beside: Path, resources: Resources | None = None)
         BadFile: a file is missing or wrong, or files do not fit together.
     """
     resources = resources or shipped()
-    place = read_map(resources.find("maps", study.map, beside), study.world.footprint)
+    place = read_map_of(study, beside, resources)
     folder = resources.find("templates", study.templates, beside)
     templates = read_template_set(folder)
-    largest = max((study.robots, *(study.participant.robots or ())))
-    if largest > len(place.starts):
-        raise BadFile(
-            resources.find("maps", study.map, beside) / "rooms.yaml",
-            f"there are start poses for {len(place.starts)} robots, but the study has {largest}",
-            "add start poses or lower `robots` in the study",
-            key="starts",
-        )
-    faults = tuple(_misplaced(study, place, resources.find("maps", study.map, beside) / "map.yaml"))
-    if faults:
-        raise BadFiles(faults)
     path = _costs_file(study, beside, place, folder, templates, resources)
     costs, model = _costs(path, place), study.game.cost_model
     by_position = path == place.costs if model is None else model is CostModel.POSITION
     return StudySetting(study, place, templates, costs, by_position, _consent(study, beside), _farewell(study, beside))
+
+
+def read_map_of(study: Study, beside: Path, resources: Resources | None = None, *, with_costs: bool = True) -> Map:
+    """Read the map that a study names, and check that the study's robots have their places on it.
+
+    Args:
+        study: the study.
+        beside: the folder that paths in the study are relative to.
+        resources: maps that are known by name; by default those of the project.
+        with_costs: False for what needs no travel costs; see `read_map`.
+
+    Raises:
+        BadFile: the map has a fault, or the study does not fit it.
+    """
+    folder = (resources or shipped()).find("maps", study.map, beside)
+    place = read_map(folder, study.world.footprint, with_costs=with_costs)
+    largest = max((study.robots, *(study.participant.robots or ())))
+    if largest > len(place.starts):
+        raise BadFile(
+            folder / "rooms.yaml",
+            f"there are start poses for {len(place.starts)} robots, but the study has {largest}",
+            "add start poses or lower `robots` in the study",
+            key="starts",
+        )
+    faults = tuple(_misplaced(study, place, folder / "map.yaml"))
+    if faults:
+        raise BadFiles(faults)
+    return place
 
 
 def _consent(study: Study, beside: Path) -> str | None:
