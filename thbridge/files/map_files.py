@@ -35,6 +35,8 @@ FREE_THRESH = 0.196
 
 LEAST_FLOOR = 0.01
 """A region smaller than this is a mistake, square metres."""
+MOST_AMISS = 0.75
+"""Share of goals and starts off the floor from which on the image is in doubt, and not each of them."""
 MOST_STARTS = 1000
 """A row with more start poses than this is a mistake."""
 
@@ -91,6 +93,24 @@ class MapFinding:
     fault: BadFile
 
 
+@dataclass(frozen=True, slots=True)
+class MapCheck:
+    """A map folder as far as it could be read, and all that is wrong with it.
+
+    Attributes:
+        map: the map, with its faults; None where `map.yaml`, the image or `rooms.yaml` cannot be read.
+        findings: all errors and warnings.
+    """
+
+    map: Map | None
+    findings: tuple[MapFinding, ...]
+
+    @property
+    def errors(self) -> tuple[BadFile, ...]:
+        """Faults with which the map does not load."""
+        return tuple(finding.fault for finding in self.findings if finding.severity == "error")
+
+
 def read_map(folder: Path, footprint: Polygon = FOOTPRINT, *, with_costs: bool = True) -> Map:
     """Read a map folder, and check that a team can play on it.
 
@@ -102,16 +122,10 @@ def read_map(folder: Path, footprint: Polygon = FOOTPRINT, *, with_costs: bool =
     Raises:
         BadFile: the map has a fault; or, as BadFiles, all its faults as far as they can be found together.
     """
-    drawn, findings = _examine(folder, footprint, with_costs)
-    faults = tuple(finding.fault for finding in findings if finding.severity == "error")
-    if drawn is None or faults:
-        raise BadFiles(faults)
-    return drawn
-
-
-def check_map(folder: Path, footprint: Polygon = FOOTPRINT) -> list[MapFinding]:
-    """All errors and warnings of a map folder. Arguments as for `read_map`."""
-    return _examine(folder, footprint, with_costs=True)[1]
+    check = check_map(folder, footprint, with_costs=with_costs)
+    if check.map is None or check.errors:
+        raise BadFiles(check.errors)
+    return check.map
 
 
 # The files ------------------------------------------------------------------------------------------------------------
@@ -156,6 +170,10 @@ def read_grid(map_yaml: Path) -> OccupancyGrid:
     Raises:
         BadFile: the file or its image is missing or has a fault.
     """
+    return _read_map_yaml(map_yaml)[1]
+
+
+def _read_map_yaml(map_yaml: Path) -> tuple[Loaded[_MapYaml], OccupancyGrid]:
     loaded = load(map_yaml, _MapYaml)
     entry = loaded.value
     if entry.free_thresh >= entry.occupied_thresh:
@@ -167,7 +185,7 @@ def read_grid(map_yaml: Path) -> OccupancyGrid:
         raise loaded.fault("image", f"there is no file {image}", remedy)
     pixels = read_image(image)
     cells = interpret_image(pixels, entry.negate == 1, entry.occupied_thresh, entry.free_thresh, entry.mode)
-    return OccupancyGrid(cells, entry.resolution, _pose(*entry.origin))
+    return loaded, OccupancyGrid(cells, entry.resolution, _pose(*entry.origin))
 
 
 def _pose(x: float, y: float, yaw: float) -> Pose2:
@@ -204,29 +222,33 @@ def write_grid(folder: Path, grid: OccupancyGrid) -> None:
 # The checks -----------------------------------------------------------------------------------------------------------
 
 
-def _examine(folder: Path, footprint: Polygon, with_costs: bool) -> tuple[Map | None, list[MapFinding]]:
+def check_map(folder: Path, footprint: Polygon = FOOTPRINT, *, with_costs: bool = True) -> MapCheck:
+    """Read a map folder and find all its faults together. Arguments as for `read_map`."""
     if not folder.is_dir():
         remedy = "Name a folder that holds map.yaml and rooms.yaml"
-        return None, [MapFinding("error", BadFile(folder, "there is no such folder", remedy))]
+        return MapCheck(None, (MapFinding("error", BadFile(folder, "there is no such folder", remedy)),))
     findings: list[MapFinding] = []
-    grid = _attempt(lambda: read_grid(folder / "map.yaml"), findings)
+    drawing = _attempt(lambda: _read_map_yaml(folder / "map.yaml"), findings)
     loaded = _attempt(lambda: load(folder / "rooms.yaml", _RoomsYaml), findings)
-    if loaded is None:
-        return None, findings
-    findings.extend(MapFinding("error", fault) for fault in _faults_of_rooms(loaded))
-    if grid is None or findings:
-        return None, findings
     costs = folder / MAP_TIMES
+    own_costs = costs if with_costs and costs.is_file() else None
+    if own_costs is not None:
+        findings.extend(_findings_of_costs(own_costs, None if loaded is None else len(loaded.value.rooms)))
+    if loaded is None:
+        return MapCheck(None, tuple(findings))
+    findings.extend(MapFinding("error", fault) for fault in _faults_of_rooms(loaded))
+    if drawing is None:
+        return MapCheck(None, tuple(findings))
+    image, grid = drawing
+    findings.extend(_findings_on_floor(image, loaded, grid, footprint))
     drawn = Map(
         name=folder.resolve().name,
         grid=grid,
         rooms=tuple(sorted((_room(entry) for entry in loaded.value.rooms), key=lambda entry: entry.room)),
         starts=tuple(start for _, start in _starts(loaded.value.starts)),
-        costs=costs if with_costs and costs.is_file() else None,
+        costs=own_costs,
     )
-    findings.extend(_findings_of_costs(drawn))
-    findings.extend(_findings_on_floor(loaded, drawn, footprint))
-    return drawn, findings
+    return MapCheck(drawn, tuple(findings))
 
 
 def _attempt(read: Callable[[], T], findings: list[MapFinding]) -> T | None:
@@ -239,16 +261,13 @@ def _attempt(read: Callable[[], T], findings: list[MapFinding]) -> T | None:
     return None
 
 
-def _findings_of_costs(drawn: Map) -> Iterator[MapFinding]:
-    if drawn.costs is None:
-        return
+def _findings_of_costs(path: Path, rooms: int | None) -> Iterator[MapFinding]:
     findings: list[MapFinding] = []
-    path = drawn.costs
     matrix = _attempt(lambda: read_map_times(path), findings)
     yield from findings
-    if matrix is not None and len(matrix.rooms) != len(drawn.rooms):
-        problem = f"costs for {len(matrix.rooms)} rooms, but rooms.yaml has {len(drawn.rooms)}"
-        remedy = "Write one row and one column for the corridor and for every room"
+    if matrix is not None and rooms is not None and len(matrix.rooms) != rooms:
+        problem = f"costs for {len(matrix.rooms)} rooms, but rooms.yaml has {rooms}"
+        remedy = "Write one row and one column for the corridor and for every room, or measure the map anew"
         yield MapFinding("error", BadFile(path, problem, remedy, line=1))
 
 
@@ -261,11 +280,16 @@ def _room(entry: _RoomEntry) -> MapRoom:
 
 
 def _starts(entry: _StartsEntry) -> Iterator[tuple[str, Pose2]]:
-    """Yield key path and pose of every start: first the poses, then the rows, each from its first end."""
+    """Yield key path and pose of every start: first the poses, then the rows, each from its first end.
+
+    Rows that are too long to be meant are left out.
+    """
     for index, (x, y, yaw) in enumerate(entry.poses):
         yield f"starts.poses[{index}]", _pose(x, y, yaw)
     for index, ((x0, y0), (x1, y1)) in enumerate(entry.rows):
         length = math.hypot(x1 - x0, y1 - y0)
+        if length > MOST_STARTS * entry.spacing:
+            continue
         for step in range(math.floor(length / entry.spacing + 1e-9) + 1):
             share = step * entry.spacing / length if length else 0.0
             yield f"starts.rows[{index}]", Pose2(x0 + share * (x1 - x0), y0 + share * (y1 - y0), wrap_angle(entry.yaw))
@@ -321,31 +345,59 @@ class _Place:
     what: str
 
 
-def _findings_on_floor(loaded: Loaded[_RoomsYaml], drawn: Map, footprint: Polygon) -> Iterator[MapFinding]:
+def _findings_on_floor(
+    image: Loaded[_MapYaml], loaded: Loaded[_RoomsYaml], grid: OccupancyGrid, footprint: Polygon
+) -> Iterator[MapFinding]:
     """Yield faults that need the grid: walls in the way, overlapping rooms, robots that block each other."""
-    keys = {entry.number: f"rooms[{index}]" for index, entry in enumerate(loaded.value.rooms)}
-    goals = [_Place(f"{keys[room.room.people]}.goal", room.goal, str(room.room)) for room in drawn.rooms]
+    rooms = [_room(entry) for entry in loaded.value.rooms]
+    goals = [_Place(f"rooms[{index}].goal", room.goal, str(room.room)) for index, room in enumerate(rooms)]
     starts = [
         _Place(key, pose, f"the start of robot {number}")
         for number, (key, pose) in enumerate(_starts(loaded.value.starts), start=1)
     ]
-    floor = TraversabilityMap.of(drawn.grid, *radii(np.array(footprint)))
-    yield from _findings_of_regions(loaded, drawn, floor, keys)
-    narrow = [*_too_narrow(loaded, floor, goals + starts), *_too_close(loaded, floor, starts)]
-    yield from narrow
+    floor = TraversabilityMap.of(grid, *radii(np.array(footprint)))
+    yield from _findings_of_regions(loaded, floor)
+    doubtful = _doubt_of_image(image, floor, goals + starts)
+    if doubtful is not None:
+        yield MapFinding("error", doubtful)
+        return
+    yield from _too_narrow(loaded, floor, goals + starts)
+    close = list(_too_close(loaded, floor, starts))
+    yield from close
     for start in starts:
-        room = drawn.room_at(start.pose.x, start.pose.y)
+        room = next((room.room for room in rooms if room.holds(start.pose.x, start.pose.y)), None)
         if room is not None:
             fault = loaded.fault(start.key, f"{start.what} is in {room}", "Start robots in a corridor")
             yield MapFinding("warning", fault)
-    if not narrow:
-        yield from _findings_of_ways(loaded, floor, goals, starts)
+    yield from _findings_of_ways(loaded, floor, goals, starts, crowded=not close)
+
+
+def _doubt_of_image(image: Loaded[_MapYaml], floor: TraversabilityMap, places: list[_Place]) -> BadFile | None:
+    """The fault of the image where nearly all places are not on its floor: then it is not the places that are wrong."""
+    grid = floor.grid
+    values = [grid.value_at(place.pose.x, place.pose.y) for place in places]
+    amiss = sum(value != FREE for value in values)
+    if amiss < 3 or amiss < MOST_AMISS * len(places):
+        return None
+    on_map = sum(grid.contains(*grid.cell_of(place.pose.x, place.pose.y)) for place in places)
+    if 2 * on_map < len(places):
+        problem = f"{len(places) - on_map} of {len(places)} goals and starts lie outside the image"
+        return image.fault("origin", problem, "Mend the origin or the resolution")
+    problem = f"{amiss} of {len(places)} goals and starts stand in walls or in unknown space"
+    other = 1 - image.value.negate
+    remedy = f"Is the image inverted? Then write `negate: {other}`; if it is not, mend the origin or the resolution"
+    return image.fault("negate", problem, remedy)
+
+
+def _has_room(floor: TraversabilityMap, place: _Place) -> bool:
+    """Return True where a robot can turn on the spot."""
+    return floor.clearance_at(place.pose) > floor.circumscribed
 
 
 def _too_narrow(loaded: Loaded[_RoomsYaml], floor: TraversabilityMap, places: list[_Place]) -> Iterator[MapFinding]:
     for place in places:
         clearance = floor.clearance_at(place.pose)
-        if clearance <= floor.circumscribed:
+        if not _has_room(floor, place):
             problem = (
                 f"at ({place.pose.x:g}, {place.pose.y:g}) the nearest cell that is not free is {clearance:.2f} m away; "
                 f"a robot needs more than {floor.circumscribed:.2f} m to turn"
@@ -367,40 +419,54 @@ def _too_close(loaded: Loaded[_RoomsYaml], floor: TraversabilityMap, starts: lis
                 )
 
 
-def _findings_of_regions(
-    loaded: Loaded[_RoomsYaml], drawn: Map, floor: TraversabilityMap, keys: dict[int, str]
-) -> Iterator[MapFinding]:
-    grid = drawn.grid
+def _findings_of_regions(loaded: Loaded[_RoomsYaml], floor: TraversabilityMap) -> Iterator[MapFinding]:
+    grid = floor.grid
     slack = grid.resolution / 2
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
     owner = np.zeros(grid.cells.shape, dtype=np.int64)
-    for entry in drawn.rooms:
-        key = f"{keys[entry.room.people]}.region"
-        corners = grid.origin.inverse().transform(np.array(entry.region))
+    for index, entry in enumerate(loaded.value.rooms):
+        if len(entry.region) < 2:
+            continue
+        key, room = f"rooms[{index}].region", _room(entry)
+        corners = grid.origin.inverse().transform(np.array(room.region))
         outside = (corners < -slack).any(axis=1) | (corners > np.array([width, height]) + slack).any(axis=1)
         if outside.any():
-            x, y = entry.region[int(outside.argmax())]
+            x, y = room.region[int(outside.argmax())]
             problem = f"its corner ({x:g}, {y:g}) is outside the map, which is {width:g} m x {height:g} m"
             yield MapFinding("error", loaded.fault(key, problem, "Mend the region, or the map's origin or resolution"))
-        held = inside(entry.region, floor.x, floor.y)
+        held = inside(room.region, floor.x, floor.y)
         shared = owner[held & (owner > 0)]
         if shared.size:
             problem = f"it overlaps the region of room {shared[0]} by {shared.size * grid.resolution**2:.2f} m^2"
             yield MapFinding("error", loaded.fault(key, problem, "Draw the regions apart"))
-        owner[held] = entry.room.people
+        owner[held] = entry.number
 
 
 def _findings_of_ways(
-    loaded: Loaded[_RoomsYaml], floor: TraversabilityMap, goals: list[_Place], starts: list[_Place]
+    loaded: Loaded[_RoomsYaml], floor: TraversabilityMap, goals: list[_Place], starts: list[_Place], crowded: bool
 ) -> Iterator[MapFinding]:
-    obstructed = [floor.obstructed_by(start.pose) for start in starts]
-    reach = floor.reachable(starts[0].pose, np.zeros_like(obstructed[0]))
-    cut_off = [place for place in goals + starts if not reach[floor.grid.cell_of(place.pose.x, place.pose.y)]]
-    for place in cut_off:
-        problem = f"no way {2 * floor.inscribed:g} m wide leads from {starts[0].what} to {place.what}"
-        yield MapFinding("error", loaded.fault(place.key, problem, "Widen a door, or move it"))
-    if cut_off:
+    """Yield places without a way from a start, among those where a robot can stand.
+
+    Args:
+        loaded: rooms.yaml.
+        floor: for the robot's footprint.
+        goals: of all rooms.
+        starts: of all robots.
+        crowded: True to look for starts that shut somebody in when all are taken.
+    """
+    goals = [place for place in goals if _has_room(floor, place)]
+    standing = [place for place in starts if _has_room(floor, place)]
+    if not standing:
         return
+    first = standing[0]
+    reach = floor.reachable(first.pose, np.zeros_like(floor.clearance, dtype=np.bool_))
+    cut_off = [place for place in goals + standing if not reach[floor.grid.cell_of(place.pose.x, place.pose.y)]]
+    for place in cut_off:
+        problem = f"no way {2 * floor.inscribed:g} m wide leads from {first.what} to {place.what}"
+        yield MapFinding("error", loaded.fault(place.key, problem, "Widen a door, or move it"))
+    if cut_off or not crowded or standing != starts:
+        return
+    obstructed = [floor.obstructed_by(start.pose) for start in starts]
     crowd = np.sum(obstructed, axis=0)
     for start, own in zip(starts, obstructed, strict=True):
         reach = floor.reachable(start.pose, crowd > own)

@@ -52,7 +52,7 @@ def folder(tmp_path: Path) -> Path:
 class TestShippedMaps:
     @pytest.mark.parametrize("name", ["arena8", "office", "warehouse12"])
     def test_nothing_is_odd_about_them(self, name: str) -> None:
-        assert check_map(shipped().find("maps", name, HERE)) == []
+        assert check_map(shipped().find("maps", name, HERE)).findings == ()
 
     @pytest.mark.parametrize("name", ["arena8", "office", "warehouse12"])
     def test_a_dozen_robots_have_room(self, name: str) -> None:
@@ -304,31 +304,56 @@ class TestBroken:
     def test_the_message_says_where_and_what_to_do(
         self, folder: Path, change: Callable[[Path], object], told: str
     ) -> None:
-        assert check_map(folder) == []
+        assert check_map(folder).findings == ()
         change(folder)
         with pytest.raises(BadFile) as caught:
             read_map(folder)
         assert told in str(caught.value)
-        assert [finding.severity for finding in check_map(folder)].count("error") >= 1
+        assert [finding.severity for finding in check_map(folder).findings].count("error") >= 1
 
     def test_all_faults_of_both_files_are_told_at_once(self, folder: Path) -> None:
         edit("map.yaml", "negate: 0", "negate: 7")(folder)
         edit("rooms.yaml", "number: 2", "number: 1")(folder)
         edit("rooms.yaml", "[1.5, 2, 0]", "[3.5, 2, 0]")(folder)
-        told = "\n".join(str(finding.fault) for finding in check_map(folder))
+        told = "\n".join(str(finding.fault) for finding in check_map(folder).findings)
         assert "negate: 7 is out of range" in told
         assert "stands twice" in told
         assert "is not in the room's region" in told
 
+    def test_faults_of_shape_place_and_way_are_told_in_one_round(self, folder: Path) -> None:
+        draw(slice(0, 40), slice(49, 50), OCCUPIED)(folder)
+        edit("rooms.yaml", "number: 2", "number: 3")(folder)
+        edit("rooms.yaml", "[1.5, 2, 0]", "[0.35, 2, 0]")(folder)
+        (folder / "mapTimes").write_text("x\n")
+        told = "\n".join(str(finding.fault) for finding in check_map(folder).findings)
+        assert "mapTimes, line 1, number of nodes: " in told
+        assert "no room has the number 2" in told
+        assert "rooms[0].goal: at (0.35, 2)" in told
+        assert "rooms[1].goal: no way 0.5 m wide leads from the start of robot 1 to room 3" in told
+
+    @pytest.mark.parametrize(
+        ("change", "told"),
+        [
+            (edit("map.yaml", "negate: 0", "negate: 1"), "line 4, negate: 5 of 5 goals and starts stand in walls"),
+            (edit("map.yaml", "origin: [0.0", "origin: [100.0"), "line 3, origin: 5 of 5 goals and starts lie outside"),
+        ],
+    )
+    def test_where_all_places_are_off_the_floor_the_image_is_asked_about_once(
+        self, folder: Path, change: Callable[[Path], object], told: str
+    ) -> None:
+        change(folder)
+        (fault,) = [fault for fault in check_map(folder).errors if ".region" not in (fault.key or "")]
+        assert told in str(fault)
+
     def test_a_start_in_a_room_is_odd_but_no_error(self, folder: Path) -> None:
         edit("rooms.yaml", "[[4, 1, 0]]", "[[4, 1, 0], [6.5, 1, 0]]")(folder)
-        assert [(finding.severity, str(finding.fault.problem)) for finding in check_map(folder)] == [
+        assert [(finding.severity, str(finding.fault.problem)) for finding in check_map(folder).findings] == [
             ("warning", "the start of robot 2 is in room 2")
         ]
         assert len(read_map(folder).starts) == 4
 
     def test_starts_that_block_the_way_are_told(self, folder: Path) -> None:
         edit("rooms.yaml", "[[4, 1, 0]]", "[[4, 1, 0], [3.3, 0.5, 0]]")(folder)
-        told = [str(finding.fault) for finding in check_map(folder)]
+        told = [str(finding.fault) for finding in check_map(folder).findings]
         assert all("with 4 robots at their starts no way leads from" in fault for fault in told)
         assert any("the start of robot 1 to room 1. Leave a lane free" in fault for fault in told)

@@ -1,3 +1,4 @@
+import json
 from pathlib import Path
 
 import numpy as np
@@ -68,3 +69,43 @@ def test_a_new_map_is_measured_by_a_study_that_does_not_fit_it_and_then_plays(he
 def test_a_view_for_rviz_needs_no_costs(here: Path) -> None:
     done = CliRunner().invoke(app, ["ros", "rviz", "--map", "./two", "--robots", "2"])
     assert done.exit_code == 0, done.stderr
+
+
+class TestCheck:
+    def test_what_a_good_map_holds_is_told(self, here: Path) -> None:
+        told = maps("check", "two").stdout
+        assert "two: 8.0 m x 4.0 m, 80 x 40 cells of 0.1 m" in told
+        assert "1.0 m to the corridor" in told
+        assert "start poses: 2; robot 1 starts at (4, 1)" in told
+        assert "ways: 4 of 4" in told
+        assert "`thbridge maps measure two --out two/mapTimes`" in told
+        assert told.endswith("0 errors, 0 warnings\n")
+        found = json.loads(maps("check", "two", "--json").stdout)
+        assert found["ok"]
+        assert found["map"]["size"] == [8.0, 4.0]
+        assert [(room["number"], room["name"], room["doors"][0]["to"]) for room in found["map"]["rooms"]] == [
+            (1, "West", 0),
+            (2, "East", 0),
+        ]
+
+    def test_a_fault_has_file_line_key_and_remedy(self, here: Path) -> None:
+        rooms = here / "two" / "rooms.yaml"
+        rooms.write_text(ROOMS.replace("[1.5, 2, 0]", "[0.2, 2, 0]"))
+        done = maps("check", "two", "--json")
+        assert done.exit_code == 2
+        (fault,) = json.loads(done.stdout)["findings"]
+        assert (fault["file"], fault["line"], fault["key"]) == ("two/rooms.yaml", 5, "rooms[0].goal")
+        assert fault["remedy"] == "Move it away from the wall"
+
+    @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+    def test_it_is_drawn_also_with_faults_and_always_the_same(self, here: Path, suffix: str) -> None:
+        (here / "two" / "rooms.yaml").write_text(ROOMS.replace("[1.5, 2, 0]", "[0.2, 2, 0]"))
+        for name in ("a", "b"):
+            assert maps("check", "two", "--to", f"{name}.{suffix}").exit_code == 2
+        drawn = (here / f"a.{suffix}").read_bytes()
+        assert drawn == (here / f"b.{suffix}").read_bytes()
+        assert len(drawn) > 2000
+
+    def test_a_picture_has_a_suffix_and_a_folder(self, here: Path) -> None:
+        assert "ends in .png, .svg or .pdf" in maps("check", "two", "--to", "map.xyz").stderr
+        assert "cannot be written" in maps("check", "two", "--to", "no/map.png").stderr

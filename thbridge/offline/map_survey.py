@@ -1,0 +1,150 @@
+"""Figures of a map: its size and floor, the rooms with their areas and doors, and what robots reach."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import find_objects, label
+
+from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
+from sim.common.traversability import Mask, Polygon, TraversabilityMap, inside
+from sim.robot.costmap.footprint import radii
+from thbridge.files.map_files import FOOTPRINT, Map, MapRoom
+from thbridge.hunt.rooms import Room
+
+Owners = NDArray[np.int64]
+"""(rows, cols) number of the room that holds each cell's centre; 0 is the corridor."""
+
+_TOUCHING = np.ones((3, 3), dtype=np.bool_)
+
+
+@dataclass(frozen=True, slots=True)
+class Doorway:
+    """An opening that a robot fits through, between a room and the corridor or another room.
+
+    Attributes:
+        room: the room; of two rooms the one with the lower number.
+        beyond: what lies on the other side.
+        x: its middle, map frame, metres.
+        y: the same.
+        width: metres.
+    """
+
+    room: Room
+    beyond: Room
+    x: float
+    y: float
+    width: float
+
+
+@dataclass(frozen=True, slots=True)
+class RoomSurvey:
+    """A room with its free floor, square metres, and its doors."""
+
+    room: MapRoom
+    area: float
+    doors: tuple[Doorway, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class MapSurvey:
+    """Figures of a map.
+
+    Attributes:
+        place: the map.
+        free: share of free cells.
+        occupied: share of occupied cells; the rest are unknown.
+        rooms: the rooms in the order of their numbers.
+        pairs: number of ordered pairs of different places, a room as the second; the corridor is that of start 1.
+        reachable: those of them with a way for a robot.
+    """
+
+    place: Map
+    free: float
+    occupied: float
+    rooms: tuple[RoomSurvey, ...]
+    pairs: int
+    reachable: int
+
+    @property
+    def unknown(self) -> float:
+        """Share of cells that are neither free nor occupied."""
+        return max(0.0, 1.0 - self.free - self.occupied)
+
+
+def survey(place: Map, footprint: Polygon = FOOTPRINT) -> MapSurvey:
+    """Measure a map for robots with these corners in their own frame, metres; it may have faults."""
+    grid = place.grid
+    floor = TraversabilityMap.of(grid, *radii(np.array(footprint)))
+    owners = owners_of(place, floor)
+    openings = tuple(doorways(floor, owners, footprint))
+    free = grid.cells == FREE
+    rooms = tuple(
+        RoomSurvey(
+            entry,
+            float(np.count_nonzero(free & (owners == entry.room.people))) * grid.resolution**2,
+            tuple(door for door in openings if entry.room in (door.room, door.beyond)),
+        )
+        for entry in place.rooms
+    )
+    passable = floor.clearance > floor.inscribed
+    areas = np.asarray(label(passable)[0], dtype=np.int32)
+    starts, goals = place.starts[:1], [entry.goal for entry in place.rooms]
+    there = [_area_at(areas, grid, pose.x, pose.y) for pose in (*starts, *goals)]
+    pairs = [(i, j) for i in range(len(there)) for j in range(len(starts), len(there)) if i != j]
+    return MapSurvey(
+        place=place,
+        free=float(free.mean()),
+        occupied=float((grid.cells == OCCUPIED).mean()),
+        rooms=rooms,
+        pairs=len(pairs),
+        reachable=sum(there[i] == there[j] > 0 for i, j in pairs),
+    )
+
+
+def owners_of(place: Map, floor: TraversabilityMap) -> Owners:
+    """The room of every cell; where regions overlap the later one."""
+    owners = np.zeros(place.grid.cells.shape, dtype=np.int64)
+    for entry in place.rooms:
+        owners[inside(entry.region, floor.x, floor.y)] = entry.room.people
+    return owners
+
+
+def doorways(floor: TraversabilityMap, owners: Owners, footprint: Polygon = FOOTPRINT) -> Iterator[Doorway]:
+    """Yield the openings between rooms and what is beside them, ordered by room, then by what lies beyond, then place.
+
+    An opening is a connected row of free cells of one side that touch free cells of the other; a robot fits through
+    where one of them has the clearance for its inscribed circle.
+    """
+    grid = floor.grid
+    inscribed, _ = radii(np.array(footprint))
+    free = grid.cells == FREE
+    numbers = sorted({int(number) for number in np.unique(owners)})
+    for number in numbers:
+        own = free & (owners == number)
+        for other in numbers:
+            if number == 0 or 0 < other <= number:
+                continue
+            labels, _ = label(own & _beside(free & (owners == other)), structure=_TOUCHING)
+            for index, box in enumerate(find_objects(labels), start=1):
+                cells = np.argwhere(labels[box] == index) + np.array([box[0].start, box[1].start])
+                if floor.clearance[tuple(cells.T)].max() <= inscribed:
+                    continue
+                middle = grid.centres_of(cells).mean(axis=0)
+                extent = np.ptp(cells, axis=0) + 1
+                width = float(max(extent)) if min(extent) <= 2 else float(np.hypot(*extent))
+                x, y = float(middle[0]), float(middle[1])
+                yield Doorway(Room(number), Room(other), x, y, width * grid.resolution)
+
+
+def _beside(mask: Mask) -> Mask:
+    """Cells with one of the mask above, below, left or right."""
+    padded = np.pad(mask, 1)
+    beside: Mask = padded[:-2, 1:-1] | padded[2:, 1:-1] | padded[1:-1, :-2] | padded[1:-1, 2:]
+    return beside
+
+
+def _area_at(areas: NDArray[np.int32], grid: OccupancyGrid, x: float, y: float) -> int:
+    row, col = grid.cell_of(x, y)
+    return int(areas[row, col]) if grid.contains(row, col) else 0
