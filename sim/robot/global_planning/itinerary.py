@@ -20,7 +20,7 @@ Multi-Robot Trajectory Planning in Well-Formed Infrastructures (ICAPS 2015).
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -45,10 +45,12 @@ class Itinerary:
     Attributes:
         points: (m, 2) map, metres; a wait is the same point twice.
         times: (m,) ascending, seconds; before the first it stands at the first point, after the last at the last.
+        unhindered_from: time from which it leads on as it would without other robots; before, it makes way for them.
     """
 
     points: FloatArray
     times: FloatArray
+    unhindered_from: float = -math.inf
 
 
 class OtherItineraries(NamedTuple):
@@ -110,7 +112,7 @@ def densified(itinerary: Itinerary) -> Itinerary:
     index = np.concatenate([[0.0], np.repeat(np.arange(len(steps)), counts) + _shares(counts)])
     known = np.arange(len(itinerary.times))
     x, y = (np.interp(index, known, column) for column in itinerary.points.T)
-    return Itinerary(np.column_stack([x, y]), np.interp(index, known, itinerary.times))
+    return replace(itinerary, points=np.column_stack([x, y]), times=np.interp(index, known, itinerary.times))
 
 
 def _shares(counts: NDArray[np.int64]) -> FloatArray:
@@ -188,6 +190,28 @@ def keeps_separation(points: FloatArray, times: FloatArray, others: OtherItinera
             if math.hypot(x - others.points[i, 0], y - others.points[i, 1]) < needed:
                 return False
     return True
+
+
+@njit(cache=True)
+def first_met(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> int:
+    """Return the other robot that an itinerary comes too near to first, -1 where none.
+
+    Args:
+        points: (m, 2) of the itinerary.
+        times: (m,) with them.
+        others: the other robots'.
+        separation: metres from centre to centre. A robot that is nearer at the first point is met where it comes nearer
+            still.
+    """
+    for i in range(points.shape[0]):
+        for k in range(others.starts.shape[0] - 1):
+            begin, end = others.starts[k], others.starts[k + 1]
+            x, y = _place(others.points, others.times, begin, end, times[0])
+            present = math.hypot(points[0, 0] - x, points[0, 1] - y) - 0.02
+            x, y = _place(others.points, others.times, begin, end, times[i])
+            if math.hypot(points[i, 0] - x, points[i, 1] - y) < min(separation, present):
+                return k
+    return -1
 
 
 @njit(cache=True)

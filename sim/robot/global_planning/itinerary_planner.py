@@ -27,6 +27,8 @@ from sim.robot.global_planning.itinerary import (
     OtherItineraries,
     densified,
     executable,
+    first_met,
+    itineraries_of,
     keeps_separation,
     timed_itinerary,
 )
@@ -169,6 +171,22 @@ class ItineraryPlanner:
             return None
         away = densified(away)
         return away if self._executable(away, others) else None
+
+    def made_way_for(self, itinerary: Itinerary, others: OtherItineraries) -> int | None:
+        """Return the first of the others that an itinerary makes way for; None where it makes way for none.
+
+        It is the one that would be met first on the way that there would be without the others.
+        """
+        if itinerary.unhindered_from == -math.inf:
+            return None
+        free, _ = self._free_space()
+        start, goal, time = itinerary.points[0], itinerary.points[-1], float(itinerary.times[0])
+        alone = route(self._roadmap, free, start, goal, time, itineraries_of(()), self.separation)
+        if alone is None:
+            return None
+        alone = densified(alone)
+        met = int(first_met(alone.points, alone.times, others, self.separation))
+        return None if met < 0 else met
 
     def obstructs(self, place: FloatArray, wanted_path: FloatArray) -> bool:
         """Return True when a robot at a (2,) place obstructs another one on its (m, 2) path."""

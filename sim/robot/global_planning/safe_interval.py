@@ -14,7 +14,7 @@ not as that bin is.
 
 import heapq
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,9 @@ BIN_LENGTH = 0.5
 """Seconds of one bin of time: intervals begin and end between bins."""
 BIN_COUNT = 240
 """Number of bins that are looked ahead: two minutes."""
+
+UNHINDERED = 1.0
+"""Seconds that an itinerary may take longer than without other robots, and still counts as going on unhindered."""
 
 BoolArray = NDArray[np.bool_]
 
@@ -182,12 +185,15 @@ def _search(
     free: BoolArray, busy: BoolArray, targets: BoolArray, centres: FloatArray, side: float, start_row: int,
     start_col: int, bin_length: float, speed: float,
 ) -> FloatArray:  # fmt: skip
-    """(m, 3) x, y and seconds from now of the quickest path to a target where one may stay; (0, 3): there is none."""
+    """(m, 4) x, y, seconds from now, and seconds that would be left there without other robots.
+
+    They are those of the quickest path to a target where one may stay; (0, 4): there is none.
+    """
     rows, cols, bins = busy.shape
     # The heuristic ignores other robots and the walls beside diagonal steps, so it hardly ever overestimates.
     to_go = _distances(free, targets, side)
     if to_go[start_row, start_col] == np.inf:
-        return np.empty((0, 3))
+        return np.empty((0, 4))
     # Number the safe intervals of every cell: those of a cell are the states first[cell] up to first[cell + 1], in the
     # order of time, each from opens[k] to closes[k]; one that lasts to the end of what is looked at never closes.
     first = np.zeros(rows * cols + 1, np.int64)
@@ -219,7 +225,7 @@ def _search(
             before = now
     start_cell = start_row * cols + start_col
     if first[start_cell + 1] == first[start_cell] or opens[first[start_cell]] > 0.0:
-        return np.empty((0, 3))
+        return np.empty((0, 4))
     # arrival[k] is the earliest known arrival in state k, from state parent[k]. Once done it is final.
     arrival = np.full(total, np.inf)
     parent = np.full(total, -1, np.int64)
@@ -266,8 +272,8 @@ def _search(
                     cell_of[k] = target
                     heapq.heappush(queue, (arrives + to_go[nr, nc] / speed, k))
     if found < 0:
-        return np.empty((0, 3))
-    trajectory = np.empty((2 * total, 3))
+        return np.empty((0, 4))
+    trajectory = np.empty((2 * total, 4))
     n = 0
     state = found
     while state >= 0:
@@ -277,9 +283,9 @@ def _search(
             # A robot that does not set out at once waits here: the same point a second time.
             leaves = trajectory[n - 1, 2] - math.hypot(x - centres[r, c, 0], y - centres[r, c, 1]) / speed
             if leaves > arrival[state] + 1e-6:
-                trajectory[n] = centres[r, c, 0], centres[r, c, 1], leaves
+                trajectory[n] = centres[r, c, 0], centres[r, c, 1], leaves, to_go[r, c] / speed
                 n += 1
-        trajectory[n] = centres[r, c, 0], centres[r, c, 1], arrival[state]
+        trajectory[n] = centres[r, c, 0], centres[r, c, 1], arrival[state], to_go[r, c] / speed
         n += 1
         state = parent[state]
     return trajectory[:n][::-1].copy()
@@ -354,7 +360,7 @@ def route(
         return None
     points = np.vstack([itinerary.points, goal])
     last = float(np.hypot(*(goal - itinerary.points[-1]))) / ITINERARY_SPEED
-    return Itinerary(points, np.append(itinerary.times, itinerary.times[-1] + last))
+    return replace(itinerary, points=points, times=np.append(itinerary.times, itinerary.times[-1] + last))
 
 
 def refuge(
@@ -403,4 +409,6 @@ def _itinerary_to(
     # The first cell's centre is but the start, rounded: a robot that has to wait there stays where it is.
     points = found[:, :2].copy()
     points[(points == points[0]).all(axis=1)] = start
-    return Itinerary(points, time + found[:, 2])
+    times, would_be_left = time + found[:, 2], found[:, 3]
+    unhindered = times[-1] - times <= would_be_left + UNHINDERED
+    return Itinerary(points, times, float(times[np.argmax(unhindered)]) if not unhindered[0] else -math.inf)

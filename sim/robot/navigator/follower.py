@@ -161,6 +161,11 @@ class Follower:
         return float(self._itinerary.times[self._index])
 
     @property
+    def hindered(self) -> bool:
+        """True before the point of the itinerary from which it leads on as it would without other robots."""
+        return self.time < self._itinerary.unhindered_from
+
+    @property
     def remaining(self) -> float:
         """Metres of the itinerary that are left."""
         return self.ahead[2]

@@ -42,6 +42,7 @@ from sim.robot.navigator.controller import Controller
 from sim.robot.navigator.costmaps import Costmaps
 from sim.robot.navigator.follower import NO_POSES, NO_TIMES, STANDING, Follower, FollowerOutput
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, GoalResult, NoPath
+from sim.robot.navigator.making_way import MakingWay
 from sim.robot.navigator.navigation import Navigation, NavigatorState
 from sim.robot.navigator.progress import GoalProgress
 from sim.robot.navigator.recovery import OscillationDetector, RecoveryBehaviours
@@ -101,6 +102,7 @@ class Navigator:
         self._recovery = RecoveryBehaviours(move_base, self._costmaps.global_costmap.circumscribed_radius)
         self._oscillation = OscillationDetector(move_base.oscillation_timeout, move_base.oscillation_distance)
         self._stale = StaleNeighbours()
+        self._making_way = MakingWay()
         self._results: deque[GoalResult] = deque()
         self._state: State = Idle()
         self._goal: Goal | None = None
@@ -248,7 +250,20 @@ class Navigator:
             claim,
             *self._costmaps.shown(tick, pose, self._stale, self._controller.pending),
             waits_for,
+            self._making_way.now(tick, self._makes_way_for(tick), has_goal=self._goal is not None),
         )
+
+    def _makes_way_for(self, tick: int) -> int | None:
+        """Return the robot that has the right of way over what this one does in this very tick."""
+        match self._state.then if isinstance(self._state, Clearing) else self._state:
+            case Controlling(output=FollowerOutput(waiting=True, waits_for=first)):
+                return first
+            case Controlling(follower, gives_way, makes_way_for=first) if gives_way or follower.hindered:
+                return first
+            case Planning(wanted=None, waits_for=first):
+                yields_to = self._progress.yields_to(tick)
+                return first if yields_to is None else yields_to
+        return None
 
     # States
 
@@ -369,7 +384,9 @@ class Navigator:
             return
         match planned:
             case Itinerary():
-                self._follow("plan made", tick, planned, target.theta, gives_way=False)
+                met = self._itinerary_planner.made_way_for(planned, others)
+                first = None if met is None else neighbours[met].robot
+                self._follow("plan made", tick, planned, target.theta, first, gives_way=False)
             case BlockedByRobots(wanted_path):
                 self._ask(tick, goal, wanted_path, target.theta, neighbours)
             case PlanRefusal():
@@ -426,7 +443,7 @@ class Navigator:
         self._plan_after(tick, PLAN_RETRY)
         if away is not None:
             self._progress.note_way_given(tick, asking.robot)
-            self._follow("asked to clear", tick, away, pose.theta, gives_way=True)
+            self._follow("asked to clear", tick, away, pose.theta, asking.robot, gives_way=True)
             return
         # Robots that rest around it are in its path: they are asked in their turn, with the same priority.
         movers = itineraries_of_moving(neighbours)
@@ -441,9 +458,18 @@ class Navigator:
             return self._state.follower.time
         return float(start_time(tick * TICK, pose.x, pose.y, others, self._itinerary_planner.separation))
 
-    def _follow(self, event: Event, tick: int, itinerary: Itinerary, heading: float, gives_way: bool) -> None:
+    def _follow(
+        self,
+        event: Event,
+        tick: int,
+        itinerary: Itinerary,
+        heading: float,
+        makes_way_for: int | None,
+        *,
+        gives_way: bool,
+    ) -> None:
         follower = Follower(self._controller, self._itinerary_planner, tick, itinerary, heading, not gives_way)
-        self._stop(event, Controlling(follower, gives_way))
+        self._stop(event, Controlling(follower, gives_way, makes_way_for=makes_way_for))
         self._progress.restart_patience(tick)
         self._progress.note_path(follower.remaining)
 

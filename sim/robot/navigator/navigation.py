@@ -29,6 +29,7 @@ class Navigation:
         global_costmap: the costs that plans are made with, in the ticks when they are published.
         local_costmap: the same for commands.
         waits_for: the robot that this one lets go first, if it stands because of one.
+        makes_way_for: the robot that has the right of way while this one waits for it, or drives aside or round it.
     """
 
     command: Twist
@@ -43,3 +44,4 @@ class Navigation:
     global_costmap: CostmapView | None = None
     local_costmap: CostmapView | None = None
     waits_for: int | None = None
+    makes_way_for: int | None = None

@@ -57,11 +57,13 @@ class Controlling:
         follower: follows it.
         gives_way: True when the itinerary leads out of another robot's path, with or without a goal of its own.
         output: that of the follower's last step.
+        makes_way_for: the robot out of whose way the itinerary leads, or for which it waits or makes a detour.
     """
 
     follower: Follower
     gives_way: bool
     output: FollowerOutput = STANDING
+    makes_way_for: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

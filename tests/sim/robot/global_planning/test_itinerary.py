@@ -11,6 +11,7 @@ from sim.robot.global_planning.itinerary import (
     Itinerary,
     densified,
     executable,
+    first_met,
     itineraries_of,
     keeps_separation,
     reached_index,
@@ -85,6 +86,27 @@ def test_it_is_told_who_bars_the_way():
         right_of_way(first.points, first.times, 0, 40, *first.points[0], itineraries_of([told(1, second)]), NEAR)[1]
         == -1
     )
+
+
+def test_who_would_be_met_first_is_told():
+    mine = timed_itinerary(line(-2, 0, 2, 0), 0.0)
+    crossing = told(1, timed_itinerary(line(0, -2, 0, 2), 0.0))
+    others = itineraries_of([standing(2, 9.0, 9.0), standing(3, 2.0, 0.0), crossing])
+    assert first_met(mine.points, mine.times, others, NEAR) == 2
+
+
+@given(st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-5, 5), st.booleans()), max_size=5))
+@settings(max_examples=60, deadline=None)
+def test_who_keeps_its_distance_meets_nobody(places):
+    mine = timed_itinerary(line(-2, -1, 2, 0.5), 0.0)
+    others = itineraries_of(
+        [
+            told(k, timed_itinerary(line(x, y, 0, 0), time)) if moves else standing(k, x, y)
+            for k, (x, y, time, moves) in enumerate(places)
+        ]
+    )
+    if keeps_separation(mine.points, mine.times, others, NEAR):
+        assert first_met(mine.points, mine.times, others, NEAR) == -1
 
 
 def test_a_robot_that_stands_bars_the_way():

@@ -38,6 +38,7 @@ def test_alone_it_goes_straight():
     way = between((1.5, 1.5), (12.5, 1.5), [])
     assert np.hypot(*np.diff(way.points, axis=0).T).sum() == pytest.approx(11.0, abs=0.5)
     assert way.times[0] == 10.0
+    assert way.unhindered_from == -np.inf
 
 
 def test_it_lets_an_oncoming_robot_pass_where_there_is_room():
@@ -50,6 +51,12 @@ def test_it_lets_an_oncoming_robot_pass_where_there_is_room():
     assert keeps_separation(way.points, way.times, itineraries_of([told(1, oncoming)]), NEAR - 0.15)
     # The bay above the corridor's middle is the only place to wait.
     assert way.points[:, 1].max() > 2.0
+    # From the bay on it drives as if it were alone: after the oncoming one has passed.
+    off = np.flatnonzero(way.points[:, 1] > 2.0)[-1]
+    passes = 10.0 + (12.5 - way.points[off, 0]) / 0.5
+    assert way.times[off] + 1.0 >= way.unhindered_from >= passes - 1.0
+    on = way.times >= way.unhindered_from
+    assert np.hypot(*np.diff(way.points[on], axis=0).T).sum() / 0.5 <= way.times[-1] - way.unhindered_from + 0.1
 
 
 def test_there_is_no_way_past_a_robot_that_stands_in_a_corridor():

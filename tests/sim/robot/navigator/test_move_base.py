@@ -91,6 +91,7 @@ class Rig:
         self.strangers = []
         self.broken = set()
         self.waits = set()
+        self.ways_made = []
         self.lost = set()
 
     def step(self):
@@ -116,6 +117,9 @@ class Rig:
             if self.said[i].waits_for is not None:
                 assert self.said[i].command == STANDSTILL
                 self.waits.add((i, self.said[i].waits_for))
+            way_made = (i, self.said[i].makes_way_for)
+            if way_made != next((made for made in reversed(self.ways_made) if made[0] == i), (i, None)):
+                self.ways_made.append(way_made)
         self.heard = [
             Neighbour(i, self.poses[i], self.twists[i], STUDY, said.plan[:, :2], said.times, said.claim)
             for i, said in enumerate(self.said)
@@ -310,6 +314,7 @@ def test_one_that_rests_in_a_door_makes_way():
     assert isinstance(rig.results[0][0], GoalReached)
     assert not rig.results[1]
     assert rig.said[1].goal is None
+    assert rig.ways_made == [(1, 0), (1, None)]
 
 
 def bounded(rig, robot):
@@ -337,6 +342,7 @@ def test_one_that_cannot_make_way_ends_a_goal_with_its_reason():
     bounded(rig, 0)
     assert rig.results[0][0].reason == "robots_in_the_way"
     assert rig.waits == {(0, 1)}
+    assert not rig.ways_made, "who asks for a way makes none"
 
 
 def test_who_waits_stands_and_says_for_whom():
@@ -350,6 +356,25 @@ def test_who_waits_stands_and_says_for_whom():
     rig.broken = set()
     rig.run(90, everybody_arrived)
     assert rig.waits == {(1, 0)}
+    assert rig.ways_made == [(1, 0), (1, None)], "short pauses between do not count"
+
+
+def test_who_drives_round_another_one_says_for_whom_until_it_goes_on_as_if_alone():
+    rig = Rig([(-2, 2, 0), (0, 4, -1.57)])
+    rig.go(0, 3, 2)
+    rig.go(1, 0, -3)
+    rig.run(10, lambda rig: rig.twists[1].linear > 0.1)
+    assert rig.said[1].makes_way_for == 0
+    rig.run(90, everybody_arrived)
+    assert rig.ways_made == [(1, 0), (1, None)]
+    assert not rig.waits
+
+
+def test_who_is_alone_makes_way_for_nobody():
+    rig = Rig([(0, 0, 0)])
+    rig.go(0, *ROOMS[3])
+    rig.run(60, everybody_arrived)
+    assert not rig.ways_made
 
 
 def test_a_robot_whose_wheels_do_not_turn_gives_up():
