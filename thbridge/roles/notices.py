@@ -159,12 +159,14 @@ class RobotMotion:
         waits_for: the robot that it lets pass.
         progress: driven share of the path, 0 to 1; 0 at rest.
         remaining: metres still to drive; 0 at rest.
+        makes_way_for: the robot that has the right of way while this one waits for it, or drives aside or round it.
     """
 
     doing: Activity = "resting"
     waits_for: int | None = None
     progress: float = 0.0
     remaining: float = 0.0
+    makes_way_for: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,8 @@ import math
 from collections.abc import Iterator, Sequence
 
 from sim.common.geometry import Pose2
+from sim.common.observations import TICK
+from sim.common.robot_numbers import namespace_of, robot_name
 from sim.robot.navigator.navigation import NavigatorState
 from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
@@ -24,6 +26,9 @@ _ENDS = {
     GoalStatusCode.RECALLED: (LogLevel.INFO, "came too late"),
     GoalStatusCode.ABORTED: (LogLevel.WARN, "is given up"),
 }
+MAKES_WAY_FOR = "makes way for"
+"""Key of the robot that another one makes way for, in the values of its navigation."""
+
 _STATES: dict[NavigatorState, tuple[DiagnosticLevel, str]] = {
     "idle": (DiagnosticLevel.OK, "no goal"),
     "planning": (DiagnosticLevel.OK, "waits for a plan"),
@@ -37,6 +42,9 @@ class RobotDiagnostics:
 
     Args:
         robot: its index in the team.
+
+    Attributes:
+        changed: True where the robot begins or ends to make way in the last tick: its diagnoses are told at once.
     """
 
     def __init__(self, robot: int) -> None:
@@ -47,6 +55,9 @@ class RobotDiagnostics:
         self._lost = False
         self._dead = False
         self._clears = False
+        self._makes_way_for: int | None = None
+        self._makes_way_since = 0
+        self.changed = False
         self._collisions = 0
         self._given_up = ""
 
@@ -69,6 +80,7 @@ class RobotDiagnostics:
         if collisions > self._collisions:
             yield LogLine(LogLevel.WARN, CALLER, f"{self._name} has run into something, {collisions} times so far")
         self._collisions = collisions
+        yield from self._way_made(snapshot.tick, None if dead else output.navigation.makes_way_for)
         if dead:
             return
         if output.estimate.lost != self._lost:
@@ -81,6 +93,19 @@ class RobotDiagnostics:
         self._clears = clears
         for message in goals:
             yield from self._goal(message)
+
+    def _way_made(self, tick: int, robot: int | None) -> Iterator[LogLine]:
+        """Yield a line where the robot begins to make way for another one, and where it ends."""
+        before, since = self._makes_way_for, self._makes_way_since
+        self.changed = robot != before
+        if not self.changed:
+            return
+        self._makes_way_for, self._makes_way_since = robot, tick
+        if before is not None:
+            lasted = (tick - since) * TICK
+            yield LogLine(LogLevel.INFO, self._navigator, f"made way for {robot_name(before)} for {lasted:.1f} s")
+        if robot is not None:
+            yield LogLine(LogLevel.INFO, self._navigator, f"makes way for {robot_name(robot)}")
 
     def log_request(self, request: ActionRequest) -> Iterator[LogLine]:
         """Yield a line for a client's request; none for a dead robot, which does not receive it."""
@@ -134,7 +159,14 @@ class RobotDiagnostics:
         level, message = _STATES[navigation.state]
         if navigation.goal is None and self._given_up:
             level, message = DiagnosticLevel.WARN, f"gave up: {self._given_up}"
-        return self._diagnosis(level, "navigation", message, **{"way left (m)": f"{navigation.remaining:.1f}"})
+        figures = {"way left (m)": f"{navigation.remaining:.1f}"}
+        first = navigation.makes_way_for
+        if first is not None:
+            message = f"{'' if level is DiagnosticLevel.OK else f'{message}, '}makes way for {robot_name(first)}"
+            figures[MAKES_WAY_FOR] = namespace_of(first)
+        elif navigation.waits_for is not None and level is DiagnosticLevel.OK:
+            message = f"waits for {robot_name(navigation.waits_for)}, which is in its way"
+        return self._diagnosis(level, "navigation", message, **figures)
 
     def _energy(self, output: RobotOutput) -> DiagnosticStatus:
         battery = output.observations.battery

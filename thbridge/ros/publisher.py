@@ -164,7 +164,7 @@ class TeamPublisher:
             lines += self._watches[index].log_lines(snapshot, output, goals)
         messages.extend(RosMessage(topic, stamp, data) for topic, data in self._things(snapshot))
         messages.extend(RosMessage(ROSOUT, stamp, pack.log(tick, line)) for line in lines)
-        if tick % DIAGNOSTICS_PERIOD == 0:
+        if tick % DIAGNOSTICS_PERIOD == 0 or any(watch.changed for watch in self._watches):
             messages.append(RosMessage(DIAGNOSTICS, stamp, pack.diagnostic_array(tick, self._diagnoses(snapshot))))
         for record in records:
             if isinstance(record, VehicleRecord):

@@ -205,5 +205,5 @@ class Participant:
         return DrawnState(item, turn, hunt.pending_step, hunt.view.game, hunt.picked)
 
 
-def _shown(motions: tuple[RobotMotion, ...]) -> tuple[tuple[str, int | None, float], ...]:
-    return tuple((motion.doing, motion.waits_for, round(motion.progress, 2)) for motion in motions)
+def _shown(motions: tuple[RobotMotion, ...]) -> tuple[RobotMotion, ...]:
+    return tuple(replace(motion, progress=round(motion.progress, 2), remaining=0.0) for motion in motions)

@@ -233,6 +233,51 @@ def test_the_log_tells_of_collisions_and_of_robots_that_are_lost_or_dead_once() 
         assert [told for told, data in texts if word in data] == [tick]
 
 
+def test_log_and_diagnostics_tell_for_whom_a_robot_makes_way_from_the_beginning_to_the_end() -> None:
+    publisher = TeamPublisher(1, MOUNT, SCAN_PERIOD)
+    lines, told = [], []
+    for snapshot in snapshots(1, 16, first=1):
+        tick = snapshot.tick
+        first = 2 if 3 <= tick < 9 else 1 if 9 <= tick < 11 or tick >= 13 else None
+        navigation = replace(snapshot.robots[0].navigation, makes_way_for=first)
+        dead = frozenset({0}) if tick == 15 else frozenset()
+        for message in publisher.tick(replace(_with(snapshot, navigation=navigation), dead=dead)):
+            if message.topic.name == "/rosout":
+                lines.append((tick, unpack.log(message.data).text))
+            elif message.topic.name == "/diagnostics":
+                parts = {each.name: each for each in unpack.diagnostic_array(message.data)}
+                drives = parts.get("robot1: navigation")
+                told.append((tick, drives and drives.values.get("makes way for"), drives and drives.message))
+    assert [line for line in lines if " way " in line[1]] == [
+        (3, "makes way for robot 3"),
+        (9, "made way for robot 3 for 0.1 s"),
+        (9, "makes way for robot 2"),
+        (11, "made way for robot 2 for 0.0 s"),
+        (13, "makes way for robot 2"),
+        (15, "made way for robot 2 for 0.0 s"),
+        (16, "makes way for robot 2"),
+    ]
+    assert [each[:2] for each in told] == [
+        (3, "robot3"),
+        (9, "robot2"),
+        (11, None),
+        (13, "robot2"),
+        (15, None),
+        (16, "robot2"),
+    ]
+    assert told[0][2] == "makes way for robot 3"
+
+
+def test_diagnostics_tell_apart_who_makes_way_and_who_is_held_up() -> None:
+    (snapshot,) = snapshots(1, 1)
+    navigation = replace(snapshot.robots[0].navigation, waits_for=1)
+    publisher = TeamPublisher(1, MOUNT, SCAN_PERIOD)
+    (data,) = [m.data for m in publisher.tick(_with(snapshot, navigation=navigation)) if m.topic.name == "/diagnostics"]
+    (drives,) = [each for each in unpack.diagnostic_array(data) if each.name == "robot1: navigation"]
+    assert drives.message == "waits for robot 2, which is in its way"
+    assert "makes way for" not in drives.values
+
+
 def test_diagnostics_come_once_a_second_with_every_part_of_every_robot() -> None:
     messages = [message for message in published(2, 100) if message.topic.name == "/diagnostics"]
     assert len(messages) == 2

@@ -155,6 +155,8 @@ def test_the_screen_is_the_same_object_while_nothing_changes():
         (RobotMotion("driving", None, 0.5), "travelling to room 3"),
         (RobotMotion("waiting", 1), "waiting for robot 2"),
         (RobotMotion("waiting"), "waiting for another robot"),
+        (RobotMotion("waiting", 1, makes_way_for=1), "making way for robot 2"),
+        (RobotMotion("driving", None, 0.5, makes_way_for=1), "making way for robot 2"),
         (RobotMotion("clearing"), "getting free"),
         (RobotMotion("planning"), "looking for a way to room 3"),
     ],
@@ -163,6 +165,15 @@ def test_what_a_robot_under_way_does_is_said_in_words(motion, state):
     card = model_of(UNDER_WAY, where(1, motion, RobotMotion())).screen(0.0).cards[0]
     assert (card.state, card.trouble, card.progress) == (state, False, motion.progress)
     assert card.place == "from the corridor"
+
+
+def test_a_robot_at_rest_that_drives_out_of_another_ones_way_says_so_as_long_as_it_does():
+    model = model_of(view(), where(1))
+    at_rest = model.screen(0.0).cards[0].state
+    model.receive(where(2, RobotMotion("driving", makes_way_for=1), RobotMotion()), 0.04)
+    assert model.screen(0.04).cards[0].state == "making way for robot 2"
+    model.receive(where(3), 0.08)
+    assert model.screen(0.08).cards[0].state == at_rest
 
 
 def test_a_robot_that_came_to_rest_is_at_the_end_of_its_way_until_the_game_knows():

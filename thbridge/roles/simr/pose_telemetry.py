@@ -149,10 +149,11 @@ def ellipse_of(covariance: FloatArray) -> Ellipse:
 
 def _motion(output: RobotOutput, condition: Condition, progress: float) -> RobotMotion:
     navigation = output.navigation
-    waits_for = None if condition is Condition.SILENT else navigation.waits_for
+    silent = condition is Condition.SILENT
+    waits_for = None if silent else navigation.waits_for
     doing: Activity
     match navigation.state:
-        case _ if condition is Condition.SILENT:
+        case _ if silent:
             doing = "silent"
         case "clearing":
             doing = "clearing"
@@ -164,7 +165,8 @@ def _motion(output: RobotOutput, condition: Condition, progress: float) -> Robot
             doing = "driving"
         case "idle":
             doing = "resting"
-    return RobotMotion(doing, waits_for, _milli(progress), _milli(navigation.remaining))
+    makes_way_for = None if silent else navigation.makes_way_for
+    return RobotMotion(doing, waits_for, _milli(progress), _milli(navigation.remaining), makes_way_for)
 
 
 class _Plan:

@@ -127,7 +127,7 @@ def _state(hunt: HuntMemory, robot: RobotView, motion: RobotMotion) -> str:
         return _moving(hunt, robot, motion, place_name(robot.moving_to))
     if robot.condition is Condition.LOST:
         return "lost, does not know where it is"
-    return _resting(hunt, robot)
+    return _resting(hunt, robot, motion)
 
 
 def _moving(hunt: HuntMemory, robot: RobotView, motion: RobotMotion, goal: str) -> str:
@@ -135,6 +135,8 @@ def _moving(hunt: HuntMemory, robot: RobotView, motion: RobotMotion, goal: str) 
         return "stopping"
     if robot.condition is Condition.LOST:
         return "lost, looking for its place"
+    if motion.makes_way_for is not None:
+        return _making_way(motion.makes_way_for)
     match motion.doing:
         case "waiting" if motion.waits_for is not None:
             return f"waiting for {robot_name(motion.waits_for)}"
@@ -148,7 +150,11 @@ def _moving(hunt: HuntMemory, robot: RobotView, motion: RobotMotion, goal: str) 
             return f"travelling to {goal}"
 
 
-def _resting(hunt: HuntMemory, robot: RobotView) -> str:
+def _making_way(robot: int) -> str:
+    return f"making way for {robot_name(robot)}"
+
+
+def _resting(hunt: HuntMemory, robot: RobotView, motion: RobotMotion) -> str:
     number = robot.robot
     if hunt.view.over is not None:
         return "done"
@@ -165,6 +171,8 @@ def _resting(hunt: HuntMemory, robot: RobotView) -> str:
     room = undecided_beside(hunt.known, number)
     if room is not None:
         return "found something" if hunt.view.room(room).found else "looking at what is here"
+    if motion.makes_way_for is not None:
+        return _making_way(motion.makes_way_for)
     if robot.other_commander:
         return "at rest"
     return READY if affordable(hunt.known.state, number) else "nothing left to do"

@@ -79,6 +79,13 @@ def test_what_a_robot_does_has_a_word(team, changes, condition, doing):
     assert motion.waits_for == (1 if doing == "waiting" else None)
 
 
+@pytest.mark.parametrize(("condition", "told_of"), [(Condition.WELL, 0), (Condition.SILENT, None)])
+def test_for_whom_a_robot_makes_way_is_told_while_it_answers(team, condition, told_of):
+    snapshot = navigating(team[0], makes_way_for=0)
+    motions = levels(told(snapshot, conditions=[condition] * 2), PoseTelemetry)[0].motions
+    assert [motion.makes_way_for for motion in motions] == [told_of] * 2
+
+
 @given(st.booleans(), st.booleans(), st.booleans())
 def test_what_the_study_does_not_show_is_not_told(team, way, uncertainty, truth):
     messages = told(team[0], TelemetryOptions(way, uncertainty, truth))
