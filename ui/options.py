@@ -13,7 +13,7 @@ from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, TEXT_SERVER_PO
 StudyFile = Annotated[
     Path | None, typer.Argument(help="Study file (YAML); see `thbridge study init`. Options below win over it.")
 ]
-StudyOption = Annotated[Path | None, typer.Option("--study", help="Study file (YAML).")]
+StudyOption = Annotated[Path | None, typer.Option("--study", help="The same as `study_file` by position.", hidden=True)]
 # The bounds are those of the study file, so that the study in a bag can be read again.
 Robots = Annotated[int | None, typer.Option(help="Size of the team.", min=1, max=64)]
 MapName = Annotated[str | None, typer.Option("--map", help="Name of a map, or path of its folder (with a slash).")]

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 PROJECT = Path(__file__).parents[2]
-PAGES = sorted(page.name for page in (PROJECT / "docs").glob("your-own-*.md"))
+PAGES = ["protocol.md", *sorted(page.name for page in (PROJECT / "docs").glob("your-own-*.md"))]
 _SCRIPT = re.compile(r"^```sh\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 

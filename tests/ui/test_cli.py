@@ -73,7 +73,10 @@ WRONG: dict[str, Callable[[Path], object]] = {
     [
         ("play", "FILE"),
         ("server", "FILE"),
+        ("simr", "FILE"),
         ("simr", "--study", "FILE"),
+        ("hider", "FILE"),
+        ("tabui", "FILE", "--json"),
         ("study", "check", "FILE"),
         ("report", "FILE"),
         ("bag", "info", "FILE"),

@@ -13,6 +13,7 @@ from thbridge.app.compose.robots import build_simr, build_team, rehearse, vehicl
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.consent import ConsentDesk, ParticipantDeclined, introduction
 from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress, listeners
+from thbridge.app.refusal_log import RefusalLog
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder, TlogRecorder
 from thbridge.app.session.session import EventLog, Session, TickRecord, TickRecorder
@@ -218,8 +219,13 @@ async def play(
             await opened.enter_async_context(kept_alive(session, pacer))
         ending = EndCondition(options.max_seconds, options.left)
 
+        refusals = RefusalLog()
+
         def tick() -> bool:
-            progress(session.step())
+            now = session.step()
+            # A participant in this process is told by window or terminal.
+            refusals.note(each for each in now.refusals if inside is None or each.program != inside.name)
+            progress(now)
             return not ending.reached(session)
 
         if desk is None:

@@ -17,10 +17,10 @@ from thbridge.app.session.simr_session import SimrSession
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.client import NameRegistered
 from thbridge.protocols.text.lines import TextMessage
-from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, parse_notice
+from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, is_notice, kind_of, parse_notice
 from thbridge.roles.hider import Hider
 from thbridge.roles.keeper.consent import CONSENT_SENTENCES, ConsentStatus
-from thbridge.roles.notices import KEEPER, ConsentQuery, RecordingPermission
+from thbridge.roles.notices import KEEPER, ConsentQuery, HideRequest, Orders, RecordingPermission
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import Request
 from thbridge.roles.role import Role
@@ -112,20 +112,62 @@ class UnrecordedSimr:
         return [*said, encode_notice(legacy.SIMR, KEEPER, ConsentQuery())] if asked else said
 
 
-def exchange(runner: RoleRunner, client: TextClient, lost: Callable[[ConnectionLost], None]) -> None:
+class ProgramStatus:
+    """Lines of the log on how a program stands with its server: connected, waiting, in a game, back again.
+
+    Args:
+        client: the program's connection.
+    """
+
+    def __init__(self, client: TextClient) -> None:
+        self._client = client
+        self._was_connected = False
+        # The last game that the keeper has told of.
+        self._game = 0
+
+    def connected(self) -> None:
+        """Tell that the server has accepted the name."""
+        again = " again" if self._was_connected else ""
+        waits = "" if self._was_connected else "; waiting for the game"
+        self._was_connected = True
+        _log.warning("%s is connected%s to %s%s", self._client.name, again, self._client.address, waits)
+
+    def heard(self, message: TextMessage) -> None:
+        """Tell of each game once, as soon as the keeper says something of it."""
+        if message.sender != KEEPER or not is_notice(message):
+            return
+        notice = parse_notice(message)
+        game = notice.fields.get("game") if isinstance(notice, Notice) and notice.kind in _OF_GAMES else None
+        if isinstance(game, int) and game > self._game:
+            self._game = game
+            _log.warning("%s is in game %d", self._client.name, game)
+
+
+_OF_GAMES = {kind_of(Orders), kind_of(HideRequest), kind_of(View)}
+"""Kinds of the notices that tell a program which game it is in."""
+
+
+def exchange(
+    runner: RoleRunner, client: TextClient, lost: Callable[[ConnectionLost], None], status: ProgramStatus | None = None
+) -> None:
     """Run one tick of a role at a server: take the messages that have come, and send the role's.
 
     Args:
         runner: of the role.
         client: its connection, running.
         lost: takes the reason when the connection is lost.
+        status: tells people how the program stands; None: nobody is told.
     """
     for event in client.take():
         match event:
             case TextMessage():
                 runner.receive(event)
+                if status is not None:
+                    status.heard(event)
             case NameRegistered():
                 runner.connected()
+                if status is not None:
+                    status.connected()
             case ConnectionLost():
                 lost(event)
     for message in runner.step():
@@ -152,8 +194,10 @@ async def run_at_server(
         True when the role is done, False when it was stopped.
     """
 
+    status = ProgramStatus(client)
+
     def tick() -> bool:
-        exchange(runner, client, lost)
+        exchange(runner, client, lost, status)
         return not done()
 
     async with client.running():

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 
 from thbridge.app.compose.game import build_keeper
 from thbridge.app.compose.setting import StudySetting
+from thbridge.app.refusal_log import RefusalLog
 from thbridge.app.session.session import Session
 from thbridge.hunt.events import Event, GameStarted
 from thbridge.recording.journal_folder import JournalStore
@@ -82,10 +83,11 @@ async def serve(
             return
 
         told = ConsentStatus.NOT_NEEDED
+        refusals = RefusalLog()
 
         def tick() -> bool:
             nonlocal told
-            session.step()
+            refusals.note(session.step().refusals)
             before, told = told, keeper.consent
             if told is not before and told in CONSENT_SENTENCES:
                 _log.warning(CONSENT_SENTENCES[told])

@@ -118,6 +118,9 @@ class ServerSection:
     host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 lets other machines in")
     port: int = param(TEXT_SERVER_PORT, "TCP port; 0 takes any that is free", "", 0, 65535)
     dialect: Dialect = param(Dialect.LEGACY_2016, "which reading of %%goto comes first")
+    tell_refusals: bool = param(
+        False, "programs that speak as in 2016 hear `%%error Game NAME refused: WHY`; in 2016 they heard nothing"
+    )
 
 
 @dataclass(frozen=True, slots=True)

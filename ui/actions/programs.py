@@ -11,24 +11,26 @@ from thbridge.sockets.reconnecting import ConnectionLost
 from thbridge.study.study_file import Study
 from ui.hosting.seats import Seat, seat_of_bot, seat_of_person
 from ui.options import ParticipantKind
+from ui.settings import study_of
 from ui.terminal import bad_input, note
 
 
-def seat_of(who: ParticipantKind, templates: str | None, seed: int | None) -> Seat:
+def seat_of(who: ParticipantKind, study_file: Path | None, templates: str | None, seed: int | None) -> Seat:
     """Seat the player; a person needs neither templates nor a seed."""
     if who is ParticipantKind.PERSON:
         for option, value in (("--templates", templates), ("--seed", seed)):
             if value is not None:
                 note(f"{option} has no effect here: it is for simulated participants.")
         return seat_of_person()
-    default = Study()
-    return seat_of_bot(who, read_templates(templates or default.templates), default.seed if seed is None else seed)
+    study = study_of(study_file, {"templates": templates, "seed": seed})
+    beside = Path() if study_file is None or templates is not None else study_file.parent
+    return seat_of_bot(who, read_templates(study.templates, beside), study.seed)
 
 
-def read_templates(wanted: str) -> TemplateSet:
-    """The set of templates of a name or a folder."""
+def read_templates(wanted: str, beside: Path) -> TemplateSet:
+    """The set of templates of a name or a folder; a relative path starts at `beside`."""
     with bad_input():
-        return read_template_set(shipped().find("templates", wanted, Path()))
+        return read_template_set(shipped().find("templates", wanted, beside))
 
 
 def new_token() -> str:

@@ -63,7 +63,8 @@ def server(
 
 
 def simr(
-    study_file: StudyOption = None,
+    study_file: StudyFile = None,
+    study_option: StudyOption = None,
     server: Server = ADDRESS,
     robots: Robots = None,
     map_name: MapName = None,
@@ -93,6 +94,7 @@ def simr(
     from ui.settings import setting_of, study_of
 
     host, port = _address(server)
+    study_file = the_study(study_file, study_option)
     changes = {"robots": robots, "robots_from": robots_from, "map": map_name, "seed": seed}
     study = study_of(study_file, changes)
     if study.mavlink.on:
@@ -129,6 +131,8 @@ def simr(
 
 
 def hider(
+    study_file: StudyFile = None,
+    study_option: StudyOption = None,
     server: Server = ADDRESS,
     treasures: Annotated[str | None, typer.Option(help="Set of templates, or its folder, with `treasures`.")] = None,
     seed: Seed = None,
@@ -136,17 +140,21 @@ def hider(
     """Run the treasures' program (Hider) at a text server until stopped."""
     from thbridge.app import programs
     from thbridge.app.compose.game import build_hider
-    from thbridge.study.study_file import Study
     from ui.actions.programs import new_token, read_templates, tell_lost
     from ui.event_loop import run
+    from ui.settings import study_of
 
     host, port = _address(server)
-    default = Study()
-    role = build_hider(read_templates(treasures or default.templates), default.seed if seed is None else seed)
+    study_file = the_study(study_file, study_option)
+    study = study_of(study_file, {"templates": treasures, "seed": seed})
+    beside = Path() if study_file is None or treasures is not None else study_file.parent
+    role = build_hider(read_templates(study.templates, beside), study.seed)
     run(programs.hider(role, host, port, new_token(), tell_lost))
 
 
 def tabui(
+    study_file: StudyFile = None,
+    study_option: StudyOption = None,
     server: Server = ADDRESS,
     participant: Annotated[
         ParticipantKind | None,
@@ -171,6 +179,7 @@ def tabui(
     from ui.model.consent_words import THANKS
 
     host, port = _address(server)
+    study_file = the_study(study_file, study_option)
     if participant is None and templates is None and seed is None and not as_json:
         why = why_no_window()
         if why is None:
@@ -179,7 +188,7 @@ def tabui(
             raise typer.Exit(play_at(host, port, new_token(), look.value))
         note(f"{why} A simulated participant plays.")
     participant = participant or ParticipantKind.SUGGESTION
-    seat = seat_of(participant, templates, seed)
+    seat = seat_of(participant, study_file, templates, seed)
     program = programs.tabui(seat.tabui, host, port, new_token(), tell_lost, show_nothing)
     last = run(program, seat.typed)
     if seat.tabui.declined:
@@ -192,6 +201,13 @@ def tabui(
         print_json({"score": last.score, "rooms_visited": visited, "over": last.over})
     else:
         out.print(f"The game is over. Score {last.score}.")
+
+
+def the_study(by_position: Path | None, by_option: Path | None) -> Path | None:
+    """The study file, which may be named by position or, as earlier, by --study."""
+    if by_position is not None and by_option is not None:
+        fail(BAD_INPUT, f"--study: {by_position} is named already. Leave one of the two out.")
+    return by_position or by_option
 
 
 def _address(server: str) -> tuple[str, int]:

@@ -122,7 +122,7 @@ BROKEN = {
     ),
     "a key like no other": (
         "server: {quux: 1}",
-        "study.yaml, line 1, server.quux: unknown key. Its keys are host, port, dialect.",
+        "study.yaml, line 1, server.quux: unknown key. Its keys are host, port, dialect, tell_refusals.",
     ),
     "a key twice": (
         "seed: 1\nrobots: 2\nseed: 2\n",

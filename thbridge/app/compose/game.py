@@ -29,7 +29,7 @@ def build_keeper(setting: StudySetting, history: tuple[Event, ...] = (), last_ga
         seed = int(noise.key(study.seed, "dialogue", str(number)))
         return Engine(TemplateProtocol(template), TemplateStrategy(), TemplatePhrasing(template, seed))
 
-    return Keeper(rules, engine, history, last_game, build_briefing(setting))
+    return Keeper(rules, engine, history, last_game, build_briefing(setting), tells_refusals=study.server.tell_refusals)
 
 
 def build_briefing(setting: StudySetting) -> Briefing:

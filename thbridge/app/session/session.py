@@ -19,7 +19,7 @@ from thbridge.protocols.mavlink.outgoing import LinkId, VehicleStatus
 from thbridge.protocols.mavlink.traffic import FrameOutcome, OutgoingFrame, Traffic
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.router import ConnectionId, Forwarded, MessageRouter, RouterOutput, TurnedAway
-from thbridge.roles.keeper.keeper import Keeper
+from thbridge.roles.keeper.keeper import Keeper, ProgramRefusal
 from thbridge.roles.keeper.wizard import WizardState
 from thbridge.roles.robot_requests import GameRequest, Request
 from thbridge.roles.robots_role import RobotsRole
@@ -45,6 +45,7 @@ class TickRecord:
         game: after this tick; None before the first.
         traffic: frames that vehicles received since the last tick, and sent since then and in this one, in order.
         vehicles: status of each vehicle; empty where the robots are none.
+        refusals: of what programs have asked the keeper for, in order.
     """
 
     tick: int
@@ -57,6 +58,7 @@ class TickRecord:
     game: GameState | None
     traffic: tuple[Traffic, ...] = ()
     vehicles: tuple[VehicleStatus, ...] = ()
+    refusals: tuple[ProgramRefusal, ...] = ()
 
 
 class TickRecorder(Protocol):
@@ -287,6 +289,7 @@ class Session:
             self._keeper.state,
             () if self._vehicles is None else self._vehicles.hub.take_traffic(),
             () if self._vehicles is None else self._vehicles.statuses,
+            decisions.refusals,
         )
         for recorder in self._recorders:
             recorder.record(record)

@@ -22,7 +22,7 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rules import MOST_ROBOTS
 from thbridge.protocols.text import legacy
-from thbridge.protocols.text.lines import TextMessage
+from thbridge.protocols.text.lines import TextCommand, TextMessage
 from thbridge.protocols.text.notice import (
     Notice,
     NoticeValue,
@@ -37,7 +37,7 @@ from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.consent import ConsentAnswer, ConsentStatus
 from thbridge.roles.keeper.debriefing import debrief_of
 from thbridge.roles.keeper.disclosure import view_of
-from thbridge.roles.keeper.legacy_lines import LegacyLines, request_kind
+from thbridge.roles.keeper.legacy_lines import LegacyLines, request_kind, undone
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.keeper.participant_requests import handle_participant_request
 from thbridge.roles.keeper.participants import Participants
@@ -68,7 +68,10 @@ from thbridge.roles.robot_requests import CommandRequest, GameRequest
 from thbridge.roles.view import Debrief, DeclineConsent, GiveConsent, ParticipantRequest, PlayAgain, SendRobot
 
 _BEFORE_AGREEING = RequestRefused(KeeperReason.NOT_AGREED, "You have not agreed to take part yet.")
-_AFTER_AGREEING = {kind_of(kind) for kind in get_args(ParticipantRequest)} - {kind_of(GiveConsent)}
+_WISHES = {kind_of(kind) for kind in get_args(ParticipantRequest)}
+_AFTER_AGREEING = _WISHES - {kind_of(GiveConsent)}
+_QUOTED = 200
+"""Characters of a refused line that are repeated."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,12 +94,39 @@ class GameRules:
 
 
 @dataclass(frozen=True, slots=True)
+class ProgramRefusal:
+    """Something that a program asked for and did not get.
+
+    Attributes:
+        program: name of the program.
+        asked: the line, or the kind of the notice.
+        refused: the reason.
+    """
+
+    program: str
+    asked: str
+    refused: RequestRefused
+
+    def __str__(self) -> str:
+        """A sentence for logs: `TabUI asked "%%goto TabUI SimR 0 39 39 45", refused: Room 40 is not a room ...`."""
+        return f'{self.program} asked "{self.asked}", refused: {self.refused.sentence}'
+
+
+@dataclass(frozen=True, slots=True)
 class KeeperDecisions:
-    """Events and utterances of one step of the keeper, in order, and the turns that wait for a wizard."""
+    """Decisions of one step of the keeper.
+
+    Attributes:
+        events: of the game, in order.
+        utterances: of its dialogues, in order.
+        wizard: the turns that wait for a wizard.
+        refusals: of what programs have asked for, in order.
+    """
 
     events: tuple[Event, ...]
     utterances: tuple[DialogueUtterance, ...]
     wizard: WizardState
+    refusals: tuple[ProgramRefusal, ...] = ()
 
 
 class Keeper:
@@ -108,6 +138,7 @@ class Keeper:
         history: events of the game in progress, oldest first, as the journal has them; empty for none.
         last_game: number of the last game so far; the next one gets the number after it.
         briefing: for participants, beside the state of the game.
+        tells_refusals: True: programs of 2016 are told what is refused to them, by `%%error`.
 
     Attributes:
         decisions: those of the last step; its events belong in the journal before anything else is done.
@@ -122,7 +153,11 @@ class Keeper:
         history: Sequence[Event] = (),
         last_game: int = 0,
         briefing: Briefing | None = None,
+        *,
+        tells_refusals: bool = False,
     ) -> None:
+        self._tells_refusals = tells_refusals
+        self._refusals: list[ProgramRefusal] = []
         self._rules = rules
         self._briefing = briefing or Briefing()
         self._game = OpenGame(engine, last_game, self._briefing.room_names)
@@ -166,16 +201,29 @@ class Keeper:
             self._has_input = True
             if item.message.sender == legacy.TABUI and not item.sender_extended:
                 self._consent.note_legacy()
-            if self.state is not None:
-                # Programs of 2016 hold their dialogues internally: no consent of theirs is visible here.
-                ours = item.sender_extended and item.message.sender in self._participants
-                kind = request_kind(item)
-                if ours and kind is not None and self._consent.awaited(self.state):
-                    self._game.refuse(kind, _BEFORE_AGREEING)
-                    continue
-                reply = self._legacy_lines.handle(self.state, item, needs_consent=ours)
-                if reply is not None:
-                    self._send(legacy.HIDER, LegacyReply(reply.command, reply.text))
+            last = self._game.refusal
+            self._handle_line(item)
+            refused = undone(item, self.state)
+            if self._game.refusal is not None and self._game.refusal is not last:
+                refused = RequestRefused(self._game.refusal.reason, self._game.refusal.sentence)
+            if refused is not None:
+                self._note_refusal(item.message.sender, item.message.line().strip(), refused)
+                if self._tells_refusals and not item.sender_extended:
+                    text = f"refused: {refused.sentence}"
+                    self._outgoing.append(TextMessage.of(TextCommand.ERROR, self.name, item.message.sender, text))
+
+    def _handle_line(self, item: Forwarded) -> None:
+        if self.state is None:
+            return
+        # Programs of 2016 hold their dialogues internally: no consent of theirs is visible here.
+        ours = item.sender_extended and item.message.sender in self._participants
+        kind = request_kind(item)
+        if ours and kind is not None and self._consent.awaited(self.state):
+            self._game.refuse(kind, _BEFORE_AGREEING)
+            return
+        reply = self._legacy_lines.handle(self.state, item, needs_consent=ours)
+        if reply is not None:
+            self._send(legacy.HIDER, LegacyReply(reply.command, reply.text))
 
     def ask(self, request: GameRequest) -> None:
         """Queue a request for the next step, before the messages of that step."""
@@ -198,7 +246,11 @@ class Keeper:
             value = parse_notice(message)
             if isinstance(value, Notice):
                 self._has_input = True
+                last = self._game.refusal
                 self._handle_notice(value)
+                now = self._game.refusal
+                if value.kind in _WISHES and now is not None and now is not last:
+                    self._note_refusal(value.sender, value.kind, RequestRefused(now.reason, now.sentence))
         wizard = self.decisions.wizard
         # State changes only by messages and requests; most ticks have none.
         if self._has_input:
@@ -211,10 +263,14 @@ class Keeper:
             wizard = wizard_state(self._game, self.state)
         self._outgoing += self._participants.pieces(tick)
         self.decisions = KeeperDecisions(
-            self._game.take_events(), tuple(self._game.dialogues.take_utterances()), wizard
+            self._game.take_events(), tuple(self._game.dialogues.take_utterances()), wizard, tuple(self._refusals)
         )
+        self._refusals.clear()
         outgoing, self._outgoing = self._outgoing, []
         return outgoing
+
+    def _note_refusal(self, program: str, asked: str, refused: RequestRefused) -> None:
+        self._refusals.append(ProgramRefusal(program, asked[:_QUOTED], refused))
 
     # Notices to the keeper
 

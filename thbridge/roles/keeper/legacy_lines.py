@@ -5,6 +5,7 @@ does not reveal them; then the game learns from its answers.
 """
 
 from collections.abc import Callable, Mapping
+from enum import StrEnum
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
@@ -13,7 +14,7 @@ from thbridge.hunt.properties import labelled, named_by_labels
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.protocols.text import legacy
-from thbridge.protocols.text.lines import TextMessage
+from thbridge.protocols.text.lines import TextMessage, UnreadableText
 from thbridge.protocols.text.notice import kind_of
 from thbridge.protocols.text.router import Forwarded
 from thbridge.roles.keeper.open_game import OpenGame
@@ -31,6 +32,25 @@ _WISHES: Mapping[type, str] = {
 def request_kind(line: Forwarded) -> str | None:
     """Return the kind of the request in a line of 2016; None when it holds none."""
     return _WISHES.get(type(line.legacy_value))
+
+
+def undone(line: Forwarded, state: GameState | None) -> RequestRefused | None:
+    """Return the reason why a line comes to nothing without any rule being asked, or None."""
+    if not line.delivered:
+        return RequestRefused(LineReason.NOBODY, f"No program is called {line.message.receiver} here.")
+    if line.message.receiver == legacy.HIDER and isinstance(line.legacy_value, UnreadableText):
+        return RequestRefused(LineReason.UNREADABLE, "It is no line of the hunt of 2016.")
+    if state is None and request_kind(line) is not None:
+        return RequestRefused(LineReason.NO_GAME, "There is no game yet, because no robots have joined.")
+    return None
+
+
+class LineReason(StrEnum):
+    """Reason why a line comes to nothing."""
+
+    NOBODY = "nobody"
+    UNREADABLE = "unreadable"
+    NO_GAME = "no-game"
 
 
 class LegacyLines:

@@ -43,6 +43,10 @@ class TextClient(ReconnectingClient):
         name: name of the program on the server.
         token: one word that marks this run of the program, e.g. some random digits; see `ClientSession`.
 
+    Attributes:
+        name: of the program.
+        address: of the server, `HOST:PORT`.
+
     Raises:
         ValueError: name or token is not one word.
     """
@@ -50,7 +54,8 @@ class TextClient(ReconnectingClient):
     def __init__(self, name: str, token: str, host: str, port: int, backoff: Backoff | None = None) -> None:
         ClientSession(name, token)  # refuses a bad name here, not in the midst of a run
         super().__init__(host, port, backoff or Backoff(), _SEGMENT)
-        self._name = name
+        self.name = name
+        self.address = f"{host}:{port}"
         self._token = token
         self._events: asyncio.Queue[TextClientEvent] = asyncio.Queue(_EVENTS)
 
@@ -83,7 +88,7 @@ class TextClient(ReconnectingClient):
         await self._events.put(loss)
 
     async def _listen(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> ConnectionLost:
-        session = ClientSession(self._name, self._token)
+        session = ClientSession(self.name, self._token)
         self._write(writer, session.hello)
         while True:
             try:

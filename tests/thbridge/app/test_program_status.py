@@ -1,0 +1,27 @@
+"""Lines on how a program stands with its server."""
+
+import logging
+
+from thbridge.app.programs import ProgramStatus
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.lines import TextCommand, TextMessage
+from thbridge.protocols.text.notice import encode_notice
+from thbridge.roles.notices import KEEPER, HideRequest
+from thbridge.sockets.text.client import TextClient
+
+
+def test_each_change_is_told_once(caplog):
+    status = ProgramStatus(TextClient("Hider", "t", "127.0.0.1", 6009))
+    with caplog.at_level(logging.WARNING):
+        status.connected()
+        status.heard(TextMessage.of(TextCommand.ERROR, legacy.TABUI, "Hider", '"3"'))
+        for game in (1, 1, 2):
+            status.heard(encode_notice(KEEPER, "Hider", HideRequest(game, 8)))
+        status.connected()
+        status.heard(encode_notice(KEEPER, "Hider", HideRequest(2, 8)))
+    assert [record.getMessage() for record in caplog.records] == [
+        "Hider is connected to 127.0.0.1:6009; waiting for the game",
+        "Hider is in game 1",
+        "Hider is in game 2",
+        "Hider is connected again to 127.0.0.1:6009",
+    ]

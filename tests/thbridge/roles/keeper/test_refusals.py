@@ -1,0 +1,100 @@
+"""Refusals of what programs ask for: told by the keeper and the log, and on the wire where a study wants it."""
+
+import logging
+
+import pytest
+
+from tests.thbridge.roles.stage import RULES, Stage, engine
+from thbridge.app.refusal_log import RefusalLog
+from thbridge.hunt.refusals import RequestRefused
+from thbridge.protocols.text.router import SendToClient
+from thbridge.roles.keeper.keeper import Keeper, ProgramRefusal
+
+
+class Outsider:
+    """A game without TabUI, and a connection of a program of 2016 in its place."""
+
+    def __init__(self, *, tells_refusals: bool = False, robots: bool = True) -> None:
+        self.stage = Stage()
+        keeper = Keeper(
+            RULES, lambda game: engine(self.stage.templates), (), 0, self.stage.briefing, tells_refusals=tells_refusals
+        )
+        self.stage = Stage()
+        session = self.stage.session
+        session._router.detach("TabUI")
+        session._keeper = self.stage.keeper = keeper
+        kept = {self.stage.puppets} if robots else set()
+        session._roles = tuple(role for role in session._roles if role in kept or role.name == "Hider")
+        for role in session._roles:
+            role.connected()
+        self.heard: list[str] = []
+        session.perform = self._perform
+        self.connection = session._router.connect(0.0)
+        self.say("%%setid TabUI")
+        self.stage.run(6)
+
+    def _perform(self, outputs) -> None:
+        for output in outputs:
+            if isinstance(output, SendToClient):
+                self.heard.append(output.data.decode().strip())
+        self.stage.session._note_all_forwarded(outputs)
+
+    def say(self, line: str) -> None:
+        self._perform(self.stage.session._router.receive_data(self.connection, f"{line}\n".encode(), 0.0))
+
+    def refused(self, line: str) -> list[str]:
+        """Say a line; return the sentences of the refusals that follow."""
+        before = len(self.stage.tick_records)
+        self.say(line)
+        self.stage.run(3)
+        return [each.refused.sentence for tick in self.stage.tick_records[before:] for each in tick.refusals]
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ("%%goto TabUI SimR 0 39 39 45", "Room 40 is not a room of this game; it has 1 to 8."),
+        ("%%goto TabUI SimR 7 1 1 45", "There is no robot 8; the team has 2."),
+        ("%%snap TabUI Hider 3", "No robot stands in room 4."),
+        ("%%snap TabUI Hider x", "It is no line of the hunt of 2016."),
+        ("%%error TabUI Nobody hello", "No program is called Nobody here."),
+    ],
+)
+def test_what_is_refused_is_told_to_people_who_run_the_server_and_not_on_the_wire(line, sentence):
+    outsider = Outsider()
+    assert outsider.refused(line) == [sentence]
+    assert set(outsider.heard) == {"%%ack"}
+
+
+def test_a_visited_room_is_refused_with_its_reason():
+    outsider = Outsider()
+    assert outsider.refused("%%goto TabUI SimR 0 2 2 45") == []
+    outsider.stage.run(20)
+    assert outsider.refused("%%goto TabUI SimR 1 2 2 45") == ["Room 3 has been visited already."]
+
+
+def test_before_there_are_robots_there_is_no_game():
+    assert Outsider(robots=False).refused('%%error TabUI Hider "3"') == [
+        "There is no game yet, because no robots have joined."
+    ]
+
+
+def test_a_study_may_have_refusals_told_on_the_wire():
+    outsider = Outsider(tells_refusals=True)
+    outsider.refused("%%goto TabUI SimR 0 39 39 45")
+    assert outsider.heard[-1] == "%%error Game TabUI refused: Room 40 is not a room of this game; it has 1 to 8."
+
+
+def test_what_is_repeated_does_not_fill_the_log(caplog):
+    log, refused = RefusalLog(), RequestRefused("no", "No.")
+    with caplog.at_level(logging.WARNING):
+        for _ in range(120):
+            log.note([ProgramRefusal("TabUI", "%%goto", refused)])
+        log.note([ProgramRefusal("TabUI", "%%goto", RequestRefused("no", "Never."))])
+    told = [record.getMessage() for record in caplog.records]
+    assert told == [
+        'TabUI asked "%%goto", refused: No.',
+        'TabUI asked "%%goto", refused: No. (10 times)',
+        'TabUI asked "%%goto", refused: No. (100 times)',
+        'TabUI asked "%%goto", refused: Never.',
+    ]
