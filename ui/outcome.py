@@ -1,12 +1,14 @@
 """Outcome of a hunt, and the place of its recording."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from rich.table import Table
 
-from sim.common.robot_numbers import robot_name
+from sim.common.robot_numbers import index_of, robot_name
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.play import HuntOutcome
+from thbridge.app.run_statistics import RobotStatistics
 from thbridge.recording.recordings import parts_of
 from ui.terminal import out
 
@@ -15,6 +17,18 @@ def usual_bag(setting: StudySetting) -> Path:
     """Return the default path of a hunt's recording."""
     study = setting.study
     return Path("bags") / f"{setting.map.name}-{study.robots}robots-seed{study.seed}.bag"
+
+
+def _robot_rows(robot: RobotStatistics) -> Iterator[tuple[str, str]]:
+    """Yield the figures of a robot, each with its words."""
+    if robot.position_rmse is not None and robot.position_max is not None:
+        usual = f"{100 * robot.position_rmse:.1f} cm, {robot.heading_rmse:.1f}°"
+        yield "error of", f"{usual} rms; at most {100 * robot.position_max:.1f} cm, {robot.heading_max:.1f}°"
+    waited = f", waited {robot.seconds_waiting:.1f} s for others" if robot.seconds_waiting else ""
+    yield "way of", f"{robot.distance:.1f} m{waited}"
+    if robot.times_lost:
+        times = "once" if robot.times_lost == 1 else f"{robot.times_lost} times"
+        yield "lost was", f"{times}, for {robot.seconds_lost:.1f} s in all"
 
 
 def show_outcome(outcome: HuntOutcome) -> None:
@@ -29,6 +43,9 @@ def show_outcome(outcome: HuntOutcome) -> None:
     table.add_row("treasures named", *(str(game.identified) for game in games))
     for robot in range(len(outcome.energy)):
         table.add_row(f"energy of {robot_name(robot)}", *(f"{game.energy[robot]:g}" for game in games))
+    for each in outcome.robots:
+        for what, words in _robot_rows(each):
+            table.add_row(f"{what} {robot_name(index_of(each.robot))}", words)
     table.add_row("simulated time", f"{outcome.sim_seconds:.1f} s in {outcome.wall_seconds:.1f} s")
     table.add_row("collisions", str(outcome.collisions))
     if outcome.bag is not None:

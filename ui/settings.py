@@ -22,6 +22,11 @@ def study_of(file: Path | None, changes: Mapping[str, object]) -> Study:
         for notice in loaded.notices:
             note(notice)
         study = loaded.value
+    return with_options(study, changes)
+
+
+def with_options(study: Study, changes: Mapping[str, object]) -> Study:
+    """The study with what options change; None changes nothing."""
     given = {key: value for key, value in changes.items() if value is not None}
     changed = dataclasses.replace(study, **given)  # type: ignore[arg-type]  # the options have their types from typer
     if any(number > changed.robots for number in changed.each):

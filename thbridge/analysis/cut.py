@@ -13,6 +13,7 @@ from thbridge.recording.bag.reader import info, recorded
 from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.bag.repair import compression_of
 from thbridge.recording.recordings import parts_of
+from thbridge.ros.messages.types import SESSION
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +81,10 @@ def cut(bag: Path, piece: CutRange, out: Path, overwrite: bool = False) -> CutRe
     end_ns = found.end_ns if math.isinf(piece.end) else found.start_ns + round(piece.end * 1e9)
     with new_file(out, bag, overwrite) as path:
         target = BagFile(path, piece.compression or compression_of(parts_of(bag)[0]))
-        messages, carried, last_ns = _copy(bag, piece.topics, start_ns, end_ns, target)
+        # The session goes along whatever is chosen: it has the conditions of all the rest.
+        sessions = {topic.name for topic in found.topics if topic.msgtype == SESSION}
+        chosen = None if piece.topics is None else sessions.union(piece.topics)
+        messages, carried, last_ns = _copy(bag, chosen, start_ns, end_ns, target)
         target.close()
         if not messages:
             raise BadFile(bag, "nothing is in this piece", "choose other times or topics")

@@ -14,6 +14,7 @@ from thbridge.app.compose.setting import StudySetting
 from thbridge.app.consent import ConsentDesk, ParticipantDeclined, introduction
 from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress, listeners
 from thbridge.app.refusal_log import RefusalLog
+from thbridge.app.run_statistics import RobotStatistics, RunStatistics
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder, TlogRecorder
 from thbridge.app.session.session import EventLog, Session, TickRecord, TickRecorder
@@ -75,6 +76,7 @@ class HuntOutcome:
         collisions: number of times that a robot touched a wall or another robot.
         bag: the recording.
         games: all games in their order, where participants play several; the figures above are those of the last.
+        robots: figures of each robot over the whole run.
     """
 
     seed: int
@@ -88,6 +90,7 @@ class HuntOutcome:
     collisions: int
     bag: Path | None
     games: tuple[GameOutcome, ...] = ()
+    robots: tuple[RobotStatistics, ...] = ()
 
 
 class HuntUnfinished(Exception):  # noqa: N818 - nothing went wrong with the program
@@ -219,10 +222,12 @@ async def play(
             await opened.enter_async_context(kept_alive(session, pacer))
         ending = EndCondition(options.max_seconds, options.left)
 
-        refusals = RefusalLog()
+        refusals, statistics = RefusalLog(), RunStatistics()
 
         def tick() -> bool:
             now = session.step()
+            if now.snapshot is not None:
+                statistics.add(now.snapshot)
             # A participant in this process is told by window or terminal.
             refusals.note(each for each in now.refusals if inside is None or each.program != inside.name)
             progress(now)
@@ -232,7 +237,7 @@ async def play(
             await listen()
         opened.push_async_callback(server.stop)  # It stops before the recording is closed.
         run = await run_ticks(tick, pacer)
-    outcome = _outcome(setting, session, ending, roles, run.seconds, options.bag)
+    outcome = _outcome(setting, session, ending, roles, run.seconds, options.bag, statistics)
     # With a window, the end of a game is not the end of the hunt: participants may play again.
     if ending.tick is None or (options.left is not None and not run.finished):
         raise HuntUnfinished(outcome, stopped=not run.finished)
@@ -308,7 +313,13 @@ class EndCondition:
 
 
 def _outcome(
-    setting: StudySetting, session: Session, ending: EndCondition, roles: Sequence[Role], wall: float, bag: Path | None
+    setting: StudySetting,
+    session: Session,
+    ending: EndCondition,
+    roles: Sequence[Role],
+    wall: float,
+    bag: Path | None,
+    statistics: RunStatistics,
 ) -> HuntOutcome:
     snapshot = next(role.snapshot for role in roles if isinstance(role, SimR))
     ticks = session.tick if ending.tick is None else ending.tick
@@ -326,6 +337,7 @@ def _outcome(
         collisions=0 if snapshot is None else int(snapshot.truth.collisions.sum()),
         bag=bag,
         games=games,
+        robots=statistics.figures(),
     )
 
 

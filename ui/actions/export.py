@@ -1,16 +1,49 @@
-"""Topics for `thbridge bag export`."""
+"""Topics and tables for `thbridge bag export`."""
 
+import difflib
+from collections.abc import Collection
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+from thbridge.analysis.export import poses
+from thbridge.analysis.export.exporting import table_name
 from thbridge.recording.bag.reader import info
 from ui.terminal import BAD_INPUT, fail
 
 
-def chosen_topics(bag: Path, patterns: list[str]) -> frozenset[str]:
+def chosen_topics(bag: Path, patterns: Collection[str]) -> frozenset[str]:
     """The topics of a bag that match any of the patterns."""
     names = {topic.name for topic in info(bag).topics}
+    chosen: set[str] = set()
     for pattern in patterns:
-        if not any(fnmatchcase(name, pattern) for name in names):
-            fail(BAD_INPUT, f"--topics: there is no topic {pattern}. There are {', '.join(sorted(names))}.")
-    return frozenset(name for name in names if any(fnmatchcase(name, pattern) for pattern in patterns))
+        fitting = {name for name in names if fnmatchcase(name, pattern)}
+        if not fitting:
+            _fail_without(bag, "topic", pattern, names)
+        chosen |= fitting
+    return frozenset(chosen)
+
+
+def chosen_tables(bag: Path, patterns: Collection[str]) -> frozenset[str]:
+    """The tables of a bag that match any of the patterns; `events` is `hunt_events`, too."""
+    names = {poses.NAME, *(table_name(topic.name) for topic in info(bag).topics)}
+    chosen: set[str] = set()
+    for pattern in patterns:
+        fitting = {name for name in names if fnmatchcase(name, pattern)}
+        fitting = fitting or {name for name in names if name.endswith(f"_{pattern}")}
+        if not fitting:
+            _fail_without(bag, "table", pattern, names)
+        chosen |= fitting
+    return frozenset(chosen)
+
+
+def _fail_without(bag: Path, what: str, pattern: str, names: Collection[str]) -> None:
+    word = pattern.strip("/*")
+    near = difflib.get_close_matches(pattern, sorted(names), n=3, cutoff=0.6)
+    near += [name for name in sorted(names) if word and word in name and name not in near][:3]
+    hint = f"The nearest right ones are {', '.join(near)}" if near else f"No {what} is like it"
+    fail(BAD_INPUT, f"--{what}s: there is no {what} {pattern}. {hint}; `thbridge bag info {bag}` lists all topics.")
+
+
+def names_in(given: Collection[str]) -> list[str]:
+    """The names in an option that may be given several times, and with commas between."""
+    return [name.strip() for text in given for name in text.split(",") if name.strip()]

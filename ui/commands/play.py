@@ -59,6 +59,14 @@ def play(
         ),
     ] = None,
     bag: BagFile = None,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--with",
+            metavar="KEY=VALUE|FILE.yaml",
+            help="Change this in the study, e.g. `--with robot.amcl.max_particles=500`. May be given several times.",
+        ),
+    ] = None,
     outside: Annotated[
         str, typer.Option(help="Roles that other programs will take, e.g. `TabUI,Hider`.", metavar="ROLES")
     ] = "",
@@ -97,6 +105,8 @@ def play(
     from thbridge.app.play import HuntUnfinished, PlayOptions
     from thbridge.app.session.session import TickRecord
     from thbridge.protocols.text import legacy
+    from thbridge.study.overrides import with_changes
+    from ui.actions.replay import changes_of
     from ui.event_loop import run
     from ui.first_start import announce_compiling
     from ui.hosting.consent import ask_for_consent
@@ -105,10 +115,14 @@ def play(
     from ui.listening import graph_of, hosts_of, ports_of, watch_of
     from ui.outcome import show_outcome, usual_bag
     from ui.report import write_report
-    from ui.settings import setting_of, study_of, with_mavlink, with_server
+    from ui.settings import setting_of, study_of, with_mavlink, with_options, with_server
     from ui.story import print_story
 
-    study = with_server(study_of(study_file, {"robots": robots, "map": map_name, "seed": seed}), None, port)
+    files, assignments = changes_of(changes or [])
+    study = study_of(study_file, {})
+    with bad_input():
+        study = with_changes(study, files, assignments)
+    study = with_server(with_options(study, {"robots": robots, "map": map_name, "seed": seed}), None, port)
     study = with_mavlink(study, mavlink, identity=identity, udp=udp, udp_listen=udp_listen, tcp=tcp, tlog=tlog)
     if study.robots_from is RobotsFrom.ROS:
         problem = "robots_from: this study is for real robots, and `play` simulates"

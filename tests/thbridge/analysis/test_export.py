@@ -143,6 +143,15 @@ def test_a_choice_of_topics_and_time(bag: Path, tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.glob("*.csv")) == ["dictionary.csv", "poses.csv", "robot1_odom.csv"]
     times = arrow_csv.read_csv(tmp_path / "robot1_odom.csv")["t_s"].to_pylist()
     assert (min(times), max(times)) == (0.5, 1.0)
+    told = json.loads((tmp_path / "session.json").read_text(encoding="utf-8"))
+    assert (told["seed"], told["study"]) == (SESSION.seed, SESSION.study), "whatever is chosen"
+
+
+def test_a_choice_of_tables_with_what_belongs_to_them(bag: Path, tmp_path: Path) -> None:
+    exported = export_bag(bag, tmp_path, (TableFormat.CSV,), tables={"poses", "robot1_particlecloud"})
+    names = {"poses", "robot1_particlecloud", "robot1_particlecloud.poses"}
+    assert {path.stem for path in tmp_path.glob("*.csv")} == {*names, "dictionary"}
+    assert exported.tables.keys() == names
 
 
 @pytest.mark.parametrize("compression", [None, Writer.CompressionFormat.LZ4, Writer.CompressionFormat.BZ2])

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -15,7 +15,6 @@ from thbridge.analysis.games import OF_A_GAME, GameStart
 from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.session_records import SessionRecord
-from thbridge.ros.messages.types import SESSION
 
 EMPTY_MD5 = "d41d8cd98f00b204e9800998ecf8427e"
 """Md5 sum of types without fields."""
@@ -45,6 +44,7 @@ def export(
     start_ns: int,
     exported: ExportSummary,
     games: Sequence[GameStart] = (),
+    tables: Collection[str] | None = None,
 ) -> Iterator[TableRows]:
     """Yield the rows of every topic in pieces; those of one table are in order.
 
@@ -53,6 +53,7 @@ def export(
         start_ns: the stamp from which `t_s` counts.
         exported: the summary to fill.
         games: beginnings of the recording's games; with any, every table has a column with the number of the game.
+        tables: names of the tables to make, with those of their lists; None for all.
     """
     numbered = _GameNumbers(games, start_ns)
     topics: dict[tuple[str, str, str], TopicTables | None] = {}
@@ -70,16 +71,14 @@ def export(
             gathered.add(stamp_ns, data)
         except ValueError as error:
             broken[f"{publisher.topic}: {error}"] += 1
-        if publisher.msgtype == SESSION:
-            exported.session = exported.session or _session(data)
         if gathered.size > PIECE:
-            yield from _counted(map(numbered.of, gathered.take()), together, exported)
+            yield from _counted(map(numbered.of, gathered.take()), together, exported, tables)
     for gathered in topics.values():
         if gathered is not None:
-            yield from _counted(map(numbered.of, gathered.take()), together, exported)
+            yield from _counted(map(numbered.of, gathered.take()), together, exported, tables)
             exported.frames |= gathered.frames()
     exported.frames |= poses.FRAMES
-    yield from _counted(map(numbered.of, together.pieces()), poses.PosesTable(), exported)
+    yield from _counted(map(numbered.of, together.pieces()), poses.PosesTable(), exported, tables)
     exported.notices += [f"{count} messages of {what}." for what, count in broken.items()]
 
 
@@ -119,17 +118,22 @@ def _begun(publisher: BagConnection, names: set[str], start_ns: int, notices: li
     return TopicTables(_file_name(publisher.topic, names), publisher.topic, record, start_ns)
 
 
-def _session(data: bytes) -> SessionRecord | None:
-    """The session record; None when another release of thbridge recorded it, with other fields."""
+def session_in(data: bytes) -> SessionRecord | None:
+    """The session record in a message; None when another release of thbridge recorded it, with other fields."""
     try:
         return unpack.session(data)
     except ValueError:
         return None
 
 
+def table_name(topic: str) -> str:
+    """The name of a topic's table: "/robot1/move_base/goal" gives robot1_move_base_goal."""
+    return re.sub(r"[^A-Za-z0-9_]+", "_", topic).strip("_") or "topic"
+
+
 def _file_name(topic: str, taken: set[str]) -> str:
-    """A table's name: "/robot1/move_base/goal" gives robot1_move_base_goal; unique also without regard to case."""
-    base = re.sub(r"[^A-Za-z0-9_]+", "_", topic).strip("_") or "topic"
+    """A table's name, unique also without regard to case."""
+    base = table_name(topic)
     name, number = base, 2
     while name.lower() in taken:
         name, number = f"{base}_{number}", number + 1
@@ -137,9 +141,13 @@ def _file_name(topic: str, taken: set[str]) -> str:
     return name
 
 
-def _counted(pieces: Iterable[TableRows], together: poses.PosesTable, exported: ExportSummary) -> Iterator[TableRows]:
+def _counted(
+    pieces: Iterable[TableRows], together: poses.PosesTable, exported: ExportSummary, tables: Collection[str] | None
+) -> Iterator[TableRows]:
     for piece in pieces:
         together.add(piece)
+        if tables is not None and piece.table.name.partition(".")[0] not in tables:
+            continue
         _, before = exported.tables.get(piece.table.name, (piece.table, 0))
         exported.tables[piece.table.name] = (piece.table, before + piece.rows)
         yield piece

@@ -22,7 +22,12 @@ def bag_export(
     bag: Annotated[Path, typer.Argument(help="A ROS 1 bag, or the name of a split recording.")],
     to: Annotated[Path, typer.Option("--to", help="Folder for the files, new or empty.", metavar="FOLDER")],
     topics: Annotated[
-        str | None, typer.Option(help="Names or patterns such as `*/scan`, with commas between; by default all.")
+        list[str] | None,
+        typer.Option(help="Names or patterns such as `*/scan`, with commas between; by default all."),
+    ] = None,
+    tables: Annotated[
+        list[str] | None,
+        typer.Option(help="Names of tables, such as `poses,events`, with commas between; by default all."),
     ] = None,
     form: Annotated[ExportFormat, typer.Option("--format", help="Kind of files.")] = ExportFormat.PARQUET,
     start: Annotated[float, typer.Option("--from", help="Seconds after the beginning.", min=0.0)] = 0.0,
@@ -35,12 +40,13 @@ def bag_export(
     # pyarrow's import would slow every command.
     from thbridge.analysis.export.folder import export_bag
     from thbridge.files.table_files import TableFormat
-    from ui.actions.export import chosen_topics
+    from ui.actions.export import chosen_tables, chosen_topics, names_in
 
     with bad_input():
-        chosen = None if topics is None else chosen_topics(bag, [name.strip() for name in topics.split(",")])
+        chosen = chosen_topics(bag, names_in(topics)) if topics else None
+        wanted = chosen_tables(bag, names_in(tables)) if tables else None
         formats = tuple(TableFormat) if form is ExportFormat.BOTH else (TableFormat(form),)
-        exported = export_bag(bag, to, formats, chosen, start, until)
+        exported = export_bag(bag, to, formats, chosen, start, until, wanted)
     for notice in exported.notices:
         note(notice)
     rows = {name: count for name, (_, count) in sorted(exported.tables.items())}

@@ -32,8 +32,23 @@ def test_json(bag: Path, tmp_path: Path) -> None:
 def test_a_topic_that_is_not_there(bag: Path, tmp_path: Path) -> None:
     done = run(bag, tmp_path / "out", "--topics", "/camera")
     assert done.exit_code == 2
-    assert "there is no topic /camera. There are /odom, /scan" in done.stderr
+    assert f"there is no topic /camera. No topic is like it; `thbridge bag info {bag}`" in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("option", ["--topics", "--tables"])
+def test_a_name_that_is_nearly_right_is_answered_by_the_right_one(bag: Path, tmp_path: Path, option: str) -> None:
+    done = run(bag, tmp_path / "out", option, "odm")
+    assert done.exit_code == 2
+    assert "The nearest right ones are " in done.stderr
+    assert "odom" in done.stderr
+
+
+def test_tables_are_chosen_by_their_names(bag: Path, tmp_path: Path) -> None:
+    done = run(bag, tmp_path / "out", "--tables", "poses,odom", "--tables", "scan", "--json")
+    assert done.exit_code == 0, done.output
+    assert set(json.loads(done.stdout)["rows"]) <= {"poses", "odom", "scan"}
+    assert {"odom.parquet", "scan.parquet"} <= {path.name for path in (tmp_path / "out").iterdir()}
 
 
 def test_a_folder_that_cannot_be_made(bag: Path, tmp_path: Path) -> None:

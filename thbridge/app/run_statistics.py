@@ -1,0 +1,107 @@
+"""Figures of each robot over a whole run: how well it knew where it was, and what it did."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.common.geometry import wrap_angle
+from sim.common.observations import TICK
+from sim.team import TeamSnapshot
+
+
+@dataclass(frozen=True, slots=True)
+class RobotStatistics:
+    """Figures of one robot.
+
+    Errors are those of the believed pose against the truth, at every scan; None where there was none.
+
+    Attributes:
+        robot: its number, from 1.
+        position_rmse: root mean square of the distance between the two, metres.
+        position_max: greatest such distance, metres.
+        heading_rmse: root mean square of the angle between the two, degrees.
+        heading_max: greatest such angle, degrees.
+        times_lost: number of times that its localiser held itself to be lost.
+        seconds_lost: how long, simulated seconds.
+        distance: metres driven.
+        seconds_waiting: simulated seconds in which it stood to let another robot go first.
+    """
+
+    robot: int
+    position_rmse: float | None
+    position_max: float | None
+    heading_rmse: float | None
+    heading_max: float | None
+    times_lost: int
+    seconds_lost: float
+    distance: float
+    seconds_waiting: float
+
+
+class _Sums:
+    """Sums over the ticks of one robot."""
+
+    def __init__(self) -> None:
+        self.samples = 0
+        self.squares = np.zeros(2)
+        self.greatest = np.zeros(2)
+        self.times_lost = self.ticks_lost = self.ticks_waiting = 0
+        self.is_lost = False
+        self.distance = 0.0
+
+
+class RunStatistics:
+    """Adds up the ticks of a run; robots that are dead add nothing."""
+
+    def __init__(self) -> None:
+        self._robots: list[_Sums] = []
+
+    def add(self, snapshot: TeamSnapshot) -> None:
+        """Add a tick of simulated robots."""
+        truth = snapshot.truth
+        while len(self._robots) < len(snapshot.robots):
+            self._robots.append(_Sums())
+        for index, (sums, robot) in enumerate(zip(self._robots, snapshot.robots, strict=True)):
+            if index in snapshot.dead:
+                continue
+            # By speed, not by the change of place: a robot that is carried off does not drive.
+            sums.distance += abs(float(truth.twists[index, 0])) * TICK
+            sums.ticks_waiting += robot.navigation.waits_for is not None
+            lost = robot.estimate.lost
+            sums.times_lost += lost and not sums.is_lost
+            sums.ticks_lost += lost
+            sums.is_lost = lost
+            if robot.observations.scan is not None:
+                x, y, theta = truth.poses[index]
+                believed = robot.estimate.base_in_map
+                error = np.array(
+                    [math.hypot(believed.x - x, believed.y - y), abs(wrap_angle(believed.theta - float(theta)))]
+                )
+                sums.samples += 1
+                sums.squares += error**2
+                np.maximum(sums.greatest, error, out=sums.greatest)
+
+    def figures(self) -> tuple[RobotStatistics, ...]:
+        """Return the figures so far, rounded as people and programs can use them."""
+        return tuple(_figures(number, sums) for number, sums in enumerate(self._robots, start=1))
+
+
+def _figures(number: int, sums: _Sums) -> RobotStatistics:
+    position, heading = np.sqrt(sums.squares / sums.samples) if sums.samples else (None, None)
+    farthest, most = sums.greatest if sums.samples else (None, None)
+    return RobotStatistics(
+        robot=number,
+        position_rmse=_rounded(position, 4),
+        position_max=_rounded(farthest, 4),
+        heading_rmse=_rounded(heading, 3, degrees=True),
+        heading_max=_rounded(most, 3, degrees=True),
+        times_lost=sums.times_lost,
+        seconds_lost=round(sums.ticks_lost * TICK, 2),
+        distance=round(sums.distance, 3),
+        seconds_waiting=round(sums.ticks_waiting * TICK, 2),
+    )
+
+
+def _rounded(value: float | None, digits: int, *, degrees: bool = False) -> float | None:
+    return None if value is None else round(math.degrees(value) if degrees else float(value), digits)
