@@ -120,15 +120,18 @@ def doorways(floor: TraversabilityMap, owners: Owners, footprint: Polygon = FOOT
     grid = floor.grid
     inscribed, _ = radii(np.array(footprint))
     free = grid.cells == FREE
-    numbers = sorted({int(number) for number in np.unique(owners)})
-    for number in numbers:
-        own = free & (owners == number)
-        for other in numbers:
-            if number == 0 or 0 < other <= number:
+    boxes = find_objects(owners.astype(np.int32))
+    for number in (int(number) for number in np.unique(owners[owners > 0])):
+        found = boxes[number - 1]
+        low = [max(0, side.start - 1) for side in found]
+        box = slice(low[0], found[0].stop + 1), slice(low[1], found[1].stop + 1)
+        for other in sorted({int(other) for other in np.unique(owners[box])}):
+            if 0 < other <= number:
                 continue
-            labels, _ = label(own & _beside(free & (owners == other)), structure=_TOUCHING)
-            for index, box in enumerate(find_objects(labels), start=1):
-                cells = np.argwhere(labels[box] == index) + np.array([box[0].start, box[1].start])
+            touching = free[box] & (owners[box] == number) & _beside(free[box] & (owners[box] == other))
+            labels, count = label(touching, structure=_TOUCHING)
+            for index in range(1, count + 1):
+                cells = np.argwhere(labels == index) + np.array(low)
                 if floor.clearance[tuple(cells.T)].max() <= inscribed:
                     continue
                 middle = grid.centres_of(cells).mean(axis=0)

@@ -1,0 +1,253 @@
+"""Arenas made of found rooms: their outlines, goals and start poses."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_fill_holes, label
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import OccupancyGrid
+from sim.common.traversability import Mask, Point, Polygon, TraversabilityMap, area, crosses_itself, inside
+from sim.robot.costmap.footprint import radii
+from thbridge.files.map_files import FOOTPRINT, MapRoom
+from thbridge.hunt.rooms import Room
+from thbridge.offline.room_finding import Labels, drivable_floor
+
+COARSEST = 0.2
+"""Metres that a corner may be away from the outline of the cells, at first."""
+SPARE = 0.1
+"""Metres that goals and starts are farther from walls than they must be, where there is room."""
+APART = 1.0
+"""Metres from one start pose to the next."""
+MOST_TRIED = 400
+"""Places tried for start poses before it is said that no more robots fit."""
+
+
+@dataclass(frozen=True, slots=True)
+class Arena:
+    """Rooms and start poses for a map.
+
+    Attributes:
+        rooms: the rooms in the order of their numbers.
+        starts: start poses of robot 1, 2, ...; perhaps fewer than were wanted.
+    """
+
+    rooms: tuple[MapRoom, ...]
+    starts: tuple[Pose2, ...]
+
+
+def arena_of(
+    grid: OccupancyGrid, labels: Labels, robots: int, names: Sequence[str] = (), footprint: Polygon = FOOTPRINT
+) -> Arena:
+    """Make an arena of found rooms.
+
+    Args:
+        grid: the map.
+        labels: its rooms, as `find_rooms` gives them.
+        robots: number of start poses wanted.
+        names: names of the first rooms; the others are called "Room 3".
+        footprint: corners of a robot in its own frame, metres.
+    """
+    inscribed, circumscribed = radii(np.array(footprint))
+    floor = TraversabilityMap.of(grid, inscribed, circumscribed)
+    reach = drivable_floor(grid, inscribed)
+    rooms: list[MapRoom] = []
+    for outline in room_outlines(labels, floor):
+        own = reach & (floor.clearance > circumscribed) & cells_inside(outline, floor)
+        if own.any():
+            number = len(rooms) + 1
+            name = names[number - 1] if number <= len(names) else f"Room {number}"
+            rooms.append(MapRoom(Room(number), name, outline, best_goal(floor, own)))
+    return Arena(tuple(rooms), start_poses(floor, reach, rooms, robots))
+
+
+def cells_inside(outline: Polygon, floor: TraversabilityMap) -> Mask:
+    """Cells whose centres an outline in the map frame holds."""
+    held = np.zeros(floor.clearance.shape, dtype=np.bool_)
+    corners = floor.grid.cells_of(np.array(outline))
+    box = tuple(
+        slice(max(0, low), high + 1) for low, high in zip(corners.min(axis=0), corners.max(axis=0), strict=True)
+    )
+    held[box] = inside(outline, floor.x[box], floor.y[box])
+    return held
+
+
+def best_goal(floor: TraversabilityMap, where: Mask) -> Pose2:
+    """The pose with the greatest clearance among these cells, the most central of equals; yaw 0.
+
+    Raises:
+        ValueError: there is no cell.
+    """
+    cells = np.argwhere(where)
+    if not len(cells):
+        raise ValueError("there is no floor for a goal")
+    clearance = floor.clearance[tuple(cells.T)]
+    best = cells[clearance >= clearance.max() - floor.grid.resolution / 2]
+    central = best[np.hypot(*(best - cells.mean(axis=0)).T).argmin()]
+    return _pose_at(floor.grid, central)
+
+
+def _pose_at(grid: OccupancyGrid, cell: NDArray[np.int64]) -> Pose2:
+    x, y = grid.centre_of(int(cell[0]), int(cell[1]))
+    return Pose2(round(x, 3), round(y, 3), 0.0)
+
+
+# Start poses ----------------------------------------------------------------------------------------------------------
+
+
+def start_poses(floor: TraversabilityMap, reach: Mask, rooms: Sequence[MapRoom], robots: int) -> tuple[Pose2, ...]:
+    """Start poses in the corridor, near the middle of the rooms; with all taken every robot still gets everywhere.
+
+    Args:
+        floor: the map for the robot's footprint.
+        reach: cells that a robot's centre reaches.
+        rooms: their floor is used only when there is no corridor at all.
+        robots: number of poses wanted.
+
+    Returns:
+        At most that many.
+    """
+    corridor = reach.copy()
+    for room in rooms:
+        corridor &= ~cells_inside(room.region, floor)
+    roomy = floor.clearance > floor.circumscribed + floor.grid.resolution
+    free = (corridor if (corridor & roomy).any() else reach) & roomy
+    cells = np.argwhere(free)
+    if not len(cells):
+        return ()
+    goals = np.array([[room.goal.x, room.goal.y] for room in rooms]) if rooms else np.zeros((0, 2))
+    places = np.stack([floor.x[free], floor.y[free]], axis=1)
+    middle = goals.mean(axis=0) if len(goals) else places.mean(axis=0)
+    spare = np.minimum(floor.clearance[free] - floor.circumscribed, SPARE)
+    first = int((np.hypot(*(places - middle).T) - 20.0 * spare).argmin())
+    chosen: list[Pose2] = []
+    for tried, index in enumerate(_nearest_first(places, first)):
+        if len(chosen) >= robots or tried >= MOST_TRIED:
+            break
+        pose = _pose_at(floor.grid, cells[index])
+        if not _shuts_in(floor, [*chosen, pose], rooms):
+            chosen.append(pose)
+    return tuple(chosen)
+
+
+def _nearest_first(places: FloatArray, first: int) -> Iterator[int]:
+    """Yield places apart from all before, beginning with one and going on with the nearest to it."""
+    away = np.hypot(*(places - places[first]).T)
+    possible = np.ones(len(places), dtype=np.bool_)
+    for index in np.argsort(away, kind="stable"):
+        if possible[index]:
+            yield int(index)
+            possible &= np.hypot(*(places - places[index]).T) >= APART
+
+
+def _shuts_in(floor: TraversabilityMap, starts: Sequence[Pose2], rooms: Sequence[MapRoom]) -> bool:
+    """Return True when robots that stand at all starts keep one of them from a room."""
+    obstructed = [floor.obstructed_by(start) for start in starts]
+    crowd = np.sum(obstructed, axis=0)
+    goals = [floor.grid.cell_of(room.goal.x, room.goal.y) for room in rooms]
+    for start, own in zip(starts, obstructed, strict=True):
+        reached = floor.reachable(start, crowd > own)
+        if not all(reached[goal] for goal in goals):
+            return True
+    return False
+
+
+# Outlines -------------------------------------------------------------------------------------------------------------
+
+
+def room_outlines(labels: Labels, floor: TraversabilityMap) -> list[Polygon]:
+    """Outlines of all rooms in the map frame, with as few corners as they can have without overlapping."""
+    claimed = np.zeros(labels.shape, dtype=np.int32)
+    for number in range(1, int(labels.max()) + 1):
+        claimed[_filled(labels, number)] = number
+    outlines: list[Polygon] = []
+    for number in range(1, int(labels.max()) + 1):
+        exact = outline_of(claimed == number)
+        tolerance = COARSEST / floor.grid.resolution
+        while True:
+            outline = _placed(simplified(exact, tolerance) if tolerance > 0.0 else exact, floor.grid)
+            held = cells_inside(outline, floor)
+            is_simple = len(outline) >= 3 and area(outline) > 0.0 and not crosses_itself(outline)
+            if tolerance == 0.0 or (is_simple and not (held & (claimed != number) & (claimed > 0)).any()):
+                break
+            tolerance = tolerance / 2 if tolerance > 0.5 else 0.0
+        claimed[held] = number
+        outlines.append(outline)
+    return outlines
+
+
+def _placed(corners: Sequence[Point], grid: OccupancyGrid) -> Polygon:
+    """Corners in cells as corners in the map frame, in whole millimetres."""
+    placed = grid.origin.transform(np.array(corners) * grid.resolution)
+    return tuple((round(float(x), 3), round(float(y), 3)) for x, y in placed)
+
+
+def _filled(labels: Labels, number: int) -> Mask:
+    """The largest connected piece of a room, and holes in it that belong to nobody."""
+    pieces, _ = label(labels == number)
+    sizes = np.bincount(pieces.ravel())
+    sizes[0] = 0
+    piece = pieces == sizes.argmax()
+    filled: Mask = np.asarray(binary_fill_holes(piece)) & ((labels == 0) | piece)
+    return filled
+
+
+def outline_of(mask: Mask) -> list[Point]:
+    """Corners (column, row) of the outer edge of connected cells, anticlockwise, from the lowest left one.
+
+    Where two cells touch at a corner only the edge stays with its own cell, so it does not cross itself.
+    """
+    padded = np.pad(mask, 1)
+    inner = padded[1:-1, 1:-1]
+    following: dict[tuple[int, int], list[tuple[int, int]]] = {}
+    # Each side of a cell that is no other cell's: where it begins and ends, seen from the cell's lower left corner.
+    for beside, begin, end in (
+        (padded[:-2, 1:-1], (0, 0), (1, 0)),
+        (padded[1:-1, 2:], (1, 0), (1, 1)),
+        (padded[2:, 1:-1], (1, 1), (0, 1)),
+        (padded[1:-1, :-2], (0, 1), (0, 0)),
+    ):
+        for row, col in np.argwhere(inner & ~beside).tolist():
+            here, there = (col + begin[0], row + begin[1]), (col + end[0], row + end[1])
+            following.setdefault(here, []).append(there)
+    first = min(following, key=lambda corner: (corner[1], corner[0]))
+    corners, here, ahead = [first], first, (1, 0)
+    while True:
+        left = (here[0] - ahead[1], here[1] + ahead[0])
+        there = left if left in following[here] else following[here][0]
+        following[here].remove(there)
+        turned = (there[0] - here[0], there[1] - here[1])
+        if turned != ahead:
+            corners.append(here)
+        if there == first:
+            break
+        here, ahead = there, turned
+    return [(float(x), float(y)) for x, y in corners]
+
+
+def simplified(corners: Sequence[Point], tolerance: float) -> list[Point]:
+    """A closed outline with fewer corners, none of those left out farther than the tolerance from it.
+
+    Source: D. Douglas and T. Peucker, "Algorithms for the reduction of the number of points required to represent a
+    digitized line", The Canadian Cartographer 10, 1973; the outline is cut at its first corner and the one farthest
+    from that.
+    """
+    points = np.array(corners)
+    far = int(np.hypot(*(points - points[0]).T).argmax())
+    halves = points[: far + 1], np.concatenate([points[far:], points[:1]])
+    kept = [_reduced(half, tolerance)[:-1] for half in halves]
+    return [(float(x), float(y)) for x, y in np.concatenate(kept)]
+
+
+def _reduced(line: FloatArray, tolerance: float) -> FloatArray:
+    """An open line with fewer corners, its ends kept."""
+    along = line[-1] - line[0]
+    length = float(np.hypot(*along))
+    offset = line - line[0]
+    away = np.abs(along[0] * offset[:, 1] - along[1] * offset[:, 0]) / length if length else np.hypot(*offset.T)
+    if len(line) < 3 or away.max() <= tolerance:
+        return line[[0, -1]]
+    index = int(away.argmax())
+    return np.concatenate([_reduced(line[: index + 1], tolerance)[:-1], _reduced(line[index:], tolerance)])

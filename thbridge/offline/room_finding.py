@@ -1,0 +1,347 @@
+"""Rooms found on an occupancy grid, as floor that narrows at its doors.
+
+Method: segmentation by the distance transform with the persistence of its peaks, refined by a watershed. The clearance
+(distance to the nearest wall) of a room has a peak in its middle and a saddle in each door. Floor is looked at above a
+rising clearance; where it falls apart into parts whose peaks are high enough above the saddle, each part is a place of
+its own. A watershed from there puts the borders onto the narrowest lines. What connects places is corridor: floor that
+belongs to no peak, long floor with many doors, floor with more openings than walls.
+
+Sources: R. Bormann, F. Jordan, W. Li, J. Hampp and M. Haegele, "Room Segmentation: Survey, Implementation, and
+Analysis", ICRA 2016 (distance transform, clutter); S. Thrun, "Learning metric-topological maps for indoor mobile robot
+navigation", Artificial Intelligence 99, 1998 (narrowest lines as doors).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt, find_objects, label
+
+from sim.common.geometry import FloatArray
+from sim.common.grid import FREE, OccupancyGrid
+from sim.common.traversability import Mask
+
+Labels = NDArray[np.int32]
+"""(rows, cols) number of the room of each cell, from 1 in reading order; 0 is corridor, wall and unknown."""
+
+Span: TypeAlias = "slice[int, int, None]"
+"""Range of rows or columns."""
+
+SPECK = 0.5
+"""Greatest extent of what counts as noise or a leg of a table, metres."""
+FURNITURE = 2.5
+"""Greatest extent of what stands alone on the floor and is looked through, metres; thin things are walls."""
+SLENDER = 0.3
+"""Ratio of a thing's width to its length below which it is a piece of wall."""
+LEVEL = 0.05
+"""Metres of clearance from one look to the next, at least a cell's half."""
+PASSAGE = 0.3
+"""Clearance of what counts as a passage and not as a room's corner, metres."""
+CORNER = 1.5
+"""Floor that is no farther from where a robot drives, in radii of its inner circle, belongs to the room."""
+SHED = 3.0
+"""Floor of a corridor that makes itself felt when it falls off a single room, square metres."""
+TINY = 1.0
+"""Floor too small for a corridor, square metres."""
+LONG = 3.2
+"""Length of floor, in widths of its own, times its doors but one, from which on it is a corridor."""
+OPEN = 0.35
+"""Share of openings in a border from which on floor is no room."""
+
+_TOUCHING = np.ones((3, 3), dtype=np.bool_)
+
+
+@dataclass(frozen=True, slots=True)
+class RoomFindingOptions:
+    """Thresholds of what counts as a room.
+
+    Attributes:
+        prominence: least ratio of a room's clearance in its middle to that in its widest door.
+        area: least floor, square metres.
+    """
+
+    prominence: float = 1.25
+    area: float = 3.0
+
+
+RELAXED = (RoomFindingOptions(), RoomFindingOptions(1.15, 2.0), RoomFindingOptions(1.08, 1.0))
+"""Thresholds tried in turn until enough rooms are found."""
+
+
+def find_rooms(grid: OccupancyGrid, inscribed: float, circumscribed: float, wanted: int | None = None) -> Labels:
+    """Find the rooms of a map. The same grid gives the same rooms.
+
+    Args:
+        grid: the map; noise, furniture and unknown space are tolerated, unknown space is no floor.
+        inscribed: radius of the robot's inner circle, metres: it drives where this fits.
+        circumscribed: radius of its outer circle, metres: a room has a place where the robot can turn.
+        wanted: number of rooms; more than these are left to the corridor, the smallest first. None: as many as there
+            are by the usual thresholds.
+
+    Returns:
+        As many rooms as were found: with `wanted` perhaps fewer.
+    """
+    floor = drivable_floor(grid, inscribed)
+    if not floor.any():
+        return np.zeros(grid.cells.shape, dtype=np.int32)
+    turning = floor & (_clearance(grid.cells == FREE) * grid.resolution > circumscribed)
+    box = _around(floor, int(np.ceil(2 * inscribed / grid.resolution)))
+    free = _without_furniture(grid)[box]
+    found = np.zeros(grid.cells.shape, dtype=np.int32)
+    for options in RELAXED:
+        found[box] = _segment(free, floor[box], turning[box], grid.resolution, inscribed, options)
+        if wanted is None or found.max() >= wanted:
+            break
+    areas = np.bincount(found.ravel())
+    largest = np.argsort(-areas[1:], kind="stable")[:wanted] + 1
+    return in_reading_order(np.where(np.isin(found, largest), found, 0).astype(np.int32))
+
+
+def drivable_floor(grid: OccupancyGrid, inscribed: float) -> Mask:
+    """Cells that a robot's centre reaches on the largest connected floor.
+
+    Floor that runs off the image is left aside when there is enough inside: it is the paper around a drawn plan.
+    """
+    areas, count = label(_clearance(grid.cells == FREE) * grid.resolution > inscribed)
+    if count == 0:
+        return np.zeros(grid.cells.shape, dtype=np.bool_)
+    sizes = np.bincount(areas.ravel())
+    sizes[0] = 0
+    margin = int(np.ceil(inscribed / grid.resolution)) + 1
+    border = np.ones(areas.shape, dtype=np.bool_)
+    border[margin:-margin, margin:-margin] = False
+    inner = sizes.copy()
+    inner[np.unique(areas[border])] = 0
+    chosen = inner.argmax() if 5 * inner.max() >= sizes.max() else sizes.argmax()
+    floor: Mask = areas == chosen
+    return floor
+
+
+def in_reading_order(labels: Labels) -> Labels:
+    """Number rooms as one reads: rows from the top, each from the left.
+
+    A row of rooms holds those whose middle is beside its first one.
+    """
+    boxes = {number: box for number, box in enumerate(find_objects(labels), start=1) if box is not None}
+    waiting = sorted(boxes, key=lambda number: (-boxes[number][0].stop, boxes[number][1].start))
+    order: list[int] = []
+    while waiting:
+        rows = boxes[waiting[0]][0]
+        row = [
+            number
+            for number in waiting
+            if rows.start <= (boxes[number][0].start + boxes[number][0].stop) / 2 <= rows.stop
+        ]
+        order.extend(sorted(row, key=lambda number: (boxes[number][1].start, number)))
+        waiting = [number for number in waiting if number not in row]
+    renumbered = np.zeros(int(labels.max()) + 1, dtype=np.int32)
+    renumbered[order] = np.arange(1, len(order) + 1)
+    numbered: Labels = renumbered[labels]
+    return numbered
+
+
+def _clearance(free: Mask) -> FloatArray:
+    """Cells from each cell's centre to that of the nearest one that is not free; the border counts as a wall."""
+    return np.asarray(distance_transform_edt(np.pad(free, 1)), dtype=np.float64)[1:-1, 1:-1]
+
+
+def _around(mask: Mask, margin: int) -> tuple[Span, Span]:
+    """The box around a mask's cells, with a margin."""
+    rows, cols = (np.nonzero(mask.any(axis=axis))[0] for axis in (1, 0))
+    return (
+        slice(max(0, int(rows[0]) - margin), int(rows[-1]) + margin + 1),
+        slice(max(0, int(cols[0]) - margin), int(cols[-1]) + margin + 1),
+    )
+
+
+def _without_furniture(grid: OccupancyGrid) -> Mask:
+    """Free cells, and those of what stands alone on them and is no wall."""
+    free: Mask = grid.cells == FREE
+    things, _ = label(~free, structure=_TOUCHING)
+    filled = free.copy()
+    for number, box in enumerate(find_objects(things), start=1):
+        extents = [(side.stop - side.start) * grid.resolution for side in box]
+        if max(extents) > FURNITURE or _at_border(box, free.shape):
+            continue
+        mine = things[box] == number
+        if max(extents) <= SPECK or not _is_slender(mine):
+            filled[box] |= mine
+    return filled
+
+
+def _at_border(box: tuple[Span, ...], shape: tuple[int, ...]) -> bool:
+    return any(side.start == 0 or side.stop == length for side, length in zip(box, shape, strict=True))
+
+
+def _is_slender(mask: Mask) -> bool:
+    """Return True where a thing's width is a small part of its length, by its second moments."""
+    cells = np.argwhere(mask).astype(np.float64)
+    small, large = np.linalg.eigvalsh(np.cov(cells.T, bias=True) + np.eye(2) / 12)
+    return bool(np.sqrt(small / large) < SLENDER)
+
+
+@dataclass(frozen=True, slots=True)
+class _Core:
+    """The middle of a place: its cells as flat indices, and the clearance of its widest door, metres."""
+
+    cells: NDArray[np.int64]
+    door: float
+
+
+def _segment(
+    free: Mask, floor: Mask, turning: Mask, resolution: float, inscribed: float, options: RoomFindingOptions
+) -> Labels:
+    """Number the rooms; in no order."""
+    clearance = _clearance(free) * resolution
+    areas, _ = label(clearance > inscribed)
+    wide = np.isin(areas, np.unique(areas[floor]))
+    cores = list(_cores(np.where(wide, clearance, 0.0), resolution, inscribed, options))
+    near = np.asarray(distance_transform_edt(~wide)) * resolution <= CORNER * inscribed
+    clearance[~near] = 0.0
+    places = _with_alcoves(_places_around(cores, clearance, resolution), len(cores), resolution)
+    rooms = _rooms_among(places, len(cores), clearance, resolution, options)
+    kept = [number for number in rooms if (turning & (places == number)).any()]
+    renumbered = np.zeros(int(places.max()) + 1, dtype=np.int32)
+    renumbered[kept] = np.arange(1, len(kept) + 1)
+    found: Labels = renumbered[places]
+    return found
+
+
+def _cores(clearance: FloatArray, resolution: float, inscribed: float, options: RoomFindingOptions) -> Iterator[_Core]:
+    """Yield the middles of places: floor above the clearance of their doors."""
+    level, step = inscribed, max(LEVEL, resolution / 2)
+    above, areas, peaks = _above(clearance, level, resolution)
+    parts = {number: _Core(np.flatnonzero(above == number), level) for number in range(1, len(peaks))}
+    while parts:
+        level += step
+        higher, areas_higher, peaks = _above(clearance, level, resolution)
+        first = np.unique(higher, return_index=True)[1]
+        parents = above.ravel()[first]
+        following: dict[int, _Core] = {}
+        for parent, core in parts.items():
+            children = [
+                child
+                for child in range(1, len(peaks))
+                if parents[child] == parent
+                and peaks[child] >= max(options.prominence * level, level + 2 * resolution)
+                and areas_higher[child] >= options.area
+            ]
+            if not children:
+                yield core
+            elif len(children) == 1 and areas[parent] - areas_higher[children[0]] < SHED:
+                following[children[0]] = core
+            else:
+                for child in children:
+                    following[child] = _Core(np.flatnonzero(higher == child), level)
+        above, areas, parts = higher, areas_higher, following
+
+
+def _above(clearance: FloatArray, level: float, resolution: float) -> tuple[Labels, FloatArray, FloatArray]:
+    """Connected floor above a clearance: its labels, and of each the area of its discs of that radius and its peak."""
+    above, count = label(clearance > level)
+    labels: Labels = np.asarray(above, dtype=np.int32)
+    if count == 0:
+        return labels, np.zeros(1), np.zeros(1)
+    opened = _within(labels, level, resolution)
+    opened[clearance == 0.0] = 0
+    areas = np.bincount(opened.ravel(), minlength=count + 1).astype(np.float64) * resolution**2
+    return labels, areas, _peaks(clearance, labels, count + 1)
+
+
+def _peaks(clearance: FloatArray, labels: Labels, count: int) -> FloatArray:
+    """(count,) greatest clearance of each label."""
+    peaks = np.zeros(count)
+    np.maximum.at(peaks, labels.ravel(), clearance.ravel())
+    return peaks
+
+
+def _within(labels: Labels, distance: float, resolution: float) -> Labels:
+    """Labels with the cells around them: each within the distance has the label that is nearest."""
+    away, nearest = distance_transform_edt(labels == 0, return_indices=True)
+    grown: Labels = np.where(np.asarray(away) * resolution <= distance, labels[tuple(np.asarray(nearest))], 0)
+    return grown
+
+
+def _places_around(cores: Sequence[_Core], clearance: FloatArray, resolution: float) -> Labels:
+    """Divide the floor: place i + 1 around core i, and further places for what lies between."""
+    markers = np.zeros(clearance.shape, dtype=np.int32)
+    opened = np.zeros(clearance.shape, dtype=np.bool_)
+    for door in sorted({core.door for core in cores}):
+        own = np.zeros(clearance.shape, dtype=np.int32)
+        for number, core in enumerate(cores, start=1):
+            if core.door == door:
+                own.ravel()[core.cells] = number
+        opened |= _within(own, door, resolution) > 0
+        markers[own > 0] = own[own > 0]
+    between, _ = label((clearance > PASSAGE) & ~opened, structure=_TOUCHING)
+    markers[between > 0] = between[between > 0] + len(cores)
+    return _flood(markers, clearance, resolution)
+
+
+def _flood(markers: Labels, clearance: FloatArray, resolution: float) -> Labels:
+    """Let the markers grow over all floor, from high clearance to low, so that they meet where it is lowest."""
+    places = np.pad(markers, 1)
+    height = np.pad(clearance, 1)
+    level = float(clearance.max())
+    while level > 0.0:
+        level = max(0.0, level - resolution / 2)
+        waiting = (height > level) & (places == 0)
+        while waiting.any():
+            rows, cols = np.nonzero(waiting)
+            beside = np.stack(
+                [places[rows - 1, cols], places[rows + 1, cols], places[rows, cols - 1], places[rows, cols + 1]]
+            )
+            reached = beside.max(axis=0)
+            if not reached.any():
+                break
+            places[rows, cols] = reached
+            waiting[rows, cols] = reached == 0
+    flooded: Labels = places[1:-1, 1:-1]
+    return flooded
+
+
+def _rooms_among(
+    places: Labels, cores: int, clearance: FloatArray, resolution: float, options: RoomFindingOptions
+) -> list[int]:
+    """The places around cores that are rooms and no corridors."""
+    borders, areas = _borders(places), np.bincount(places.ravel()) * resolution**2
+    peaks = _peaks(clearance, places, len(areas))
+    rooms = []
+    for number in range(1, cores + 1):
+        open_to = np.delete(borders[number], [0, number])
+        doors = int(np.count_nonzero(open_to))
+        is_open = open_to.sum() > OPEN * (open_to.sum() + borders[number, 0])
+        is_long = (doors - 1) * areas[number] > LONG * (2 * peaks[number]) ** 2
+        if areas[number] >= options.area and not is_open and not is_long:
+            rooms.append(number)
+    if len(rooms) > 1 and len(rooms) == len(areas) - 1:
+        rooms.remove(max(rooms, key=lambda number: (np.count_nonzero(borders[number, 1:]), areas[number])))
+    return rooms
+
+
+def _with_alcoves(places: Labels, cores: int, resolution: float) -> Labels:
+    """The places, where floor between cores that is tiny or lies beside one place alone is a part of that place."""
+    while True:
+        borders, areas = _borders(places), np.bincount(places.ravel()) * resolution**2
+        renumbered = np.arange(len(areas), dtype=np.int32)
+        for number in range(cores + 1, len(areas)):
+            beside = borders[number].copy()
+            beside[[0, number]] = 0
+            if beside.any() and (np.count_nonzero(beside) == 1 or areas[number] < TINY):
+                renumbered[number] = renumbered[beside.argmax()]
+        kept, compact = np.unique(renumbered, return_inverse=True)
+        places = compact.astype(np.int32)[places]
+        if len(kept) == len(areas):
+            return places
+
+
+def _borders(places: Labels) -> NDArray[np.int64]:
+    """(n + 1, n + 1) number of cell sides between every two places; 0 is what is no floor."""
+    size = int(places.max()) + 1
+    padded = np.pad(places, 1).astype(np.int64)
+    sides = np.zeros((size, size), dtype=np.int64)
+    for one, other in ((padded[:-1], padded[1:]), (padded[:, :-1], padded[:, 1:])):
+        sides += np.bincount((one * size + other).ravel(), minlength=size * size).reshape(size, size)
+    return sides + sides.T
