@@ -13,7 +13,7 @@ from thbridge.ros.actionlib import ActionRequest, ActionServerMessage, GoalEnded
 from thbridge.ros.messages.goal_status import GoalStatusCode
 from thbridge.ros.messages.pack import DiagnosticLevel, DiagnosticStatus
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, LogLevel, LogLine
-from thbridge.ros.names import CALLER, RobotNames
+from thbridge.ros.names import CALLER, MAKES_WAY_FOR, NAVIGATION, RobotNames
 
 SPREAD = 0.5
 """Standard deviation of the position above which a robot counts as unsure, metres."""
@@ -26,9 +26,6 @@ _ENDS = {
     GoalStatusCode.RECALLED: (LogLevel.INFO, "came too late"),
     GoalStatusCode.ABORTED: (LogLevel.WARN, "is given up"),
 }
-MAKES_WAY_FOR = "makes way for"
-"""Key of the robot that another one makes way for, in the values of its navigation."""
-
 _STATES: dict[NavigatorState, tuple[DiagnosticLevel, str]] = {
     "idle": (DiagnosticLevel.OK, "no goal"),
     "planning": (DiagnosticLevel.OK, "waits for a plan"),
@@ -166,7 +163,7 @@ class RobotDiagnostics:
             figures[MAKES_WAY_FOR] = namespace_of(first)
         elif navigation.waits_for is not None and level is DiagnosticLevel.OK:
             message = f"waits for {robot_name(navigation.waits_for)}, which is in its way"
-        return self._diagnosis(level, "navigation", message, **figures)
+        return self._diagnosis(level, NAVIGATION, message, **figures)
 
     def _energy(self, output: RobotOutput) -> DiagnosticStatus:
         battery = output.observations.battery

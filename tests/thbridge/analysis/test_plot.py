@@ -6,6 +6,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from PIL import Image
 
@@ -13,9 +14,9 @@ from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from tests.thbridge.analysis.test_report import session
 from thbridge.analysis.plot.figures import SIGMAS, FigureKind, draw
-from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat, FigureStyle
+from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat, FigureStyle, colour
 from thbridge.analysis.report.gathering import read_report
-from thbridge.analysis.report.values import Report, TimelineEntry
+from thbridge.analysis.report.values import Report, TimelineEntry, WayMade
 from thbridge.hunt.refusals import RequestRefused
 
 LOOKS = (ONE_COLUMN, TWO_COLUMNS)
@@ -92,6 +93,15 @@ def test_goals_have_the_number_of_their_room(report: Report) -> None:
     departed = TimelineEntry(leg.start, "departed", "robot 1", 7, "")
     axes = drawn(FigureKind.TIMELINE, replace(report, timeline=(departed,))).axes[0]
     assert "7" in [text.get_text() for text in axes.texts]
+
+
+def test_ways_made_are_thin_bars_in_the_colour_of_the_robot_that_goes_first(report: Report) -> None:
+    first, second = report.tracks
+    tracks = (replace(first, ways_made=(WayMade(1.0, 3.5, second.name),)), second)
+    axes = drawn(FigureKind.TIMELINE, replace(report, tracks=tracks)).axes[0]
+    (bar,) = [bar for bar in axes.patches if bar.get_width() == 2.5]
+    assert (bar.get_x(), to_hex(bar.get_facecolor())) == (1.0, colour(1).lower())
+    assert any("makes way" in text.get_text() for text in axes.get_legend().get_texts())
 
 
 @pytest.mark.parametrize(("duration", "labels"), [(3.0, "0:01"), (60.0, "0:10"), (400.0, "1:00"), (7000.0, "30:00")])

@@ -1,5 +1,5 @@
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -94,6 +94,25 @@ def test_distance_energy_and_legs(report: Report) -> None:
 def test_a_goal_without_end_is_under_way() -> None:
     (track,) = session(1, LEG // 2).tracks
     assert [(leg.outcome, leg.end) for leg in track.attempts] == [("under way", pytest.approx((LEG // 2 - 1) / 50))]
+
+
+def test_ways_made_last_from_their_beginning_to_their_end_or_the_robots() -> None:
+    publisher = TeamPublisher(2, MOUNT, SCAN_PERIOD)
+    messages = []
+    for snapshot in snapshots(2, 300):
+        tick = snapshot.tick
+        first = 1 if 60 <= tick < 110 or 130 <= tick < 150 or tick >= 290 else None
+        navigation = replace(snapshot.robots[0].navigation, makes_way_for=first)
+        robots = (replace(snapshot.robots[0], navigation=navigation), snapshot.robots[1])
+        dead = frozenset({0}) if 140 <= tick < 160 else frozenset()
+        messages += publisher.tick(replace(snapshot, robots=robots, dead=dead))
+    report = read_report(recorded(m.topic.name, m.topic.msgtype, m.stamp_ns / 1e9, m.data) for m in messages)
+    assert [(made.start, made.end, made.robot) for made in report.tracks[0].ways_made] == [
+        (pytest.approx(1.2), pytest.approx(2.2), "robot2"),
+        (pytest.approx(2.6), pytest.approx(2.8), "robot2"),
+        (pytest.approx(5.8), pytest.approx(report.duration), "robot2"),
+    ]
+    assert not report.tracks[1].ways_made
 
 
 def test_moments_are_for_people(report: Report) -> None:

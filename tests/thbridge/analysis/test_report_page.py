@@ -1,12 +1,15 @@
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
+from tests.thbridge.analysis.test_report import session
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from thbridge.analysis.report.page import build_report
+from thbridge.analysis.report.page import build_report, render
+from thbridge.analysis.report.values import Report, WayMade
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
@@ -27,6 +30,11 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def page(bag: Path) -> str:
     return build_report(bag)
+
+
+@pytest.fixture(scope="module")
+def report() -> Report:
+    return session(2, 400)
 
 
 class Outside(HTMLParser):
@@ -77,6 +85,16 @@ def test_words_of_people_are_text_and_nothing_else(page: str) -> None:
 
 def test_the_same_bag_gives_the_same_page(bag: Path, page: str) -> None:
     assert build_report(bag) == page
+
+
+def test_the_page_tells_who_made_way_for_whom_when_and_how_long(report: Report) -> None:
+    first, second = report.tracks
+    made = (WayMade(61.0, 73.5, "robot2"), WayMade(80.0, 81.0, "robot2"))
+    page = render([replace(report, tracks=(replace(first, ways_made=made), second))], "a.bag")
+    plain = re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", page))
+    assert "1:01 1:13 robot 1 robot 2 12.5 1:20 1:21 robot 1 robot 2 1.0" in plain
+    assert "Made way, s robot 1" in plain
+    assert re.search(r"robot 1 .* 13\.5 robot 2 ", plain)
 
 
 def test_a_foreign_bag_says_what_is_missing(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from sim.common.geometry import FloatArray
 from thbridge.analysis.plot.paths import paths
 from thbridge.analysis.plot.style import FAINT, INK, FigureStyle, clock, colour, label_above, robot_handles
 from thbridge.analysis.plot.thinning import changes, peaks
-from thbridge.analysis.report.values import GoalAttempt, Report, TimelineEntry
+from thbridge.analysis.report.values import GoalAttempt, Report, TimelineEntry, Track
 from thbridge.hunt.refusals import RequestRefused
 
 SIGMAS = 2.0
@@ -133,11 +133,13 @@ def timeline(report: Report, style: FigureStyle) -> Figure | None:
     names = [track.label for track in report.tracks]
     utterances = [entry for entry in report.timeline if entry.kind == "said"]
     events = [entry for entry in report.timeline if entry.kind != "said"]
+    ways_made = any(track.ways_made for track in report.tracks)
     labels = [*names, *(["game"] if any(e.who not in names for e in events) else []), *(["talk"] if utterances else [])]
     line = 3.0 * style.font / 72.0
     figure, ((axes,),) = style.figure(4.5 * style.font / 72.0 + line * max(len(labels), 2))
     for index, track in enumerate(report.tracks):
         _draw_attempts(axes, index, track.attempts, events, track.label, report.duration, style)
+        _draw_ways_made(axes, index, track, report.tracks)
     for event in events:
         row = names.index(event.who) if event.who in names else len(names)
         axes.plot(event.time, row, "D", ms=0.45 * style.font, color=INK, mec="white", mew=0.5, zorder=3)
@@ -158,6 +160,7 @@ def timeline(report: Report, style: FigureStyle) -> Figure | None:
                 else []
             ),
             *([Patch(color=colour(0), alpha=0.3, lw=0, label="not reached")] if _failed(report) else []),
+            *([Patch(color=FAINT, lw=0, label="makes way for the robot of that colour")] if ways_made else []),
             *([Line2D([], [], color=INK, marker="D", ms=0.45 * style.font, lw=0, label="event")] if events else []),
             *([Line2D([], [], color="#52606d", marker="|", ms=style.font, lw=0, label="said")] if utterances else []),
         ],
@@ -223,6 +226,14 @@ def _tick(duration: float, most: int) -> float:
 def _until(series: FloatArray, end: float) -> FloatArray:
     """A step series whose last value is extended to the end."""
     return np.vstack((series, [[end, *series[-1, 1:]]]))
+
+
+def _draw_ways_made(axes: Axes, row: int, track: Track, tracks: Sequence[Track]) -> None:
+    """Draw a thin bar below a robot's drives for each time in which it makes way, in the colour of the other robot."""
+    colours = {other.name: colour(index) for index, other in enumerate(tracks)}
+    for made in track.ways_made:
+        seconds = made.end - made.start
+        axes.barh(row + 0.33, seconds, left=made.start, height=0.14, color=colours.get(made.robot, FAINT), lw=0)
 
 
 def _draw_attempts(

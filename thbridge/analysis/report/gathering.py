@@ -23,7 +23,7 @@ from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import GoalStatusCode
 from thbridge.ros.messages.session_records import GameEvent, ScoreRecord, SessionRecord, UtteranceRecord
 from thbridge.ros.messages.unpack import PoseInFrame
-from thbridge.ros.names import MAP, THINGS, frame_name
+from thbridge.ros.names import MAKES_WAY_FOR, MAP, NAVIGATION, THINGS, frame_name
 from thbridge.ros.robots import is_map_frame, is_odom_frame, usual_first
 
 OUTCOMES: dict[int, str] = {
@@ -103,6 +103,7 @@ class _ReportBuilder:
             types.GAME_EVENT: self._event,
             types.UTTERANCE: self._utterance,
             types.INPUT: self._input,
+            types.DIAGNOSTIC_ARRAY: self._diagnoses,
         }
 
     @property
@@ -250,6 +251,16 @@ class _ReportBuilder:
         who = robot if message.speaker == "robot" else f"participant to {robot}"
         who += " (by a wizard)" if message.author == "wizard" else ""
         self._timeline.append(TimelineEntry(time, "said", who, message.room, message.text or message.move))
+
+    def _diagnoses(self, time: float, topic: str, data: bytes) -> None:
+        statuses = unpack.diagnostic_array(data)
+        # A robot whose software has stopped has no state of its navigation.
+        makes_way_for: dict[str, str | None] = dict.fromkeys(each.hardware_id for each in statuses)
+        for each in statuses:
+            if each.name == f"{each.hardware_id}: {NAVIGATION}":
+                makes_way_for[each.hardware_id] = each.values.get(MAKES_WAY_FOR)
+        for robot, other in makes_way_for.items():
+            self._series.make_way(robot, time, other)
 
     def _input(self, time: float, topic: str, data: bytes) -> None:
         self._inputs += unpack.outside_input(data).kind in {"said", "received", "asked"}

@@ -14,7 +14,7 @@ from thbridge.analysis.plot.figures import energy, error, timeline
 from thbridge.analysis.plot.paths import paths
 from thbridge.analysis.plot.style import PAGE, FigureFormat, FigureStyle, clock, colour
 from thbridge.analysis.report.gathering import read_games
-from thbridge.analysis.report.values import Report, Track
+from thbridge.analysis.report.values import Report, Track, label_of
 from thbridge.recording.bag.reader import messages
 
 
@@ -63,6 +63,13 @@ def _part(report: Report, title: str) -> dict[str, object]:
         ],
         "summary": _summary(report),
         "robots": [_robot_row(index, track) for index, track in enumerate(report.tracks)],
+        "ways_made": [
+            (made, track.label, label_of(made.robot))
+            for made, track in sorted(
+                ((made, track) for track in report.tracks for made in track.ways_made),
+                key=lambda pair: (pair[0].start, pair[1].name),
+            )
+        ],
         "points": [entry for entry in report.timeline if entry.points is not None],
     }
 
@@ -84,8 +91,8 @@ _FIGURES: tuple[tuple[str, str, Callable[[Report, FigureStyle], Figure | None]],
     ("Energy", "What each robot had left.", energy),
     (
         "Timeline",
-        "Bars: under way to a goal, with the room's number; pale ones did not get there. Diamonds: events of the game. "
-        "Strokes below: what was said.",
+        "Bars: under way to a goal, with the room's number; pale ones did not get there. Thin bars below: makes way "
+        "for the robot of that colour. Diamonds: events of the game. Strokes at the bottom: what was said.",
         timeline,
     ),
 )
@@ -124,6 +131,7 @@ def _robot_row(index: int, track: Track) -> dict[str, str]:
         "worst": f"{100 * errors[:, 1].max():.1f}" if len(errors) else unknown,
         "turn": f"{np.degrees(_rms(errors[:, 2])):.2f}" if len(errors) else unknown,
         "energy": f"{energy[0, 1]:.0f} → {energy[-1, 1]:.0f}" if len(energy) else unknown,
+        "makes_way": f"{sum(made.end - made.start for made in track.ways_made):.1f}" if track.ways_made else unknown,
     }
 
 

@@ -38,6 +38,21 @@ class GoalAttempt:
     reason: str
 
 
+@dataclass(frozen=True, slots=True)
+class WayMade:
+    """A time in which a robot made way for another one that had the right of way.
+
+    Attributes:
+        start: seconds.
+        end: seconds; the session's end if it still did.
+        robot: the other one, for programs: "robot1".
+    """
+
+    start: float
+    end: float
+    robot: str
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Track:
     """The data of one robot.
@@ -57,6 +72,7 @@ class Track:
         sources: sentences on the topics that were used, for people.
         carried: (p,) times at which it was picked up and set elsewhere.
         relocated: (q,) times at which its localiser found it elsewhere.
+        ways_made: the times in which it made way for others, in order.
     """
 
     name: str
@@ -73,6 +89,7 @@ class Track:
     sources: tuple[str, ...]
     carried: FloatArray
     relocated: FloatArray
+    ways_made: tuple[WayMade, ...] = ()
 
     @property
     def label(self) -> str:
