@@ -4,8 +4,9 @@ A folder is checked as a whole: on a map that loads, every robot can stand at it
 room, and turn there.
 """
 
+import json
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, TypeVar
@@ -164,22 +165,28 @@ class _RoomsYaml:
     starts: _StartsEntry
 
 
-def read_grid(map_yaml: Path) -> OccupancyGrid:
+def read_grid(map_yaml: Path, *, moved: bool = False) -> OccupancyGrid:
     """The occupancy grid that map_server makes of this `map.yaml`.
+
+    Args:
+        map_yaml: the file.
+        moved: True for maps of other machines: an image that is not where the file says may be beside it.
 
     Raises:
         BadFile: the file or its image is missing or has a fault.
     """
-    return _read_map_yaml(map_yaml)[1]
+    return _read_map_yaml(map_yaml, moved)[1]
 
 
-def _read_map_yaml(map_yaml: Path) -> tuple[Loaded[_MapYaml], OccupancyGrid]:
+def _read_map_yaml(map_yaml: Path, moved: bool = False) -> tuple[Loaded[_MapYaml], OccupancyGrid]:
     loaded = load(map_yaml, _MapYaml)
     entry = loaded.value
     if entry.free_thresh >= entry.occupied_thresh:
         problem = f"{entry.free_thresh} is not below occupied_thresh {entry.occupied_thresh}"
         raise loaded.fault("free_thresh", problem, "Lower it; map_saver writes 0.196 and 0.65")
     image = map_yaml.parent / entry.image
+    if moved and not image.is_file():
+        image = map_yaml.parent / image.name
     if not image.is_file():
         remedy = "Name the image, beside map.yaml or with its full path"
         raise loaded.fault("image", f"there is no file {image}", remedy)
@@ -217,6 +224,43 @@ def write_grid(folder: Path, grid: OccupancyGrid) -> None:
         f"free_thresh: {FREE_THRESH}\n",
         encoding="utf-8",
     )
+
+
+def write_rooms(folder: Path, rooms: Sequence[MapRoom], starts: Sequence[Pose2]) -> None:
+    """Write `rooms.yaml`, also over an older one."""
+    (folder / "rooms.yaml").write_text(rooms_text(rooms, starts), encoding="utf-8")
+
+
+def rooms_text(rooms: Sequence[MapRoom], starts: Sequence[Pose2]) -> str:
+    """The text of `rooms.yaml`."""
+    lines = [
+        "# Metres and radians in the map frame. region: two opposite corners of a box, or all corners in turn.",
+        "# goal and poses: x, y, yaw.",
+        "rooms:",
+    ]
+    for entry in rooms:
+        lines += [
+            f"  - number: {entry.room.people}",
+            f"    name: {json.dumps(entry.name, ensure_ascii=False)}",
+            f"    region: [{', '.join(f'[{x!r}, {y!r}]' for x, y in _short_region(entry.region))}]",
+            f"    goal: {_pose_text(entry.goal)}",
+        ]
+    if not rooms:
+        lines[-1] = "rooms: []"
+    lines += ["starts:", f"  poses: [{', '.join(_pose_text(start) for start in starts)}]"]
+    return "\n".join(lines) + "\n"
+
+
+def _pose_text(pose: Pose2) -> str:
+    return f"[{pose.x!r}, {pose.y!r}, {pose.theta!r}]"
+
+
+def _short_region(region: Polygon) -> Polygon:
+    """Two opposite corners where the region is a box."""
+    left, right = min(x for x, _ in region), max(x for x, _ in region)
+    low, high = min(y for _, y in region), max(y for _, y in region)
+    box = ((left, low), (right, low), (right, high), (left, high))
+    return ((left, low), (right, high)) if region in [box[turn:] + box[:turn] for turn in range(4)] else region
 
 
 # The checks -----------------------------------------------------------------------------------------------------------

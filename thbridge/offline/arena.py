@@ -1,11 +1,11 @@
 """Arenas made of found rooms: their outlines, goals and start poses."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_fill_holes, label
+from scipy.ndimage import binary_dilation, binary_fill_holes, label
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
@@ -15,14 +15,23 @@ from thbridge.files.map_files import FOOTPRINT, MapRoom
 from thbridge.hunt.rooms import Room
 from thbridge.offline.room_finding import Labels, drivable_floor
 
-COARSEST = 0.2
-"""Metres that a corner may be away from the outline of the cells, at first."""
+TOLERANCES = (0.2, 0.1, 0.05)
+"""Metres that the outline of the cells may be away from that with fewer corners; the first that fits is taken."""
+GAP = 2
+"""Cells between rooms without a wall, where their outlines would be complicated without."""
 SPARE = 0.1
 """Metres that goals and starts are farther from walls than they must be, where there is room."""
 APART = 1.0
 """Metres from one start pose to the next."""
+SKIPPED = 0.2
+"""Metres from a place where no robot may stand to the next that is tried."""
+NEARER = 20.0
+"""Metres that a start pose may be farther from the middle for each metre that it is farther from a wall."""
 MOST_TRIED = 400
 """Places tried for start poses before it is said that no more robots fit."""
+
+
+_TOUCHING = np.ones((3, 3), dtype=np.bool_)
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,65 +126,71 @@ def start_poses(floor: TraversabilityMap, reach: Mask, rooms: Sequence[MapRoom],
     cells = np.argwhere(free)
     if not len(cells):
         return ()
-    goals = np.array([[room.goal.x, room.goal.y] for room in rooms]) if rooms else np.zeros((0, 2))
     places = np.stack([floor.x[free], floor.y[free]], axis=1)
-    middle = goals.mean(axis=0) if len(goals) else places.mean(axis=0)
+    middle = np.mean([[room.goal.x, room.goal.y] for room in rooms] or places, axis=0)
     spare = np.minimum(floor.clearance[free] - floor.circumscribed, SPARE)
-    first = int((np.hypot(*(places - middle).T) - 20.0 * spare).argmin())
+    nearest = np.argsort(np.hypot(*(places - middle).T) - NEARER * spare, kind="stable")
     chosen: list[Pose2] = []
-    for tried, index in enumerate(_nearest_first(places, first)):
-        if len(chosen) >= robots or tried >= MOST_TRIED:
-            break
-        pose = _pose_at(floor.grid, cells[index])
-        if not _shuts_in(floor, [*chosen, pose], rooms):
-            chosen.append(pose)
-    return tuple(chosen)
-
-
-def _nearest_first(places: FloatArray, first: int) -> Iterator[int]:
-    """Yield places apart from all before, beginning with one and going on with the nearest to it."""
-    away = np.hypot(*(places - places[first]).T)
     possible = np.ones(len(places), dtype=np.bool_)
-    for index in np.argsort(away, kind="stable"):
-        if possible[index]:
-            yield int(index)
-            possible &= np.hypot(*(places - places[index]).T) >= APART
+    for _ in range(MOST_TRIED):
+        waiting = nearest[possible[nearest]]
+        if len(chosen) == robots or not len(waiting):
+            break
+        pose = _pose_at(floor.grid, cells[waiting[0]])
+        taken = not _is_shut_in(floor, [*chosen, pose], rooms)
+        if taken:
+            chosen.append(pose)
+        possible &= np.hypot(*(places - [pose.x, pose.y]).T) >= (APART if taken else SKIPPED)
+    return tuple(chosen) or (_pose_at(floor.grid, cells[nearest[0]]),)
 
 
-def _shuts_in(floor: TraversabilityMap, starts: Sequence[Pose2], rooms: Sequence[MapRoom]) -> bool:
-    """Return True when robots that stand at all starts keep one of them from a room."""
+def _is_shut_in(floor: TraversabilityMap, starts: Sequence[Pose2], rooms: Sequence[MapRoom]) -> bool:
+    """Return True when robots that stand at all starts part a room from another, or one of them from a room."""
+    goals = [floor.grid.cell_of(room.goal.x, room.goal.y) for room in rooms]
     obstructed = [floor.obstructed_by(start) for start in starts]
     crowd = np.sum(obstructed, axis=0)
-    goals = [floor.grid.cell_of(room.goal.x, room.goal.y) for room in rooms]
-    for start, own in zip(starts, obstructed, strict=True):
-        reached = floor.reachable(start, crowd > own)
-        if not all(reached[goal] for goal in goals):
-            return True
-    return False
+    if rooms and not _all_reached(floor.reachable(rooms[0].goal, crowd > 0), goals):
+        return True
+    return any(
+        not _all_reached(floor.reachable(start, crowd > own), goals)
+        for start, own in zip(starts, obstructed, strict=True)
+    )
+
+
+def _all_reached(reached: Mask, goals: Sequence[tuple[int, int]]) -> bool:
+    return all(reached[goal] for goal in goals)
 
 
 # Outlines -------------------------------------------------------------------------------------------------------------
 
 
 def room_outlines(labels: Labels, floor: TraversabilityMap) -> list[Polygon]:
-    """Outlines of all rooms in the map frame, with as few corners as they can have without overlapping."""
-    claimed = np.zeros(labels.shape, dtype=np.int32)
-    for number in range(1, int(labels.max()) + 1):
-        claimed[_filled(labels, number)] = number
+    """Outlines of all rooms in the map frame, with few corners and without overlaps, in the order of their numbers."""
+    grid = floor.grid
+    taken = np.zeros(labels.shape, dtype=np.bool_)
     outlines: list[Polygon] = []
     for number in range(1, int(labels.max()) + 1):
-        exact = outline_of(claimed == number)
-        tolerance = COARSEST / floor.grid.resolution
-        while True:
-            outline = _placed(simplified(exact, tolerance) if tolerance > 0.0 else exact, floor.grid)
-            held = cells_inside(outline, floor)
-            is_simple = len(outline) >= 3 and area(outline) > 0.0 and not crosses_itself(outline)
-            if tolerance == 0.0 or (is_simple and not (held & (claimed != number) & (claimed > 0)).any()):
-                break
-            tolerance = tolerance / 2 if tolerance > 0.5 else 0.0
-        claimed[held] = number
+        mask = _filled(labels, number)
+        apart = ~np.asarray(binary_dilation(taken, structure=_TOUCHING, iterations=GAP)) if taken.any() else ~taken
+        # Beside a room without a wall between, a gap keeps the two outlines simple.
+        candidates = [
+            _placed(simplified(outline_of(piece), tolerance / grid.resolution), grid)
+            for piece in (_largest(mask & ~taken), _largest(mask & apart))
+            if piece.any()
+            for tolerance in TOLERANCES
+        ]
+        if not candidates:
+            continue
+        outline = next((each for each in candidates if _fits(each, taken, floor)), None)
+        outline = outline or _placed(outline_of(_largest(mask & ~taken)), grid)
+        taken |= cells_inside(outline, floor)
         outlines.append(outline)
     return outlines
+
+
+def _fits(outline: Polygon, taken: Mask, floor: TraversabilityMap) -> bool:
+    simple = len(outline) >= 3 and area(outline) > 0.0 and not crosses_itself(outline)
+    return simple and not (cells_inside(outline, floor) & taken).any()
 
 
 def _placed(corners: Sequence[Point], grid: OccupancyGrid) -> Polygon:
@@ -185,13 +200,17 @@ def _placed(corners: Sequence[Point], grid: OccupancyGrid) -> Polygon:
 
 
 def _filled(labels: Labels, number: int) -> Mask:
-    """The largest connected piece of a room, and holes in it that belong to nobody."""
-    pieces, _ = label(labels == number)
-    sizes = np.bincount(pieces.ravel())
-    sizes[0] = 0
-    piece = pieces == sizes.argmax()
-    filled: Mask = np.asarray(binary_fill_holes(piece)) & ((labels == 0) | piece)
+    """A room, and holes in it that belong to nobody."""
+    room = _largest(labels == number)
+    filled: Mask = np.asarray(binary_fill_holes(room)) & ((labels == 0) | room)
     return filled
+
+
+def _largest(mask: Mask) -> Mask:
+    """The largest connected piece."""
+    pieces, count = label(mask)
+    largest: Mask = (pieces == np.bincount(pieces[pieces > 0]).argmax()) if count else mask
+    return largest
 
 
 def outline_of(mask: Mask) -> list[Point]:

@@ -1,3 +1,4 @@
+import dataclasses
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -9,7 +10,7 @@ from PIL import Image
 from sim.common.geometry import IDENTITY, Pose2
 from sim.common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from thbridge.files.errors import BadFile
-from thbridge.files.map_files import check_map, read_grid, read_map, write_grid
+from thbridge.files.map_files import check_map, read_grid, read_map, write_grid, write_rooms
 from thbridge.files.resources import shipped
 from thbridge.hunt.rooms import Room
 
@@ -297,6 +298,14 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
         "mapTimes, line 1: costs for 1 rooms, but rooms.yaml has 2.",
     ),
 }
+
+
+def test_rooms_are_read_as_they_were_written(folder: Path) -> None:
+    before = read_map(folder)
+    strange = (dataclasses.replace(before.rooms[0], name='Bob\'s "küche": #1'), *before.rooms[1:])
+    write_rooms(folder, strange, before.starts)
+    after = read_map(folder)
+    assert (after.rooms, after.starts) == (strange, before.starts)
 
 
 class TestBroken:

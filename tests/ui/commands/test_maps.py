@@ -4,6 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import Result
+from PIL import Image
 from typer.testing import CliRunner
 
 from sim.common.geometry import IDENTITY
@@ -109,3 +110,86 @@ class TestCheck:
     def test_a_picture_has_a_suffix_and_a_folder(self, here: Path) -> None:
         assert "ends in .png, .svg or .pdf" in maps("check", "two", "--to", "map.xyz").stderr
         assert "cannot be written" in maps("check", "two", "--to", "no/map.png").stderr
+
+
+def picture(path: Path, wall: int = 0) -> None:
+    """Two rooms and the corridor between them as an image without a map.yaml, unknown space around; and a table."""
+    cells = np.full((60, 100), 205, dtype=np.uint8)
+    cells[10:50, 10:90] = np.where(two_rooms().cells == OCCUPIED, wall, 255 - wall)[::-1]
+    cells[28:31, 20:23] = wall
+    Image.fromarray(cells).save(path)
+
+
+class TestNew:
+    def test_an_image_becomes_an_arena_that_games_are_played_on(self, here: Path) -> None:
+        picture(here / "lab.png")
+        done = maps("new", "lab.png", "--resolution", 0.1, "--names", "Kitchen, Store", "--robots", 2, "--jobs", 2)
+        assert done.exit_code == 0, done.stderr
+        assert "Rooms: 2 found: 1 Kitchen, 2 Store" in done.stdout
+        assert "Start poses: 2\n" in done.stdout
+        assert "Checked: 0 errors, 0 warnings" in done.stdout
+        assert "Measured: 4 of 4 ways" in done.stdout
+        assert done.stdout.endswith("Play on it: thbridge play --map ./lab\n")
+        assert sorted(file.name for file in (here / "lab").iterdir()) == [
+            "map.pgm",
+            "map.yaml",
+            "mapTimes",
+            "rooms.yaml",
+        ]
+        found = json.loads(maps("check", "lab", "--json").stdout)
+        assert (found["findings"], found["map"]["times"]) == ([], True)
+        assert found["map"]["ways"] == {"all": 4, "reachable": 4}
+        assert [room["doors"][0]["to"] for room in found["map"]["rooms"]] == [0, 0]
+
+    def test_the_same_map_gives_the_same_arena(self, here: Path) -> None:
+        for folder in ("a", "b"):
+            assert maps("new", "two/map.yaml", "--to", folder, "--no-times").exit_code == 0
+        for file in ("map.yaml", "map.pgm", "rooms.yaml"):
+            assert (here / "a" / file).read_bytes() == (here / "b" / file).read_bytes()
+        assert (here / "a" / "map.pgm").read_bytes() == (here / "two" / "map.pgm").read_bytes()
+
+    def test_a_map_of_another_machine_names_an_image_that_is_beside_it(self, here: Path) -> None:
+        yaml = here / "two" / "map.yaml"
+        yaml.write_text(yaml.read_text().replace("map.pgm", "/home/robot/maps/map.pgm"))
+        assert "there is no file" in maps("check", "two").stdout
+        assert maps("new", "two/map.yaml", "--to", "mine", "--no-times").exit_code == 0
+
+    def test_bright_walls_are_for_negate(self, here: Path) -> None:
+        picture(here / "plan.png", wall=255)
+        refused = maps("new", "plan.png", "--resolution", 0.1, "--no-times")
+        assert refused.exit_code == 1
+        assert "no rooms were found" in refused.stderr
+        assert "--negate" in refused.stderr
+        done = maps("new", "plan.png", "--resolution", 0.1, "--no-times", "--negate")
+        assert "Rooms: 2 found" in done.stdout
+
+    @pytest.mark.parametrize(
+        ("words", "told"),
+        [
+            (("two.png",), "an image does not say how large it is. Say by --resolution"),
+            (("none.png", "--resolution", "0.1"), "none.png: there is no such file"),
+            (("two/map.yaml", "--resolution", "0.1", "--to", "x"), "--resolution: two/map.yaml says that itself"),
+            (("two/map.yaml", "--negate", "--to", "x"), "--negate: two/map.yaml says that itself"),
+            (("two/map.yaml", "--to", "two"), "--to: two is there already"),
+            (("two.png", "--resolution", "0.1", "--to", "x", "--names", "A,,B"), "--names: 'A,,B' has an empty name"),
+            (("two.png", "--resolution", "0.1", "--to", "x", "--names", "A,B,C"), "3 names for 2 rooms"),
+        ],
+    )
+    def test_what_is_missing_is_told_and_nothing_is_written(
+        self, here: Path, words: tuple[str, ...], told: str
+    ) -> None:
+        picture(here / "two.png")
+        before = sorted(here.rglob("*"))
+        if words == ("two.png",):
+            words = ("two.png", "--to", "x")
+        done = maps("new", *words)
+        assert done.exit_code == 2
+        assert told in done.stderr
+        assert sorted(here.rglob("*")) == before
+
+    def test_fewer_rooms_or_starts_than_wanted_are_told(self, here: Path) -> None:
+        done = maps("new", "two/map.yaml", "--to", "x", "--no-times", "--rooms", 5, "--robots", 40)
+        assert "Rooms: 2 of 5 wanted found" in done.stdout
+        assert "of 40: no more have room" in done.stdout
+        done = maps("new", "two/map.yaml", "--to", "y", "--no-times", "--rooms", 1)
+        assert "Rooms: 1 found: 1 Room 1" in done.stdout

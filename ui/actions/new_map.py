@@ -1,0 +1,126 @@
+"""The steps of `thbridge maps new`."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from sim.common.geometry import IDENTITY
+from sim.common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid, interpret_image
+from sim.parameters import RobotParameters, WorldParameters
+from sim.robot.costmap.footprint import radii
+from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.image_files import read_image
+from thbridge.files.map_files import (
+    FOOTPRINT,
+    FREE_THRESH,
+    OCCUPIED_THRESH,
+    Map,
+    check_map,
+    read_grid,
+    write_grid,
+    write_rooms,
+)
+from thbridge.files.map_times import MAP_TIMES, map_times
+from thbridge.offline.arena import Arena, arena_of
+from thbridge.offline.measure import MeasurementSetup
+from thbridge.offline.room_finding import find_rooms
+from ui.actions.measure import measure_trips, spoken_place, times_matrix
+from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, say
+
+SEED = 1
+
+
+def read_drawing(source: Path, resolution: float | None, negate: bool) -> OccupancyGrid:
+    """The grid of a map.yaml, or of a bare image with the size of its cells.
+
+    Raises:
+        BadFile: it cannot be read.
+    """
+    if source.suffix.lower() in {".yaml", ".yml"}:
+        if resolution is not None or negate:
+            option = "--negate" if resolution is None else "--resolution"
+            fail(BAD_INPUT, f"{option}: {source} says that itself. Leave the option out, or change the file.")
+        grid = read_grid(source, moved=True)
+        decided = np.isin(grid.cells, (FREE, OCCUPIED))
+        return OccupancyGrid(np.where(decided, grid.cells, UNKNOWN), grid.resolution, grid.origin)
+    if not source.is_file():
+        raise BadFile(source, "there is no such file", "Give a map.yaml or an image")
+    pixels = read_image(source)
+    if resolution is None:
+        rows, cols = pixels.shape[:2]
+        remedy = (
+            "Say by --resolution how many metres a pixel is: the length of a wall in metres, divided by its pixels; "
+            f"with 0.05 this image is {cols * 0.05:.1f} m x {rows * 0.05:.1f} m"
+        )
+        raise BadFile(source, "an image does not say how large it is", remedy)
+    if pixels.ndim == 3:
+        colours = pixels[..., :3].mean(axis=2)
+        # What is transparent is white paper.
+        opaque = pixels[..., 3] / 255.0 if pixels.shape[2] == 4 else 1.0
+        pixels = np.rint(colours * opaque + 255.0 * (1.0 - opaque)).astype(np.uint8)
+    return OccupancyGrid(interpret_image(pixels, negate, OCCUPIED_THRESH, FREE_THRESH), resolution, IDENTITY)
+
+
+def find_arena(grid: OccupancyGrid, rooms: int | None, robots: int, names: Sequence[str]) -> Arena:
+    """Find rooms and start poses, and tell them."""
+    found = find_rooms(grid, *radii(np.array(FOOTPRINT)), wanted=rooms)
+    arena = arena_of(grid, found, robots, names)
+    told = ", ".join(f"{entry.room.people} {entry.name}" for entry in arena.rooms)
+    wanted = "" if rooms is None or rooms == len(arena.rooms) else f" of {rooms} wanted"
+    say(f"Rooms: {len(arena.rooms)}{wanted} found{': ' if told else ''}{told}")
+    say(f"Start poses: {len(arena.starts)}{'' if len(arena.starts) == robots else f' of {robots}: no more have room'}")
+    return arena
+
+
+def require_rooms(arena: Arena, grid: OccupancyGrid, source: Path) -> None:
+    """End the command where there is nothing to play in, and tell why that may be."""
+    if arena.rooms and arena.starts:
+        return
+    free, occupied = float((grid.cells == FREE).mean()), float((grid.cells == OCCUPIED).mean())
+    seen = f"{free:.0%} of the image is free, {occupied:.0%} occupied, {1 - free - occupied:.0%} unknown"
+    remedy = (
+        "If walls are bright and floor is dark, the image is inverted: give --negate, or `negate: 1` in its map.yaml. "
+        "If rooms are there but too small, the resolution is wrong. Else draw the rooms by --draw"
+    )
+    fail(FAILED, f"{source}: no rooms were found; {seen}. {remedy}.")
+
+
+def write_map(folder: Path, grid: OccupancyGrid, arena: Arena) -> None:
+    """Write the folder and check what was written.
+
+    Raises:
+        BadFile: it cannot be written.
+    """
+    try:
+        write_grid(folder, grid)
+        write_rooms(folder, arena.rooms, arena.starts)
+    except OSError as error:
+        raise BadFile(folder, f"it cannot be written ({reason_of(error)})", "choose another place by --to") from None
+    say(f"Wrote {folder}: map.yaml, map.pgm, rooms.yaml")
+    check = check_map(folder)
+    for finding in check.findings:
+        say(f"{finding.severity}: {finding.fault}")
+    say(f"Checked: {len(check.errors)} errors, {len(check.findings) - len(check.errors)} warnings")
+    if check.errors:
+        fail(BAD_INPUT, f"{folder}: mend rooms.yaml, or draw the rooms by --draw.")
+
+
+def measure_map(folder: Path, place: Map, runs: int, jobs: int) -> bool:
+    """Measure all trips and write `mapTimes`; return True when every room was reached from everywhere."""
+    count = len(place.rooms)
+    note(f"Measuring {runs * count * count} trips on {jobs} cores; without times: --no-times.")
+    course = MeasurementSetup(place, WorldParameters(), RobotParameters(), SEED)
+    times = measure_trips(course, runs, jobs)
+    with bad_input():
+        try:
+            (folder / MAP_TIMES).write_text(map_times(times_matrix(times, count)), encoding="ascii")
+        except OSError as error:
+            raise BadFile(folder / MAP_TIMES, f"it cannot be written ({reason_of(error)})", "make room") from None
+    for pair in times:
+        for refusal in pair.refusals:
+            note(f"{spoken_place(pair.start)} to {spoken_place(pair.goal)}: not reached: {refusal}")
+    means = [pair.mean for pair in times if pair.mean is not None]
+    span = f"{min(means):.0f} s to {max(means):.0f} s a trip" if means else "no trip arrived"
+    say(f"Measured: {len(means)} of {len(times)} ways, {span}; wrote {folder / MAP_TIMES}")
+    return len(means) == len(times)
