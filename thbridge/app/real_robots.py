@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from sim.common.observations import TICKS_PER_SECOND
-from thbridge.app.compose.recording import build_record, build_writer
+from thbridge.app.compose.recording import build_record, build_writer, room_labels
 from thbridge.app.compose.robots import build_simr
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.programs import SIMR, SimrOptions, await_consent, run_at_server
@@ -97,7 +97,8 @@ async def simr_with_real_robots(
 
         def record(bag: Path) -> None:
             writer = opened.enter_context(build_writer(setting, bag, CALLER))
-            traffic.release(FleetRecorder(writer, build_record(setting, SIMR, [legacy.SIMR], "")))
+            opening = build_record(setting, SIMR, [legacy.SIMR], "")
+            traffic.release(FleetRecorder(writer, opening, room_labels(setting)))
 
         asks = options.bag is not None and setting.consent is not None
         if options.bag is not None and not asks:

@@ -1,5 +1,7 @@
-"""Room numbers: the one place that converts between the wire's counting and people's."""
+"""Rooms: their numbers, which nothing else converts between the wire's counting and people's, and their names."""
 
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import total_ordering
 from typing import Self
 
@@ -67,3 +69,35 @@ CORRIDOR = Room(0)
 def all_rooms(count: int) -> tuple[Room, ...]:
     """Return the rooms 1 to `count`, without the corridor."""
     return tuple(Room(number) for number in range(1, count + 1))
+
+
+@dataclass(frozen=True, slots=True)
+class RoomNames:
+    """Names of a map's rooms, which people read beside the numbers.
+
+    Attributes:
+        named: the name of each room that has one of its own, by its number.
+    """
+
+    named: Mapping[int, str] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, names: Iterable[tuple[int, str]]) -> Self:
+        """Keep the names that say more than the number does, as "Room 3" does not."""
+        return cls({room: name for room, name in names if _says_more(name, room)})
+
+    def name(self, room: int | None) -> str:
+        """Return the room's own name; empty where it has none."""
+        return "" if room is None else self.named.get(room, "")
+
+    def numbered(self, room: int) -> str:
+        """Return the number with the name, if any: "3 (Kitchen)"."""
+        return f"{room} ({self.named[room]})" if room in self.named else str(room)
+
+    def titled(self, room: int) -> str:
+        """Return the room within a sentence: "room 3 (Kitchen)", "room 4", "the corridor"."""
+        return str(CORRIDOR) if room == CORRIDOR.people else f"room {self.numbered(room)}"
+
+
+def _says_more(name: str, room: int) -> bool:
+    return " ".join(name.casefold().split()) not in {"", str(room), f"room {room}"}

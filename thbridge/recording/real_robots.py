@@ -3,19 +3,21 @@
 Messages of robots are not encoded again from our values: the bag has their own bytes, types and names.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from sim.team import TeamSnapshot
 from thbridge.protocols.rosgraph import links
 from thbridge.recording.bag.writer import BagWriter, ForeignTopic
 from thbridge.ros.messages import pack
+from thbridge.ros.messages.pack import RoomLabel
 from thbridge.ros.messages.records import Record
 from thbridge.ros.messages.session_records import InputRecord, SessionRecord
 from thbridge.ros.messages.stamps import stamp_ns
+from thbridge.ros.names import MAP_FRAME
 from thbridge.ros.publisher import messages_of
 from thbridge.ros.remote.robot import tick_of
-from thbridge.ros.topics import INPUTS, SESSION, RosMessage
+from thbridge.ros.topics import INPUTS, ROOMS, SESSION, RosMessage
 
 
 class _ForeignMessage(NamedTuple):
@@ -30,10 +32,12 @@ class FleetRecorder:
     Args:
         writer: an empty bag; the caller closes it.
         session: the first record of the bag.
+        rooms: names of the map's rooms.
     """
 
-    def __init__(self, writer: BagWriter, session: SessionRecord) -> None:
+    def __init__(self, writer: BagWriter, session: SessionRecord, rooms: Sequence[RoomLabel] = ()) -> None:
         self._writer = writer
+        self._rooms = rooms
         self._session: SessionRecord | None = session
         self._waiting: list[_ForeignMessage | RosMessage] = []
         self._last_ns = 0
@@ -70,7 +74,10 @@ class FleetRecorder:
     def _write(self, item: _ForeignMessage | RosMessage) -> None:
         if self._session is not None:
             session, self._session = self._session, None
-            self._write(RosMessage(SESSION, item.stamp_ns, pack.session(tick_of(item.stamp_ns), session)))
+            tick = tick_of(item.stamp_ns)
+            self._write(RosMessage(SESSION, item.stamp_ns, pack.session(tick, session)))
+            if self._rooms:
+                self._write(RosMessage(ROOMS, item.stamp_ns, pack.room_labels(tick, MAP_FRAME, self._rooms)))
         # A tick begins up to 20 ms before the messages received in it, but stamps in a bag must not go back.
         self._last_ns = max(self._last_ns, item.stamp_ns)
         if isinstance(item, _ForeignMessage):

@@ -12,7 +12,7 @@ from sim.team import TeamSnapshot
 from thbridge.ros.actionlib import ActionRequest
 from thbridge.ros.diagnostics import RobotDiagnostics
 from thbridge.ros.messages import pack
-from thbridge.ros.messages.pack import Transform
+from thbridge.ros.messages.pack import RoomLabel, Transform
 from thbridge.ros.messages.records import (
     CancelRequest,
     GoalRequest,
@@ -45,6 +45,7 @@ from thbridge.ros.topics import (
     INPUTS,
     MAP,
     MAP_METADATA,
+    ROOMS,
     ROSOUT,
     SCORE,
     SEND_ROBOTS,
@@ -82,6 +83,7 @@ class TeamPublisher:
         mount: the laser of every robot.
         scan_period: seconds between two scans of one robot.
         planners: names of each robot's planners; None: move_base's default ones.
+        rooms: names of the map's rooms.
         vehicles: True when the robots are MAVLink vehicles, too.
 
     Raises:
@@ -94,10 +96,12 @@ class TeamPublisher:
         mount: LaserMount,
         scan_period: float,
         planners: Sequence[Planners] | None = None,
+        rooms: Sequence[RoomLabel] = (),
         *,
         vehicles: bool = False,
     ) -> None:
         self._laser_in_base = mount.laser_in_base
+        self._rooms = rooms
         team = range(robots)
         named = [Planners() for _ in team] if planners is None else planners
         self._robots = [RobotPublisher(robot, scan_period, own) for robot, own in zip(team, named, strict=True)]
@@ -123,12 +127,15 @@ class TeamPublisher:
                 Transform(robot.names.base_link, robot.names.base_laser, self._laser_in_base),
             )
         ]
-        return [
+        messages = [
             RosMessage(SESSION, stamp, pack.session(tick, session)),
             RosMessage(TF_STATIC, stamp, pack.transforms(tick, static)),
             RosMessage(MAP, stamp, pack.occupancy_grid(tick, MAP_FRAME, grid)),
             RosMessage(MAP_METADATA, stamp, pack.map_meta_data(tick, grid)),
         ]
+        if self._rooms:
+            messages.append(RosMessage(ROOMS, stamp, pack.room_labels(tick, MAP_FRAME, self._rooms)))
+        return messages
 
     def tick(self, snapshot: TeamSnapshot, records: Iterable[Record] = ()) -> list[RosMessage]:
         """The messages of one tick: inputs from outside, then the robots in their order, then the other records.

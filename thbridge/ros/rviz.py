@@ -92,6 +92,7 @@ def _display(kind: str, name: str, topic: str | None, enabled: bool, **propertie
 def _shared(team: Sequence[RobotNames]) -> Iterator[Section]:
     yield _display("Map", "map", names.MAP, True, Color_Scheme="map", Alpha=0.6, Draw_Behind=True)
     yield _display("MarkerArray", "things", None, True, **{"Marker Topic": names.THINGS})
+    yield _display("MarkerArray", "rooms", None, True, **{"Marker Topic": names.ROOMS})
     # Only one frame of each robot is shown: more names would hide the map.
     shown = {MAP_FRAME: False} | {
         frame: frame == robot.base_link

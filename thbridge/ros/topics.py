@@ -44,6 +44,7 @@ SEND_ROBOTS = Topic(names.SEND_ROBOTS, types.STRING)
 SUCCESS = Topic(names.SUCCESS, types.STRING)
 GAME_EVENTS = Topic(names.GAME_EVENTS, types.GAME_EVENT)
 SCORE = Topic(names.SCORE, types.SCORE, latched=True)
+ROOMS = Topic(names.ROOMS, types.MARKER_ARRAY, latched=True)
 UTTERANCES = Topic(names.UTTERANCES, types.UTTERANCE)
 WIZARD = Topic(names.WIZARD, types.STRING, latched=True)
 INPUTS = Topic(names.INPUTS, types.INPUT)
@@ -61,6 +62,7 @@ TEAM_TOPICS = (
     SUCCESS,
     GAME_EVENTS,
     SCORE,
+    ROOMS,
     UTTERANCES,
     WIZARD,
     INPUTS,

@@ -7,12 +7,12 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Battery
 from tests.thbridge.ros.drive import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from thbridge.analysis.report.gathering import read_report
+from thbridge.analysis.report.gathering import read_games, read_report
 from thbridge.analysis.report.paths import pieces
 from thbridge.analysis.report.values import Report
 from thbridge.hunt.codec import to_json
 from thbridge.hunt.events import MoveFailed
-from thbridge.hunt.rooms import Room
+from thbridge.hunt.rooms import Room, RoomNames
 from thbridge.ros.messages import pack, types
 from thbridge.ros.messages.pack import Transform
 from thbridge.ros.messages.session_records import GameEvent
@@ -94,6 +94,16 @@ def test_distance_energy_and_legs(report: Report) -> None:
 def test_a_goal_without_end_is_under_way() -> None:
     (track,) = session(1, LEG // 2).tracks
     assert [(leg.outcome, leg.end) for leg in track.attempts] == [("under way", pytest.approx((LEG // 2 - 1) / 50))]
+
+
+def test_the_names_of_rooms_are_those_in_the_bag_in_every_game() -> None:
+    labels = pack.room_labels(0, "map", [pack.RoomLabel(1, "Kitchen", 0.5, 2.0), pack.RoomLabel(2, "Room 2", 3.0, 2.0)])
+    games = [
+        recorded("/hunt/events", types.GAME_EVENT, second, pack.game_event(0, GameEvent("started", None, None, text)))
+        for second, text in ((1, '{"game": 1}'), (2, '{"game": 2}'))
+    ]
+    reports = read_games([recorded("/hunt/rooms", types.MARKER_ARRAY, 0, labels), *games])
+    assert [report.rooms for report in reports] == [RoomNames({1: "Kitchen"})] * 2
 
 
 def test_ways_made_last_from_their_beginning_to_their_end_or_the_robots() -> None:

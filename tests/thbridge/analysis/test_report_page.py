@@ -13,6 +13,7 @@ from thbridge.analysis.report.values import Report, WayMade
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
+from thbridge.hunt.rooms import RoomNames
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.ros.publisher import RosMessage, TeamPublisher, Topic
 
@@ -85,6 +86,12 @@ def test_words_of_people_are_text_and_nothing_else(page: str) -> None:
 
 def test_the_same_bag_gives_the_same_page(bag: Path, page: str) -> None:
     assert build_report(bag) == page
+
+
+def test_the_name_of_a_room_stands_beside_its_number(report: Report) -> None:
+    page = render([replace(report, rooms=RoomNames.of([(1, "Kitchen <old>"), (2, "Room 2")]))], "a.bag")
+    assert page.count("<td>1 (Kitchen &lt;old&gt;)</td>") > 1
+    assert "<td>2</td>" in page
 
 
 def test_the_page_tells_who_made_way_for_whom_when_and_how_long(report: Report) -> None:

@@ -1,6 +1,8 @@
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from thbridge.hunt.rooms import CORRIDOR, Room, all_rooms
+from thbridge.hunt.rooms import CORRIDOR, Room, RoomNames, all_rooms
 
 
 def test_room_1_of_people_is_0_on_the_wire():
@@ -25,3 +27,15 @@ def test_no_room_is_below_zero(build):
 def test_all_rooms_leave_the_corridor_out():
     assert [room.people for room in all_rooms(3)] == [1, 2, 3]
     assert [str(room) for room in (CORRIDOR, *all_rooms(1))] == ["the corridor", "room 1"]
+
+
+def test_a_name_stands_beside_the_number_where_it_says_more():
+    names = RoomNames.of([(1, "Kitchen"), (2, "Room 2"), (3, "room  3 "), (4, "4"), (5, ""), (6, "Room 5")])
+    titles = ["the corridor", "room 1 (Kitchen)", "room 2", "room 3", "room 4", "room 5", "room 6 (Room 5)", "room 7"]
+    assert [names.titled(room) for room in range(8)] == titles
+    assert [names.name(room) for room in (1, 2, None)] == ["Kitchen", "", ""]
+
+
+@given(st.integers(0, 99))
+def test_without_names_a_room_is_said_as_ever(room):
+    assert RoomNames.of([(room, str(Room(room)))]).titled(room) == str(Room(room))

@@ -16,6 +16,7 @@ from sim.world.things import ThingState, polygons_of
 from tests.thbridge.ros.drive import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import GoalStatusCode
+from thbridge.ros.messages.pack import RoomLabel
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal, VelocityCommand
 from thbridge.ros.messages.types import plain_definition, typestore
 from thbridge.ros.names import RobotNames
@@ -42,6 +43,13 @@ def test_opening_says_the_session_first_and_latches_everything() -> None:
     assert [message.topic.name for message in opening] == ["/thbridge/session", "/tf_static", "/map", "/map_metadata"]
     assert all(message.topic.latched for message in opening)
     assert all(message.stamp_ns == 1_000_000_000 for message in opening)
+
+
+def test_the_opening_names_the_rooms_where_they_are_known() -> None:
+    rooms = (RoomLabel(1, "Kitchen", 0.5, 2.0), RoomLabel(2, "Room 2", 3.0, 2.0))
+    labels = TeamPublisher(1, MOUNT, SCAN_PERIOD, rooms=rooms).opening(0, SESSION, arena())[-1]
+    assert (labels.topic.name, labels.topic.latched) == ("/hunt/rooms", True)
+    assert unpack.room_labels(labels.data) == {1: "Kitchen", 2: "Room 2"}
 
 
 def test_one_static_message_leads_from_every_base_to_its_laser() -> None:

@@ -18,12 +18,13 @@ from thbridge.analysis.games import OF_A_GAME, game_start
 from thbridge.analysis.report.tracks import PoseSeries, SeriesByTopic, deviations
 from thbridge.analysis.report.values import GoalAttempt, ObstacleTrack, Report, TimelineEntry, Track
 from thbridge.hunt.event_words import event_in_words, kind_in_words
+from thbridge.hunt.rooms import RoomNames
 from thbridge.recording.bag.reader import RawMessage
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import GoalStatusCode
 from thbridge.ros.messages.session_records import GameEvent, ScoreRecord, SessionRecord, UtteranceRecord
 from thbridge.ros.messages.unpack import PoseInFrame
-from thbridge.ros.names import MAKES_WAY_FOR, MAP, NAVIGATION, THINGS, frame_name
+from thbridge.ros.names import MAKES_WAY_FOR, MAP, NAVIGATION, ROOMS, THINGS, frame_name
 from thbridge.ros.robots import is_map_frame, is_odom_frame, usual_first
 
 OUTCOMES: dict[int, str] = {
@@ -86,6 +87,7 @@ class _ReportBuilder:
         self._timeline: list[TimelineEntry] = []
         self._inputs = 0
         self._outlines: defaultdict[str, list[FloatArray]] = defaultdict(list)
+        self._rooms = RoomNames()
         self._unread: dict[str, str] = {}
         self._handlers: dict[str, Callable[[float, str, bytes], None]] = {
             types.ODOMETRY: self._odometry,
@@ -112,11 +114,11 @@ class _ReportBuilder:
         return self.game is not None or self._score is not None
 
     def next_game(self, begins_ns: int) -> "_ReportBuilder":
-        """The builder of the next game of the recording: with the session and the map, which are recorded once."""
+        """The builder of the next game of the recording: with session, map and rooms, which are recorded once."""
         builder = _ReportBuilder()
         builder.first_ns = builder._last_ns = begins_ns
         builder._begins = self._begins + self._seconds(begins_ns)
-        builder._session, builder._grids = self._session, self._grids
+        builder._session, builder._grids, builder._rooms = self._session, self._grids, self._rooms
         return builder
 
     def _seconds(self, stamp_ns: int) -> float:
@@ -156,6 +158,7 @@ class _ReportBuilder:
             (*self._unread.values(), *self._missing(tracks, grid)),
             self.game,
             self._begins,
+            self._rooms,
         )
 
     def _missing(self, tracks: tuple[Track, ...], grid: OccupancyGrid | None) -> Iterable[str]:
@@ -230,6 +233,8 @@ class _ReportBuilder:
         if topic == THINGS:
             for name, outline in unpack.outlines(data):
                 self._outlines[name].append(outline)
+        elif topic == ROOMS:
+            self._rooms = RoomNames.of(unpack.room_labels(data).items())
 
     def _take_session(self, time: float, topic: str, data: bytes) -> None:
         self._session = unpack.session(data)

@@ -1,13 +1,14 @@
 """Values of a report. Times are seconds since the first message of the recording, or of the game."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
 from sim.common.robot_numbers import index_of, robot_name
+from thbridge.hunt.rooms import RoomNames
 from thbridge.ros.messages.session_records import ScoreRecord, SessionRecord
 
 _OURS = re.compile(r"robot([1-9][0-9]*)")
@@ -148,6 +149,7 @@ class Report:
         inputs: number of inputs of people that were recorded.
         missing: sentences on data that are missing, and why.
         game: number of the game; None where no game begins in what was read.
+        rooms: names of the map's rooms.
         begins: seconds from the recording's first message to the beginning of this game, from which its times count.
     """
 
@@ -162,3 +164,4 @@ class Report:
     missing: tuple[str, ...]
     game: int | None = None
     begins: float = 0.0
+    rooms: RoomNames = field(default_factory=RoomNames)

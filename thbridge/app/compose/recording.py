@@ -11,6 +11,7 @@ from thbridge.app.compose.setting import StudySetting
 from thbridge.app.live_graph.live import TeamDescription
 from thbridge.recording.bag.options import RecordingDetail
 from thbridge.recording.bag.writer import BagWriter, keep_all
+from thbridge.ros.messages.pack import RoomLabel
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.names import CALLER
 from thbridge.ros.parameters import tree_of
@@ -32,7 +33,13 @@ def build_publisher(setting: StudySetting) -> TeamPublisher:
     """Return the publisher of these robots' ROS messages."""
     study, laser = setting.study, setting.study.world.laser
     planners = [Planners.of(study.software(number)) for number in robot_numbers(study.robots)]
-    return TeamPublisher(study.robots, mount_of(laser), 1.0 / laser.rate, planners, vehicles=study.mavlink.on)
+    rooms = room_labels(setting)
+    return TeamPublisher(study.robots, mount_of(laser), 1.0 / laser.rate, planners, rooms, vehicles=study.mavlink.on)
+
+
+def room_labels(setting: StudySetting) -> tuple[RoomLabel, ...]:
+    """Return the names of the map's rooms, each where robots go in it."""
+    return tuple(RoomLabel(each.room.people, each.name, each.goal.x, each.goal.y) for each in setting.map.rooms)
 
 
 def build_writer(setting: StudySetting, path: Path, caller: str = CALLER) -> BagWriter:

@@ -47,6 +47,9 @@ from thbridge.study.study_file import load_study_tree, read_study_text
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 
+NEWER_TOPICS = frozenset({names.ROOMS})
+"""Topics that older recordings do not have: they are compared only where they were recorded."""
+
 
 @dataclass(frozen=True, slots=True)
 class Difference:
@@ -181,7 +184,8 @@ async def replay(
     """
     record = session_of(path)
     fresh = build_record(setting, record.program, record.roles, options.participant or record.participant)
-    buffer = _MessageBuffer(message_filter(_detail_of(path, record)))
+    unknown = NEWER_TOPICS - {topic.name for topic in bag_reader.info(path).topics}
+    buffer = _MessageBuffer(message_filter(_detail_of(path, record)), unknown)
     with ExitStack() as opened:
         kept = [] if options.to is None else [opened.enter_context(build_writer(setting, options.to))]
         broadcast = Broadcast(build_publisher(setting), fresh, setting.map.grid, [buffer, *kept])
@@ -307,10 +311,11 @@ class _ProgressReporter:
 
 
 class _MessageBuffer:
-    """Collects the messages that a recording keeps, until `drain`."""
+    """Collects the messages that a recording keeps, but those of topics unknown to it, until `drain`."""
 
-    def __init__(self, keep: Callable[[RosMessage], bool]) -> None:
+    def __init__(self, keep: Callable[[RosMessage], bool], unknown: frozenset[str]) -> None:
         self._keep = keep
+        self._left_out = unknown | {names.SESSION}
         self._messages: list[RosMessage] = []
 
     def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
@@ -319,7 +324,7 @@ class _MessageBuffer:
     def drain(self) -> list[RosMessage]:
         """Return the messages since the last call, without the session record."""
         messages, self._messages = self._messages, []
-        return [message for message in messages if message.topic.name != names.SESSION]
+        return [message for message in messages if message.topic.name not in self._left_out]
 
 
 class Comparison:

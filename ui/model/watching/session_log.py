@@ -10,6 +10,7 @@ from typing import get_args
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.event_words import event_in_words, kind_in_words
 from thbridge.hunt.events import Commander
+from thbridge.hunt.rooms import RoomNames
 from thbridge.hunt.treasures import name_in_words
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
@@ -47,8 +48,8 @@ IMPORTANT = frozenset(
 
 
 def is_logged(topic: str, msgtype: str) -> bool:
-    """Return True when the messages of a topic are entries."""
-    return msgtype in TYPES or topic in LINES
+    """Return True when the messages of a topic are entries, or name the rooms in them."""
+    return msgtype in TYPES or topic in LINES or topic == names.ROOMS
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,9 +79,14 @@ class _GameStatus:
 
 
 class SessionLog:
-    """Log that grows with the messages that are taken, in order of time."""
+    """Log that grows with the messages that are taken, in order of time.
+
+    Attributes:
+        room_names: of the map, as far as the messages tell.
+    """
 
     def __init__(self) -> None:
+        self.room_names = RoomNames()
         self._entries: dict[EntryKind, list[Entry]] = {kind: [] for kind in get_args(EntryKind)}
         self._dropped: dict[EntryKind, int] = dict.fromkeys(self._entries, 0)
         self._stamps: list[int] = []
@@ -157,6 +163,8 @@ class SessionLog:
                 line = unpack.log(message.data)
                 grave = line.level >= LogLevel.ERROR
                 return Entry(stamp, "log", line.level.name.lower(), line.name, None, None, line.text, grave)
+            case types.MARKER_ARRAY if message.topic == names.ROOMS:
+                self.room_names = RoomNames.of(unpack.room_labels(message.data).items())
             case types.STRING if message.topic in LINES:
                 return Entry(stamp, "line", message.topic, "", None, None, unpack.string(message.data).rstrip("\r\n"))
         return None

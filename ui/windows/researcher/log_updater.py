@@ -51,7 +51,7 @@ class LogUpdater:
 
     def _row(self, entry: Entry) -> LogRow:
         time = (entry.stamp_ns - self._feed.start_ns) / 1e9
-        room = "" if entry.room is None else f"room {entry.room}" if entry.room else "corridor"
+        room = self._room(entry) if entry.room else "" if entry.room is None else "corridor"
         match entry.kind:
             case "event":
                 cells: tuple[str, ...] = (entry.who, entry.what, room, entry.text)
@@ -63,10 +63,14 @@ class LogUpdater:
                 cells = (entry.who, entry.what, entry.text)
         return LogRow(time, cells, entry.robot)
 
+    def _room(self, entry: Entry) -> str:
+        """The room of an entry in words; empty for the corridor and where there is none."""
+        return self._feed.log.room_names.titled(entry.room) if entry.room else ""
+
     def _timeline_marks(self) -> Iterator[TimelineMark]:
         start_ns = self._feed.start_ns
         for entry in self._feed.log.marks():
-            room = f"room {entry.room}" if entry.room else ""
+            room = self._room(entry)
             text = " ".join(part for part in (entry.who, entry.what, room) if part)
             yield TimelineMark((entry.stamp_ns - start_ns) / 1e9, text, entry.robot, is_utterance=False)
         for entry in self._feed.log.entries("said"):

@@ -14,7 +14,7 @@ from sim.robot.costmap.view import CostmapView
 from tests.thbridge.ros.drive import MOUNT, SESSION, arena
 from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.goal_status import GoalId, GoalStatus, GoalStatusCode
-from thbridge.ros.messages.pack import DiagnosticLevel, DiagnosticStatus, Transform
+from thbridge.ros.messages.pack import DiagnosticLevel, DiagnosticStatus, RoomLabel, Transform
 from thbridge.ros.messages.records import LogLevel, LogLine
 from thbridge.ros.messages.session_records import GameEvent, InputRecord, ScoreRecord, UtteranceRecord
 
@@ -252,6 +252,32 @@ def test_diagnostics() -> None:
     status = message("diagnostic_msgs/DiagnosticStatus", 1, entry.name, entry.message, entry.hardware_id, values)
     expected = message(types.DIAGNOSTIC_ARRAY, ros_header(50), [status])
     assert pack.diagnostic_array(50, [entry]) == serialised(types.DIAGNOSTIC_ARRAY, expected)
+
+
+@given(TICKS, st.dictionaries(st.integers(1, 999), TEXTS, max_size=4))
+def test_room_labels(tick: int, names: dict[int, str]) -> None:
+    data = pack.room_labels(tick, "map", [RoomLabel(room, name, 1.5, -2.0) for room, name in names.items()])
+    place = message(
+        "geometry_msgs/Pose",
+        message("geometry_msgs/Point", 1.5, -2.0, 0.0),
+        message("geometry_msgs/Quaternion", 0.0, 0.0, 0.0, 1.0),
+    )
+    scale, colour = (
+        message("geometry_msgs/Vector3", 0.0, 0.0, 0.5),
+        message("std_msgs/ColorRGBA", *(float(np.float32(shade)) for shade in (0.2, 0.2, 0.2, 1.0))),
+    )
+    for_ever = message("builtin_interfaces/Duration", 0, 0)
+    markers = [
+        message(
+            "visualization_msgs/Marker",
+            *(ros_header(tick, "map"), "rooms", room, 9, 0, place, scale, colour, for_ever, False, [], [], name),
+            *("", False),
+        )
+        for room, name in names.items()
+    ]
+    assert data == serialised(types.MARKER_ARRAY, message(types.MARKER_ARRAY, markers))
+    assert unpack.room_labels(data) == names
+    assert unpack.outlines(data) == []
 
 
 def test_a_costmap_is_translated_as_costmap_2d_does_it() -> None:

@@ -1,4 +1,5 @@
 import json
+from typing import get_args
 
 from tests.ui.model.watching.messages import StampedMessage
 from thbridge.hunt.codec import kind_of
@@ -7,6 +8,7 @@ from thbridge.ros import names
 from thbridge.ros.messages import pack, types
 from thbridge.ros.messages.records import LogLevel, LogLine
 from thbridge.ros.messages.session_records import GameEvent
+from ui.model.watching.scene import EntryKind
 from ui.model.watching.session_log import MAX_ENTRIES, RoomStatus, SessionLog
 
 
@@ -69,6 +71,14 @@ def test_an_event_is_told_with_who_where_and_what() -> None:
     assert (entry.what, entry.who, entry.robot, entry.room) == ("failed", "robot 2", 1, 4)
     assert entry.text == "reason No way there, refund 12.5"
     assert entry.important
+
+
+def test_rooms_are_named_where_the_messages_name_them() -> None:
+    session_log = SessionLog()
+    labels = pack.room_labels(0, "map", [pack.RoomLabel(3, "Kitchen", 0.5, 2.0)])
+    session_log.take(StampedMessage(names.ROOMS, types.MARKER_ARRAY, 0, labels))
+    assert session_log.room_names.titled(3) == "room 3 (Kitchen)"
+    assert not any(session_log.entries(kind) for kind in get_args(EntryKind))
 
 
 def test_that_the_participant_asks_for_a_robot_is_said_in_words() -> None:

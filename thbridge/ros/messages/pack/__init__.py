@@ -17,7 +17,15 @@ from thbridge.ros.messages.pack.actions import (
 from thbridge.ros.messages.pack.fields import header, string
 from thbridge.ros.messages.pack.game import game_event, outside_input, score, session, utterance
 from thbridge.ros.messages.pack.logs import DiagnosticLevel, DiagnosticStatus, clock, diagnostic_array, log
-from thbridge.ros.messages.pack.maps import ADD, costmap, map_meta_data, occupancy_grid, outlines
+from thbridge.ros.messages.pack.maps import (
+    ADD,
+    RoomLabel,
+    costmap,
+    map_meta_data,
+    occupancy_grid,
+    outlines,
+    room_labels,
+)
 from thbridge.ros.messages.pack.motion import (
     NO_COVARIANCE,
     Transform,

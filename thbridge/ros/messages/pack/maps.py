@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from struct import Struct
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +19,26 @@ _GRID_META = Struct("<fII")
 ADD = 0
 _DELETEALL = 3
 _LINE_STRIP = 4
+_TEXT = 9
 """Codes of visualization_msgs/Marker."""
-_LINE_WIDTH = 0.05
-_LINE_COLOUR = (0.9, 0.4, 0.0, 1.0)
+_LINE_WIDTH, _TEXT_HEIGHT = 0.05, 0.5
+_LINE_COLOUR, _TEXT_COLOUR = (0.9, 0.4, 0.0, 1.0), (0.2, 0.2, 0.2, 1.0)
 """Metres; red, green, blue, opacity."""
+
+
+class RoomLabel(NamedTuple):
+    """A room's name on the map.
+
+    Attributes:
+        room: its number, as people count.
+        name: for people.
+        x: where it stands, metres; so y.
+    """
+
+    room: int
+    name: str
+    x: float
+    y: float
 
 
 def map_meta_data(tick: int, grid: OccupancyGrid) -> bytes:
@@ -81,29 +98,65 @@ def outlines(tick: int, frame: str, bodies: Iterable[tuple[str, FloatArray]]) ->
         frame: the frame of their corners.
         bodies: name, and (v, 2) corners in turn, metres.
     """
-    parts = [_marker(tick, frame, _DELETEALL, 0, "", np.empty((0, 2)))]
+    parts = [_line(tick, frame, _DELETEALL, 0, "", np.empty((0, 2)))]
     for number, (name, corners) in enumerate(bodies):
-        parts.append(_marker(tick, frame, ADD, number, name, np.vstack((corners, corners[:1]))))
+        parts.append(_line(tick, frame, ADD, number, name, np.vstack((corners, corners[:1]))))
     return UINT32.pack(len(parts)) + b"".join(parts)
 
 
-def _marker(tick: int, frame: str, action: int, number: int, name: str, line: FloatArray) -> bytes:
+def room_labels(tick: int, frame: str, labels: Iterable[RoomLabel]) -> bytes:
+    """visualization_msgs/MarkerArray with the names of rooms; the id of each is the room's number."""
+    parts = [_text(tick, frame, label) for label in labels]
+    return UINT32.pack(len(parts)) + b"".join(parts)
+
+
+def _line(tick: int, frame: str, action: int, number: int, name: str, line: FloatArray) -> bytes:
     """visualization_msgs/Marker: a line strip; its namespace and text are the body's name."""
+    look = (_LINE_WIDTH, 0.0, 0.0, *_LINE_COLOUR)
+    return _marker(tick, frame, name, (number, _LINE_STRIP, action), (0.0, 0.0), look, line, name)
+
+
+def _text(tick: int, frame: str, label: RoomLabel) -> bytes:
+    """visualization_msgs/Marker: a text that faces the viewer."""
+    look = (0.0, 0.0, _TEXT_HEIGHT, *_TEXT_COLOUR)
+    kind = (label.room, _TEXT, ADD)
+    return _marker(tick, frame, "rooms", kind, (label.x, label.y), look, np.empty((0, 2)), label.name)
+
+
+def _marker(
+    tick: int,
+    frame: str,
+    namespace: str,
+    kind: tuple[int, int, int],
+    place: tuple[float, float],
+    look: tuple[float, ...],
+    line: FloatArray,
+    text: str,
+) -> bytes:
+    """visualization_msgs/Marker that stays for ever.
+
+    Args:
+        tick: time stamp.
+        frame: the frame of its place.
+        namespace: of its id.
+        kind: its id, and codes of its type and of what is done with it.
+        place: x and y, metres.
+        look: its scale, and its colour.
+        line: (n, 2) points relative to its place, metres.
+        text: of the marker.
+    """
     points = np.zeros((len(line), 3))
     points[:, :2] = line
-    at_origin = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
     for_ever, unlocked, none = (0, 0), 0, UINT32.pack(0)
     return b"".join(
         (
             header(tick, frame),
-            string(name),
-            _MARKER.pack(
-                number, _LINE_STRIP, action, *at_origin, _LINE_WIDTH, 0.0, 0.0, *_LINE_COLOUR, *for_ever, unlocked
-            ),
+            string(namespace),
+            _MARKER.pack(*kind, *place, 0.0, 0.0, 0.0, 0.0, 1.0, *look, *for_ever, unlocked),
             UINT32.pack(len(points)),
             points.astype("<f8", copy=False).tobytes(),
             none,  # colours of single points
-            string(name),
+            string(text),
             none,  # mesh
             bytes((0,)),
         )

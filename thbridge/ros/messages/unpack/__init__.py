@@ -33,6 +33,7 @@ from thbridge.ros.messages.unpack.robots import (
     pose_array,
     pose_stamped,
     pose_with_covariance,
+    room_labels,
     spatial_transforms,
     transforms,
     twist,

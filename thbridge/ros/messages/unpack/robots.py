@@ -1,6 +1,8 @@
 """Messages of robots: odometry, poses, transforms, scans, maps, paths."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -190,23 +192,39 @@ def occupancy_grid(data: bytes) -> OccupancyGrid:
 
 def outlines(data: bytes) -> list[tuple[str, FloatArray]]:
     """visualization_msgs/MarkerArray: namespace and (v, 2) points of the markers that are added and have points."""
+    return [(marker.namespace, marker.points) for marker in _markers(data) if len(marker.points)]
+
+
+def room_labels(data: bytes) -> dict[int, str]:
+    """visualization_msgs/MarkerArray with the names of rooms, by number."""
+    return {marker.number: marker.text for marker in _markers(data)}
+
+
+class _Marker(NamedTuple):
+    """visualization_msgs/Marker that is added: namespace, id, (v, 2) points, text."""
+
+    namespace: str
+    number: int
+    points: FloatArray
+    text: str
+
+
+def _markers(data: bytes) -> Iterator[_Marker]:
     cursor = Cursor(data)
-    found = []
     for _ in range(cursor.integer(UINT32)):
         cursor.header()
-        name = cursor.string()
-        cursor.take(2 * INT32.size)
+        namespace, number = cursor.string(), cursor.integer(INT32)
+        cursor.take(INT32.size)
         action = cursor.integer(INT32)
         pose = read_pose(cursor)
         cursor.take(_MARKER_REST)
         points = cursor.reals(3 * cursor.integer(UINT32)).reshape(-1, 3)[:, :2]
         cursor.take(4 * FLOAT32.size * cursor.integer(UINT32))
-        cursor.string()
+        text = cursor.string()
         cursor.string()
         cursor.take(1)
-        if action == ADD and len(points):
-            found.append((name, pose.transform(points)))
-    return found
+        if action == ADD:
+            yield _Marker(namespace, number, pose.transform(points), text)
 
 
 def battery_state(data: bytes) -> BatteryCharge:
