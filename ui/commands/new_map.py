@@ -62,7 +62,7 @@ def maps_new(
         complete = measure_map(folder, place, runs, jobs or os.cpu_count() or 1)
     else:
         say(f"Not measured. Games need times: thbridge maps measure {folder} --out {folder / 'mapTimes'}")
-    say(f"Look at it: thbridge maps check {folder} --to {folder.name}.png")
+    say(f"Look at it: thbridge maps check {folder} --to {folder.name}-rooms.png")
     path = folder if folder.is_absolute() else f"./{folder}"
     if times:
         say(f"Play on it: thbridge play --map {path}")
