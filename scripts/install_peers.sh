@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Installs the programs of others that tests/peers plays against: MAVLink's clients into .peers, from the hashes in
+# Installs the programs of others that tests/peers plays against: MAVLink's clients and evo into .peers, from the hashes in
 # scripts/peers; the real ROS 1 tools, and Java for the clients of 2016, as Debian's packages, which only root can.
 # Tests whose program is missing are skipped and say so; nothing else depends on them. It wants .venv (make setup).
 set -uo pipefail
 cd "$(dirname "$0")/.."
 
-# Each of MAVLink's clients has an environment of its own, and only what it needs without a screen.
-for client in mavsdk mavproxy dronekit; do
+# Each of these programs has an environment of its own, and only what it needs without a screen.
+for client in mavsdk mavproxy dronekit evo; do
     there=.peers/$client
     # An environment belongs to the Python that made it.
     wanted=$( (cat scripts/peers/$client.txt && .venv/bin/python -VV) | sha256sum)

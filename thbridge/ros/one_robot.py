@@ -6,7 +6,7 @@ from typing import assert_never
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Twist
 from sim.robot.navigator.navigation import Navigation
 from sim.robot.software import RobotOutput
@@ -62,6 +62,7 @@ class RobotPublisher:
         self._scan_period = scan_period
         self._server = MoveBaseServer(robot)
         self._charge = math.nan
+        self._lost: bool | None = None
         self._command = STANDSTILL
         self._command_tick = 0
         self._plan: FloatArray = np.empty((0, 3))
@@ -93,6 +94,19 @@ class RobotPublisher:
         """The true pose and twist of the robot; of a dead one, too."""
         data = pack.odometry(tick, MAP_FRAME, self.base_footprint, base_in_map, twist)
         return self.topics.base_pose_ground_truth, data
+
+    def errors(self, tick: int, true: Pose2, output: RobotOutput) -> Iterator[tuple[Topic, bytes]]:
+        """Yield at every scan the believed pose and its errors, and that the robot is lost, when that changes."""
+        estimate = output.estimate
+        if estimate.lost is not self._lost:
+            self._lost = estimate.lost
+            yield self.topics.lost, pack.boolean(estimate.lost)
+        if output.observations.scan is None:
+            return
+        believed = estimate.base_in_map
+        yield self.topics.believed_pose, pack.pose_stamped(tick, MAP_FRAME, believed)
+        yield self.topics.position_error, pack.float64(math.hypot(believed.x - true.x, believed.y - true.y))
+        yield self.topics.heading_error, pack.float64(wrap_angle(believed.theta - true.theta))
 
     def tick(
         self, tick: int, command: Twist, output: RobotOutput, goals: Sequence[ActionServerMessage]

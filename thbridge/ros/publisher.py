@@ -163,9 +163,11 @@ class TeamPublisher:
         for index, (robot, output) in enumerate(zip(self._robots, snapshot.robots, strict=True)):
             dead = index in snapshot.dead
             goals = robot.goals(tick, requests.get(index, ()), output, dead)
-            topic, data = robot.truth(tick, Pose2(*poses[index]), Twist(*twists[index]))
+            true = Pose2(*poses[index])
+            topic, data = robot.truth(tick, true, Twist(*twists[index]))
             messages.append(RosMessage(topic, stamp, data))
             if not dead:
+                messages.extend(RosMessage(topic, stamp, data) for topic, data in robot.errors(tick, true, output))
                 outgoing = robot.tick(tick, Twist(*commands[index].tolist()), output, goals)
                 messages.extend(RosMessage(topic, stamp, data) for topic, data in outgoing)
             lines += self._watches[index].log_lines(snapshot, output, goals)

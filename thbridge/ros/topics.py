@@ -106,6 +106,15 @@ class VehicleTopics:
         return self.sent, self.received, self.state
 
 
+OF_ERRORS = frozenset({"believed_pose", "position_error", "heading_error", "lost"})
+"""Last words of the topics that tell how well a robot knows where it is."""
+
+
+def is_of_errors(topic: Topic) -> bool:
+    """Return True for a topic that a recording may leave out by `recording: errors: false`."""
+    return topic.name.rpartition("/")[2] in OF_ERRORS
+
+
 class RobotTopics:
     """The topics of one robot."""
 
@@ -114,6 +123,11 @@ class RobotTopics:
         self.base_pose_ground_truth = Topic(robot.topic("base_pose_ground_truth"), types.ODOMETRY)
         self.scan = Topic(robot.topic("scan"), types.LASER_SCAN)
         self.amcl_pose = Topic(robot.topic("amcl_pose"), types.POSE_WITH_COVARIANCE, latched=True)
+        # Of no ROS node: for whoever asks how wrong a robot was, and when.
+        self.believed_pose = Topic(robot.topic("believed_pose"), types.POSE_STAMPED)
+        self.position_error = Topic(robot.topic("position_error"), types.FLOAT64)
+        self.heading_error = Topic(robot.topic("heading_error"), types.FLOAT64)
+        self.lost = Topic(robot.topic("lost"), types.BOOL, latched=True)
         self.particlecloud = Topic(robot.topic("particlecloud"), types.POSE_ARRAY, latched=True)
         self.initialpose = Topic(robot.topic("initialpose"), types.POSE_WITH_COVARIANCE)
         self.cmd_vel = Topic(robot.topic("cmd_vel"), types.TWIST)

@@ -134,6 +134,7 @@ class RecordingSection:
         RecordingDetail.CHANGES,
         "changes: of costmaps that stay the same one in 10 s, and every other message; all: these costmaps, too",
     )
+    errors: bool = param(True, "the pose that each robot believes at every scan, its errors, and whether it is lost")
     split_size: float | None = param(
         None, "size of a file beyond which the recording goes on in another; null: one file", "MB", 0.1, 1e6
     )

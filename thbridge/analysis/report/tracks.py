@@ -29,7 +29,7 @@ UNDER_WAY = "under way"
 BATTERIES = ("battery", "battery_state")
 COMMANDS = ("cmd_vel",)
 ESTIMATES = ("amcl_pose", "robot_pose", "slam_out_pose", "tracked_pose")
-NO_ESTIMATES = ("initialpose", "goal", "current_goal", "target")
+NO_ESTIMATES = ("initialpose", "goal", "current_goal", "target", "believed_pose")
 """Topics of poses on the map that are goals or guesses of people."""
 BASES = ("base_footprint", "base_link")
 

@@ -17,6 +17,7 @@ from thbridge.ros.names import CALLER
 from thbridge.ros.parameters import tree_of
 from thbridge.ros.publisher import Planners, RosMessage, TeamPublisher
 from thbridge.ros.repetitions import RepetitionFilter
+from thbridge.ros.topics import is_of_errors
 from thbridge.study.text import resolved
 
 RECORDED_PACKAGES = ("thbridge", "numpy", "scipy", "numba", "filterpy", "rosbags", "pymavlink")
@@ -45,13 +46,14 @@ def room_labels(setting: StudySetting) -> tuple[RoomLabel, ...]:
 def build_writer(setting: StudySetting, path: Path, caller: str = CALLER) -> BagWriter:
     """Return a writer of a new bag, for messages of this node. Raises BagNotWritten."""
     recording = setting.study.recording
-    keep = message_filter(recording.detail)
+    keep = message_filter(recording.detail, errors=recording.errors)
     return BagWriter(path, compression=recording.compression, splitting=recording.splitting, caller=caller, keep=keep)
 
 
-def message_filter(detail: RecordingDetail) -> Callable[[RosMessage], bool]:
-    """Return what tells of each message of a session, in order, if it is recorded."""
-    return keep_all if detail is RecordingDetail.ALL else RepetitionFilter()
+def message_filter(detail: RecordingDetail, *, errors: bool) -> Callable[[RosMessage], bool]:
+    """Return what tells of each message of a session, in order, if it is recorded; `errors` as in the study."""
+    keep = keep_all if detail is RecordingDetail.ALL else RepetitionFilter()
+    return keep if errors else lambda message: not is_of_errors(message.topic) and keep(message)
 
 
 def build_team_description(setting: StudySetting, publisher: TeamPublisher) -> TeamDescription:

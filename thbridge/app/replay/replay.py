@@ -147,10 +147,12 @@ def session_of(path: Path) -> SessionRecord:
     return record
 
 
-def _detail_of(path: Path, record: SessionRecord) -> RecordingDetail:
-    """Return which messages a session recorded: all of them, before studies had a key for that."""
+def _recorded_by(path: Path, record: SessionRecord) -> Callable[[RosMessage], bool]:
+    """Return which messages a session recorded, also where studies had no keys for that yet."""
     loaded = load_study_tree(path, parse(path, record.study))
-    return loaded.value.recording.detail if "recording.detail" in loaded.lines else RecordingDetail.ALL
+    chosen, written = loaded.value.recording, loaded.lines
+    detail = chosen.detail if "recording.detail" in written else RecordingDetail.ALL
+    return message_filter(detail, errors=chosen.errors and "recording.errors" in written)
 
 
 def ticks_of(path: Path) -> Iterator[RecordedTick]:
@@ -185,7 +187,7 @@ async def replay(
     record = session_of(path)
     fresh = build_record(setting, record.program, record.roles, options.participant or record.participant)
     unknown = NEWER_TOPICS - {topic.name for topic in bag_reader.info(path).topics}
-    buffer = _MessageBuffer(message_filter(_detail_of(path, record)), unknown)
+    buffer = _MessageBuffer(_recorded_by(path, record), unknown)
     with ExitStack() as opened:
         kept = [] if options.to is None else [opened.enter_context(build_writer(setting, options.to))]
         broadcast = Broadcast(build_publisher(setting), fresh, setting.map.grid, [buffer, *kept])

@@ -13,12 +13,23 @@ UINT32 = Struct("<I")
 _STAMP = Struct("<II")
 _HEAD = Struct("<III")
 _POSE = Struct("<7d")
+_FLOAT64 = Struct("<d")
 
 
 def string(text: str) -> bytes:
     """A string field; also a whole std_msgs/String."""
     data = text.encode()
     return UINT32.pack(len(data)) + data
+
+
+def float64(value: float) -> bytes:
+    """A float64 field; also a whole std_msgs/Float64."""
+    return _FLOAT64.pack(value)
+
+
+def boolean(value: bool) -> bytes:
+    """A bool field; also a whole std_msgs/Bool."""
+    return b"\1" if value else b"\0"
 
 
 name = lru_cache(maxsize=1024)(string)
