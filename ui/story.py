@@ -32,23 +32,24 @@ from thbridge.hunt.events import (
     TreasureTakenUp,
 )
 from thbridge.hunt.properties import value_in_words
+from thbridge.hunt.rooms import Room, RoomNames
 from thbridge.hunt.rules import commander_name
 from thbridge.hunt.treasures import name_in_words
 from ui.terminal import out
 
 
-def print_story(tick: TickRecord) -> None:
-    """Print what happened in a tick."""
-    for sentence in tell(tick):
+def print_story(tick: TickRecord, rooms: RoomNames) -> None:
+    """Print what happened in a tick; `rooms` are the names of the map's rooms."""
+    for sentence in tell(tick, rooms):
         out.print(sentence, highlight=False, markup=False)
 
 
-def tell(tick: TickRecord) -> Iterator[str]:
+def tell(tick: TickRecord, rooms: RoomNames) -> Iterator[str]:
     """The sentences for one tick, each with its time."""
     for utterance in tick.utterances:
         yield _timed(tick, _sentence(utterance))
     for event in tick.events:
-        sentence = _happened(event)
+        sentence = _happened(event, rooms)
         if sentence:
             yield _timed(tick, sentence)
 
@@ -72,7 +73,10 @@ def _sentence(utterance: DialogueUtterance) -> str:
     return f"{speaker}{wizard}: {utterance.text}"
 
 
-def _happened(event: Event) -> str:
+def _happened(event: Event, rooms: RoomNames) -> str:
+    def titled(room: Room) -> str:
+        return rooms.titled(room.people)
+
     match event:
         case GameStarted(game=game, robots=robots):
             return f"Game {game} begins, with {robots} robot{'s' if robots > 1 else ''}."
@@ -81,12 +85,12 @@ def _happened(event: Event) -> str:
         case ConsentGiven():
             return "The participant has agreed to take part."
         case RobotDeparted(robot, room, cost):
-            return f"{robot_name(robot).capitalize()} sets out for {room} and pays {energy_text(cost)} energy."
+            return f"{robot_name(robot).capitalize()} sets out for {titled(room)} and pays {energy_text(cost)} energy."
         case RobotArrived(robot, room):
-            return f"{robot_name(robot).capitalize()} is in {room}."
+            return f"{robot_name(robot).capitalize()} is in {titled(room)}."
         case MoveFailed(robot, room, reason, refund):
             back = f" {energy_text(refund)} energy comes back." if refund > 0.0 else ""
-            return f"{robot_name(robot).capitalize()} does not get to {room}: {reason}{back}"
+            return f"{robot_name(robot).capitalize()} does not get to {titled(room)}: {reason}{back}"
         case ConditionChanged(robot, condition):
             return f"{robot_name(robot).capitalize()} {CONDITIONS[condition]}"
         case CostsEstimated(robot):
@@ -98,21 +102,21 @@ def _happened(event: Event) -> str:
             return f"The participant asks for {robot_name(robot)} back."
         case TreasureSensed(room, properties):
             told = ", ".join(map(value_in_words, properties.values()))
-            return f"Something {told}, is in {room}." if told else f"Something is in {room}."
+            return f"Something {told}, is in {titled(room)}." if told else f"Something is in {titled(room)}."
         case PropertyMeasured(room, robot, name, value):
-            return f"{robot_name(robot).capitalize()} senses in {room}: {_property_in_words(name, value)}."
+            return f"{robot_name(robot).capitalize()} senses in {titled(room)}: {_property_in_words(name, value)}."
         case PropertyTold(room, name, value):
-            return f"The participant tells of {room}: {_property_in_words(name, value)}."
+            return f"The participant tells of {titled(room)}: {_property_in_words(name, value)}."
         case TreasurePictured(room, robot):
-            return f"{robot_name(robot).capitalize()} takes a picture in {room}."
+            return f"{robot_name(robot).capitalize()} takes a picture in {titled(room)}."
         case TreasureIdentified(room, _, name, points):
-            place = "" if room is None else f" in {room}"
+            place = "" if room is None else f" in {titled(room)}"
             named = "named" if name is None else f"named {name_in_words(name)}"
             return f"The treasure{place} is {named}: {points:+d} points."
         case TreasureLeft(room):
-            return f"The treasure in {room} is left alone."
+            return f"The treasure in {titled(room)} is left alone."
         case TreasureTakenUp(room):
-            return f"The treasure in {room} is taken up again."
+            return f"The treasure in {titled(room)} is taken up again."
         case GameEnded(reason, score):
             return f"The game is over: {ENDS[reason]}. Score {score}."
 

@@ -3,8 +3,8 @@
 import dataclasses
 
 from tests.thbridge.roles.test_command import TAKE, Play
-from thbridge.hunt.events import TreasureIdentified, TreasurePictured
-from thbridge.hunt.rooms import Room
+from thbridge.hunt.events import RobotArrived, TreasureIdentified, TreasureLeft, TreasurePictured
+from thbridge.hunt.rooms import Room, RoomNames
 from thbridge.roles.robot_requests import ReleaseCommand
 from ui.story import tell
 
@@ -17,7 +17,9 @@ def test_who_commands_a_robot_is_told() -> None:
     play.stage.puppets.researchers = (None, None)
     play.stage.run(60)
     play.ask(ReleaseCommand(0))
-    sentences = [sentence.split("s  ", 1)[1] for tick in play.stage.tick_records for sentence in tell(tick)]
+    sentences = [
+        sentence.split("s  ", 1)[1] for tick in play.stage.tick_records for sentence in tell(tick, RoomNames())
+    ]
     assert [sentence for sentence in sentences if "commanded" in sentence] == [
         "Robot 1 is commanded by ground station 255 from now on.",
         "Robot 1 is commanded by /rviz from now on.",
@@ -35,8 +37,20 @@ def test_names_are_told_as_words_and_no_file_of_a_picture() -> None:
         TreasureIdentified(None, None, None, -10, 0.0),
     )
     tick = dataclasses.replace(play.stage.tick_records[-1], events=events, utterances=())
-    assert [sentence.split("s  ", 1)[1] for sentence in tell(tick)] == [
+    assert [sentence.split("s  ", 1)[1] for sentence in tell(tick, RoomNames())] == [
         "Robot 1 takes a picture in room 3.",
         "The treasure in room 3 is named beer bottle: +20 points.",
         "The treasure is named: -10 points.",
+    ]
+
+
+def test_the_name_of_a_room_stands_beside_its_number() -> None:
+    play = Play()
+    play.stage.run(2)
+    events = (RobotArrived(0, Room(3)), RobotArrived(1, Room(4)), TreasureLeft(Room(3)))
+    tick = dataclasses.replace(play.stage.tick_records[-1], events=events, utterances=())
+    assert [sentence.split("s  ", 1)[1] for sentence in tell(tick, RoomNames({3: "Kitchen"}))] == [
+        "Robot 1 is in room 3 (Kitchen).",
+        "Robot 2 is in room 4.",
+        "The treasure in room 3 (Kitchen) is left alone.",
     ]

@@ -22,7 +22,7 @@ from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.image_files import read_image
 from thbridge.files.map_times import MAP_TIMES, read_map_times
 from thbridge.files.yaml.load import Loaded, load
-from thbridge.hunt.rooms import Room
+from thbridge.hunt.rooms import Room, RoomNames
 
 T = TypeVar("T")
 
@@ -80,6 +80,11 @@ class Map:
     rooms: tuple[MapRoom, ...]
     starts: tuple[Pose2, ...]
     costs: Path | None
+
+    @property
+    def room_names(self) -> RoomNames:
+        """Names of the rooms."""
+        return RoomNames.of((entry.room.people, entry.name) for entry in self.rooms)
 
     def room_at(self, x: float, y: float) -> Room | None:
         """The room with a point of the map frame; None in a corridor."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from thbridge.hunt.events import Condition
+from thbridge.hunt.rooms import RoomNames
 from thbridge.protocols.text.notice import NoticeValue
 
 KEEPER = "Game"
@@ -247,6 +248,11 @@ class FloorPlan(NoticeValue, frozen=True, tag="House"):
     cells: str
     rooms: tuple[RoomOutline, ...]
     footprint: tuple[tuple[float, float], ...]
+
+    @property
+    def room_names(self) -> RoomNames:
+        """Names of the rooms."""
+        return RoomNames.of((outline.room, outline.name) for outline in self.rooms)
 
 
 class PicturePiece(NoticeValue, frozen=True, tag="Picture"):

@@ -157,9 +157,11 @@ def mavlink_replay(
     if to is not None:
         make_copy_ready(to, bag)
 
+    rooms = setting.map.room_names
+
     def progress(moment: TickRecord) -> None:
         if not as_json:
-            print_story(moment)
+            print_story(moment, rooms)
 
     announce_compiling()
     with bad_input():

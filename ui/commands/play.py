@@ -160,9 +160,11 @@ def play(
         elif not as_json:
             note(f"Other programs can join at {where.host}:{where.port}.")
 
+    rooms = setting.map.room_names
+
     def progress(moment: TickRecord) -> None:
         if not as_json and who is not ParticipantKind.PERSON:
-            print_story(moment)
+            print_story(moment, rooms)
 
     announce_compiling()
     unfinished: HuntUnfinished | None = None

@@ -71,9 +71,11 @@ def replay_command(
     if to is not None:
         make_copy_ready(to, bag)
 
+    rooms = setting.map.room_names
+
     def progress(moment: TickRecord) -> None:
         if not as_json:
-            print_story(moment)
+            print_story(moment, rooms)
 
     announce_compiling()
     figures: list[tuple[RunFigures | None, RunFigures | None]] = []

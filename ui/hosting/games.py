@@ -11,6 +11,7 @@ from thbridge.app.compose.setting import StudySetting
 from thbridge.app.consent import ParticipantDeclined
 from thbridge.app.listeners import StartupCallbacks
 from thbridge.app.play import HuntOutcome, HuntUnfinished, PlayOptions
+from thbridge.app.session.session import TickRecord
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.study_file import Study, with_team_size
@@ -115,9 +116,14 @@ class WindowGames:
             note(f"Other programs can join at {where.host}:{where.port}.")
             visit.ready(where)
 
+        rooms = setting.map.room_names
+
+        def story(moment: TickRecord) -> None:
+            print_story(moment, rooms)
+
         announce_compiling()
         try:
-            return await hunt.play(setting, None, options, ready, print_story, self.hosts)
+            return await hunt.play(setting, None, options, ready, story, self.hosts)
         except ParticipantDeclined:
             if visit.ended is None:
                 raise  # Ctrl-C: the program ends.

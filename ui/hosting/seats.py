@@ -33,7 +33,7 @@ def seat_of_bot(who: ParticipantKind, templates: TemplateSet, seed: int) -> Seat
 
 def seat_of_person(consent: GiveConsent | None = None) -> Seat:
     """Seat a person, who knows what the game tells, and may have agreed to take part already."""
-    person = TerminalPlayer(lambda line: out.print(line, highlight=False, markup=False))
+    person = TerminalPlayer(lambda line: out.print(line, highlight=False, markup=False), lambda: tabui.room_names)
     tabui = TabUI(person, consent=consent)
 
     def typed(line: str) -> None:

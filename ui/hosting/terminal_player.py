@@ -8,6 +8,7 @@ from sim.common.robot_numbers import index_of, robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
 from thbridge.hunt.properties import Teller, TreasureProperty, properties_in_words
+from thbridge.hunt.rooms import RoomNames
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import (
     AnswerDialogue,
@@ -65,10 +66,12 @@ class TerminalPlayer:
 
     Attributes:
         show: puts a line in front of the person.
+        rooms: gives the names of the map's rooms.
         declined: the person does not take part.
     """
 
     show: Callable[[str], None]
+    rooms: Callable[[], RoomNames] = RoomNames
     declined: bool = False
     _view: View | None = None
     _wanted: tuple[ParticipantRequest, ...] = ()
@@ -78,7 +81,7 @@ class TerminalPlayer:
         """Return the requests typed since the last call, and those that follow from agreements; see `Player`."""
         if view != self._view:
             before, self._view = self._view, view
-            for line in _changes(before, view):
+            for line in _changes(before, view, self.rooms()):
                 self.show(line)
         wanted, self._wanted = self._wanted, ()
         follow = [request for consent in view.consents if (request := self._follow(consent)) is not None]
@@ -98,7 +101,7 @@ class TerminalPlayer:
             case []:
                 pass
             case ["?"]:
-                for state in _state_lines(view):
+                for state in _state_lines(view, self.rooms()):
                     self.show(state)
             case ["rules"]:
                 for rule in rules_of(view):
@@ -179,7 +182,7 @@ class TerminalPlayer:
     def _discuss(self, view: View, room: int, matter: Literal["take-picture", "take-treasure"]) -> None:
         robot = view.room(room).robot if 0 < room <= len(view.rooms) else None
         if robot is None:
-            self.show(f"No robot stands in room {room}.")
+            self.show(f"No robot stands in room {self.rooms().numbered(room)}.")
         else:
             self._wanted = (OpenDialogue(robot, matter, room),)
 
@@ -208,7 +211,7 @@ def _is_number(word: str) -> bool:
     return word.isdecimal() and len(word) < 6
 
 
-def _changes(before: View | None, view: View) -> list[str]:
+def _changes(before: View | None, view: View, rooms: RoomNames) -> list[str]:
     """Lines that tell a person the changes since the view before."""
     if view.consent is not None and (before is None or before.consent is None):
         return [*view.consent.splitlines(), QUESTION]
@@ -217,13 +220,13 @@ def _changes(before: View | None, view: View) -> list[str]:
     if before is None or before.game != view.game:
         return [
             f"Game {view.game}. Type rules for its rules, ? to see how things stand, h for help.",
-            *_state_lines(view),
+            *_state_lines(view, rooms),
         ]
     lines: list[str] = []
     for was, now in zip(before.robots, view.robots, strict=True):
-        lines += _robot_changes(was, now)
+        lines += _robot_changes(was, now, rooms)
     for old, new in zip(before.rooms, view.rooms, strict=True):
-        lines += _room_changes(view, old, new)
+        lines += _room_changes(view, old, new, rooms)
     known = {(dialogue.dialogue, dialogue.turn) for dialogue in before.dialogues}
     lines += [_asked(dialogue) for dialogue in view.dialogues if (dialogue.dialogue, dialogue.turn) not in known]
     if view.refusal is not None and view.refusal != before.refusal:
@@ -233,13 +236,16 @@ def _changes(before: View | None, view: View) -> list[str]:
     return lines
 
 
-def _robot_changes(was: RobotView, now: RobotView) -> list[str]:
+def _robot_changes(was: RobotView, now: RobotView, rooms: RoomNames) -> list[str]:
     name = robot_name(now.robot).capitalize()
     lines = []
     if now.moving_to is not None and was.moving_to != now.moving_to:
-        lines.append(f"{name} sets out for room {now.moving_to}; it has {energy_text(now.energy)} energy left.")
+        lines.append(
+            f"{name} sets out for {rooms.titled(now.moving_to)}; it has {energy_text(now.energy)} energy left."
+        )
     if was.moving_to is not None and now.moving_to is None:
-        lines.append(f"{name} is in room {now.place}." if now.place == was.moving_to else f"{name} has stopped.")
+        there = now.place == was.moving_to
+        lines.append(f"{name} is in {rooms.titled(now.place)}." if there else f"{name} has stopped.")
     if now.condition is not was.condition:
         lines.append(f"{name} {CONDITIONS[now.condition]}")
     if (now.commander, now.commander_name) != (was.commander, was.commander_name):
@@ -250,21 +256,22 @@ def _robot_changes(was: RobotView, now: RobotView) -> list[str]:
     return lines
 
 
-def _room_changes(view: View, old: RoomView, new: RoomView) -> list[str]:
+def _room_changes(view: View, old: RoomView, new: RoomView, rooms: RoomNames) -> list[str]:
     lines = []
+    room = f"Room {rooms.numbered(new.room)}"
     if new.found and (new.known != old.known or (old.left and not new.left)):
-        lines.append(_found(view, new))
+        lines.append(_found(view, new, rooms))
     if new.left and not old.left:
         again = f" u {new.room} takes it up again, until its robot sets out." if new.robot is not None else ""
-        lines.append(f"Room {new.room}: what is there is left there.{again}")
+        lines.append(f"{room}: what is there is left there.{again}")
     if new.picture is not None and old.picture is None:
-        lines.append(f"Room {new.room}: a picture is taken. A terminal cannot show it.")
+        lines.append(f"{room}: a picture is taken. A terminal cannot show it.")
     if new.verdict is not None and old.verdict is None:
-        lines.append(f"Room {new.room}: {verdict_words(new.verdict.name, new.verdict.points)}")
+        lines.append(f"{room}: {verdict_words(new.verdict.name, new.verdict.points)}")
     return lines
 
 
-def _found(view: View, room: RoomView) -> str:
+def _found(view: View, room: RoomView, rooms: RoomNames) -> str:
     seen = properties_in_words(view.properties, room.known)
     more = [
         f" m {room.room} {each.label.lower()} senses its {each.label.lower()} for {energy_text(each.cost)} energy."
@@ -276,7 +283,7 @@ def _found(view: View, room: RoomView) -> str:
         for each in view.properties
         if each.told_by is Teller.PERSON and room.picture is not None and each.name not in room.told
     ]
-    return f"Room {room.room}: {seen}.{''.join(more)} n {room.room} NAME names it."
+    return f"Room {rooms.numbered(room.room)}: {seen}.{''.join(more)} n {room.room} NAME names it."
 
 
 def _asked(dialogue: DialogueView) -> str:
@@ -286,19 +293,19 @@ def _asked(dialogue: DialogueView) -> str:
     return f"{robot_name(dialogue.robot).capitalize()}: {dialogue.said[-1]}   [{answers}]"
 
 
-def _state_lines(view: View) -> list[str]:
+def _state_lines(view: View, rooms: RoomNames) -> list[str]:
     lines = []
     for robot in view.robots:
-        place = "the corridor" if robot.place == 0 else f"room {robot.place}"
-        where = f"in {place}" if robot.moving_to is None else f"under way to room {robot.moving_to}"
+        goal = robot.moving_to
+        where = f"in {rooms.titled(robot.place)}" if goal is None else f"under way to {rooms.titled(goal)}"
         name = robot_name(robot.robot).capitalize()
         lines.append(f"  {name}: {where}, energy {energy_text(robot.energy)}")
         if robot.condition is not Condition.WELL:
             lines.append(f"  {name} {CONDITIONS[robot.condition]}")
         if other := robot.other_commander:
             lines.append(f"  {name} is commanded by {other}.")
-    lines += [f"  {_found(view, room)}" for room in view.rooms if room.found and room.undecided]
-    free = [str(room.room) for room in view.rooms if room.state == "unvisited"]
+    lines += [f"  {_found(view, room, rooms)}" for room in view.rooms if room.found and room.undecided]
+    free = [rooms.numbered(room.room) for room in view.rooms if room.state == "unvisited"]
     lines.append(f"  Rooms not visited: {' '.join(free) or 'none'}. Score {view.score}.")
     lines += [f"  {_asked(dialogue)}" for dialogue in view.dialogues]
     return lines

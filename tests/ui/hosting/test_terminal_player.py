@@ -5,6 +5,7 @@ import pytest
 from tests.thbridge.roles.stage import Stage
 from thbridge.hunt.events import Condition, ConsentGiven, RobotDeparted, TreasureIdentified, TreasuresHidden
 from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.notices import FloorPlan, RoomOutline
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import ReleaseCommand, StationSend, TakeCommand
 from ui.hosting.terminal_player import TerminalPlayer
@@ -15,7 +16,7 @@ from ui.model.rules_sheet import rules_of
 class Seat:
     def __init__(self, briefing: Briefing | None = None, set_name: str = "original-2016") -> None:
         self.shown: list[str] = []
-        self.person = TerminalPlayer(self.shown.append)
+        self.person = TerminalPlayer(self.shown.append, lambda: self.stage.tabui.room_names)
         self.stage = Stage(participant=TabUI(self.person), briefing=briefing, set_name=set_name)
         self.stage.run(6)
 
@@ -57,6 +58,23 @@ def test_a_person_hunts_by_keyboard_alone(seat):
         f"Room 3: {treasure.name} is right, {treasure.points} points won."
     ]
     assert any(isinstance(event, TreasureIdentified) for event in seat.stage.log.events)
+
+
+def test_the_name_of_a_room_stands_beside_its_number():
+    outlines = tuple(
+        RoomOutline(room, "Kitchen" if room == 3 else f"Room {room}", (), (0.0, 0.0, 0.0)) for room in range(1, 9)
+    )
+    plan = FloorPlan("stage", 0.05, (0.0, 0.0, 0.0), 1, 1, "eJxjAAAAAQAB", outlines, ())
+    seat = Seat(Briefing(floor_plan=plan))
+    assert "  Rooms not visited: 1 2 3 (Kitchen) 4 5 6 7 8. Score 0." in seat.shown
+    for line in ("1 3", "c", "c"):
+        seat.type(line, 20)
+    assert "Robot 1 sets out for room 3 (Kitchen); it has 83 energy left." in seat.shown
+    assert seat.shown[-2] == "Robot 1 is in room 3 (Kitchen)."
+    assert seat.shown[-1].startswith("Room 3 (Kitchen): something ")
+    assert "  Robot 1: in room 3 (Kitchen), energy 83" in seat.type("?")
+    assert seat.type("l 3")[0].startswith("Room 3 (Kitchen): what is there is left there.")
+    assert seat.type("p 5") == ["No robot stands in room 5."]
 
 
 def test_the_rules_are_those_of_the_windows_sheet(seat):

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from sim.common.observations import TICKS_PER_SECOND
-from thbridge.hunt.rooms import Room
+from thbridge.hunt.rooms import Room, RoomNames
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, parse_notice
@@ -65,6 +65,7 @@ class TabUI:
 
     Attributes:
         view: the latest view, None before the first.
+        room_names: of the game's map, as far as the keeper has told.
         run: marks this run of the program; see `ParticipantReady`.
         declined: the participant has said that they do not take part; this program is to leave then.
     """
@@ -78,6 +79,7 @@ class TabUI:
         self._observer = observer
         self._consent = consent
         self.view: View | None = None
+        self.room_names = RoomNames()
         self.run = ""
         self.declined = False
         self._introduce = False
@@ -106,6 +108,8 @@ class TabUI:
             update = _decode_update(message)
             if isinstance(update, View):
                 self.view, changed = update, True
+            elif isinstance(update, FloorPlan):
+                self.room_names = update.room_names
             if update is not None and self._observer is not None:
                 self._observer.observe(update)
         outgoing: list[TextMessage] = []
