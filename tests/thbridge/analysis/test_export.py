@@ -20,6 +20,7 @@ from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
 from thbridge.files.table_files import TableFormat
 from thbridge.recording.bag.writer import BagWriter
+from thbridge.ros.messages.pack import RoomLabel
 from thbridge.ros.publisher import TeamPublisher
 
 TICKS = 120
@@ -30,7 +31,8 @@ BOTH = tuple(TableFormat)
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A session of two robots, drawn by hand."""
     path = tmp_path_factory.mktemp("bags") / "hunt.bag"
-    publisher = TeamPublisher(2, MOUNT, SCAN_PERIOD)
+    rooms = (RoomLabel(1, "Küche", 1.0, 2.0), RoomLabel(2, "Room 2", 3.0, 2.0))
+    publisher = TeamPublisher(2, MOUNT, SCAN_PERIOD, rooms=rooms)
     with BagWriter(path, Definitions(())) as writer:
         for message in publisher.opening(0, SESSION, arena()):
             writer.write(message)
@@ -54,6 +56,18 @@ def table(folder: Path, name: str) -> pa.Table:
 def dictionary(folder: Path) -> dict[tuple[str, str], dict[str, str]]:
     with (folder / "dictionary.csv").open(encoding="utf-8", newline="") as file:
         return {(row["table"], row["column"]): row for row in csv.DictReader(file)}
+
+
+@pytest.mark.parametrize("topics", [None, {"/hunt/events", "/dialogue/utterances"}])
+def test_the_name_of_a_room_stands_beside_its_number(bag: Path, tmp_path: Path, topics: set[str] | None) -> None:
+    export_bag(bag, tmp_path / "out", BOTH, topics)
+    for name in ("hunt_events", "dialogue_utterances"):
+        rows = table(tmp_path / "out", name)
+        assert rows.column_names.index("room_name") == rows.column_names.index("room") + 1
+        named = set(zip(rows["room"].to_pylist(), rows["room_name"].to_pylist(), strict=True))
+        assert named >= {(1, "Küche"), (2, "")}
+        assert all(not name for room, name in named if room != 1)
+        assert "name of the room" in dictionary(tmp_path / "out")[name, "room_name"]["meaning"]
 
 
 def test_a_row_a_message_with_both_times(folder: Path) -> None:

@@ -10,11 +10,13 @@ import numpy as np
 
 from thbridge.analysis.export import poses
 from thbridge.analysis.export.layout import layout_of
-from thbridge.analysis.export.tables import GAME, SECONDS, Table, TableRows, TopicTables
+from thbridge.analysis.export.tables import GAME, ROOM_NAME, SECONDS, Table, TableRows, TopicTables
 from thbridge.analysis.games import OF_A_GAME, GameStart
+from thbridge.hunt.rooms import RoomNames
 from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.session_records import SessionRecord
+from thbridge.ros.messages.types import GAME_EVENT, UTTERANCE
 
 EMPTY_MD5 = "d41d8cd98f00b204e9800998ecf8427e"
 """Md5 sum of types without fields."""
@@ -30,12 +32,14 @@ class ExportSummary:
         tables: each table by name, with its number of rows.
         frames: the frame of a column's values, by table and column.
         session: the session record; None in recordings of others.
+        rooms: names of the map's rooms.
         notices: sentences on what could not be exported.
     """
 
     tables: dict[str, tuple[Table, int]] = field(default_factory=dict)
     frames: dict[tuple[str, str], str] = field(default_factory=dict)
     session: SessionRecord | None = None
+    rooms: RoomNames = field(default_factory=RoomNames)
     notices: list[str] = field(default_factory=list)
 
 
@@ -51,7 +55,7 @@ def export(
     Args:
         recorded: messages, oldest first: publisher, stamp of recording, bytes.
         start_ns: the stamp from which `t_s` counts.
-        exported: the summary to fill.
+        exported: the summary to fill; its names of rooms stand beside their numbers.
         games: beginnings of the recording's games; with any, every table has a column with the number of the game.
         tables: names of the tables to make, with those of their lists; None for all.
     """
@@ -80,6 +84,17 @@ def export(
     exported.frames |= poses.FRAMES
     yield from _counted(map(numbered.of, together.pieces()), poses.PosesTable(), exported, tables)
     exported.notices += [f"{count} messages of {what}." for what, count in broken.items()]
+
+
+def _with_room_names(piece: TableRows, rooms: RoomNames) -> TableRows:
+    """Return the rows of our own messages about rooms with the column of names; other rows as they are."""
+    table = piece.table
+    at = next((index for index, column in enumerate(table.columns, start=1) if column.name == "room"), None)
+    if at is None or table.msgtype not in {GAME_EVENT, UTTERANCE}:
+        return piece
+    names = [rooms.name(int(room)) for room in np.asarray(piece.values[at - 1])]
+    columns = (*table.columns[:at], ROOM_NAME, *table.columns[at:])
+    return TableRows(replace(table, columns=columns), piece.rows, (*piece.values[:at], names, *piece.values[at:]))
 
 
 class _GameNumbers:
@@ -126,6 +141,14 @@ def session_in(data: bytes) -> SessionRecord | None:
         return None
 
 
+def rooms_in(data: bytes) -> RoomNames:
+    """The names of rooms in a message; none in one that cannot be read."""
+    try:
+        return RoomNames.of(unpack.room_labels(data).items())
+    except ValueError:
+        return RoomNames()
+
+
 def table_name(topic: str) -> str:
     """The name of a topic's table: "/robot1/move_base/goal" gives robot1_move_base_goal."""
     return re.sub(r"[^A-Za-z0-9_]+", "_", topic).strip("_") or "topic"
@@ -144,7 +167,8 @@ def _file_name(topic: str, taken: set[str]) -> str:
 def _counted(
     pieces: Iterable[TableRows], together: poses.PosesTable, exported: ExportSummary, tables: Collection[str] | None
 ) -> Iterator[TableRows]:
-    for piece in pieces:
+    for each in pieces:
+        piece = _with_room_names(each, exported.rooms)
         together.add(piece)
         if tables is not None and piece.table.name.partition(".")[0] not in tables:
             continue

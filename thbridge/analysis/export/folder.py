@@ -4,13 +4,14 @@ from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from thbridge.analysis.export.dictionary import dictionary_csv, readme, session_json
-from thbridge.analysis.export.exporting import ExportSummary, export, session_in
+from thbridge.analysis.export.exporting import ExportSummary, export, rooms_in, session_in
 from thbridge.analysis.games import game_starts
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.table_files import TableFiles, TableFormat
 from thbridge.recording.bag.reader import info, recorded
 from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages.types import SESSION
+from thbridge.ros.names import ROOMS
 
 
 def export_bag(
@@ -39,14 +40,16 @@ def export_bag(
     found, exported = info(bag), ExportSummary()
     first_ns = found.start_ns or 0
 
-    # The session is read whatever is chosen: without its conditions no table can be used.
+    # The session is read whatever is chosen: without its conditions no table can be used. So are the names of rooms.
     sessions = frozenset(topic.name for topic in found.topics if topic.msgtype == SESSION)
-    read = None if topics is None else sessions.union(topics)
+    read = None if topics is None else sessions.union(topics, {ROOMS} & {topic.name for topic in found.topics})
 
     def wanted() -> Iterator[tuple[BagConnection, int, bytes]]:
         for publisher, stamp_ns, data in recorded(bag, read):
             if publisher.topic in sessions:
                 exported.session = exported.session or session_in(data)
+            elif publisher.topic == ROOMS:
+                exported.rooms = rooms_in(data)
             if topics is not None and publisher.topic not in topics:
                 continue
             seconds = (stamp_ns - first_ns) / 1e9

@@ -184,6 +184,12 @@ MEANINGS: Mapping[str, Mapping[str, FieldMeaning]] = {
         "hardware_id": FieldMeaning("", "its hardware"),
         "values": FieldMeaning("", "what it measured"),
     },
+    "std_msgs/ColorRGBA": {
+        "r": FieldMeaning("", "red, 0 to 1"),
+        "g": FieldMeaning("", "green, 0 to 1"),
+        "b": FieldMeaning("", "blue, 0 to 1"),
+        "a": FieldMeaning("", "opacity, 0 to 1"),
+    },
     "diagnostic_msgs/KeyValue": {"key": FieldMeaning("", "what"), "value": FieldMeaning("", "how much")},
     "actionlib_msgs/GoalID": {
         "stamp": FieldMeaning("", "when the goal was set"),
@@ -224,6 +230,7 @@ TOPICS: Mapping[str, str] = {
     "/hunt/wizard": "robots that a researcher speaks for, and what waits for that, at each change",
     "/watch/status": "what the watch door told whoever captured this",
     "/things": "outlines of things in the way",
+    "/hunt/rooms": "the names of rooms, each where robots go in it",
     "/dialogue/utterances": "everything said in a dialogue",
     "/inputs": "every line that people and foreign programs sent",
     "/clock": "simulated time",

@@ -16,6 +16,7 @@ from thbridge.ros.messages.types import GAME_EVENT
 
 SECONDS = Column("t_s", "float64", "s", "since the beginning of the recording, when the message was recorded")
 GAME = Column("game", "int64", "", "number of the game; 0 before the first")
+ROOM_NAME = Column("room_name", "string", "", "name of the room; empty where it has none of its own")
 RECORDED = Column("recorded_ns", "int64", "ns", "when the message was recorded; in ours, simulated time")
 INDEX = Column("index", "int64", "", "place in its array, from 0")
 EVENT = "event_"
