@@ -7,6 +7,7 @@ from pathlib import Path
 from thbridge.app.compose.setting import StudySetting, read_map_of, read_setting
 from thbridge.files.map_files import Map
 from thbridge.files.resources import shipped
+from thbridge.files.yaml.load import Loaded
 from thbridge.protocols.mavlink.options import AutopilotIdentity
 from thbridge.sockets.addresses import Address, parse_address, parse_target
 from thbridge.study.study_file import Study, load_study
@@ -47,13 +48,19 @@ def with_server(study: Study, host: str | None, port: int | None) -> Study:
 def setting_of(study: Study, file: Path | None) -> StudySetting:
     """Everything the study names; paths start from the folder of its file."""
     with bad_input():
-        return read_setting(study, Path() if file is None else file.parent)
+        return read_setting(study, Path() if file is None else file.parent, written=_written(file))
 
 
 def map_of(study: Study, file: Path | None) -> Map:
     """The study's map without travel costs, for what plays no game; paths start from the folder of its file."""
     with bad_input():
-        return read_map_of(study, Path() if file is None else file.parent, with_costs=False)
+        beside = Path() if file is None else file.parent
+        return read_map_of(study, beside, with_costs=False, written=_written(file))
+
+
+def _written(file: Path | None) -> Loaded[Study] | None:
+    """The study as its file has it, so that faults name lines of it."""
+    return None if file is None else load_study(file)
 
 
 def map_folder(name: str) -> Path:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import socket
 from collections.abc import Callable
 from pathlib import Path
@@ -267,6 +268,19 @@ def test_a_master_that_cannot_listen_says_so() -> None:
     assert f"cannot listen on 127.0.0.1:{port}: Address already in use" in message
 
 
+def test_all_that_a_study_names_wrongly_is_told_at_once() -> None:
+    text = "robots: 60\ntemplates: ./nix\nparticipant:\n  consent: none.txt\n  farewell: gone.txt\n"
+    Path("study.yaml").write_text(text)
+    message = refusal("study", "check", "study.yaml")
+    lines = re.findall(r"^study\.yaml, line (\d), ([\w.]+): ", message, re.MULTILINE)
+    assert lines == [("1", "robots"), ("2", "templates"), ("4", "participant.consent"), ("5", "participant.farewell")]
+
+
+def test_a_value_that_an_option_gives_is_not_told_as_one_of_the_file() -> None:
+    Path("study.yaml").write_text("map: arena8\n")
+    assert "maps, nowhere: there is no map of this name" in refusal("play", "study.yaml", "--map", "nowhere")
+
+
 @pytest.mark.parametrize(
     ("study", "message"),
     [
@@ -274,21 +288,25 @@ def test_a_master_that_cannot_listen_says_so() -> None:
         ("robots: three\n", "line 1, robots: 'three' is not a number"),
         ("robots: 0\n", "line 1, robots:"),
         ("seed: 1\nseed: 2\n", "line 2, seed:"),
-        ("map: nowhere\n", "maps, nowhere: there is no map of this name"),
-        ("map: ./nowhere\n", "nowhere: there is no map.yaml in this folder"),
-        ("templates: nobody\n", "there is no set of templates of this name"),
-        ("game:\n  costs: none\n", "none: there is no such file"),
+        ("map: nowhere\n", "study.yaml, line 1, map: there is no map of this name"),
+        ("map: ./nowhere\n", "study.yaml, line 1, map: nowhere: there is no map.yaml in this folder"),
+        ("templates: nobody\n", "study.yaml, line 1, templates: there is no set of templates of this name"),
+        ("game:\n  costs: none\n", "study.yaml, line 2, game.costs: none: there is no such file"),
         ("game:\n\tcosts: none\n", "line 2: a tab in the indentation"),
         ("map: warehouse12\ngame:\n  costs: COSTS\n", "9 nodes, but the map warehouse12 has 12 rooms"),
         ("server:\n  port: 70000\n", "line 2, server.port:"),
         ("participant:\n  strategy: guess\n", "line 2, participant.strategy: 'guess' is no choice here"),
-        ("participant:\n  consent: none.txt\n", "none.txt: there is no such file"),
+        (
+            "participant:\n  consent: none.txt\n",
+            "line 2, participant.consent: none.txt: there is no such file",
+        ),
         ("participant:\n  consent: empty.txt\n", "empty.txt: there is nothing to agree to in it"),
         ("participant:\n  consent: long.txt\n", "long.txt: larger than 8000 bytes"),
         ("participant:\n  robots: [4, 1]\n", "line 2, participant.robots: 4 is above 1"),
         ("participant:\n  robots: [0, 4]\n", "line 2, participant.robots[0]: 0 is out of range"),
         ("participant:\n  robots: 3\n", "line 2, participant.robots: a list is needed"),
-        ("participant:\n  robots: [1, 60]\n", "but the study has 60"),
+        ("participant:\n  robots: [1, 60]\n", "study.yaml, line 2, participant.robots: "),
+        ("seed: 1\nrobots: 60\n", "study.yaml, line 2, robots: "),
         (
             "participant:\n  shows: {truth: maybe}\n",
             "participant.shows.truth: 'maybe' is neither true nor false",

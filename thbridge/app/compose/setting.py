@@ -1,7 +1,9 @@
 """A study with all files it names, read and checked."""
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +11,12 @@ import numpy as np
 from sim.common.geometry import Pose2
 from sim.common.traversability import TraversabilityMap
 from sim.robot.costmap.footprint import radii
-from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.map_files import Map, read_map
 from thbridge.files.map_times import MAP_TIMES, read_map_times
 from thbridge.files.resources import Resources, shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
+from thbridge.files.yaml.load import Loaded
 from thbridge.files.yaml.tree import read_text
 from thbridge.hunt.costs import CostMatrix
 from thbridge.study.study_file import CostModel, Study
@@ -49,28 +52,91 @@ class StudySetting:
         return _floor(self.study, self.map)
 
 
-def read_setting(study: Study, beside: Path, resources: Resources | None = None) -> StudySetting:
+def read_setting(
+    study: Study, beside: Path, resources: Resources | None = None, written: Loaded[Study] | None = None
+) -> StudySetting:
     """Read the files that a study names.
 
     Args:
         study: the study.
         beside: the folder that paths in the study are relative to.
         resources: maps and templates that are known by name; by default those of the project.
+        written: the study as its file has it, whose lines faults name; None: the study has no file.
 
     Raises:
-        BadFile: a file is missing or wrong, or files do not fit together.
+        BadFile: a file is missing or wrong, or files do not fit together; as BadFiles, all such faults at once.
     """
     resources = resources or shipped()
-    place = read_map_of(study, beside, resources)
-    folder = resources.find("templates", study.templates, beside)
-    templates = read_template_set(folder)
-    path = _costs_file(study, beside, place, folder, templates, resources)
-    costs, model = _costs(path, place), study.game.cost_model
-    by_position = path == place.costs if model is None else model is CostModel.POSITION
-    return StudySetting(study, place, templates, costs, by_position, _consent(study, beside), _farewell(study, beside))
+    faults, keys = FaultCollection(), StudyKeys(study, written)
+    place: Map | None = None
+    templates: TemplateSet | None = None
+    costs: CostMatrix | None = None
+    by_position, consent, farewell = False, None, ""
+    with faults.kept():
+        place = read_map_of(study, beside, resources, written=written)
+    with faults.kept():
+        with keys.naming("templates"):
+            folder = resources.find("templates", study.templates, beside)
+        templates = read_template_set(folder)
+    if place is not None and templates is not None:
+        with faults.kept():
+            path = _costs_file(study, beside, place, folder, templates, resources)
+            with keys.naming("game.costs", study.game.costs is not None and not path.exists()):
+                costs = _costs(path, place)
+            model = study.game.cost_model
+            by_position = path == place.costs if model is None else model is CostModel.POSITION
+    with faults.kept(), keys.naming("participant.consent"):
+        consent = _consent(study, beside)
+    with faults.kept(), keys.naming("participant.farewell"):
+        farewell = _farewell(study, beside)
+    if faults.found or place is None or templates is None or costs is None:
+        raise faults.together()
+    return StudySetting(study, place, templates, costs, by_position, consent, farewell)
 
 
-def read_map_of(study: Study, beside: Path, resources: Resources | None = None, *, with_costs: bool = True) -> Map:
+class StudyKeys:
+    """Names the lines of a study's file in faults of what the study names.
+
+    Args:
+        study: the study, perhaps with values that its file does not have.
+        written: the study as its file has it; None: it has no file.
+    """
+
+    def __init__(self, study: Study, written: Loaded[Study] | None) -> None:
+        self._study = study
+        self._written = written
+
+    def fault(self, key: str, fault: BadFile) -> BadFile:
+        """Return a fault as one of a key's line, unless the key's value does not come from the file."""
+        written = self._written
+        if written is None or attrgetter(_field(key))(written.value) != attrgetter(_field(key))(self._study):
+            return fault
+        unnamed = fault.path == shipped().root / "maps" or fault.path == shipped().root / "templates"
+        problem = fault.problem if unnamed else f"{fault.path}: {fault.problem}"
+        return written.fault(key, problem, fault.remedy)
+
+    @contextmanager
+    def naming(self, key: str, when: bool = True) -> Iterator[None]:
+        """Turn a fault that is raised within into one of a key's line."""
+        try:
+            yield
+        except BadFile as fault:
+            raise (self.fault(key, fault) if when else fault) from None
+
+
+def _field(key: str) -> str:
+    """Return the path of the field in a study that a key names, without the place in a list."""
+    return key.partition("[")[0]
+
+
+def read_map_of(
+    study: Study,
+    beside: Path,
+    resources: Resources | None = None,
+    *,
+    with_costs: bool = True,
+    written: Loaded[Study] | None = None,
+) -> Map:
     """Read the map that a study names, and check that the study's robots have their places on it.
 
     Args:
@@ -78,21 +144,22 @@ def read_map_of(study: Study, beside: Path, resources: Resources | None = None, 
         beside: the folder that paths in the study are relative to.
         resources: maps that are known by name; by default those of the project.
         with_costs: False for what needs no travel costs; see `read_map`.
+        written: as for `read_setting`.
 
     Raises:
         BadFile: the map has a fault, or the study does not fit it.
     """
-    folder = (resources or shipped()).find("maps", study.map, beside)
+    keys = StudyKeys(study, written)
+    with keys.naming("map"):
+        folder = (resources or shipped()).find("maps", study.map, beside)
     place = read_map(folder, study.world.footprint, with_costs=with_costs)
-    largest = max((study.robots, *(study.participant.robots or ())))
+    most = study.participant.robots or (0, 0)
+    largest = max(study.robots, *most)
     if largest > len(place.starts):
-        raise BadFile(
-            folder / "rooms.yaml",
-            f"there are start poses for {len(place.starts)} robots, but the study has {largest}",
-            "add start poses or lower `robots` in the study",
-            key="starts",
-        )
-    faults = tuple(_misplaced(study, place, folder / "map.yaml"))
+        problem = f"there are start poses for {len(place.starts)} robots, but the study has {largest}"
+        few = BadFile(folder / "rooms.yaml", problem, "add start poses or lower `robots` in the study", key="starts")
+        raise keys.fault("robots" if study.robots == largest else "participant.robots", few)
+    faults = tuple(keys.fault(key, fault) for key, fault in _misplaced(study, place, folder / "map.yaml"))
     if faults:
         raise BadFiles(faults)
     return place
@@ -121,14 +188,15 @@ def _floor(study: Study, place: Map) -> TraversabilityMap:
     return TraversabilityMap.of(place.grid, *radii(np.array(study.world.footprint)))
 
 
-def _misplaced(study: Study, place: Map, map_yaml: Path) -> Iterator[BadFile]:
-    """Yield faults of mishaps that carry robots into walls or off the map."""
+def _misplaced(study: Study, place: Map, map_yaml: Path) -> Iterator[tuple[str, BadFile]]:
+    """Yield faults of mishaps that carry robots into walls or off the map, each with its key in the study."""
     floor = _floor(study, place)
     for index, mishap in enumerate(study.mishaps):
         if mishap.to is not None and floor.clearance_at(Pose2(*mishap.to)) < floor.inscribed:
             x, y, _ = mishap.to
             problem = f"robot {mishap.robot} would be carried to ({x:g}, {y:g}), where it does not fit on this map"
-            yield BadFile(map_yaml, problem, f"mend mishaps[{index}].to in the study")
+            key = f"mishaps[{index}].to"
+            yield key, BadFile(map_yaml, problem, f"mend {key} in the study")
 
 
 def _costs_file(

@@ -139,7 +139,7 @@ def draft_of(path: Path, text: str) -> StudyDraft:
     draft = StudyDraft(path, text, tree, form, None, (), ())
     try:
         loaded = load_study_tree(path, tree)
-        read_setting(loaded.value, path.parent)
+        read_setting(loaded.value, path.parent, written=loaded)
     except BadFiles as faults:
         return dataclasses.replace(draft, faults=faults.faults)
     except BadFile as fault:
