@@ -166,26 +166,31 @@ def _all_reached(reached: Mask, goals: Sequence[tuple[int, int]]) -> bool:
 
 def room_outlines(labels: Labels, floor: TraversabilityMap) -> list[Polygon]:
     """Outlines of all rooms in the map frame, with few corners and without overlaps, in the order of their numbers."""
-    grid = floor.grid
     taken = np.zeros(labels.shape, dtype=np.bool_)
     outlines: list[Polygon] = []
     for number in range(1, int(labels.max()) + 1):
-        mask = _filled(labels, number)
-        apart = ~np.asarray(binary_dilation(taken, structure=_TOUCHING, iterations=GAP)) if taken.any() else ~taken
-        # Beside a room without a wall between, a gap keeps the two outlines simple.
-        candidates = [
-            _placed(simplified(outline_of(piece), tolerance / grid.resolution), grid)
-            for piece in (_largest(mask & ~taken), _largest(mask & apart))
-            if piece.any()
-            for tolerance in TOLERANCES
-        ]
-        if not candidates:
-            continue
-        outline = next((each for each in candidates if _fits(each, taken, floor)), None)
-        outline = outline or _placed(outline_of(_largest(mask & ~taken)), grid)
-        taken |= cells_inside(outline, floor)
-        outlines.append(outline)
+        outline = simple_outline(_filled(labels, number), taken, floor)
+        if outline is not None:
+            taken |= cells_inside(outline, floor)
+            outlines.append(outline)
     return outlines
+
+
+def simple_outline(mask: Mask, taken: Mask, floor: TraversabilityMap) -> Polygon | None:
+    """An outline of the largest piece of a mask that holds no taken cell, with few corners; None without a piece."""
+    grid = floor.grid
+    apart = ~np.asarray(binary_dilation(taken, structure=_TOUCHING, iterations=GAP)) if taken.any() else ~taken
+    piece = _largest(mask & ~taken)
+    if not piece.any():
+        return None
+    # Beside a room without a wall between, a gap keeps the two outlines simple.
+    for source in (piece, _largest(mask & apart)):
+        exact = outline_of(source) if source.any() else []
+        for tolerance in TOLERANCES if exact else ():
+            outline = _placed(simplified(exact, tolerance / grid.resolution), grid)
+            if _fits(outline, taken, floor):
+                return outline
+    return _placed(outline_of(piece), grid)
 
 
 def _fits(outline: Polygon, taken: Mask, floor: TraversabilityMap) -> bool:
