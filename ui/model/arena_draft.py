@@ -1,4 +1,4 @@
-"""An arena as it is drawn: rooms and start poses, what may be changed in them, and undo."""
+"""An arena as it is drawn: rooms and start poses, the changes to them, and undo."""
 
 import dataclasses
 import math
@@ -24,7 +24,7 @@ BRIDGE = 0.5
 
 
 class ArenaTool(StrEnum):
-    """What the pointer does on the map."""
+    """Tools of the pointer on the map."""
 
     MOVE = "move"
     ROOM = "room"
@@ -261,7 +261,7 @@ class ArenaDraft:
         return next((room.room.people for room in self.arena.rooms if room.holds(x, y)), None)
 
     def faults(self) -> tuple[str, ...]:
-        """What keeps games from being played, in sentences."""
+        """Sentences about all that keeps games from being played."""
         rooms, starts = self.arena.rooms, self.arena.starts
         told = [*(() if rooms else ("There is no room yet.",)), *(() if starts else ("There is no start pose yet.",))]
         if starts:
@@ -344,7 +344,7 @@ def _turned(pose: Pose2, angle: float) -> Pose2:
 
 
 class ArenaPointer:
-    """The pointer on an arena: what a press, a drag and a release do with each tool.
+    """The pointer on an arena: a press, a drag and a release, with each tool.
 
     Attributes:
         tool: the tool in hand.
@@ -411,7 +411,7 @@ class ArenaPointer:
 
     @property
     def handle(self) -> ArenaHandle | None:
-        """What is chosen, as a goal or a start pose."""
+        """The chosen goal or start pose."""
         if self.start is not None:
             return ArenaHandle(0, self.start)
         return None if self.chosen is None else ArenaHandle(self.chosen)

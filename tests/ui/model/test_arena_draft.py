@@ -90,14 +90,15 @@ def test_rooms_are_merged_through_a_door_and_not_through_a_wall(draft: ArenaDraf
 def test_what_cannot_be_is_refused_with_its_reason_and_changes_nothing(draft: ArenaDraft) -> None:
     before = draft.arena
     goal, start = draft.arena.rooms[0].goal, draft.arena.starts[0]
-    corner = ArenaHandle(1, 0)
+    region = draft.arena.rooms[0].region
+    corner = ArenaHandle(1, max(range(len(region)), key=lambda index: sum(region[index])))
     assert "has to stay in the room" in refused(draft.move(ArenaHandle(1), 6.0, 5.0))
     assert "No robot can turn" in refused(draft.move(ArenaHandle(1), 0.3, goal.y))
     assert "No robot can turn" in refused(draft.add_start(0.0, 0.0))
     assert "too near to the start of robot 1" in refused(draft.add_start(start.x + 0.2, start.y))
     assert "in no room" in refused(draft.cut_room((1.0, 1.0), (2.0, 1.0)))
     assert "no free floor" in refused(draft.draw_room((0.2, 3.0), (3.8, 7.0)))
-    assert "overlap another room" in refused(draft.move(corner, 6.0, 5.0))
+    assert "overlap another room" in refused(draft.move(corner, 6.0, 7.5))
     assert "stay on the map" in refused(draft.move(corner, -3.0, 1.0))
     assert draft.arena == before
     assert not draft.can_undo
