@@ -24,7 +24,7 @@ from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import GoalStatusCode
 from thbridge.ros.messages.session_records import GameEvent, ScoreRecord, SessionRecord, UtteranceRecord
 from thbridge.ros.messages.unpack import PoseInFrame
-from thbridge.ros.names import MAKES_WAY_FOR, MAP, NAVIGATION, ROOMS, THINGS, frame_name
+from thbridge.ros.names import MAP, ROOMS, THINGS, frame_name
 from thbridge.ros.robots import is_map_frame, is_odom_frame, usual_first
 
 OUTCOMES: dict[int, str] = {
@@ -258,14 +258,7 @@ class _ReportBuilder:
         self._timeline.append(TimelineEntry(time, "said", who, message.room, message.text or message.move))
 
     def _diagnoses(self, time: float, topic: str, data: bytes) -> None:
-        statuses = unpack.diagnostic_array(data)
-        # A robot whose software has stopped has no state of its navigation.
-        makes_way_for: dict[str, str | None] = dict.fromkeys(each.hardware_id for each in statuses)
-        for each in statuses:
-            if each.name == f"{each.hardware_id}: {NAVIGATION}":
-                makes_way_for[each.hardware_id] = each.values.get(MAKES_WAY_FOR)
-        for robot, other in makes_way_for.items():
-            self._series.make_way(robot, time, other)
+        self._series.ways_made.take(time, unpack.diagnostic_array(data))
 
     def _input(self, time: float, topic: str, data: bytes) -> None:
         self._inputs += unpack.outside_input(data).kind in {"said", "received", "asked"}

@@ -3,13 +3,14 @@
 from array import array
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2
 from thbridge.analysis.report.paths import corrected, distance, errors, relocations, table
-from thbridge.analysis.report.values import NEVER, GoalAttempt, Track, WayMade
+from thbridge.analysis.report.values import NEVER, GoalAttempt, Track
+from thbridge.analysis.report.ways_made import WaysMade
 from thbridge.ros.names import frame_name
 from thbridge.ros.robots import (
     ODOM_FRAME,
@@ -75,7 +76,7 @@ class SeriesByTopic:
         goals: ids of the present goals, with the time when they were set.
         attempts: goals that ended.
         carried: times at which a robot was set elsewhere, by the name of the robot.
-        ways_made: times in which a robot made way for others, by the name of the robot; the last one may go on.
+        ways_made: times in which robots made way for others.
     """
 
     odometry: dict[str, PoseSeries] = field(default_factory=dict)
@@ -86,17 +87,7 @@ class SeriesByTopic:
     goals: defaultdict[str, dict[str, float]] = field(default_factory=lambda: defaultdict(dict))
     attempts: defaultdict[str, list[GoalAttempt]] = field(default_factory=lambda: defaultdict(list))
     carried: defaultdict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
-    ways_made: defaultdict[str, list[WayMade]] = field(default_factory=lambda: defaultdict(list))
-
-    def make_way(self, robot: str, time: float, other: str | None) -> None:
-        """Take note of whom a robot makes way for at a time; None: nobody."""
-        made = self.ways_made[robot]
-        if made and made[-1].end == np.inf:
-            if made[-1].robot == other:
-                return
-            made[-1] = replace(made[-1], end=time)
-        if other is not None:
-            made.append(WayMade(time, np.inf, other))
+    ways_made: WaysMade = field(default_factory=WaysMade)
 
     def tracks(self, duration: float) -> tuple[Track, ...]:
         """The track of each robot, in the order of their numbers."""
@@ -137,7 +128,7 @@ class SeriesByTopic:
             sources=tuple(sources.notes),
             carried=carried,
             relocated=relocated,
-            ways_made=tuple(replace(made, end=min(made.end, duration)) for made in self.ways_made.get(robot, ())),
+            ways_made=self.ways_made.of(robot, duration),
         )
 
 

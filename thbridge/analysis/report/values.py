@@ -16,10 +16,16 @@ NEVER: FloatArray = np.empty(0)
 """No times."""
 
 
+def index_in(name: str) -> int | None:
+    """The index of a robot in its team, by its name for programs; None for one that is not of our robots' form."""
+    number = _OURS.fullmatch(name)
+    return index_of(int(number[1])) if number else None
+
+
 def label_of(name: str) -> str:
     """A robot's name for people: "robot 1" for "robot1"; one that is not of our robots' form stays as it is."""
-    number = _OURS.fullmatch(name)
-    return robot_name(index_of(int(number[1]))) if number else name
+    robot = index_in(name)
+    return name if robot is None else robot_name(robot)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import get_args
 
 from sim.common.robot_numbers import robot_name
+from thbridge.analysis.report.ways_made import WaysMade
 from thbridge.hunt.event_words import event_in_words, kind_in_words
 from thbridge.hunt.events import Commander
 from thbridge.hunt.rooms import RoomNames
@@ -48,8 +49,8 @@ IMPORTANT = frozenset(
 
 
 def is_logged(topic: str, msgtype: str) -> bool:
-    """Return True when the messages of a topic are entries, or name the rooms in them."""
-    return msgtype in TYPES or topic in LINES or topic == names.ROOMS
+    """Return True when a log is made of the messages of a topic."""
+    return msgtype in TYPES or topic in LINES or topic in {names.ROOMS, names.DIAGNOSTICS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,10 +84,12 @@ class SessionLog:
 
     Attributes:
         room_names: of the map, as far as the messages tell.
+        ways_made: times in which robots made way for others, seconds of ROS time.
     """
 
     def __init__(self) -> None:
         self.room_names = RoomNames()
+        self.ways_made = WaysMade()
         self._entries: dict[EntryKind, list[Entry]] = {kind: [] for kind in get_args(EntryKind)}
         self._dropped: dict[EntryKind, int] = dict.fromkeys(self._entries, 0)
         self._stamps: list[int] = []
@@ -165,6 +168,8 @@ class SessionLog:
                 return Entry(stamp, "log", line.level.name.lower(), line.name, None, None, line.text, grave)
             case types.MARKER_ARRAY if message.topic == names.ROOMS:
                 self.room_names = RoomNames.of(unpack.room_labels(message.data).items())
+            case types.DIAGNOSTIC_ARRAY:
+                self.ways_made.take(stamp / 1e9, unpack.diagnostic_array(message.data))
             case types.STRING if message.topic in LINES:
                 return Entry(stamp, "line", message.topic, "", None, None, unpack.string(message.data).rstrip("\r\n"))
         return None

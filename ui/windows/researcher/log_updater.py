@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator
 
+from thbridge.analysis.report.values import index_in, label_of
 from ui.model.watching.scene import Entry, EntryKind
 from ui.windows.researcher.docked_window import DockedWindow
 from ui.windows.researcher.docks.log import LogRow
-from ui.windows.researcher.docks.playback import TimelineMark
+from ui.windows.researcher.docks.playback import TimelineBar, TimelineMark
 from ui.windows.researcher.feeds.feed import Feed
 
 MAX_NEW_ROWS = 2000
@@ -44,10 +45,11 @@ class LogUpdater:
             log.extend([self._row(entry) for entry in entries[new : new + MAX_NEW_ROWS]])
             self._taken[kind] = dropped + min(new + MAX_NEW_ROWS, len(entries))
         total = sum(session_log.dropped(kind) + len(session_log.entries(kind)) for kind in ("event", "said"))
+        total += session_log.ways_made.changes
         if not self._feed.live and (total, self._feed.span) != self._marked:
             self._marked = total, self._feed.span
             self._marks = tuple(self._timeline_marks())
-            self._window.playback.show_span(self._feed.span, self._marks)
+            self._window.playback.show_span(self._feed.span, self._marks, tuple(self._timeline_bars()))
 
     def _row(self, entry: Entry) -> LogRow:
         time = (entry.stamp_ns - self._feed.start_ns) / 1e9
@@ -77,6 +79,13 @@ class LogUpdater:
             yield TimelineMark(
                 (entry.stamp_ns - start_ns) / 1e9, f"{entry.who}: {entry.text}", entry.robot, is_utterance=True
             )
+
+    def _timeline_bars(self) -> Iterator[TimelineBar]:
+        start, ways_made = self._feed.start_ns / 1e9, self._feed.log.ways_made
+        for robot in ways_made.robots:
+            for made in ways_made.of(robot, start + self._feed.span):
+                text = f"{label_of(robot)} makes way for {label_of(made.robot)}"
+                yield TimelineBar(made.start - start, made.end - start, text, index_in(robot) or 0)
 
     def neighbouring_mark(self, direction: int) -> float:
         """Return the time of the next mark (1) or the one before (-1), seconds; else the end or the beginning."""

@@ -2,10 +2,12 @@ import json
 from typing import get_args
 
 from tests.ui.model.watching.messages import StampedMessage
+from thbridge.analysis.report.values import WayMade
 from thbridge.hunt.codec import kind_of
 from thbridge.hunt.events import GameEnded, HandbackRequested, TreasureIdentified, TreasurePictured, TreasureTakenUp
 from thbridge.ros import names
 from thbridge.ros.messages import pack, types
+from thbridge.ros.messages.pack import DiagnosticLevel, DiagnosticStatus
 from thbridge.ros.messages.records import LogLevel, LogLine
 from thbridge.ros.messages.session_records import GameEvent
 from ui.model.watching.scene import EntryKind
@@ -79,6 +81,16 @@ def test_rooms_are_named_where_the_messages_name_them() -> None:
     session_log.take(StampedMessage(names.ROOMS, types.MARKER_ARRAY, 0, labels))
     assert session_log.room_names.titled(3) == "room 3 (Kitchen)"
     assert not any(session_log.entries(kind) for kind in get_args(EntryKind))
+
+
+def test_ways_made_last_from_the_diagnostics_that_tell_them_to_those_that_do_not() -> None:
+    session_log = SessionLog()
+    for second, values in ((1, {}), (2, {"makes way for": "robot1"}), (3, {"makes way for": "robot1"}), (5, {})):
+        status = DiagnosticStatus(DiagnosticLevel.OK, "robot2: navigation", "drives", "robot2", values)
+        data = pack.diagnostic_array(0, [status])
+        session_log.take(StampedMessage(names.DIAGNOSTICS, types.DIAGNOSTIC_ARRAY, second * 10**9, data))
+    assert session_log.ways_made.of("robot2", 9.0) == (WayMade(2.0, 5.0, "robot1"),)
+    assert session_log.ways_made.changes == 2
 
 
 def test_that_the_participant_asks_for_a_robot_is_said_in_words() -> None:

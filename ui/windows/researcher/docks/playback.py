@@ -15,6 +15,9 @@ SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 UTTERANCE_ARM, EVENT_ARM = 3.0, 5.0
 """Half height of an utterance's mark and of an event's on the timeline, pixels."""
 
+BAR, BAR_ROWS = 2.0, 2
+"""Height of a bar at the timeline's foot, pixels, and rows of bars that have room there."""
+
 
 @dataclass(frozen=True, slots=True)
 class TimelineMark:
@@ -33,22 +36,40 @@ class TimelineMark:
     is_utterance: bool
 
 
+@dataclass(frozen=True, slots=True)
+class TimelineBar:
+    """A bar on the timeline.
+
+    Attributes:
+        start: seconds since the beginning; so end.
+        end: of the bar.
+        text: describes what went on.
+        robot: index of the robot concerned.
+    """
+
+    start: float
+    end: float
+    text: str
+    robot: int
+
+
 class Timeline(QSlider):
-    """A slider over the time of a recording, with marks of events above the line and of utterances below it. Its values
-    are milliseconds."""
+    """A slider over the time of a recording, with marks of events above the line and of utterances below it, and bars
+    at its foot. Its values are milliseconds."""
 
     def __init__(self) -> None:
         super().__init__(Qt.Orientation.Horizontal)
         self._marks: Sequence[TimelineMark] = ()
+        self._bars: Sequence[TimelineBar] = ()
         self.setAccessibleName("Time")
         self.setSingleStep(1000)
         self.setPageStep(10_000)
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
 
-    def set_marks(self, marks: Sequence[TimelineMark]) -> None:
-        """Show these marks."""
-        self._marks = marks
+    def set_marks(self, marks: Sequence[TimelineMark], bars: Sequence[TimelineBar] = ()) -> None:
+        """Show these marks and bars."""
+        self._marks, self._bars = marks, bars
         self.update()
 
     def sizeHint(self) -> QSize:
@@ -72,6 +93,11 @@ class Timeline(QSlider):
             painter.setPen(QPen(QColor(colour), 1.5))
             y, arm = (middle + 7.0, UTTERANCE_ARM) if mark.is_utterance else (middle - 8.0, EVENT_ARM)
             painter.drawLine(QPointF(x, y - arm), QPointF(x, y - arm + 2.0 * arm))
+        painter.setPen(Qt.PenStyle.NoPen)
+        for bar in self._bars:
+            x, wide = left + (bar.start * 1000.0 - start) * width, max(1.0, (bar.end - bar.start) * 1000.0 * width)
+            painter.setBrush(QColor(palette.robot(bar.robot)))
+            painter.drawRect(QRectF(x, self.height() - BAR * (1 + bar.robot % BAR_ROWS), wide, BAR))
         painter.setBrush(QColor(palette.panel))
         painter.setPen(QPen(QColor(palette.accent), 3.0 if self.hasFocus() else 2.0))
         painter.drawEllipse(QRectF(here - 6.5, middle - 6.5, 13.0, 13.0))
@@ -83,12 +109,16 @@ class Timeline(QSlider):
             self.setSliderPosition(self._value(event.position().x()))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Follow the pointer, or describe the marks under it."""
+        """Follow the pointer, or describe the marks and bars under it."""
         if self.isSliderDown():
             self.setSliderPosition(self._value(event.position().x()))
             return
-        near = [mark for mark in self._marks if abs(self._x(mark.time * 1000.0) - event.position().x()) <= 3.0]
-        self.setToolTip("\n".join(f"{mark.time:.1f} s  {mark.text}" for mark in near[:8]))
+        x = event.position().x()
+        near = [mark for mark in self._marks if abs(self._x(mark.time * 1000.0) - x) <= 3.0]
+        lines = [f"{mark.time:.1f} s  {mark.text}" for mark in near[:8]]
+        under = [bar for bar in self._bars if self._x(bar.start * 1000.0) <= x <= self._x(bar.end * 1000.0) + 1.0]
+        lines += [f"{bar.start:.1f} s to {bar.end:.1f} s  {bar.text}" for bar in under[:8]]
+        self.setToolTip("\n".join(lines))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Stop following the pointer."""
@@ -158,11 +188,11 @@ class PlaybackBar(QWidget):
         if live:
             layout.insertStretch(4, 1)
 
-    def show_span(self, seconds: float, marks: Sequence[TimelineMark]) -> None:
-        """Show the length in seconds, and these marks."""
+    def show_span(self, seconds: float, marks: Sequence[TimelineMark], bars: Sequence[TimelineBar] = ()) -> None:
+        """Show the length in seconds, and these marks and bars."""
         with QSignalBlocker(self.timeline):
             self.timeline.setRange(0, round(seconds * 1000.0))
-        self.timeline.set_marks(marks)
+        self.timeline.set_marks(marks, bars)
 
     def show_time(self, now: float) -> None:
         """Show the time, seconds since the beginning."""

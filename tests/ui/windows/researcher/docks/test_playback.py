@@ -5,7 +5,8 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from pytestqt.qtbot import QtBot
 
-from ui.windows.researcher.docks.playback import SPEEDS, PlaybackBar, TimelineMark, clock
+from ui.windows.look import colours
+from ui.windows.researcher.docks.playback import SPEEDS, PlaybackBar, TimelineBar, TimelineMark, clock
 
 
 @pytest.fixture
@@ -55,6 +56,19 @@ def test_speed_is_chosen_from_a_list(bar: PlaybackBar, qtbot: QtBot) -> None:
     with qtbot.waitSignal(bar.speed_chosen) as asked:
         QTest.keyClick(bar.speed, Qt.Key.Key_Down)
     assert asked.args == [SPEEDS[SPEEDS.index(1.0) + 1]]
+
+
+def test_a_bar_is_drawn_in_its_robots_colour_and_told_under_the_pointer(bar: PlaybackBar) -> None:
+    line = bar.timeline
+    bar.show_span(100.0, (), [TimelineBar(40.0, 60.0, "robot 2 makes way for robot 1", 1)])
+    picture = line.grab().toImage()
+    foot = [picture.pixelColor(x, picture.height() - 3).name() for x in range(picture.width())]
+    drawn = [x for x, colour in enumerate(foot) if colour == colours().robot(1).lower()]
+    assert len(drawn) == pytest.approx(0.2 * line.width(), abs=12)
+    assert sum(drawn) / len(drawn) == pytest.approx(line.width() / 2, abs=3)
+    for share, told in ((0.5, "40.0 s to 60.0 s  robot 2 makes way for robot 1"), (0.2, "")):
+        QTest.mouseMove(line, QPoint(round(share * line.width()), line.height() // 2))
+        assert line.toolTip() == told
 
 
 def test_the_mark_under_the_pointer_is_told(bar: PlaybackBar) -> None:
