@@ -111,7 +111,8 @@ class ToolController:
 
     def _advise(self, robot: int, room: int) -> None:
         if self.scene is not None:
-            sentence = f"{robot_name(robot).capitalize()} is to suggest room {room}; choose its words next."
+            where = self._feed.log.room_names.titled(room)
+            sentence = f"{robot_name(robot).capitalize()} is to suggest {where}; choose its words next."
             self._send(self._tools.advise(self.scene, robot, room), sentence)
 
     def use_tool(self, tool: MapTool) -> None:

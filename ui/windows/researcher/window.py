@@ -178,7 +178,7 @@ class ResearcherWindow(DockedWindow):
 
     def _show_figures(self, scene: Scene) -> None:
         self.team.show_rows([_row_of(robot) for robot in scene.robots], self._place(self._selected))
-        self.wizard.show_wizard(scene.wizard, len(scene.robots))
+        self.wizard.show_wizard(scene.wizard, len(scene.robots), self._feed.log.room_names)
         self.show_waiting(len(scene.wizard.turns) + len(scene.wizard.advice))
 
     def _show_plots(self, panel: str) -> None:

@@ -18,11 +18,14 @@ from PySide6.QtWidgets import (
 
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
+from thbridge.hunt.rooms import RoomNames
 from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
 from ui.windows.controls import CheckBox
 from ui.windows.look import follow_text, font
 from ui.windows.researcher.docks.flow import FlowLayout
 
+NO_NAMES = RoomNames()
+"""Names of rooms where none is known."""
 PUPPETS_PER_ROW = 5
 """Robots in a row."""
 
@@ -79,8 +82,15 @@ class WizardDock(QWidget):
         for box in self._puppets:
             box.setEnabled(False)
 
-    def show_wizard(self, wizard: Wizard, robots: int) -> None:
-        """Show the puppets and the waiting turns; typed words stay while the turns are the same."""
+    def show_wizard(self, wizard: Wizard, robots: int, rooms: RoomNames = NO_NAMES) -> None:
+        """Show the puppets and the waiting turns; typed words stay while the turns are the same.
+
+        Args:
+            wizard: the puppets, and what waits.
+            robots: size of the team.
+            rooms: names of the map's rooms.
+        """
+        self._rooms = rooms
         self._show_puppets(robots, wizard.puppets)
         before, self._shown = self._shown, wizard
         if before is not None and (before.turns, before.advice) == (wizard.turns, wizard.advice):
@@ -112,7 +122,7 @@ class WizardDock(QWidget):
             box.setChecked(robot in puppets)
 
     def _turn(self, turn: PendingTurn) -> QWidget:
-        about = "" if turn.room is None else f" about room {turn.room}"
+        about = "" if turn.room is None else f" about {self._rooms.titled(turn.room)}"
         card, column = _card()
         words = QLineEdit(placeholderText="In other words, where you like; then press what they mean")
         words.setToolTip(words.placeholderText())
@@ -142,8 +152,9 @@ class WizardDock(QWidget):
         rooms = FlowLayout()
         rooms.addWidget(_heading(f"{robot_name(pending.robot).capitalize()} is asked where to go"))
         for room, cost in pending.costs:
-            own = "; its own choice" if room == pending.suggestion else ""
-            button = QPushButton(f"Room {room} ({energy_text(cost)}{own})")
+            own = "its own choice" if room == pending.suggestion else ""
+            told = "; ".join(part for part in (self._rooms.name(room), energy_text(cost), own) if part)
+            button = QPushButton(f"Room {room} ({told})")
             button.clicked.connect(partial(self._advise, pending.robot, room))
             rooms.addWidget(button)
         column.addLayout(rooms)

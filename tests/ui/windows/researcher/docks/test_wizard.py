@@ -1,10 +1,11 @@
 import pytest
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QDockWidget, QPushButton
+from PySide6.QtWidgets import QApplication, QDockWidget, QLabel, QPushButton
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
+from thbridge.hunt.rooms import RoomNames
 from ui.model.theme import LIGHT
 from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
 from ui.windows import look
@@ -48,6 +49,14 @@ def test_every_reply_is_in_sight_and_the_window_as_large_as_before(
     window.wizard.show_wizard(Wizard((0, 1), turns, advice), 3)
     qtbot.waitUntil(lambda: hidden(window) == [])
     assert window.size() == size
+
+
+def test_the_name_of_a_room_stands_beside_its_number(qtbot: QtBot) -> None:
+    window = opened(qtbot, QSize(1200, 800))
+    window.wizard.show_wizard(Wizard((0, 1), (TURN,), (ADVICE,)), 3, RoomNames({4: "Kitchen", 8: "Bath"}))
+    assert "Robot 1 is to speak about room 4 (Kitchen)" in [each.text() for each in window.findChildren(QLabel)]
+    buttons = [button.text() for button in window.wizard.findChildren(QPushButton)]
+    assert {"Room 3 (15)", "Room 4 (Kitchen; 15)", "Room 8 (Bath; 15; its own choice)"} <= set(buttons)
 
 
 @pytest.mark.parametrize("text", TEXTS)
