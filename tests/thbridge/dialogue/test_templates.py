@@ -2,11 +2,13 @@ from pathlib import Path
 
 import pytest
 
+from tests.thbridge.roles.stage import Stage, engine
 from thbridge.dialogue.moves import Ask, Dialogue, DialogueTopic, Scenario
 from thbridge.dialogue.templates import ScriptedQuestion, Template, TemplatePhrasing
 from thbridge.dialogue.words import WORDS, fill, word_fault, words_of
 from thbridge.hunt.properties import OF_2016, TreasureProperty
-from thbridge.hunt.rooms import Room
+from thbridge.hunt.rooms import Room, RoomNames
+from thbridge.roles.keeper.dialogues import GameDialogues
 
 
 def test_reserved_words_become_what_people_read():
@@ -67,6 +69,19 @@ def test_a_wording_that_names_what_is_unknown_is_left_out_while_there_is_another
     assert {said(Scenario.TAKE_PICTURE, seed) for seed in range(20)} == {"It is there."}
     assert {said(Scenario.TAKE_PICTURE, seed, weight="Heavy") for seed in range(20)} == {"It is heavy.", "It is there."}
     assert said(Scenario.TAKE_TREASURE, 1) == "It is unknown."
+
+
+def test_a_room_is_called_by_its_own_name_or_else_by_its_number():
+    names = RoomNames.of([(3, "Kitchen"), (4, "Room 4")])
+    played = Stage(set_name="four-properties")
+    said = {}
+    for room in (3, 4):
+        dialogues = GameDialogues(engine(played.templates), room_names=names)
+        played.run(6)
+        dialogues.open(played.session.game, Scenario.SPECIFIC_ROOM, 0, Room(room))
+        said[room] = dialogues.take_utterances()[0].text
+    assert said[3].startswith("Kitchen, room 3, costs me ")
+    assert said[4].startswith("Room 4, room 4, costs me ")
 
 
 def test_the_manual_lists_every_word_with_its_meaning():

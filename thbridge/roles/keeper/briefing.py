@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from thbridge.hunt.properties import OF_2016, TreasureProperty
+from thbridge.hunt.rooms import RoomNames
 from thbridge.roles.notices import FloorPlan
 
 
@@ -34,6 +35,6 @@ class Briefing:
     properties: tuple[TreasureProperty, ...] = OF_2016
 
     @property
-    def room_names(self) -> dict[int, str]:
-        """Names of rooms, by the number people use; empty without a map."""
-        return {} if self.floor_plan is None else {room.room: room.name for room in self.floor_plan.rooms}
+    def room_names(self) -> RoomNames:
+        """Names of the map's rooms; none without a map."""
+        return RoomNames() if self.floor_plan is None else self.floor_plan.room_names

@@ -1,15 +1,13 @@
 """Open dialogues of robots and participant, and agreements that were not acted upon yet."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 from thbridge.dialogue.engine import DialogueStep, Engine
 from thbridge.dialogue.moves import Dialogue, DialogueOutcome, DialogueTopic, DialogueUtterance, Scenario, Speaker
 from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
-from thbridge.hunt.rooms import Room
+from thbridge.hunt.rooms import Room, RoomNames
 from thbridge.roles.participant_rules import Discussed
 from thbridge.roles.view import Consent, DialogueMatter, DialogueView
 
@@ -48,7 +46,7 @@ class GameDialogues:
     Args:
         engine: runs the dialogues.
         puppets: robots that a person speaks for (Wizard-of-Oz).
-        room_names: names of rooms, by the number people use.
+        room_names: names of the map's rooms.
 
     Attributes:
         puppets: the current ones.
@@ -60,10 +58,10 @@ class GameDialogues:
         self,
         engine: Engine,
         puppets: frozenset[int] = frozenset(),
-        room_names: Mapping[int, str] = MappingProxyType({}),
+        room_names: RoomNames | None = None,
     ) -> None:
         self.puppets = puppets
-        self._room_names = room_names
+        self._room_names = room_names or RoomNames()
         self.asked_for_advice: tuple[int, ...] = ()
         self._engine = engine
         # By robot, in the order of opening.
@@ -88,7 +86,7 @@ class GameDialogues:
             reason: of a suggestion, as part of a sentence.
         """
         self._forget(robot, MATTERS[scenario])
-        topic = _topic(state, scenario, robot, room, self._room_names.get(room.people, str(room)), reason)
+        topic = _topic(state, scenario, robot, room, self._room_names.name(room.people) or str(room), reason)
         self._opened += 1
         self._follow(self._engine.open(self._opened, topic, held=robot in self.puppets))
 

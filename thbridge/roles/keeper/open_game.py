@@ -1,6 +1,6 @@
 """The open game: its state, the events of this step, the dialogues, the last refusal."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.engine import Engine
@@ -16,6 +16,7 @@ from thbridge.hunt.events import (
 )
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
+from thbridge.hunt.rooms import RoomNames
 from thbridge.roles.failure_reasons import CALLED_BACK
 from thbridge.roles.keeper.dialogues import GameDialogues
 from thbridge.roles.notices import MoveOrder
@@ -31,10 +32,10 @@ class OpenGame:
     Args:
         engine: makes the dialogue engine of a game, given the game's number.
         last_game: number of the last game so far.
-        room_names: names of rooms, by the number people use.
+        room_names: names of the map's rooms.
     """
 
-    def __init__(self, engine: Callable[[int], Engine], last_game: int, room_names: Mapping[int, str]) -> None:
+    def __init__(self, engine: Callable[[int], Engine], last_game: int, room_names: RoomNames) -> None:
         self._engine = engine
         self._room_names = room_names
         self.last_game = last_game
