@@ -14,7 +14,7 @@ from ui.commands.group import CommandGroup
 from ui.commands.localize import localize_command
 from ui.commands.mavlink import mavlink_app
 from ui.commands.measure import maps_measure
-from ui.commands.new_map import maps_new
+from ui.commands.new_map import maps_edit, maps_new
 from ui.commands.plan import plan
 from ui.commands.play import play
 from ui.commands.replay import replay_command
@@ -53,6 +53,7 @@ app.command("replay")(replay_command)
 app.add_typer(bag.bag_app, name="bag")
 files.maps_app.command("measure")(maps_measure)
 files.maps_app.command("new")(maps_new)
+files.maps_app.command("edit")(maps_edit)
 app.add_typer(files.maps_app, name="maps")
 files.study_app.command("edit")(study_edit)
 app.add_typer(files.study_app, name="study")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import find_objects, label
+from scipy.ndimage import distance_transform_edt, find_objects, label
 
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from sim.common.traversability import Mask, Polygon, TraversabilityMap, inside
@@ -15,6 +15,9 @@ from thbridge.hunt.rooms import Room
 
 Owners = NDArray[np.int64]
 """(rows, cols) number of the room that holds each cell's centre; 0 is the corridor."""
+
+GAP = 0.6
+"""Floor between two outlines that is no corridor but the sill of a door, square metres."""
 
 _TOUCHING = np.ones((3, 3), dtype=np.bool_)
 
@@ -120,6 +123,7 @@ def doorways(floor: TraversabilityMap, owners: Owners, footprint: Polygon = FOOT
     grid = floor.grid
     inscribed, _ = radii(np.array(footprint))
     free = grid.cells == FREE
+    owners = _without_gaps(owners, free, grid.resolution)
     boxes = find_objects(owners.astype(np.int32))
     for number in (int(number) for number in np.unique(owners[owners > 0])):
         found = boxes[number - 1]
@@ -139,6 +143,19 @@ def doorways(floor: TraversabilityMap, owners: Owners, footprint: Polygon = FOOT
                 width = float(max(extent)) if min(extent) <= 2 else float(np.hypot(*extent))
                 x, y = float(middle[0]), float(middle[1])
                 yield Doorway(Room(number), Room(other), x, y, width * grid.resolution)
+
+
+def _without_gaps(owners: Owners, free: Mask, resolution: float) -> Owners:
+    """Owners in which floor between outlines that is too small for a corridor belongs to the nearest room."""
+    labels, _ = label(free & (owners == 0))
+    small = np.bincount(labels.ravel()) * resolution**2 < GAP
+    small[0] = False
+    gaps = small[labels]
+    if not gaps.any() or not owners.any():
+        return owners
+    nearest = distance_transform_edt(owners == 0, return_distances=False, return_indices=True)
+    closed: Owners = np.where(gaps, owners[tuple(np.asarray(nearest))], owners)
+    return closed
 
 
 def _beside(mask: Mask) -> Mask:

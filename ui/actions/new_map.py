@@ -87,7 +87,7 @@ def require_rooms(arena: Arena, grid: OccupancyGrid, source: Path) -> None:
 
 
 def write_map(folder: Path, grid: OccupancyGrid, arena: Arena) -> None:
-    """Write the folder and check what was written.
+    """Write the folder.
 
     Raises:
         BadFile: it cannot be written.
@@ -98,12 +98,16 @@ def write_map(folder: Path, grid: OccupancyGrid, arena: Arena) -> None:
     except OSError as error:
         raise BadFile(folder, f"it cannot be written ({reason_of(error)})", "choose another place by --to") from None
     say(f"Wrote {folder}: map.yaml, map.pgm, rooms.yaml")
+
+
+def check_written(folder: Path) -> None:
+    """Check what was written, and tell; end the command where no game can be played on it."""
     check = check_map(folder)
     for finding in check.findings:
         say(f"{finding.severity}: {finding.fault}")
     say(f"Checked: {len(check.errors)} errors, {len(check.findings) - len(check.errors)} warnings")
     if check.errors:
-        fail(BAD_INPUT, f"{folder}: mend rooms.yaml, or draw the rooms by --draw.")
+        fail(BAD_INPUT, f"{folder}: mend rooms.yaml, or draw the rooms by `thbridge maps edit {folder}`.")
 
 
 def measure_map(folder: Path, place: Map, runs: int, jobs: int) -> bool:

@@ -1,12 +1,16 @@
-"""`thbridge maps new`: an arena made of a map that was not made for one."""
+"""`thbridge maps new` and `maps edit`: arenas made of maps that were not made for one, and drawn by hand."""
 
 import os
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, ParamSpec
 
 import typer
 
+from ui.options import ColourScheme, LookOption
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, say
+
+P = ParamSpec("P")
 
 
 def maps_new(
@@ -30,12 +34,16 @@ def maps_new(
     jobs: Annotated[
         int | None, typer.Option(help="Trips driven at a time; by default one on every core.", min=1, max=256)
     ] = None,
+    draw: Annotated[bool, typer.Option("--draw", help="Correct rooms and start poses in a window first.")] = False,
+    look: LookOption = ColourScheme.SYSTEM,
 ) -> None:
     """Make an arena of any map: find its rooms, put goals and start poses, check it, measure its trips."""
     from thbridge.files.map_files import read_map
-    from ui.actions.new_map import find_arena, measure_map, read_drawing, require_rooms, write_map
+    from ui.actions.new_map import check_written, find_arena, measure_map, read_drawing, require_rooms, write_map
     from ui.first_start import announce_compiling
 
+    if draw:
+        _require_window("Or leave --draw out, and correct rooms.yaml as text")
     folder = to or Path(source.resolve().parent.name if source.stem == "map" else source.stem)
     if folder.exists():
         fail(BAD_INPUT, f"--to: {folder} is there already. Name a folder that is to be made.")
@@ -47,14 +55,21 @@ def maps_new(
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
     say(f"Map: {width:.1f} m x {height:.1f} m, {grid.cols} x {grid.rows} cells of {grid.resolution:g} m")
     arena = find_arena(grid, rooms, robots, called)
-    require_rooms(arena, grid, source)
     if len(called) > len(arena.rooms):
-        fail(
-            BAD_INPUT,
-            f"--names: {len(called)} names for {len(arena.rooms)} rooms. Leave {len(called) - len(arena.rooms)} out.",
-        )
+        many = len(called) - len(arena.rooms)
+        fail(BAD_INPUT, f"--names: {len(called)} names for {len(arena.rooms)} rooms. Leave {many} out.")
+    if draw:
+        from ui.windows.arena import draw_arena
+
+        draw_arena(folder.name, grid, arena, lambda drawn: _why_not(write_map, folder, grid, drawn), look.value)
+        if not folder.exists():
+            fail(FAILED, f"Nothing was saved, so there is no {folder}.")
+    else:
+        require_rooms(arena, grid, source)
+        with bad_input():
+            write_map(folder, grid, arena)
+    check_written(folder)
     with bad_input():
-        write_map(folder, grid, arena)
         place = read_map(folder)
     complete = True
     if times:
@@ -68,3 +83,63 @@ def maps_new(
         say(f"Play on it: thbridge play --map {path}")
     if not complete:
         raise typer.Exit(FAILED)
+
+
+def maps_edit(
+    folder: Annotated[Path, typer.Argument(help="Folder of a map of yours.")],
+    look: LookOption = ColourScheme.SYSTEM,
+) -> None:
+    """Edit a map's rooms, goals and start poses in a window; saving writes its rooms.yaml anew."""
+    from thbridge.files.map_files import check_map, write_rooms
+    from thbridge.files.map_times import MAP_TIMES
+    from thbridge.offline.arena import Arena
+    from ui.actions.new_map import check_written
+
+    _require_window(f"Or edit {folder / 'rooms.yaml'} as text, and check it by `thbridge maps check`")
+    if not folder.is_dir():
+        fail(
+            BAD_INPUT, f"{folder}: there is no such folder. Give that of a map of yours; a shipped one is copied first."
+        )
+    check = check_map(folder)
+    if check.map is None:
+        fail(BAD_INPUT, "\n".join(str(fault) for fault in check.errors))
+    from ui.windows.arena import draw_arena
+
+    rooms = folder / "rooms.yaml"
+    before, arena = rooms.read_bytes(), Arena(check.map.rooms, check.map.starts)
+    draw_arena(
+        check.map.name,
+        check.map.grid,
+        arena,
+        lambda drawn: _why_not(write_rooms, folder, drawn.rooms, drawn.starts),
+        look.value,
+        is_saved=True,
+    )
+    if rooms.read_bytes() == before:
+        return
+    say(f"Wrote {rooms}")
+    check_written(folder)
+    if (folder / MAP_TIMES).exists():
+        say(f"{folder / MAP_TIMES} is of the rooms before. Measure anew: delete it, then")
+    say(f"thbridge maps measure {folder} --out {folder / MAP_TIMES}")
+
+
+def _require_window(otherwise: str) -> None:
+    from ui.display import why_no_window
+
+    reason = why_no_window()
+    if reason is not None:
+        fail(BAD_INPUT, f"{reason} {otherwise}.")
+
+
+def _why_not(write: Callable[P, object], *arguments: P.args, **named: P.kwargs) -> str | None:
+    """Write something; return the reason why that failed, or None."""
+    from thbridge.files.errors import BadFile, reason_of
+
+    try:
+        write(*arguments, **named)
+    except BadFile as fault:
+        return str(fault)
+    except OSError as error:
+        return f"It cannot be written: {reason_of(error)}."
+    return None

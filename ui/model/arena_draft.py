@@ -18,6 +18,7 @@ from thbridge.files.map_files import FOOTPRINT, MapRoom
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.offline.arena import Arena, best_goal, cells_inside, simple_outline
+from thbridge.offline.map_survey import Doorway, doorways
 
 BRIDGE = 0.5
 """Metres between two rooms that are merged over a door or a thin wall."""
@@ -77,13 +78,18 @@ class ArenaDraft:
         arena: rooms and start poses as they are now.
     """
 
-    def __init__(self, grid: OccupancyGrid, arena: Arena, footprint: Polygon = FOOTPRINT) -> None:
+    def __init__(
+        self, grid: OccupancyGrid, arena: Arena, *, is_saved: bool = False, footprint: Polygon = FOOTPRINT
+    ) -> None:
         self.grid = grid
         self.floor = TraversabilityMap.of(grid, *radii(np.array(footprint)))
         self.arena = arena
-        self._saved: Arena | None = None
+        self._footprint = footprint
+        self._saved = arena if is_saved else None
         self._past: list[Arena] = []
         self._future: list[Arena] = []
+        self._doors: tuple[Arena, tuple[Doorway, ...]] | None = None
+        self._faults: tuple[Arena, tuple[str, ...]] | None = None
 
     # Undo -------------------------------------------------------------------------------------------------------------
 
@@ -260,8 +266,22 @@ class ArenaDraft:
         """Number of the room with a point of the map frame."""
         return next((room.room.people for room in self.arena.rooms if room.holds(x, y)), None)
 
+    def doors(self) -> tuple[Doorway, ...]:
+        """The openings of the rooms that a robot fits through: they follow from the outlines and the walls."""
+        if self._doors is None or self._doors[0] is not self.arena:
+            owners = np.zeros(self.grid.cells.shape, dtype=np.int64)
+            for room in self.arena.rooms:
+                owners[cells_inside(room.region, self.floor)] = room.room.people
+            self._doors = self.arena, tuple(doorways(self.floor, owners, self._footprint))
+        return self._doors[1]
+
     def faults(self) -> tuple[str, ...]:
         """Sentences about all that keeps games from being played."""
+        if self._faults is None or self._faults[0] is not self.arena:
+            self._faults = self.arena, self._found_faults()
+        return self._faults[1]
+
+    def _found_faults(self) -> tuple[str, ...]:
         rooms, starts = self.arena.rooms, self.arena.starts
         told = [*(() if rooms else ("There is no room yet.",)), *(() if starts else ("There is no start pose yet.",))]
         if starts:

@@ -193,3 +193,11 @@ class TestNew:
         assert "of 40: no more have room" in done.stdout
         done = maps("new", "two/map.yaml", "--to", "y", "--no-times", "--rooms", 1)
         assert "Rooms: 1 found: 1 Room 1" in done.stdout
+
+
+def test_where_no_window_can_be_opened_the_way_by_text_is_told(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
+    done = maps("new", "two/map.yaml", "--to", "x", "--draw")
+    assert (done.exit_code, (here / "x").exists()) == (2, False)
+    assert "leave --draw out" in done.stderr
+    assert "edit two/rooms.yaml as text" in maps("edit", "two").stderr

@@ -114,6 +114,15 @@ def test_faults_are_those_that_keep_games_from_being_played() -> None:
     assert draft.faults() == ("There is no start pose yet.",)
 
 
+def test_doors_follow_from_outlines_and_walls(draft: ArenaDraft) -> None:
+    def between() -> list[tuple[int, int]]:
+        return sorted((door.room.people, door.beyond.people) for door in draft.doors())
+
+    assert between() == [(1, 0), (1, 2), (2, 0), (3, 0)]
+    draft.remove_room(2)
+    assert between() == [(1, 0), (1, 0), (2, 0)]
+
+
 class TestPointer:
     @pytest.fixture
     def pointer(self, draft: ArenaDraft) -> ArenaPointer:

@@ -1,0 +1,37 @@
+"""The window in which an arena is drawn."""
+
+from collections.abc import Callable
+
+from sim.common.grid import OccupancyGrid
+from thbridge.offline.arena import Arena
+from ui.windows.application import application
+from ui.windows.arena.window import ArenaWindow
+from ui.windows.look import Appearance, Choice, TextSize, user_settings
+
+
+def draw_arena(
+    name: str,
+    grid: OccupancyGrid,
+    arena: Arena,
+    write: Callable[[Arena], str | None],
+    choice: Choice = "system",
+    *,
+    is_saved: bool = False,
+) -> int:
+    """Open the window and wait until it is closed; return the program's exit code.
+
+    Args:
+        name: of the map.
+        grid: its cells.
+        arena: rooms and start poses to begin with.
+        write: writes what was drawn; returns why it cannot, or None.
+        choice: light, dark or as the system is.
+        is_saved: True when the arena to begin with is in a file already.
+    """
+    app = application()
+    look, text_size = Appearance(app, choice), TextSize(app, user_settings())
+    window = ArenaWindow(name, grid, arena, write, is_saved=is_saved)
+    look.changed.connect(window.repaint_all)
+    text_size.add_keys(window)
+    window.show()
+    return app.exec()
