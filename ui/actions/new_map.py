@@ -110,6 +110,11 @@ def check_written(folder: Path) -> None:
         fail(BAD_INPUT, f"{folder}: mend rooms.yaml, or draw the rooms by `thbridge maps edit {folder}`.")
 
 
+def same_trips(one: Map, other: Map) -> bool:
+    """Return True when trips on two drawings of a map begin and end at the same poses, room by room."""
+    return one.starts == other.starts and [room.goal for room in one.rooms] == [room.goal for room in other.rooms]
+
+
 def measure_map(folder: Path, place: Map, runs: int, jobs: int) -> bool:
     """Measure all trips and write `mapTimes`; return True when every room was reached from everywhere."""
     count = len(place.rooms)

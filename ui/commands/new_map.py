@@ -93,7 +93,7 @@ def maps_edit(
     from thbridge.files.map_files import check_map, write_rooms
     from thbridge.files.map_times import MAP_TIMES
     from thbridge.offline.arena import Arena
-    from ui.actions.new_map import check_written
+    from ui.actions.new_map import check_written, same_trips
 
     _require_window(f"Or edit {folder / 'rooms.yaml'} as text, and check it by `thbridge maps check`")
     if not folder.is_dir():
@@ -105,7 +105,7 @@ def maps_edit(
         fail(BAD_INPUT, "\n".join(str(fault) for fault in check.errors))
     from ui.windows.arena import draw_arena
 
-    rooms = folder / "rooms.yaml"
+    rooms, times = folder / "rooms.yaml", folder / MAP_TIMES
     before, arena = rooms.read_bytes(), Arena(check.map.rooms, check.map.starts)
     draw_arena(
         check.map.name,
@@ -118,10 +118,14 @@ def maps_edit(
     if rooms.read_bytes() == before:
         return
     say(f"Wrote {rooms}")
+    now = check_map(folder, with_costs=False).map
+    if times.exists() and now is not None and not same_trips(check.map, now):
+        old = times.with_name(f"{MAP_TIMES}.old")
+        times.replace(old)
+        say(f"The times were of other trips; they are now {old}.")
     check_written(folder)
-    if (folder / MAP_TIMES).exists():
-        say(f"{folder / MAP_TIMES} is of the rooms before. Measure anew: delete it, then")
-    say(f"thbridge maps measure {folder} --out {folder / MAP_TIMES}")
+    if not times.exists():
+        say(f"Games need times: thbridge maps measure {folder} --out {times}")
 
 
 def _require_window(otherwise: str) -> None:

@@ -1,0 +1,87 @@
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import Result
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtWidgets import QApplication, QLineEdit
+from pytestqt.qtbot import QtBot
+from typer.testing import CliRunner
+
+from tests.ui.model.test_arena_draft import FOUND, GRID
+from thbridge.files.map_files import check_map, read_map, write_grid, write_rooms
+from ui.cli import app
+from ui.windows.arena.window import ArenaWindow
+
+CONTROL = Qt.KeyboardModifier.ControlModifier
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A map with times, on a display that is there."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("ui.display.INVISIBLE_PLATFORMS", set())
+    monkeypatch.setenv("DISPLAY", ":0")
+    write_grid(tmp_path / "three", GRID)
+    write_rooms(tmp_path / "three", FOUND.rooms, FOUND.starts)
+    (tmp_path / "three" / "mapTimes").write_text("4\n99 9 9 9\n99 99 9 9\n99 9 99 9\n99 9 9 99\n")
+    return tmp_path / "three"
+
+
+def run(act: Callable[[ArenaWindow], None], *words: str) -> Result:
+    """Run a command; as soon as its window is there, act in it and close it."""
+
+    def look() -> None:
+        for window in QApplication.topLevelWidgets():
+            if isinstance(window, ArenaWindow) and window.isActiveWindow():
+                timer.stop()
+                act(window)
+                window.close()
+                window.deleteLater()
+
+    timer = QTimer(interval=20)
+    timer.timeout.connect(look)
+    timer.start()
+    return CliRunner().invoke(app, ["maps", *words])
+
+
+def test_other_rooms_put_the_times_aside(qtbot: QtBot, folder: Path) -> None:
+    def delete_a_room(window: ArenaWindow) -> None:
+        window.list.setCurrentRow(0)
+        qtbot.keyClick(window, Qt.Key.Key_Delete)
+        qtbot.keyClick(window, Qt.Key.Key_S, CONTROL)
+
+    done = run(delete_a_room, "edit", "three")
+    assert done.exit_code == 0, done.stderr
+    assert "they are now three/mapTimes.old" in done.stdout
+    assert done.stdout.endswith("thbridge maps measure three --out three/mapTimes\n")
+    assert [room.name for room in read_map(folder).rooms] == ["Middle", "East"]
+
+
+def test_another_name_keeps_the_times_and_closing_without_a_change_says_nothing(qtbot: QtBot, folder: Path) -> None:
+    def rename(window: ArenaWindow) -> None:
+        window.list.setCurrentRow(1)
+        qtbot.keyClick(window.list, Qt.Key.Key_F2)
+        line = window.list.findChild(QLineEdit)
+        qtbot.keyClick(line, Qt.Key.Key_End)
+        qtbot.keyClicks(line, " office")
+        qtbot.keyClick(line, Qt.Key.Key_Return)
+        qtbot.waitUntil(lambda: window.draft.dirty)
+        qtbot.keyClick(window, Qt.Key.Key_S, CONTROL)
+
+    assert run(lambda window: None, "edit", "three").stdout == ""
+    assert "Checked: 0 errors" in run(rename, "edit", "three").stdout
+    assert (folder / "mapTimes").exists()
+    assert read_map(folder).rooms[1].name == "Middle office"
+
+
+def test_what_is_drawn_is_written_when_it_is_saved_and_not_before(qtbot: QtBot, folder: Path) -> None:
+    def cut(window: ArenaWindow) -> None:
+        assert not Path("mine").exists()
+        window.change(lambda: window.draft.cut_room((4.5, 5.0), (7.5, 5.0)))
+        qtbot.keyClick(window, Qt.Key.Key_S, CONTROL)
+
+    done = run(cut, "new", "three/map.yaml", "--to", "mine", "--draw", "--no-times")
+    assert done.exit_code == 0, done.stderr
+    assert len(read_map(Path("mine")).rooms) == 4
+    assert check_map(Path("mine")).findings == ()
