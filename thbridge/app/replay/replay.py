@@ -47,8 +47,9 @@ from thbridge.study.study_file import load_study_tree, read_study_text
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 
-NEWER_TOPICS = frozenset({names.ROOMS})
-"""Topics that older recordings do not have: they are compared only where they were recorded."""
+NOT_IN_OLDER = frozenset({names.ROOMS, names.DIAGNOSTICS, names.ROSOUT})
+"""Topics that are not compared with recordings of before the names of rooms were recorded: diagnostics and log say more
+since, for whom a robot makes way."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,15 +187,15 @@ async def replay(
     """
     record = session_of(path)
     fresh = build_record(setting, record.program, record.roles, options.participant or record.participant)
-    unknown = NEWER_TOPICS - {topic.name for topic in bag_reader.info(path).topics}
-    buffer = _MessageBuffer(_recorded_by(path, record), unknown)
+    older = names.ROOMS not in {topic.name for topic in bag_reader.info(path).topics}
+    buffer = _MessageBuffer(_recorded_by(path, record))
     with ExitStack() as opened:
         kept = [] if options.to is None else [opened.enter_context(build_writer(setting, options.to))]
         broadcast = Broadcast(build_publisher(setting), fresh, setting.map.grid, [buffer, *kept])
         session, give = _replayed_session(
             setting, record, options.participant, [BagRecorder(broadcast), _ProgressReporter(progress, options.start)]
         )
-        comparison = Comparison()
+        comparison = Comparison(NOT_IN_OLDER if older else frozenset())
         recorded = ticks_of(path)
         over = False
 
@@ -313,11 +314,10 @@ class _ProgressReporter:
 
 
 class _MessageBuffer:
-    """Collects the messages that a recording keeps, but those of topics unknown to it, until `drain`."""
+    """Collects the messages that a recording keeps, until `drain`."""
 
-    def __init__(self, keep: Callable[[RosMessage], bool], unknown: frozenset[str]) -> None:
+    def __init__(self, keep: Callable[[RosMessage], bool]) -> None:
         self._keep = keep
-        self._left_out = unknown | {names.SESSION}
         self._messages: list[RosMessage] = []
 
     def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
@@ -326,18 +326,22 @@ class _MessageBuffer:
     def drain(self) -> list[RosMessage]:
         """Return the messages since the last call, without the session record."""
         messages, self._messages = self._messages, []
-        return [message for message in messages if message.topic.name not in self._left_out]
+        return [message for message in messages if message.topic.name != names.SESSION]
 
 
 class Comparison:
     """Compares a replay with its recording, tick by tick.
+
+    Args:
+        left_out: topics that are not compared.
 
     Attributes:
         messages: number of messages found equal.
         difference: the first; None as long as all are equal.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, left_out: frozenset[str] = frozenset()) -> None:
+        self._left_out = left_out
         self.messages = 0
         self.difference: Difference | None = None
         self._of_topic: Counter[str] = Counter()
@@ -355,6 +359,8 @@ class Comparison:
         if self._missing is not None:  # and the recording goes on
             self.difference, self._missing = self._missing, None
             return
+        was = [message for message in was if message.topic not in self._left_out]
+        now = [message for message in now if message.topic.name not in self._left_out]
         for before, after in zip_longest(was, now):
             if before is None:
                 self._missing = self._difference(after.topic.name, after.stamp_ns, "it is new, nothing was recorded")
