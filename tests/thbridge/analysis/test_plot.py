@@ -18,6 +18,7 @@ from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat, 
 from thbridge.analysis.report.gathering import read_report
 from thbridge.analysis.report.values import Report, TimelineEntry, WayMade
 from thbridge.hunt.refusals import RequestRefused
+from thbridge.hunt.rooms import RoomNames
 
 LOOKS = (ONE_COLUMN, TWO_COLUMNS)
 
@@ -93,6 +94,14 @@ def test_goals_have_the_number_of_their_room(report: Report) -> None:
     departed = TimelineEntry(leg.start, "departed", "robot 1", 7, "")
     axes = drawn(FigureKind.TIMELINE, replace(report, timeline=(departed,))).axes[0]
     assert "7" in [text.get_text() for text in axes.texts]
+
+
+def test_the_name_of_a_room_stands_beside_its_number_where_it_fits(report: Report) -> None:
+    leg = report.tracks[0].attempts[0]
+    departed = TimelineEntry(leg.start, "departed", "robot 1", 7, "")
+    for name, told in (("Bath", "7 (Bath)"), ("A very large room " * 9, "7")):
+        named = replace(report, timeline=(departed,), rooms=RoomNames({7: name}))
+        assert told in [text.get_text() for text in drawn(FigureKind.TIMELINE, named).axes[0].texts]
 
 
 def test_ways_made_are_thin_bars_in_the_colour_of_the_robot_that_goes_first(report: Report) -> None:

@@ -14,13 +14,15 @@ from sim.common.geometry import FloatArray
 from thbridge.analysis.plot.paths import paths
 from thbridge.analysis.plot.style import FAINT, INK, FigureStyle, clock, colour, label_above, robot_handles
 from thbridge.analysis.plot.thinning import changes, peaks
-from thbridge.analysis.report.values import GoalAttempt, Report, TimelineEntry, Track
+from thbridge.analysis.report.values import Report, TimelineEntry, Track
 from thbridge.hunt.refusals import RequestRefused
 
 SIGMAS = 2.0
 """Half width of a band in standard deviations: 95 % of the errors, if they are normal and the covariance is right."""
 _OUTCOME_ALPHA = {"arrived": 0.9, "no path": 0.3, "cancelled": 0.3}
 _BAND_ALPHA = 0.2
+LETTER_WIDTH = 0.65
+"""Width of a letter by its height, on average, with some air."""
 _CLOCK_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0, 7200.0)
 """Possible distances between labels of the time axis, seconds."""
 
@@ -138,7 +140,7 @@ def timeline(report: Report, style: FigureStyle) -> Figure | None:
     line = 3.0 * style.font / 72.0
     figure, ((axes,),) = style.figure(4.5 * style.font / 72.0 + line * max(len(labels), 2))
     for index, track in enumerate(report.tracks):
-        _draw_attempts(axes, index, track.attempts, events, track.label, report.duration, style)
+        _draw_attempts(axes, index, track, events, report, style)
         _draw_ways_made(axes, index, track, report.tracks)
     for event in events:
         row = names.index(event.who) if event.who in names else len(names)
@@ -239,13 +241,14 @@ def _draw_ways_made(axes: Axes, row: int, track: Track, tracks: Sequence[Track])
 def _draw_attempts(
     axes: Axes,
     row: int,
-    attempts: Sequence[GoalAttempt],
+    track: Track,
     events: Sequence[TimelineEntry],
-    name: str,
-    duration: float,
+    report: Report,
     style: FigureStyle,
 ) -> None:
-    for attempt in attempts:
+    letter = report.duration * style.font / 72.0 / style.width
+    departures = [event for event in events if event.who == track.label and event.kind == "departed"]
+    for attempt in track.attempts:
         alpha = _OUTCOME_ALPHA.get(attempt.outcome, 0.6)
         axes.barh(
             row,
@@ -257,15 +260,14 @@ def _draw_attempts(
             ec="white",
             lw=0.8,
         )
-        room = next(
-            (e.room for e in events if e.who == name and e.kind == "departed" and abs(e.time - attempt.start) < 1.0),
-            None,
-        )
-        # The number is left out where it does not fit into its bar.
-        if room is not None and attempt.end - attempt.start > duration * style.font / 72.0 / style.width:
+        room = next((event.room for event in departures if abs(event.time - attempt.start) < 1.0), None)
+        # The name, or even the number, is left out where it does not fit into its bar.
+        seconds = attempt.end - attempt.start
+        if room is not None and seconds > letter:
             middle = 0.5 * (attempt.start + attempt.end)
+            named = report.rooms.numbered(room)
             axes.annotate(
-                str(room),
+                named if seconds > LETTER_WIDTH * len(named) * letter else str(room),
                 (middle, row),
                 color="white" if alpha > 0.7 else INK,
                 fontsize=style.font - 1,

@@ -91,7 +91,7 @@ _FIGURES: tuple[tuple[str, str, Callable[[Report, FigureStyle], Figure | None]],
     ("Energy", "What each robot had left.", energy),
     (
         "Timeline",
-        "Bars: under way to a goal, with the room's number; pale ones did not get there. Thin bars below: makes way "
+        "Bars: under way to a goal, with its room; pale ones did not get there. Thin bars below: makes way "
         "for the robot of that colour. Diamonds: events of the game. Strokes at the bottom: what was said.",
         timeline,
     ),
