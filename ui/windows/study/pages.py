@@ -1,6 +1,7 @@
 """Pages of the study window: a section, results of a search, the whole text, the changes to be written."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 from PySide6.QtCore import QElapsedTimer, QSignalBlocker, Qt, QTimer, Signal, SignalInstance
 from PySide6.QtGui import QColor, QPalette, QTextCharFormat, QTextCursor
@@ -157,10 +158,11 @@ class FieldsPage(QScrollArea):
     def _fill_card(self, card: QWidget, fields: tuple[FormField, ...], *, narrow: bool) -> Iterator[None]:
         style_as_panel(card)
         column = spaced(QVBoxLayout(card), 0, 2 * GAP, GAP, 2 * GAP, GAP)
+        beside = Path() if self._draft is None else self._draft.path.parent
         for index, field in enumerate(fields):
             if index:
                 column.addWidget(_rule())
-            row = FieldRow(field, narrow=narrow)
+            row = FieldRow(field, beside, narrow=narrow)
             row.edited.connect(self.edited)
             row.edit_finished.connect(self.edit_finished)
             row.reset.connect(self.reset)

@@ -1,13 +1,17 @@
 """One field of the form: its name, meaning, value, the value's origin, and its faults."""
 
-from PySide6.QtCore import QSignalBlocker, Qt, Signal
-from PySide6.QtGui import QFocusEvent, QWheelEvent
+from pathlib import Path
+
+from PySide6.QtCore import QPointF, QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QColor, QFocusEvent, QIcon, QKeyEvent, QPainter, QPen, QPixmap, QWheelEvent
 from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QPushButton, QSlider, QVBoxLayout, QWidget
 
 from thbridge.files.errors import BadFile
 from ui.model.study_form.form import FieldKind, FormField, editable_text, hint_of
+from ui.model.study_form.resources import is_named, resources_for
 from ui.windows.controls import ChoiceBox
 from ui.windows.look import GAP, FoldingRow, follow_text, font, label, px, spaced
+from ui.windows.study.resource_list import ResourceList
 
 _EDITOR_WIDTH = 240
 _WIDE = 340
@@ -24,9 +28,17 @@ _STEPS = 1000
 
 
 class _Line(QLineEdit):
-    """A line edit that reports when it loses the focus."""
+    """A line edit that reports when it loses the focus, and when the list of what it may name is wanted."""
 
     left = Signal()
+    listed = Signal()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Ask for the list by the key that opens lists elsewhere."""
+        if event.key() == Qt.Key.Key_Down:
+            self.listed.emit()
+        else:
+            super().keyPressEvent(event)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         super().focusOutEvent(event)
@@ -66,10 +78,11 @@ class FieldRow(FoldingRow):
     edit_finished = Signal(str)
     reset = Signal(str)
 
-    def __init__(self, field: FormField, *, narrow: bool = False) -> None:
+    def __init__(self, field: FormField, beside: Path, *, narrow: bool = False) -> None:
         words, values = spaced(QVBoxLayout(), GAP // 4), spaced(QHBoxLayout(), GAP)
         super().__init__(words, values, _NEVER_BESIDE if narrow else _WORDS, 2 * GAP)
         self.field = field
+        self._beside = beside
         self.setObjectName(field.key)
         self._name = label(field.label, bold=True)
         self._help = label(_sentence(field.help), "small", muted=True)
@@ -154,7 +167,25 @@ class FieldRow(FoldingRow):
         line.returnPressed.connect(self._done)
         if field.optional:
             line.setPlaceholderText("null")
+        if is_named(field.key):
+            self._list = line.addAction(
+                _arrow(line.palette().text().color()), QLineEdit.ActionPosition.TrailingPosition
+            )
+            self._list.setToolTip("Choose from a list (Down)")
+            self._list.triggered.connect(self.open_list)
+            line.listed.connect(self.open_list)
         return line
+
+    def open_list(self) -> None:
+        """Open the list of what the field may name."""
+        shown = ResourceList(self.field.key, resources_for(self.field.key, self._beside), self._beside, self.editor)
+        shown.chosen.connect(self._chosen)
+        shown.open_below(self.editor)
+
+    def _chosen(self, value: str) -> None:
+        if self._line is not None:
+            self._line.setText(value)
+            self._done()
 
     def _made_combo(self, field: FormField) -> QWidget:
         combo = self._combo = _Combo()
@@ -206,6 +237,19 @@ class FieldRow(FoldingRow):
             self._line.setModified(False)
         self.editor.setFocus()
         self.reset.emit(self.field.key)
+
+
+def _arrow(colour: QColor) -> QIcon:
+    """The sign of a list that opens."""
+    side = px(16)
+    pixmap = QPixmap(side, side)
+    pixmap.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(pixmap)
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setPen(QPen(colour, 1.5))
+    painter.drawPolyline([QPointF(x * side, y * side) for x, y in ((0.25, 0.4), (0.5, 0.65), (0.75, 0.4))])
+    painter.end()
+    return QIcon(pixmap)
 
 
 def _set_muted(line: QLineEdit, muted: bool) -> None:

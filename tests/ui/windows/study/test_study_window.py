@@ -1,3 +1,4 @@
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -5,13 +6,23 @@ from pathlib import Path
 import pytest
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QImage
-from PySide6.QtWidgets import QApplication, QComboBox, QLineEdit, QMessageBox, QPushButton, QSlider, QWidget
+from PySide6.QtWidgets import (
+    QApplication,
+    QComboBox,
+    QFileDialog,
+    QLineEdit,
+    QMessageBox,
+    QPushButton,
+    QSlider,
+    QWidget,
+)
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.walking import against_the_eye, nameless, stops
 from ui.model.theme import DARK, LIGHT
 from ui.windows.look import apply_palette
 from ui.windows.study import StudyWindow, study_window
+from ui.windows.study.resource_list import ResourceList
 
 TEXT = """\
 # our pilot
@@ -305,3 +316,32 @@ def test_light_and_dark_differ(qtbot: QtBot, qapp: QApplication, window: StudyWi
     window.repaint_all()
     assert window.grab().toImage().pixelColor(5, 5) != light
     apply_palette(qapp, LIGHT)
+
+
+def test_a_map_is_chosen_from_a_list_with_a_look_at_it(window: StudyWindow, qtbot: QtBot, file: Path) -> None:
+    window.open_field("map")
+    row = window.fields.rows["map"]
+    qtbot.keyClick(row.editor, Qt.Key.Key_Down)
+    shown = next(each for each in QApplication.topLevelWidgets() if isinstance(each, ResourceList) and each.isVisible())
+    entries = [shown.list.item(number) for number in range(shown.list.count())]
+    office = next(entry for entry in entries if entry.text().startswith("office\n"))
+    assert " rooms, " in office.text() and " start poses" in office.text()
+    assert not office.icon().isNull()
+    shown.list.setCurrentItem(office)
+    qtbot.keyClick(shown.list, Qt.Key.Key_Return)
+    qtbot.waitUntil(lambda: window.editor.draft.study is not None and window.editor.draft.study.map == "office")
+    window.save()
+    qtbot.waitUntil(lambda: "map: office" in file.read_text())
+
+
+def test_another_folder_is_written_from_that_of_the_study(
+    window: StudyWindow, qtbot: QtBot, file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(Path(__file__).parents[4] / "templates" / "practice", file.parent / "mine")
+    monkeypatch.setattr(QFileDialog, "getExistingDirectory", lambda *_: str(file.parent / "mine"))
+    window.open_field("templates")
+    qtbot.keyClick(window.fields.rows["templates"].editor, Qt.Key.Key_Down)
+    shown = next(each for each in QApplication.topLevelWidgets() if isinstance(each, ResourceList) and each.isVisible())
+    assert "./mine\n" in "".join(shown.list.item(number).text() for number in range(shown.list.count()))
+    qtbot.mouseClick(shown.other, Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(lambda: window.editor.draft.study is not None and window.editor.draft.study.templates == "./mine")

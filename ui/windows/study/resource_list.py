@@ -1,0 +1,93 @@
+"""List of the maps, template sets or files that a field may name, each with a look at it."""
+
+from pathlib import Path
+
+from PySide6.QtCore import QPoint, QSize, Qt, Signal
+from PySide6.QtGui import QIcon, QKeyEvent, QPixmap
+from PySide6.QtWidgets import QFileDialog, QListWidget, QListWidgetItem, QPushButton, QVBoxLayout, QWidget
+
+from ui.model.study_form.resources import NamedResource
+from ui.windows.look import GAP, px, spaced, style_as_panel
+
+_LOOK = QSize(96, 64)
+"""Size of the picture beside a name, `px`."""
+_FOLDERS = frozenset({"map", "templates"})
+"""Fields that name folders."""
+
+
+class ResourceList(QWidget):
+    """A list that opens below a field, and closes once something is chosen.
+
+    Signals:
+        chosen: the value that the study shall have.
+
+    Args:
+        key: of the field.
+        resources: what it may name.
+        beside: folder of the study, from which paths start.
+        parent: the field's editor.
+    """
+
+    chosen = Signal(str)
+
+    def __init__(self, key: str, resources: tuple[NamedResource, ...], beside: Path, parent: QWidget) -> None:
+        super().__init__(parent, Qt.WindowType.Popup)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        style_as_panel(self)
+        self._key, self._beside = key, beside
+        self.list = QListWidget()
+        self.list.setAccessibleName("What the field may name")
+        self.list.setIconSize(QSize(px(_LOOK.width()), px(_LOOK.height())))
+        self.list.setWordWrap(True)
+        for each in resources:
+            item = QListWidgetItem(f"{each.value}\n{each.words}")
+            item.setData(Qt.ItemDataRole.UserRole, each.value)
+            if each.picture is not None:
+                item.setIcon(QIcon(QPixmap(str(each.picture))))
+            self.list.addItem(item)
+        self.list.itemClicked.connect(self._choose)
+        self.list.itemActivated.connect(self._choose)
+        self.other = QPushButton("Another …")
+        self.other.clicked.connect(self._browse)
+        column = spaced(QVBoxLayout(self), GAP, GAP)
+        column.addWidget(self.list)
+        column.addWidget(self.other)
+        self.resize(px(380), px(min(4, max(1, len(resources))) * (_LOOK.height() + 12) + 60))
+
+    def open_below(self, editor: QWidget) -> None:
+        """Show the list below a widget, ready for the keyboard."""
+        self.move(editor.mapToGlobal(QPoint(0, editor.height())))
+        self.show()
+        self.list.setCurrentRow(0)
+        (self.list if self.list.count() else self.other).setFocus()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Close by Esc."""
+        if event.key() == Qt.Key.Key_Escape:
+            self.close()
+        else:
+            super().keyPressEvent(event)
+
+    def _choose(self, item: QListWidgetItem) -> None:
+        value: str = item.data(Qt.ItemDataRole.UserRole)
+        self.close()
+        self.chosen.emit(value)
+
+    def _browse(self) -> None:
+        here, start = self.parentWidget(), str(self._beside)
+        self.hide()
+        if self._key in _FOLDERS:
+            picked = QFileDialog.getExistingDirectory(here, "Choose a folder", start)
+        else:
+            picked, _ = QFileDialog.getOpenFileName(here, "Choose a file", start)
+        if picked:
+            self.chosen.emit(_as_written(Path(picked), self._beside, folder=self._key in _FOLDERS))
+        self.close()
+
+
+def _as_written(path: Path, beside: Path, *, folder: bool) -> str:
+    """A path as a study has it: from the study's own folder where it lies in there; a folder with a slash."""
+    if not path.resolve().is_relative_to(beside.resolve()):
+        return str(path)
+    inside = path.resolve().relative_to(beside.resolve())
+    return f"./{inside}" if folder else str(inside)
