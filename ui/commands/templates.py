@@ -6,7 +6,8 @@ from typing import Annotated
 import typer
 
 from ui.commands.group import CommandGroup
-from ui.options import AsJson
+from ui.display import why_no_window
+from ui.options import AsJson, ColourScheme, LookOption
 from ui.terminal import BAD_INPUT, bad_input, fail, note, out, print_json
 
 templates_app = typer.Typer(
@@ -21,14 +22,36 @@ SetName = Annotated[str, typer.Argument(help="Name of a template set, or the pat
 @templates_app.command("check")
 def templates_check(name: SetName, as_json: AsJson = False) -> None:
     """Check a template set, and tell what is in it."""
-    from ui.actions.templates import read_set, told
+    from ui.actions.templates import read_set
+    from ui.model.template_preview import NOWHERE, contents, sentences
 
     templates = read_set(name)
     if as_json:
         print_json({"ok": True, "properties": len(templates.properties), "treasures": len(templates.kinds)})
         return
-    for line in told(templates):
+    end = f"{len(templates.kinds)} treasures, {len(templates.properties)} properties: no faults"
+    for line in (*contents(templates), *sentences(templates, NOWHERE), end):
         out.print(line, highlight=False, markup=False, soft_wrap=True)
+
+
+@templates_app.command("edit")
+def templates_edit(
+    folder: Annotated[Path, typer.Argument(help="Folder of a template set of your own; see `thbridge templates new`.")],
+    look: LookOption = ColourScheme.SYSTEM,
+) -> None:
+    """Edit a template set in a window: sentences, treasures and pictures, with all that robots would say."""
+    from ui.actions.templates import folder_of
+
+    reason = why_no_window()
+    if reason is not None:
+        fail(BAD_INPUT, f"{reason} Or edit its files as text, and check them with `thbridge templates check {folder}`.")
+    own = folder_of(f"{folder}/")
+    # A second of imports that no other command needs.
+    from ui.windows.study import edit_templates
+
+    with bad_input():
+        code = edit_templates(own, look.value)
+    raise typer.Exit(code)
 
 
 @templates_app.command("list")

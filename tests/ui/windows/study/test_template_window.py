@@ -1,0 +1,109 @@
+"""The window of a template set."""
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QTextCursor
+from PySide6.QtWidgets import QApplication, QFileDialog
+from pytestqt.qtbot import QtBot
+
+from tests.ui.windows.study.test_study_window import answering
+from ui.model.theme import LIGHT
+from ui.windows.look import apply_palette
+from ui.windows.study.template_window import TemplateWindow
+
+SHIPPED = Path(__file__).parents[4] / "templates"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return Path(shutil.copytree(SHIPPED / "four-properties", tmp_path / "mine"))
+
+
+@pytest.fixture
+def window(qtbot: QtBot, qapp: QApplication, folder: Path) -> Iterator[TemplateWindow]:
+    apply_palette(qapp, LIGHT)
+    window = TemplateWindow(folder)
+    with qtbot.waitActive(window):
+        window.show()
+        window.activateWindow()
+    qtbot.waitUntil(lambda: window.draft is not None)
+    yield window
+    with answering("Discard"):
+        window.close()
+    window.deleteLater()
+
+
+def append(window: TemplateWindow, name: str, text: str) -> None:
+    page = window.pages[name]
+    page.moveCursor(QTextCursor.MoveOperation.End)
+    page.insertPlainText(text)
+
+
+def test_sentences_are_shown_as_robots_say_them_with_the_numbers_of_a_map(window: TemplateWindow, qtbot: QtBot) -> None:
+    assert "Kitchen, room 4, costs me 13 of my 100 energy." in window.preview.toPlainText()
+    window.place.setCurrentText("office")
+    assert "room 8, costs me " in window.preview.toPlainText()
+    window.treasure.setCurrentText("floor vase")
+    assert "green, large and heavy" in window.preview.toPlainText()
+
+
+def test_what_is_typed_is_checked_and_saved_and_nothing_else_changes(
+    window: TemplateWindow, qtbot: QtBot, folder: Path
+) -> None:
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    append(window, "DialogueText", "Is it £wieght£?\n")
+    qtbot.waitUntil(lambda: window.faults.count() == 1)
+    assert "DialogueText, line 9: unknown reserved word £wieght£. Write £weight£." in window.faults.item(0).text()
+    window.pages["DialogueText"].undo()
+    append(window, "DialogueText", "Is it £weight£?\n")
+    qtbot.waitUntil(lambda: window.faults.count() == 0 and "Is it light?" in window.preview.toPlainText())
+    qtbot.mouseClick(window.save_button, Qt.MouseButton.LeftButton)
+    after = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    sentences = folder / "DialogueText"
+    assert after.pop(sentences) == before.pop(sentences) + "Is it £weight£?\n".encode()
+    assert after == before
+    assert not window.isWindowModified()
+
+
+def test_a_fault_leads_to_its_line(window: TemplateWindow, qtbot: QtBot) -> None:
+    page = window.pages["treasures.yaml"]
+    page.setPlainText(page.toPlainText().replace("weight: light, material: wood", "weight: lihgt, material: wood", 1))
+    qtbot.waitUntil(lambda: window.faults.count() == 1)
+    window.faults.setCurrentRow(0)
+    window.tabs.setCurrentIndex(0)
+    qtbot.keyClick(window.faults, Qt.Key.Key_Return)
+    assert window.tabs.currentWidget() is page
+    assert "lihgt" in page.textCursor().block().text()
+
+
+def test_a_picture_is_replaced(
+    window: TemplateWindow, qtbot: QtBot, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = SHIPPED / "practice" / "pictures" / "green_can.jpg"
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(other), ""))
+    window.pictures.setCurrentRow(0)
+    qtbot.keyClick(window.pictures, Qt.Key.Key_Return)
+    assert (folder / "pictures" / "toy_block.jpg").read_bytes() == other.read_bytes()
+
+
+def test_a_set_with_faults_is_saved_on_request_only(window: TemplateWindow, folder: Path) -> None:
+    before = (folder / "DialogueText").read_text()
+    append(window, "DialogueText", "Is it £wieght£?\n")
+    with answering("Cancel"):
+        assert not window.save()
+    assert (folder / "DialogueText").read_text() == before
+    with answering("Save anyway"):
+        assert window.save()
+    assert "£wieght£" in (folder / "DialogueText").read_text()
+
+
+def test_what_another_program_wrote_is_not_overwritten_unasked(window: TemplateWindow, folder: Path) -> None:
+    append(window, "DialogueText", "More?\n")
+    (folder / "DialogueText").write_text("Theirs\nSpecificRoom:\n")
+    with answering("Cancel"):
+        assert not window.save()
+    assert (folder / "DialogueText").read_text() == "Theirs\nSpecificRoom:\n"

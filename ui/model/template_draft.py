@@ -1,0 +1,65 @@
+"""A template set while it is edited: its texts as typed, and all their faults as `templates check` finds them."""
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.template_files import DIALOGUE_TEXT, TemplateSet, read_template_set
+from thbridge.files.treasure_files import PARTICIPANT_TREASURES, TREASURES, TREASURES_YAML
+
+
+@dataclass(frozen=True, slots=True)
+class TemplateDraft:
+    """The texts of a set, and what they make.
+
+    Attributes:
+        folder: of the set.
+        texts: the text of each file that is edited, by its name.
+        templates: the set; None while there are faults.
+        faults: all of them, those of the edited files with the files' own paths.
+    """
+
+    folder: Path
+    texts: Mapping[str, str]
+    templates: TemplateSet | None
+    faults: tuple[BadFile, ...]
+
+
+def edited_names(folder: Path) -> tuple[str, ...]:
+    """Return the names of a set's files that people write: sentences, and the list of treasures in its form."""
+    if not (folder / TREASURES).exists():
+        return (DIALOGUE_TEXT, TREASURES_YAML)
+    copy = (PARTICIPANT_TREASURES,) if (folder / PARTICIPANT_TREASURES).exists() else ()
+    return (DIALOGUE_TEXT, TREASURES, *copy)
+
+
+def template_draft(folder: Path, texts: Mapping[str, str]) -> TemplateDraft:
+    """Check texts in the place of a set's files; nothing is written into its folder.
+
+    They are checked in a folder of links, as the reader of sets takes folders alone.
+    """
+    with tempfile.TemporaryDirectory(prefix="thbridge-") as scratch:
+        mirror = Path(scratch) / folder.resolve().name
+        mirror.mkdir()
+        for path in folder.iterdir():
+            if path.name not in texts:
+                (mirror / path.name).symlink_to(path.resolve())
+        for name, text in texts.items():
+            (mirror / name).write_text(text, encoding="utf-8", newline="")
+        try:
+            return TemplateDraft(folder, texts, read_template_set(mirror), ())
+        except BadFiles as several:
+            found = several.faults
+        except BadFile as fault:
+            found = (fault,)
+        return TemplateDraft(folder, texts, None, tuple(_in_its_folder(fault, mirror, folder) for fault in found))
+
+
+def _in_its_folder(fault: BadFile, mirror: Path, folder: Path) -> BadFile:
+    if not fault.path.is_relative_to(mirror):
+        return fault
+    path = folder / fault.path.relative_to(mirror)
+    remedy = fault.remedy.replace(str(mirror), str(folder))
+    return BadFile(path, fault.problem, remedy, fault.line, fault.key)

@@ -1,0 +1,280 @@
+"""Window of a template set: its sentences and treasures as text, its pictures, and a preview of them all."""
+
+import shutil
+from functools import partial
+from pathlib import Path
+
+from PySide6.QtCore import QSignalBlocker, QSize, Qt, QTimer, Slot
+from PySide6.QtGui import QCloseEvent, QIcon, QKeySequence, QPixmap, QShortcut, QTextCursor
+from PySide6.QtWidgets import (
+    QFileDialog,
+    QHBoxLayout,
+    QListWidget,
+    QListWidgetItem,
+    QMainWindow,
+    QMessageBox,
+    QPlainTextEdit,
+    QPushButton,
+    QSplitter,
+    QTabWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from thbridge.dialogue.words import WORDS
+from thbridge.files.edited_file import TextOnDisk, read_edited, write_edited
+from thbridge.files.errors import BadFile
+from thbridge.files.map_files import read_map
+from thbridge.files.resources import shipped
+from thbridge.files.treasure_files import PICTURES
+from thbridge.hunt.treasures import name_in_words
+from ui.model.template_draft import TemplateDraft, edited_names, template_draft
+from ui.model.template_preview import NOWHERE, PreviewPlace, contents, place_on, sentences
+from ui.windows.controls import ChoiceBox
+from ui.windows.look import GAP, fixed_font, follow_text, label, open_within_screen, px, spaced
+from ui.windows.study.background import BackgroundWorker
+
+_PAUSE = 250
+"""Milliseconds without a key after which what was typed is checked."""
+_LOOK = QSize(96, 96)
+"""Size of a picture in the list, `px`."""
+
+
+class TemplateWindow(QMainWindow):
+    """Texts at the left, the preview and the pictures at the right, faults below.
+
+    Attributes:
+        pages: the editor of each file, by its name.
+        draft: the texts as they were checked last.
+        preview: all sentences, as a robot would say them.
+        faults: all faults.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        """Open the template set in a folder.
+
+        Raises:
+            BadFile: one of its files cannot be read.
+        """
+        super().__init__()
+        self.folder = folder
+        self._on_disk: dict[str, TextOnDisk] = {name: read_edited(folder / name) for name in edited_names(folder)}
+        self.pages = {name: self._made_page(name, disk.text) for name, disk in self._on_disk.items()}
+        self.draft: TemplateDraft | None = None
+        self._pause = QTimer(self, singleShot=True, interval=_PAUSE)
+        self._pause.timeout.connect(self._check)
+        self._worker = BackgroundWorker(self, "templates")
+        self._worker.done.connect(self._checked)
+        self.preview = QPlainTextEdit(readOnly=True)
+        self.preview.setAccessibleName("What robots would say")
+        self.treasure, self.place = ChoiceBox(), ChoiceBox()
+        self.treasure.setAccessibleName("Treasure that the sentences are about")
+        self.place.setAccessibleName("Map whose numbers the sentences have")
+        self.place.addItems(["no map", *shipped().names("maps")])
+        self.treasure.currentIndexChanged.connect(self._show_preview)
+        self.place.currentIndexChanged.connect(self._show_preview)
+        self.pictures = QListWidget()
+        self.pictures.setAccessibleName("Pictures of treasures")
+        self.pictures.setIconSize(QSize(px(_LOOK.width()), px(_LOOK.height())))
+        self.pictures.itemActivated.connect(self._change_picture)
+        self.faults = QListWidget()
+        self.faults.setAccessibleName("Faults")
+        self.faults.itemActivated.connect(self._open_fault)
+        self.faults.itemClicked.connect(self._open_fault)
+        self.save_button = QPushButton("Save")
+        self.save_button.setAccessibleDescription("Key Ctrl+S")
+        self.save_button.clicked.connect(self.save)
+        QShortcut(QKeySequence("Ctrl+S"), self).activated.connect(self.save)
+        self._verdict = label("", "small")
+        self._lay_out()
+        self.setWindowTitle(f"{folder.name}[*] — template set")
+        open_within_screen(self, QSize(1240, 820))
+        self._check()
+
+    # Texts ------------------------------------------------------------------------------------------------------------
+
+    def texts(self) -> dict[str, str]:
+        """Return the texts as they are typed, with the line ends of their files."""
+        return {
+            name: page.toPlainText().replace("\n", _newline(self._on_disk[name].text))
+            for name, page in self.pages.items()
+        }
+
+    def changed(self) -> list[str]:
+        """Return the names of the files whose texts are not those on disk."""
+        return [name for name, text in self.texts().items() if text != self._on_disk[name].text]
+
+    @Slot()
+    def save(self) -> bool:
+        """Write the texts that have changed, each at once; return False where that was refused or not possible."""
+        faults = template_draft(self.folder, self.texts()).faults
+        left = f"{len(faults)} {'fault is' if len(faults) == 1 else 'faults are'} left. Programs will refuse this set."
+        if faults and not self._asked(left, "Save anyway"):
+            return False
+        try:
+            for name in self.changed():
+                path = self.folder / name
+                if read_edited(path) != self._on_disk[name] and not self._asked(
+                    f"{name} was changed by another program since it was read here.", "Write over it"
+                ):
+                    return False
+                self._on_disk[name] = write_edited(path, self.texts()[name], self._on_disk[name].marked)
+        except BadFile as fault:
+            box = QMessageBox(QMessageBox.Icon.Critical, self.folder.name, str(fault), parent=self)
+            box.setObjectName("question")
+            box.exec()
+            return False
+        finally:
+            self._show_state()
+        return True
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Ask first when something would be lost."""
+        if self.changed():
+            box = QMessageBox(QMessageBox.Icon.Question, self.folder.name, "Save the changes?", parent=self)
+            box.setObjectName("question")
+            standard = QMessageBox.StandardButton
+            box.setStandardButtons(standard.Save | standard.Discard | standard.Cancel)
+            chosen = box.exec()
+            if chosen == standard.Cancel or (chosen == standard.Save and not self.save()):
+                event.ignore()
+                return
+        self._pause.stop()
+        self._worker.close()
+        super().closeEvent(event)
+
+    # What follows from them -------------------------------------------------------------------------------------------
+
+    @Slot()
+    def _typed(self) -> None:
+        self._pause.start()
+        self._show_state()
+
+    @Slot()
+    def _check(self) -> None:
+        self._worker.ask(partial(template_draft, self.folder, self.texts()))
+
+    @Slot(object)
+    def _checked(self, draft: TemplateDraft) -> None:
+        self.draft = draft
+        self.faults.clear()
+        for fault in draft.faults:
+            self.faults.addItem(QListWidgetItem(f"⚠ {str(fault).removeprefix(f'{self.folder}/')}"))
+        self.faults.setVisible(bool(draft.faults))
+        if draft.templates is not None:
+            kinds = [name_in_words(kind.name) for kind in draft.templates.kinds]
+            if kinds != [self.treasure.itemText(row) for row in range(self.treasure.count())]:
+                with QSignalBlocker(self.treasure):
+                    self.treasure.clear()
+                    self.treasure.addItems(kinds)
+            self._show_pictures()
+        self._show_preview()
+        self._show_state()
+
+    @Slot()
+    def _show_preview(self) -> None:
+        draft = self.draft
+        if draft is None or draft.templates is None:
+            return
+        kind = draft.templates.kinds[max(self.treasure.currentIndex(), 0)]
+        lines = [*sentences(draft.templates, self._place(), kind), "", *contents(draft.templates)]
+        self.preview.setPlainText("\n".join(lines))
+
+    def _place(self) -> PreviewPlace:
+        if self.place.currentIndex() <= 0:
+            return NOWHERE
+        return place_on(read_map(shipped().root / "maps" / self.place.currentText()))
+
+    def _show_pictures(self) -> None:
+        self.pictures.clear()
+        templates = None if self.draft is None else self.draft.templates
+        for kind in () if templates is None else templates.kinds:
+            item = QListWidgetItem(f"{name_in_words(kind.name)}\n{kind.image}")
+            item.setData(Qt.ItemDataRole.UserRole, kind.image)
+            item.setIcon(QIcon(QPixmap(str(self.folder / PICTURES / (kind.image or "")))))
+            self.pictures.addItem(item)
+
+    def _show_state(self) -> None:
+        changed, faults = bool(self.changed()), () if self.draft is None else self.draft.faults
+        self.setWindowModified(changed)
+        self.save_button.setEnabled(changed)
+        words = f"{len(faults)} fault{'s' if len(faults) > 1 else ''}"
+        self._verdict.setText(
+            f"⚠ {words}. The preview is of the texts before." if faults else "✓ No faults: this set can be played."
+        )
+
+    def _open_fault(self, item: QListWidgetItem) -> None:
+        fault = None if self.draft is None else self.draft.faults[self.faults.row(item)]
+        if fault is None or fault.path.name not in self.pages:
+            return
+        page = self.pages[fault.path.name]
+        self.tabs.setCurrentWidget(page)
+        if fault.line is not None:
+            page.setTextCursor(QTextCursor(page.document().findBlockByNumber(fault.line - 1)))
+            page.centerCursor()
+        page.setFocus()
+
+    def _change_picture(self, item: QListWidgetItem) -> None:
+        """Put another image file into the place of a treasure's picture."""
+        picked, _ = QFileDialog.getOpenFileName(self, "Choose a picture", str(self.folder), "Images (*.png *.jpg)")
+        if picked:
+            shutil.copyfile(picked, self.folder / PICTURES / item.data(Qt.ItemDataRole.UserRole))
+            self._check()
+
+    def _asked(self, words: str, yes: str) -> bool:
+        box = QMessageBox(QMessageBox.Icon.Warning, self.folder.name, words, parent=self)
+        box.setObjectName("question")
+        agree = box.addButton(yes, QMessageBox.ButtonRole.AcceptRole)
+        box.setDefaultButton(box.addButton(QMessageBox.StandardButton.Cancel))
+        box.exec()
+        return box.clickedButton() is agree
+
+    # Layout -----------------------------------------------------------------------------------------------------------
+
+    def _made_page(self, name: str, text: str) -> QPlainTextEdit:
+        page = QPlainTextEdit(text.replace("\r\n", "\n"), tabChangesFocus=True)
+        page.setAccessibleName(name)
+        follow_text(page, lambda it: it.setFont(fixed_font()))
+        page.textChanged.connect(self._typed)
+        return page
+
+    def _lay_out(self) -> None:
+        self.tabs = QTabWidget()
+        for name, page in self.pages.items():
+            self.tabs.addTab(page, name)
+        words = ", ".join(f"£{word.name}£" for word in WORDS)
+        left, right = QWidget(), QWidget()
+        column = spaced(QVBoxLayout(left), GAP, 0)
+        column.addWidget(self.tabs, 1)
+        column.addWidget(
+            label(f"Sentences may name {words}, and beside a treasure its properties.", "small", muted=True)
+        )
+        column = spaced(QVBoxLayout(right), GAP, 0)
+        choices = spaced(QHBoxLayout(), GAP)
+        column.addLayout(choices)
+        choices.addWidget(self.treasure, 1)
+        choices.addWidget(self.place, 1)
+        column.addWidget(self.preview, 3)
+        column.addWidget(
+            label("Pictures; Enter or a double click puts another file in the place of one.", "small", muted=True)
+        )
+        column.addWidget(self.pictures, 2)
+        body = QSplitter(Qt.Orientation.Horizontal)
+        body.setChildrenCollapsible(False)
+        body.addWidget(left)
+        body.addWidget(right)
+        inside = QWidget()
+        rows = spaced(QVBoxLayout(inside), GAP, 2 * GAP)
+        head = spaced(QHBoxLayout(), GAP)
+        rows.addLayout(head)
+        head.addWidget(label(self.folder.name, "title", bold=True), 1)
+        head.addWidget(self.save_button)
+        rows.addWidget(body, 1)
+        rows.addWidget(self._verdict)
+        rows.addWidget(self.faults)
+        self.faults.setMaximumHeight(px(110))
+        self.setCentralWidget(inside)
+
+
+def _newline(text: str) -> str:
+    return "\r\n" if "\r\n" in text else "\n"
