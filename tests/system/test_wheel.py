@@ -37,5 +37,5 @@ def test_the_wheel_carries_maps_templates_and_the_page_of_reports(tmp_path: Path
         capture_output=True,
         text=True,
     )
-    sets = "original-2016 practice sklar-azhar-2015"
+    sets = "four-properties original-2016 practice sklar-azhar-2015"
     assert loaded.stdout.splitlines() == [str(installed / "thbridge"), "True", f"8 {sets}"]

@@ -7,6 +7,7 @@ import numpy as np
 
 from sim.common.geometry import wrap_angle
 from sim.common.observations import TICK
+from sim.common.robot_numbers import number_of
 from sim.team import TeamSnapshot
 
 
@@ -84,14 +85,14 @@ class RunStatistics:
 
     def figures(self) -> tuple[RobotStatistics, ...]:
         """Return the figures so far, rounded as people and programs can use them."""
-        return tuple(_figures(number, sums) for number, sums in enumerate(self._robots, start=1))
+        return tuple(_figures(robot, sums) for robot, sums in enumerate(self._robots))
 
 
-def _figures(number: int, sums: _Sums) -> RobotStatistics:
+def _figures(robot: int, sums: _Sums) -> RobotStatistics:
     position, heading = np.sqrt(sums.squares / sums.samples) if sums.samples else (None, None)
     farthest, most = sums.greatest if sums.samples else (None, None)
     return RobotStatistics(
-        robot=number,
+        robot=number_of(robot),
         position_rmse=_rounded(position, 4),
         position_max=_rounded(farthest, 4),
         heading_rmse=_rounded(heading, 3, degrees=True),

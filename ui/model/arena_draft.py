@@ -12,6 +12,7 @@ from scipy.ndimage import binary_dilation, label
 
 from sim.common.geometry import Pose2, wrap_angle
 from sim.common.grid import FREE, OccupancyGrid
+from sim.common.robot_numbers import robot_name
 from sim.common.traversability import Mask, Point, Polygon, TraversabilityMap, area, crosses_itself, inside
 from sim.robot.costmap.footprint import radii
 from thbridge.files.map_files import FOOTPRINT, MapRoom
@@ -355,7 +356,7 @@ class ArenaDraft:
             number for number, other in enumerate(starts) if number != index and start.distance(other) <= 2 * needed
         ]
         if near:
-            return RequestRefused(ArenaRefusalReason.START, f"That is too near to the start of robot {near[0] + 1}.")
+            return RequestRefused(ArenaRefusalReason.START, f"That is too near to the start of {robot_name(near[0])}.")
         return dataclasses.replace(self.arena, starts=starts)
 
 

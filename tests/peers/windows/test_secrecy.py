@@ -175,9 +175,9 @@ def test_nothing_of_a_treasure_is_in_the_participants_process_before_it_is_told(
         assert search() == set()
         robots.process.send_signal(signal.SIGCONT)
 
-        screen.wait("the treasure to be sensed", lambda: hunt.view()["rooms"][0]["colour"], 180.0)
+        screen.wait("the treasure to be sensed", lambda: hunt.view()["rooms"][0]["sensed"], 180.0)
         screen.found("Room 1")
-        colour = hunt.view()["rooms"][0]["colour"]
+        colour = hunt.view()["rooms"][0]["sensed"]["colour"]
         here = next(name for name, words in KINDS.items() if words[0] == colour)
         (other,) = set(KINDS) - {here}
         # Both names may be chosen from now on; which of them is right, no word tells.
