@@ -1,5 +1,6 @@
 """The steps of `thbridge maps new`."""
 
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -22,10 +23,11 @@ from thbridge.files.map_files import (
     write_rooms,
 )
 from thbridge.files.map_times import MAP_TIMES, map_times
+from thbridge.hunt.rooms import Room
 from thbridge.offline.arena import Arena, arena_of
-from thbridge.offline.measure import MeasurementSetup
+from thbridge.offline.measure import MeasurementSetup, TripTimes
 from thbridge.offline.room_finding import find_rooms
-from ui.actions.measure import measure_trips, spoken_place, times_matrix
+from ui.actions.measure import measure_trips, times_matrix
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, say
 
 SEED = 1
@@ -126,10 +128,26 @@ def measure_map(folder: Path, place: Map, runs: int, jobs: int) -> bool:
             (folder / MAP_TIMES).write_text(map_times(times_matrix(times, count)), encoding="ascii")
         except OSError as error:
             raise BadFile(folder / MAP_TIMES, f"it cannot be written ({reason_of(error)})", "make room") from None
-    for pair in times:
-        for refusal in pair.refusals:
-            note(f"{spoken_place(pair.start)} to {spoken_place(pair.goal)}: not reached: {refusal}")
     means = [pair.mean for pair in times if pair.mean is not None]
     span = f"{min(means):.0f} s to {max(means):.0f} s a trip" if means else "no trip arrived"
     say(f"Measured: {len(means)} of {len(times)} ways, {span}; wrote {folder / MAP_TIMES}")
+    if len(means) < len(times):
+        note(unreached_words(times, folder))
     return len(means) == len(times)
+
+
+def unreached_words(times: Sequence[TripTimes], folder: Path) -> str:
+    """A sentence about ways that were not driven to the end: where, why, and what to do."""
+    failed = [pair for pair in times if pair.mean is None]
+    ends = Counter(place for pair in failed for place in (pair.start, pair.goal) if not place.is_corridor)
+    rooms = ", ".join(f"room {room.people} ({count} ways)" for room, count in sorted(ends.items(), key=_most_first)[:3])
+    reason = Counter(refusal for pair in failed for refusal in pair.refusals).most_common(1)[0][0]
+    return (
+        f"{len(failed)} of {len(times)} ways were not driven to the end and are no moves (99); mostly: {reason}. "
+        f"Most begin or end in {rooms}. Clear the way there in the image, "
+        f"delete rooms by `thbridge maps edit {folder}`, or play without these moves."
+    )
+
+
+def _most_first(counted: tuple[Room, int]) -> tuple[int, int]:
+    return -counted[1], counted[0].people

@@ -10,6 +10,9 @@ from typer.testing import CliRunner
 from sim.common.geometry import IDENTITY
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from thbridge.files.map_files import write_grid
+from thbridge.hunt.rooms import Room
+from thbridge.offline.measure import TripTimes
+from ui.actions.new_map import unreached_words
 from ui.cli import app
 
 ROOMS = """\
@@ -193,6 +196,18 @@ class TestNew:
         assert "of 40: no more have room" in done.stdout
         done = maps("new", "two/map.yaml", "--to", "y", "--no-times", "--rooms", 1)
         assert "Rooms: 1 found: 1 Room 1" in done.stdout
+
+
+def test_ways_that_were_not_driven_are_told_by_their_rooms() -> None:
+    def pair(start: int, goal: int, refusal: str | None) -> TripTimes:
+        return TripTimes(Room(start), Room(goal), () if refusal else (9.0,), (refusal,) if refusal else ())
+
+    stuck, lost = "the robot is stuck", "no path"
+    times = [pair(0, 1, None), pair(0, 2, stuck), pair(1, 2, stuck), pair(2, 1, lost)]
+    told = unreached_words(times, Path("lab"))
+    assert told.startswith("3 of 4 ways were not driven to the end and are no moves (99); mostly: the robot is stuck.")
+    assert "Most begin or end in room 2 (3 ways), room 1 (2 ways)." in told
+    assert "thbridge maps edit lab" in told
 
 
 def test_where_no_window_can_be_opened_the_way_by_text_is_told(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
