@@ -5,6 +5,7 @@ from collections.abc import Callable, Collection, Generator, Iterator, Sequence
 from pathlib import Path
 
 from thbridge.files.map_files import MapRoom
+from thbridge.hunt.rooms import RoomNames
 from thbridge.recording.bag.index import BagIndex, MessageLocation, open_index
 from thbridge.recording.bag.reader import RawMessage
 from thbridge.ros import names
@@ -51,6 +52,8 @@ def open_bag(path: Path) -> Generator[float, None, "BagSource"]:
     source = BagSource(index)
     if source.session is not None:
         source.rooms = rooms_of(source.session, path)
+        # Older recordings do not name them.
+        source.log.room_names = RoomNames.of((room.room.people, room.name) for room in source.rooms)
     source.scene(source.end_ns, ShownLayers())
     return source
 

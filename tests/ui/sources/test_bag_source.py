@@ -13,6 +13,9 @@ from tests.ui.sources.conftest import TICKS
 from thbridge.analysis.report.gathering import read_report
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag import reader as bag_reader
+from thbridge.recording.bag.writer import BagWriter
+from thbridge.ros import names
+from thbridge.ros.publisher import RosMessage, Topic
 from ui.model.watching.curves import Curve
 from ui.model.watching.live import LiveSource
 from ui.model.watching.robot_scene_builder import THINNED
@@ -211,6 +214,15 @@ class TestStory:
     def test_marks_are_where_it_matters(self, source: BagSource) -> None:
         marks = {entry.what: (entry.stamp_ns - source.start_ns) // TICK_NS - 1 for entry in source.log.marks()}
         assert (marks["died"], marks["revived"], marks["carried"]) == (250, 450, 350)
+
+    def test_rooms_of_an_older_recording_have_the_names_of_its_map(self, source: BagSource, hunt: Path, tmp_path: Path):
+        with BagWriter(tmp_path / "older.bag") as writer:
+            for message in bag_reader.messages(hunt):
+                if message.topic != names.ROOMS:
+                    topic = Topic(message.topic, message.msgtype)
+                    writer.write(RosMessage(topic, message.stamp_ns, message.data))
+        assert scanned(tmp_path / "older.bag").log.room_names == source.log.room_names
+        assert source.log.room_names.titled(2) == "room 2 (West)"
 
 
 class TestForeign:
