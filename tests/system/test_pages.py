@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 
 PROJECT = Path(__file__).parents[2]
-SLOW = "your-own-experiment.md"
-"""Its thirty games take two minutes."""
-PAGES = ["protocol.md", *sorted(page.name for page in (PROJECT / "docs").glob("your-own-*.md") if page.name != SLOW)]
+QUICK = ("protocol.md", "your-own-treasures.md")
+SLOW = sorted({page.name for page in (PROJECT / "docs").glob("your-own-*.md")} - {*QUICK})
+"""Pages that take from half a minute to two minutes; tests/peers runs that of recordings, too."""
 _SCRIPT = re.compile(r"^```sh\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
-@pytest.mark.parametrize("name", [*PAGES, pytest.param(SLOW, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", [*QUICK, *(pytest.param(page, marks=pytest.mark.slow) for page in SLOW)])
 def test_a_page_runs_as_it_stands(name: str, tmp_path: Path) -> None:
     scripts = _SCRIPT.findall((PROJECT / "docs" / name).read_text(encoding="utf-8"))
     assert scripts

@@ -90,7 +90,9 @@ def test_what_is_repeated_does_not_fill_the_log(caplog):
     with caplog.at_level(logging.WARNING):
         for _ in range(120):
             log.note([ProgramRefusal("TabUI", "%%goto", refused)])
-        log.note([ProgramRefusal("TabUI", "%%goto", RequestRefused("no", "Never."))])
+        for _ in range(5):  # in turn
+            log.note([ProgramRefusal("TabUI", "%%goto", RequestRefused("no", "Never."))])
+            log.note([ProgramRefusal("TabUI", "%%goto", refused)])
     told = [record.getMessage() for record in caplog.records]
     assert told == [
         'TabUI asked "%%goto", refused: No.',
