@@ -15,9 +15,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from ui.model.line_ends import plain_lines, with_line_ends_of
 from ui.model.study_form.draft import StudyDraft, search_fields
 from ui.model.study_form.form import FormField, FormGroup, RepeatKind
 from ui.windows.look import GAP, colours, fixed_font, follow_text, label, spaced, style_as_panel
+from ui.windows.study.exact_text import exact_text
 from ui.windows.study.row import FieldRow
 
 _FOUND = "found"
@@ -235,13 +237,13 @@ class TextPage(QWidget):
         column.addWidget(self._fault)
         column.addWidget(self.editor, 1)
         self.editor.textChanged.connect(self._typed)
-        self._newline = "\n"
+        self._read = ""
 
     def show_draft(self, draft: StudyDraft) -> None:
         """Show the text of the draft, and mark its faults."""
-        self._newline = "\r\n" if "\r\n" in draft.text else "\n"
-        text = draft.text.replace("\r\n", "\n")
-        if text != self.editor.toPlainText() and not (self.editor.hasFocus() and self.editor.document().isModified()):
+        self._read = draft.text
+        text = plain_lines(draft.text)
+        if text != exact_text(self.editor) and not (self.editor.hasFocus() and self.editor.document().isModified()):
             with QSignalBlocker(self.editor):
                 self.editor.setPlainText(text)
             self.mark_unmodified()
@@ -265,7 +267,7 @@ class TextPage(QWidget):
         self.editor.document().setModified(False)
 
     def _typed(self) -> None:
-        self.edited.emit(self.editor.toPlainText().replace("\n", self._newline))
+        self.edited.emit(with_line_ends_of(self._read, exact_text(self.editor)))
 
     def _selection(self, line: int) -> QTextEdit.ExtraSelection:
         selection = QTextEdit.ExtraSelection()

@@ -28,11 +28,13 @@ from thbridge.files.map_files import read_map
 from thbridge.files.resources import shipped
 from thbridge.files.treasure_files import PICTURES
 from thbridge.hunt.treasures import name_in_words
+from ui.model.line_ends import plain_lines, with_line_ends_of
 from ui.model.template_draft import TemplateDraft, edited_names, template_draft
 from ui.model.template_preview import NOWHERE, PreviewPlace, contents, place_on, sentences
 from ui.windows.controls import ChoiceBox
 from ui.windows.look import GAP, fixed_font, follow_text, label, open_within_screen, px, spaced
 from ui.windows.study.background import BackgroundWorker
+from ui.windows.study.exact_text import exact_text
 
 _PAUSE = 250
 """Milliseconds without a key after which what was typed is checked."""
@@ -96,8 +98,7 @@ class TemplateWindow(QMainWindow):
     def texts(self) -> dict[str, str]:
         """Return the texts as they are typed, with the line ends of their files."""
         return {
-            name: page.toPlainText().replace("\n", _newline(self._on_disk[name].text))
-            for name, page in self.pages.items()
+            name: with_line_ends_of(self._on_disk[name].text, exact_text(page)) for name, page in self.pages.items()
         }
 
     def changed(self) -> list[str]:
@@ -232,7 +233,7 @@ class TemplateWindow(QMainWindow):
     # Layout -----------------------------------------------------------------------------------------------------------
 
     def _made_page(self, name: str, text: str) -> QPlainTextEdit:
-        page = QPlainTextEdit(text.replace("\r\n", "\n"), tabChangesFocus=True)
+        page = QPlainTextEdit(plain_lines(text), tabChangesFocus=True)
         page.setAccessibleName(name)
         follow_text(page, lambda it: it.setFont(fixed_font()))
         page.textChanged.connect(self._typed)
@@ -274,7 +275,3 @@ class TemplateWindow(QMainWindow):
         rows.addWidget(self.faults)
         self.faults.setMaximumHeight(px(110))
         self.setCentralWidget(inside)
-
-
-def _newline(text: str) -> str:
-    return "\r\n" if "\r\n" in text else "\n"

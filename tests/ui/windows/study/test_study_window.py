@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtGui import QImage
+from PySide6.QtGui import QImage, QTextCursor
 from PySide6.QtWidgets import (
     QApplication,
     QComboBox,
@@ -238,6 +238,19 @@ def test_a_file_changed_by_others_is_noticed_and_not_written_over(
     settled(qtbot, window)
     assert window.editor.history.text == "robots: 3\n"
     assert window.isWindowModified() is False
+
+
+def test_typing_in_the_text_leaves_other_lines_to_the_byte(qtbot: QtBot, tmp_path: Path) -> None:
+    path = tmp_path / "mixed.yaml"
+    path.write_text("# kept\u00a0together\r\nrobots: 4\n", encoding="utf-8", newline="")
+    window = opened(qtbot, path)
+    window.show_text()
+    page = window.text.editor
+    page.moveCursor(QTextCursor.MoveOperation.End)
+    qtbot.keyClicks(page, "seed: 3")
+    qtbot.waitUntil(lambda: window.editor.settled and window.editor.dirty)
+    assert window.editor.draft.text == "# kept\u00a0together\r\nrobots: 4\nseed: 3"
+    leave(window)
 
 
 def test_a_file_that_is_no_yaml_opens_as_text(qtbot: QtBot, tmp_path: Path) -> None:

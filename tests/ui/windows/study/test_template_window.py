@@ -107,3 +107,17 @@ def test_what_another_program_wrote_is_not_overwritten_unasked(window: TemplateW
     with answering("Cancel"):
         assert not window.save()
     assert (folder / "DialogueText").read_text() == "Theirs\nSpecificRoom:\n"
+
+
+@pytest.mark.parametrize(
+    "strange", ["Signs\r\nSpecificRoom:\nA\r\n", "No\u00a0break\nSpecificRoom:\n", "Two\u2028rows\nSpecificRoom:\n"]
+)
+def test_a_text_that_nobody_edits_stays_to_the_byte(qtbot: QtBot, folder: Path, strange: str) -> None:
+    sentences = folder / "DialogueText"
+    sentences.write_text(strange, encoding="utf-8", newline="")
+    window = TemplateWindow(folder)
+    assert window.changed() == []
+    append(window, "DialogueText", "More?\n")
+    assert window.texts()["DialogueText"] == strange + "More?" + ("\r\n" if "\r" in strange else "\n")
+    with answering("Discard"):
+        window.close()

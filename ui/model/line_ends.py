@@ -1,0 +1,33 @@
+"""Line ends of a text that is edited: lines that stay keep theirs, also where a file mixes those of several systems."""
+
+import re
+from collections import Counter
+from difflib import SequenceMatcher
+
+_END = re.compile("\r\n|[\r\n\u2029]")
+
+
+def plain_lines(text: str) -> str:
+    """Return the text with the same end after each line, as editors show it."""
+    return _END.sub("\n", text)
+
+
+def with_line_ends_of(read: str, shown: str) -> str:
+    """Return a text from an editor with the line ends of the text that it was opened with.
+
+    Args:
+        read: the text with its own line ends.
+        shown: what `plain_lines` made of it, perhaps edited since. A new line ends as most lines do.
+    """
+    ends = _END.findall(read)
+    usual = Counter(ends).most_common(1)[0][0] if ends else "\n"
+    after = shown.split("\n")
+    kept = [usual] * len(after)
+    if len(set(ends)) > 1:
+        matcher = SequenceMatcher(None, _END.split(read), after, autojunk=False)
+        for tag, start, end, start_after, end_after in matcher.get_opcodes():
+            if tag in ("equal", "replace"):
+                for row, line_end in zip(range(start_after, end_after), ends[start:end], strict=False):
+                    kept[row] = line_end
+    kept[-1] = ""
+    return "".join(line + line_end for line, line_end in zip(after, kept, strict=True))
