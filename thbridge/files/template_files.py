@@ -172,8 +172,9 @@ def read_dialogue_text(path: Path, properties: Sequence[TreasureProperty] = OF_2
     `TakeTreasure:`. A line may have several wordings of one question with ` | ` between them.
 
     Raises:
-        BadFile: as the module promises.
+        BadFile: as the module promises; all faults together.
     """
+    faults = FaultCollection()
     lines = numbered_lines(path)
     number, name = first_line(path, lines, "name", "a name for the template, for instance DontKnow:")
     if name in _SECTIONS:
@@ -187,34 +188,34 @@ def read_dialogue_text(path: Path, properties: Sequence[TreasureProperty] = OF_2
     questions: dict[Scenario, list[ScriptedQuestion]] = {Scenario.DONT_KNOW: []}
     scenario = Scenario.DONT_KNOW
     for number, line in lines[1:]:
-        section = _section(path, number, line)
-        if section is None:
-            questions[scenario].append(_question(path, number, line, scenario, properties))
+        heading = _heading_meant(line)
+        if heading is None:
+            with faults.kept():
+                questions[scenario].append(_question(path, number, line, scenario, properties))
             continue
-        if section in questions:
-            raise BadFile(
-                path, "this section is there twice", "put its questions under one heading", line=number, key=line
-            )
-        questions[section] = []
-        scenario = section
+        scenario = _SECTIONS[heading]
+        if heading != line:
+            faults.found.append(BadFile(path, "there is no such section", f"write {heading}", line=number, key=line))
+        elif scenario in questions:
+            remedy = "put its questions under one heading"
+            faults.found.append(BadFile(path, "this section is there twice", remedy, line=number, key=line))
+        questions.setdefault(scenario, [])
     if Scenario.SPECIFIC_ROOM not in questions:
-        raise BadFile(
-            path,
-            "this line is missing",
-            "add a line SpecificRoom: above the questions that are asked when the person chose the room",
-            key="SpecificRoom:",
-        )
+        remedy = "add a line SpecificRoom: above the questions that are asked when the person chose the room"
+        faults.found.append(BadFile(path, "this line is missing", remedy, key="SpecificRoom:"))
+    if faults.found:
+        raise faults.together()
     return Template(name, {scenario: tuple(asked) for scenario, asked in questions.items()})
 
 
-def _section(path: Path, number: int, line: str) -> Scenario | None:
+def _heading_meant(line: str) -> str | None:
+    """The heading of a section that a line is, perhaps misspelt."""
     if line in _SECTIONS:
-        return _SECTIONS[line]
+        return line
     if line.endswith(":") and len(line.split()) <= 2:
         folded = {heading.casefold(): heading for heading in _SECTIONS}
         near = difflib.get_close_matches(line.casefold(), folded, n=1, cutoff=0.75)
-        if near:
-            raise BadFile(path, "there is no such section", f"write {folded[near[0]]}", line=number, key=line)
+        return folded[near[0]] if near else None
     return None
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from sim.parameters import param
 from thbridge.dialogue.words import WORDS
-from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.template_lines import count_in, first_line, numbered_lines
 from thbridge.files.yaml.load import Loaded, load
 from thbridge.hunt.codec import TAKEN
@@ -76,7 +76,7 @@ def read_treasures(path: Path) -> TreasureList:
     """Read a list of treasures: the number of rooms, then one treasure per line, with or without its image file.
 
     Raises:
-        BadFile: as the module promises.
+        BadFile: as the module promises; faults of several lines together.
     """
     lines = numbered_lines(path)
     number, first = first_line(path, lines, "number of rooms", "the number of rooms")
@@ -84,21 +84,14 @@ def read_treasures(path: Path) -> TreasureList:
     if not lines[1:]:
         raise BadFile(path, "there is no treasure in the list", f"add lines of the form {_TREASURE_FORM}")
     kinds: list[TreasureKind] = []
+    faults = FaultCollection()
     for number, line in lines[1:]:
-        kind = _treasure(path, number, line)
-        if any(same_name(kind.name, other.name) for other in kinds):
-            raise BadFile(
-                path, f"{kind.name!r} is there twice", "give every treasure its own name", line=number, key="Name"
-            )
-        if kinds and (kind.image is None) != (kinds[0].image is None):
-            raise BadFile(
-                path,
-                "some treasures have an image and some have none",
-                "give every treasure its image, or leave all out in the participant's copy",
-                line=number,
-                key="ImageFile",
-            )
-        kinds.append(kind)
+        with faults.kept():
+            kind = _treasure(path, number, line)
+            _check_beside(path, number, kind, kinds)
+            kinds.append(kind)
+    if faults.found:
+        raise faults.together()
     return TreasureList(rooms, tuple(kinds))
 
 
@@ -150,6 +143,22 @@ def check_copy(path: Path, treasures: TreasureList) -> None:
             path,
             f"does not say the same as {TREASURES}",
             f"copy {TREASURES} here again and leave the last field of every line out",
+        )
+
+
+def _check_beside(path: Path, number: int, kind: TreasureKind, earlier: list[TreasureKind]) -> None:
+    """Check that a treasure of a list of 2016 goes with those above it."""
+    if any(same_name(kind.name, other.name) for other in earlier):
+        raise BadFile(
+            path, f"{kind.name!r} is there twice", "give every treasure its own name", line=number, key="Name"
+        )
+    if earlier and (kind.image is None) != (earlier[0].image is None):
+        raise BadFile(
+            path,
+            "some treasures have an image and some have none",
+            "give every treasure its image, or leave all out in the participant's copy",
+            line=number,
+            key="ImageFile",
         )
 
 

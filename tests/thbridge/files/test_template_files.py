@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from thbridge.dialogue.moves import Scenario
-from thbridge.files.errors import BadFile
+from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.map_times import map_times, read_map_times
 from thbridge.files.template_files import read_dialogue_text, read_template_set
 from thbridge.files.treasure_files import read_treasures
@@ -197,6 +197,22 @@ def test_a_fault_is_named_with_its_place_and_its_remedy(tmp_path, read, text, na
     path.write_text(text, encoding="utf-8")
     message = refusal(read, path)
     assert all(word in message for word in named), message
+
+
+def test_faults_of_several_sentences_are_told_together_and_none_follows_from_another(tmp_path):
+    path = tmp_path / "file"
+    path.write_text("Mine\nGo to £romo£?\nSpecificRooms:\nA |\nTakePicture:\nIt is £colour£\n", encoding="utf-8")
+    with pytest.raises(BadFiles) as caught:
+        read_dialogue_text(path)
+    assert [fault.line for fault in caught.value.faults] == [2, 3, 4]
+
+
+def test_faults_of_several_treasures_are_told_together(tmp_path):
+    path = tmp_path / "file"
+    path.write_text("8\nR,R,ten,x,x.jpg\nR,R,1,y,y.jpg\nR,R,1,Y,z.jpg\n", encoding="utf-8")
+    with pytest.raises(BadFiles) as caught:
+        read_treasures(path)
+    assert [fault.line for fault in caught.value.faults] == [2, 4]
 
 
 @pytest.mark.parametrize("read", [read_dialogue_text, read_map_times, read_treasures])
