@@ -52,24 +52,38 @@ def write_edited(path: Path, text: str, marked: bool) -> TextOnDisk:
     Raises:
         BadFile: it cannot be written; then the file is unchanged.
     """
+    try:
+        data = ((_MARK if marked else "") + text).encode()
+    except UnicodeEncodeError:
+        problem = "it cannot be written (it has signs that are no text)"
+        raise BadFile(path, problem, "Check the folder and the disk") from None
+    write_whole(path, data)
+    return TextOnDisk(text, exists=True, marked=marked)
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Replace the file, or make it, in one step; links and permissions are kept.
+
+    Raises:
+        BadFile: it cannot be written; then the file is unchanged.
+    """
     target = path.resolve()
     part = ""
     try:
         handle, part = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
         with os.fdopen(handle, "wb") as file:
-            file.write(((_MARK if marked else "") + text).encode())
+            file.write(data)
             file.flush()
             os.fsync(file.fileno())
         # Files of mkstemp are readable only by their owner.
         Path(part).chmod(target.stat().st_mode & 0o7777 if target.exists() else 0o666 & ~_umask())
         Path(part).replace(target)
-    except (OSError, UnicodeEncodeError) as error:
+    except OSError as error:
         if part:
             with suppress(OSError):
                 Path(part).unlink()
-        reason = reason_of(error) if isinstance(error, OSError) else "it has signs that are no text"
-        raise BadFile(path, f"it cannot be written ({reason})", "Check the folder and the disk") from None
-    return TextOnDisk(text, exists=True, marked=marked)
+        problem = f"it cannot be written ({reason_of(error)})"
+        raise BadFile(path, problem, "Check the folder and the disk") from None
 
 
 def _umask() -> int:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.template_files import DIALOGUE_TEXT, TemplateSet, read_template_set
-from thbridge.files.treasure_files import PARTICIPANT_TREASURES, TREASURES, TREASURES_YAML
+from thbridge.files.treasure_files import PARTICIPANT_TREASURES, PICTURES, TREASURES, TREASURES_YAML
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,17 +35,26 @@ def edited_names(folder: Path) -> tuple[str, ...]:
     return (DIALOGUE_TEXT, TREASURES, *copy)
 
 
-def template_draft(folder: Path, texts: Mapping[str, str]) -> TemplateDraft:
-    """Check texts in the place of a set's files; nothing is written into its folder.
+def template_draft(folder: Path, texts: Mapping[str, str], pictures: Mapping[str, bytes]) -> TemplateDraft:
+    """Check texts and pictures in the place of a set's files; nothing is written into its folder.
 
     They are checked in a folder of links, as the reader of sets takes folders alone.
+
+    Args:
+        folder: of the set.
+        texts: the text of each file that is edited, by its name.
+        pictures: image files that are new or replaced, by name.
     """
     with tempfile.TemporaryDirectory(prefix="thbridge-") as scratch:
         mirror = Path(scratch) / folder.resolve().name
         mirror.mkdir()
-        for path in folder.iterdir():
-            if path.name not in texts:
-                (mirror / path.name).symlink_to(path.resolve())
+        _link_all(folder, mirror, but={*texts, *((PICTURES,) if pictures else ())})
+        if pictures:
+            (mirror / PICTURES).mkdir()
+            if (folder / PICTURES).is_dir():
+                _link_all(folder / PICTURES, mirror / PICTURES, but=set(pictures))
+            for name, data in pictures.items():
+                (mirror / PICTURES / name).write_bytes(data)
         for name, text in texts.items():
             (mirror / name).write_text(text, encoding="utf-8", newline="")
         try:
@@ -55,6 +64,12 @@ def template_draft(folder: Path, texts: Mapping[str, str]) -> TemplateDraft:
         except BadFile as fault:
             found = (fault,)
         return TemplateDraft(folder, texts, None, tuple(_in_its_folder(fault, mirror, folder) for fault in found))
+
+
+def _link_all(folder: Path, mirror: Path, but: set[str]) -> None:
+    for path in folder.iterdir():
+        if path.name not in but:
+            (mirror / path.name).symlink_to(path.resolve())
 
 
 def _in_its_folder(fault: BadFile, mirror: Path, folder: Path) -> BadFile:

@@ -1,6 +1,6 @@
 """Window of a template set: its sentences and treasures as text, its pictures, and a preview of them all."""
 
-import shutil
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
 )
 
 from thbridge.dialogue.words import WORDS
-from thbridge.files.edited_file import TextOnDisk, read_edited, write_edited
+from thbridge.files.edited_file import TextOnDisk, read_edited, write_edited, write_whole
 from thbridge.files.errors import BadFile
 from thbridge.files.map_files import read_map
 from thbridge.files.resources import shipped
@@ -63,6 +63,7 @@ class TemplateWindow(QMainWindow):
         self._on_disk: dict[str, TextOnDisk] = {name: read_edited(folder / name) for name in edited_names(folder)}
         self.pages = {name: self._made_page(name, disk.text) for name, disk in self._on_disk.items()}
         self.draft: TemplateDraft | None = None
+        self._new_pictures: dict[str, bytes] = {}
         self._pause = QTimer(self, singleShot=True, interval=_PAUSE)
         self._pause.timeout.connect(self._check)
         self._worker = BackgroundWorker(self, "templates")
@@ -79,6 +80,8 @@ class TemplateWindow(QMainWindow):
         self.pictures.setAccessibleName("Pictures of treasures")
         self.pictures.setIconSize(QSize(px(_LOOK.width()), px(_LOOK.height())))
         self.pictures.itemActivated.connect(self._change_picture)
+        self.add_picture = QPushButton("Add a picture …")
+        self.add_picture.clicked.connect(self._add_picture)
         self.faults = QListWidget()
         self.faults.setAccessibleName("Faults")
         self.faults.itemActivated.connect(self._open_fault)
@@ -102,28 +105,34 @@ class TemplateWindow(QMainWindow):
         }
 
     def changed(self) -> list[str]:
-        """Return the names of the files whose texts are not those on disk."""
+        """Return the names of the files that are not those on disk: of texts, and of pictures put in."""
+        return [*self._changed_texts(), *self._new_pictures]
+
+    def _changed_texts(self) -> list[str]:
         return [name for name, text in self.texts().items() if text != self._on_disk[name].text]
 
     @Slot()
     def save(self) -> bool:
-        """Write the texts that have changed, each at once; return False where that was refused or not possible."""
-        faults = template_draft(self.folder, self.texts()).faults
+        """Write what has changed, each file at once; return False where that was refused or not possible."""
+        faults = template_draft(self.folder, self.texts(), self._new_pictures).faults
         left = f"{len(faults)} {'fault is' if len(faults) == 1 else 'faults are'} left. Programs will refuse this set."
         if faults and not self._asked(left, "Save anyway"):
             return False
         try:
-            for name in self.changed():
+            for name in self._changed_texts():
                 path = self.folder / name
                 if read_edited(path) != self._on_disk[name] and not self._asked(
                     f"{name} was changed by another program since it was read here.", "Write over it"
                 ):
                     return False
                 self._on_disk[name] = write_edited(path, self.texts()[name], self._on_disk[name].marked)
+            for name in list(self._new_pictures):
+                with suppress(OSError):  # told by the writing that follows
+                    (self.folder / PICTURES).mkdir(exist_ok=True)
+                write_whole(self.folder / PICTURES / name, self._new_pictures[name])
+                del self._new_pictures[name]
         except BadFile as fault:
-            box = QMessageBox(QMessageBox.Icon.Critical, self.folder.name, str(fault), parent=self)
-            box.setObjectName("question")
-            box.exec()
+            self._tell(str(fault))
             return False
         finally:
             self._show_state()
@@ -153,7 +162,7 @@ class TemplateWindow(QMainWindow):
 
     @Slot()
     def _check(self) -> None:
-        self._worker.ask(partial(template_draft, self.folder, self.texts()))
+        self._worker.ask(partial(template_draft, self.folder, self.texts(), dict(self._new_pictures)))
 
     @Slot(object)
     def _checked(self, draft: TemplateDraft) -> None:
@@ -188,11 +197,14 @@ class TemplateWindow(QMainWindow):
 
     def _show_pictures(self) -> None:
         self.pictures.clear()
-        templates = None if self.draft is None else self.draft.templates
-        for kind in () if templates is None else templates.kinds:
+        if self.draft is None or self.draft.templates is None:
+            return
+        for kind in self.draft.templates.kinds:
             item = QListWidgetItem(f"{name_in_words(kind.name)}\n{kind.image}")
             item.setData(Qt.ItemDataRole.UserRole, kind.image)
-            item.setIcon(QIcon(QPixmap(str(self.folder / PICTURES / (kind.image or "")))))
+            shown = QPixmap()
+            shown.loadFromData(self.draft.templates.pictures[kind.image or ""])
+            item.setIcon(QIcon(shown))
             self.pictures.addItem(item)
 
     def _show_state(self) -> None:
@@ -216,11 +228,34 @@ class TemplateWindow(QMainWindow):
         page.setFocus()
 
     def _change_picture(self, item: QListWidgetItem) -> None:
-        """Put another image file into the place of a treasure's picture."""
+        """Put another image file into the place of a treasure's picture; it is written when the set is saved."""
+        self._take_picture(item.data(Qt.ItemDataRole.UserRole))
+
+    @Slot()
+    def _add_picture(self) -> None:
+        """Put an image file beside the others, for a treasure that is to name it."""
+        self._take_picture(None)
+
+    def _take_picture(self, name: str | None) -> None:
         picked, _ = QFileDialog.getOpenFileName(self, "Choose a picture", str(self.folder), "Images (*.png *.jpg)")
-        if picked:
-            shutil.copyfile(picked, self.folder / PICTURES / item.data(Qt.ItemDataRole.UserRole))
-            self._check()
+        if not picked:
+            return
+        try:
+            data = Path(picked).read_bytes()
+        except OSError as error:
+            self._tell(f"{picked}: it cannot be read ({error.strerror}).")
+            return
+        if QPixmap().loadFromData(data):
+            # The list of treasures takes names without blanks.
+            self._new_pictures[name or "_".join(Path(picked).name.split())] = data
+            self._typed()
+        else:
+            self._tell(f"{picked}: this is no picture. Choose a PNG or JPEG file.")
+
+    def _tell(self, words: str) -> None:
+        box = QMessageBox(QMessageBox.Icon.Critical, self.folder.name, words, parent=self)
+        box.setObjectName("question")
+        box.exec()
 
     def _asked(self, words: str, yes: str) -> bool:
         box = QMessageBox(QMessageBox.Icon.Warning, self.folder.name, words, parent=self)
@@ -260,6 +295,7 @@ class TemplateWindow(QMainWindow):
             label("Pictures; Enter or a double click puts another file in the place of one.", "small", muted=True)
         )
         column.addWidget(self.pictures, 2)
+        column.addWidget(self.add_picture)
         body = QSplitter(Qt.Orientation.Horizontal)
         body.setChildrenCollapsible(False)
         body.addWidget(left)

@@ -80,14 +80,43 @@ def test_a_fault_leads_to_its_line(window: TemplateWindow, qtbot: QtBot) -> None
     assert "lihgt" in page.textCursor().block().text()
 
 
-def test_a_picture_is_replaced(
+def test_a_picture_is_replaced_when_the_set_is_saved(
     window: TemplateWindow, qtbot: QtBot, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     other = SHIPPED / "practice" / "pictures" / "green_can.jpg"
+    replaced = folder / "pictures" / "toy_block.jpg"
+    before = replaced.read_bytes()
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(other), ""))
     window.pictures.setCurrentRow(0)
     qtbot.keyClick(window.pictures, Qt.Key.Key_Return)
-    assert (folder / "pictures" / "toy_block.jpg").read_bytes() == other.read_bytes()
+    assert replaced.read_bytes() == before
+    assert window.isWindowModified()
+    assert window.save()
+    assert replaced.read_bytes() == other.read_bytes()
+    assert not window.isWindowModified()
+
+
+def test_a_picture_is_added_for_a_treasure_that_names_it(
+    window: TemplateWindow, qtbot: QtBot, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = Path(shutil.copy(SHIPPED / "practice" / "pictures" / "green_can.jpg", tmp_path / "my can.jpg"))
+    page = window.pages["treasures.yaml"]
+    page.setPlainText(page.toPlainText().replace("image: toy_block.jpg", "image: my_can.jpg"))
+    qtbot.waitUntil(lambda: window.faults.count() == 1)
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(other), ""))
+    qtbot.mouseClick(window.add_picture, Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(lambda: window.faults.count() == 0)
+    assert window.save()
+    assert (folder / "pictures" / "my_can.jpg").read_bytes() == other.read_bytes()
+
+
+def test_a_file_that_is_no_picture_is_refused(
+    window: TemplateWindow, qtbot: QtBot, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(folder / "DialogueText"), ""))
+    with answering("OK"):
+        qtbot.mouseClick(window.add_picture, Qt.MouseButton.LeftButton)
+    assert window.changed() == []
 
 
 def test_a_set_with_faults_is_saved_on_request_only(window: TemplateWindow, folder: Path) -> None:
