@@ -63,6 +63,19 @@ class WordFault:
     remedy: str
 
 
+def allowed_words(scenario: Scenario, properties: Sequence[TreasureProperty]) -> dict[str, str]:
+    """Return the words that the questions of a scenario may have, with what each stands for.
+
+    Args:
+        scenario: of the questions.
+        properties: that treasures have.
+    """
+    words = {word.name: word.meaning for word in WORDS if scenario in word.scenarios}
+    if scenario in _BESIDE_TREASURE:
+        words |= {each.name: f"{each.label}, of the treasure" for each in properties}
+    return words
+
+
 def word_fault(wording: str, scenario: Scenario, properties: Sequence[TreasureProperty]) -> WordFault | None:
     """Return the first fault in the reserved words of a wording, or None. A pound sign beside a number is only text.
 
@@ -72,8 +85,7 @@ def word_fault(wording: str, scenario: Scenario, properties: Sequence[TreasurePr
         properties: that treasures have.
     """
     beside = [each.name for each in properties]
-    allowed = [word.name for word in WORDS if scenario in word.scenarios]
-    allowed += beside if scenario in _BESIDE_TREASURE else []
+    allowed = allowed_words(scenario, properties)
     for found in _RESERVED.finditer(wording):
         name = found.group(1)
         if name in allowed:

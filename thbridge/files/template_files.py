@@ -208,6 +208,21 @@ def read_dialogue_text(path: Path, properties: Sequence[TreasureProperty] = OF_2
     return Template(name, {scenario: tuple(asked) for scenario, asked in questions.items()})
 
 
+def scenario_on(text: str, number: int) -> Scenario | None:
+    """Return the scenario whose questions stand on a line of a dialogue text; None for its name and headings.
+
+    Args:
+        text: the whole text, its lines ended by line feeds.
+        number: of the line, from 1.
+    """
+    lines = [line.strip() for line in text.split("\n")]
+    above = [line for line in lines[: number - 1] if line]
+    if not above or _heading_meant(lines[number - 1]) is not None:
+        return None
+    headings = [heading for heading in map(_heading_meant, above[1:]) if heading is not None]
+    return _SECTIONS[headings[-1]] if headings else Scenario.DONT_KNOW
+
+
 def _heading_meant(line: str) -> str | None:
     """The heading of a section that a line is, perhaps misspelt."""
     if line in _SECTIONS:

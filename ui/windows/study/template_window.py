@@ -5,13 +5,14 @@ from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt, QTimer, Slot
-from PySide6.QtGui import QCloseEvent, QIcon, QKeySequence, QPixmap, QShortcut, QTextCursor
+from PySide6.QtGui import QAction, QCloseEvent, QIcon, QKeySequence, QPixmap, QShortcut, QTextCursor
 from PySide6.QtWidgets import (
     QFileDialog,
     QHBoxLayout,
     QListWidget,
     QListWidgetItem,
     QMainWindow,
+    QMenu,
     QMessageBox,
     QPlainTextEdit,
     QPushButton,
@@ -21,12 +22,14 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from thbridge.dialogue.words import WORDS
+from thbridge.dialogue.words import allowed_words
 from thbridge.files.edited_file import TextOnDisk, read_edited, write_edited, write_whole
 from thbridge.files.errors import BadFile
 from thbridge.files.map_files import read_map
 from thbridge.files.resources import shipped
+from thbridge.files.template_files import DIALOGUE_TEXT, scenario_on
 from thbridge.files.treasure_files import PICTURES
+from thbridge.hunt.properties import TreasureProperty
 from thbridge.hunt.treasures import name_in_words
 from ui.model.line_ends import plain_lines, with_line_ends_of
 from ui.model.template_draft import TemplateDraft, edited_names, template_draft
@@ -47,6 +50,7 @@ class TemplateWindow(QMainWindow):
 
     Attributes:
         pages: the editor of each file, by its name.
+        words: menu of the words that hold where the cursor is.
         draft: the texts as they were checked last.
         preview: all sentences, as a robot would say them.
         faults: all faults.
@@ -64,6 +68,7 @@ class TemplateWindow(QMainWindow):
         self.pages = {name: self._made_page(name, disk.text) for name, disk in self._on_disk.items()}
         self.draft: TemplateDraft | None = None
         self._new_pictures: dict[str, bytes] = {}
+        self._properties: tuple[TreasureProperty, ...] = ()
         self._pause = QTimer(self, singleShot=True, interval=_PAUSE)
         self._pause.timeout.connect(self._check)
         self._worker = BackgroundWorker(self, "templates")
@@ -80,6 +85,12 @@ class TemplateWindow(QMainWindow):
         self.pictures.setAccessibleName("Pictures of treasures")
         self.pictures.setIconSize(QSize(px(_LOOK.width()), px(_LOOK.height())))
         self.pictures.itemActivated.connect(self._change_picture)
+        self.word_button = QPushButton("Put in a word")
+        self.word_button.setAccessibleDescription("A word that stands for what is known at this line")
+        self.words = QMenu(self.word_button)
+        self.words.aboutToShow.connect(self._offer_words)
+        self.words.triggered.connect(self._put_in_word)
+        self.word_button.setMenu(self.words)
         self.add_picture = QPushButton("Add a picture …")
         self.add_picture.clicked.connect(self._add_picture)
         self.faults = QListWidget()
@@ -172,6 +183,7 @@ class TemplateWindow(QMainWindow):
             self.faults.addItem(QListWidgetItem(f"⚠ {str(fault).removeprefix(f'{self.folder}/')}"))
         self.faults.setVisible(bool(draft.faults))
         if draft.templates is not None:
+            self._properties = draft.templates.properties
             kinds = [name_in_words(kind.name) for kind in draft.templates.kinds]
             if kinds != [self.treasure.itemText(row) for row in range(self.treasure.count())]:
                 with QSignalBlocker(self.treasure):
@@ -227,6 +239,24 @@ class TemplateWindow(QMainWindow):
             page.centerCursor()
         page.setFocus()
 
+    @Slot()
+    def _offer_words(self) -> None:
+        """Offer the words that hold on the line of the cursor."""
+        self.words.clear()
+        page = self.pages[DIALOGUE_TEXT]
+        scenario = scenario_on(exact_text(page), page.textCursor().blockNumber() + 1)
+        if self.tabs.currentWidget() is not page or scenario is None:
+            self.words.addAction("Words stand in questions only").setEnabled(False)
+            return
+        for name, meaning in allowed_words(scenario, self._properties).items():
+            self.words.addAction(f"£{name}£ – {meaning}").setData(f"£{name}£")
+
+    @Slot(QAction)
+    def _put_in_word(self, chosen: QAction) -> None:
+        page = self.pages[DIALOGUE_TEXT]
+        page.insertPlainText(chosen.data())
+        page.setFocus()
+
     def _change_picture(self, item: QListWidgetItem) -> None:
         """Put another image file into the place of a treasure's picture; it is written when the set is saved."""
         self._take_picture(item.data(Qt.ItemDataRole.UserRole))
@@ -278,13 +308,10 @@ class TemplateWindow(QMainWindow):
         self.tabs = QTabWidget()
         for name, page in self.pages.items():
             self.tabs.addTab(page, name)
-        words = ", ".join(f"£{word.name}£" for word in WORDS)
         left, right = QWidget(), QWidget()
         column = spaced(QVBoxLayout(left), GAP, 0)
         column.addWidget(self.tabs, 1)
-        column.addWidget(
-            label(f"Sentences may name {words}, and beside a treasure its properties.", "small", muted=True)
-        )
+        column.addWidget(self.word_button)
         column = spaced(QVBoxLayout(right), GAP, 0)
         choices = spaced(QHBoxLayout(), GAP)
         column.addLayout(choices)

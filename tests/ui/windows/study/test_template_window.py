@@ -150,3 +150,20 @@ def test_a_text_that_nobody_edits_stays_to_the_byte(qtbot: QtBot, folder: Path, 
     assert window.texts()["DialogueText"] == strange + "More?" + ("\r\n" if "\r" in strange else "\n")
     with answering("Discard"):
         window.close()
+
+
+@pytest.mark.parametrize(
+    ("line", "offered", "not_offered"),
+    [(2, "£reason£", "£weight£"), (4, "£cost£", "£reason£"), (6, "£weight£", "£reason£"), (3, "", "£room£")],
+)
+def test_words_are_offered_where_they_hold(window: TemplateWindow, line: int, offered: str, not_offered: str) -> None:
+    page = window.pages["DialogueText"]
+    page.setTextCursor(QTextCursor(page.document().findBlockByNumber(line - 1)))
+    window.words.aboutToShow.emit()
+    words = [action.data() for action in window.words.actions()]
+    assert not_offered not in words
+    if not offered:
+        assert not any(action.isEnabled() for action in window.words.actions())
+        return
+    window.words.actions()[words.index(offered)].trigger()
+    assert page.textCursor().block().text().startswith(offered)
