@@ -306,6 +306,7 @@ class TemplateWindow(QMainWindow):
 
     def _lay_out(self) -> None:
         self.tabs = QTabWidget()
+        self.tabs.setAccessibleName("Files of the set")
         for name, page in self.pages.items():
             self.tabs.addTab(page, name)
         left, right = QWidget(), QWidget()

@@ -10,8 +10,11 @@ from PySide6.QtGui import QTextCursor
 from PySide6.QtWidgets import QApplication, QFileDialog
 from pytestqt.qtbot import QtBot
 
+from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
 from tests.ui.windows.study.test_study_window import answering
+from tests.ui.windows.walking import against_the_eye, nameless, stops
 from ui.model.theme import LIGHT
+from ui.windows import look
 from ui.windows.look import apply_palette
 from ui.windows.study.template_window import TemplateWindow
 
@@ -167,3 +170,24 @@ def test_words_are_offered_where_they_hold(window: TemplateWindow, line: int, of
         return
     window.words.actions()[words.index(offered)].trigger()
     assert page.textCursor().block().text().startswith(offered)
+
+
+def test_everything_has_a_name_and_tab_goes_as_the_eye_does(window: TemplateWindow) -> None:
+    assert nameless(window) == []
+    assert len(stops(window)) > 6
+    assert against_the_eye(stops(window), window) == []
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_nothing_is_cut_off_or_covered(window: TemplateWindow, qtbot: QtBot, qapp: QApplication, text: float) -> None:
+    append(window, "DialogueText", "Is it £wieght£?\n")
+    qtbot.waitUntil(lambda: window.faults.count() == 1)
+    look.apply_text_size(qapp, text)
+    try:
+        for size in SIZES:
+            window.resize(*size)
+            settle()
+            assert window.size().toTuple() == size, "nothing makes it larger"
+            assert misfits(window) == [], size
+    finally:
+        look.apply_text_size(qapp, 1.0)
