@@ -2,6 +2,7 @@
 
 import re
 from collections import Counter
+from collections.abc import Sequence
 from difflib import SequenceMatcher
 
 _END = re.compile("\r\n|[\r\n\u2029]")
@@ -29,5 +30,11 @@ def with_line_ends_of(read: str, shown: str) -> str:
             if tag in ("equal", "replace"):
                 for row, line_end in zip(range(start_after, end_after), ends[start:end], strict=False):
                     kept[row] = line_end
-    kept[-1] = ""
-    return "".join(line + line_end for line, line_end in zip(after, kept, strict=True))
+    text = _joined(after, kept)
+    # An old end \r before a \n would be one end with it.
+    return text if plain_lines(text) == shown else _joined(after, [usual] * len(after))
+
+
+def _joined(lines: Sequence[str], ends: Sequence[str]) -> str:
+    """Return lines with their ends between them."""
+    return "".join(line + end for line, end in zip(lines, (*ends[:-1], ""), strict=True))
