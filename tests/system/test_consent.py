@@ -146,6 +146,7 @@ def hunt(folder):
             program.close()
 
 
+@pytest.mark.slow
 def test_at_a_server_a_no_is_told_and_the_next_participant_is_asked(folder, terminal, hunt):
     running, at = hunt
     first = terminal("tabui", "--server", at, "--participant", "person")
@@ -187,8 +188,11 @@ def test_a_participant_of_2016_is_not_asked_and_the_server_says_so(folder, hunt)
     assert programs.kinds(folder)[0] == "started" and "agreed" not in programs.kinds(folder)
 
 
+@pytest.mark.slow
 def test_a_hunt_for_another_program_is_recorded_from_its_yes_on_and_can_be_replayed(folder, terminal):
-    game = programs.Program(folder, "play", "study.yaml", "--headless", "--outside", "TabUI", "--bag", "hunt.bag")
+    game = programs.Program(
+        folder, "play", "study.yaml", "--headless", "--outside", "TabUI", "--bag", "hunt.bag", "--no-report"
+    )
     try:
         programs.until("the question", lambda: "nothing is recorded until" in game.text, [game])
         at = game.text.split("join at ")[1].split()[0].rstrip(".")
@@ -208,7 +212,9 @@ def test_a_hunt_for_another_program_is_recorded_from_its_yes_on_and_can_be_repla
 
 
 def test_a_hunt_for_another_program_ends_with_its_no(folder, terminal):
-    game = programs.Program(folder, "play", "study.yaml", "--headless", "--outside", "TabUI", "--bag", "hunt.bag")
+    game = programs.Program(
+        folder, "play", "study.yaml", "--headless", "--outside", "TabUI", "--bag", "hunt.bag", "--no-report"
+    )
     try:
         programs.until("the question", lambda: "nothing is recorded until" in game.text, [game])
         at = game.text.split("join at ")[1].split()[0].rstrip(".")

@@ -8,6 +8,8 @@ from tests.system.test_play import messages, play
 from thbridge.analysis.report.gathering import read_report
 from thbridge.recording.bag.reader import messages as recorded
 
+pytestmark = pytest.mark.slow
+
 STUDY = """\
 robots: 3
 seed: 5
@@ -64,7 +66,6 @@ def test_the_bag_is_whole(told, folder):
     assert [thing.name for thing in report.things] == ["closed door", "visitor", "crate"]
 
 
-@pytest.mark.slow
 def test_the_same_seed_gives_the_same_bag(told, folder):
     play(folder, "study.yaml", "--bag", "again.bag")
     assert messages(folder / "hunt.bag") == messages(folder / "again.bag")

@@ -66,11 +66,13 @@ def test_a_move_costs_what_was_told_last_and_a_robot_that_failed_is_priced_where
         assert isinstance(next(after, None), CostsEstimated)
 
 
+@pytest.mark.slow
 def test_the_recording_is_played_again_bit_for_bit(told, folder):
     done = thbridge(folder, "replay", "hunt.bag")
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_with_the_matrix_places_alone_have_a_price(tmp_path):
     told = hunt(tmp_path, BY_MATRIX, 3)
     assert not any(isinstance(event, CostsEstimated) for _, event in told)

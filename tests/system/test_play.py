@@ -40,7 +40,9 @@ def test_the_same_seed_gives_the_same_hunt_and_the_same_bag(tmp_path):
     assert messages(older) == messages(newer)
 
 
-@pytest.mark.parametrize(("robots", "rooms"), [(1, 5), (3, 8), (6, 8)])
+@pytest.mark.parametrize(
+    ("robots", "rooms"), [(3, 8), *(pytest.param(*team, marks=pytest.mark.slow) for team in ((1, 5), (6, 8)))]
+)
 def test_teams_of_any_size_hunt_without_touching(tmp_path, robots, rooms):
     told = play(tmp_path, "--robots", str(robots), "--seed", "3", "--bag", "hunt.bag")
     assert told["collisions"] == 0
@@ -48,6 +50,7 @@ def test_teams_of_any_size_hunt_without_touching(tmp_path, robots, rooms):
     assert len(told["energy"]) == robots
 
 
+@pytest.mark.slow
 def test_another_map_is_only_another_file(tmp_path):
     told = play(tmp_path, "--map", "warehouse12", "--robots", "3", "--seed", "2", "--participant", "nearest")
     assert told["collisions"] == 0

@@ -85,6 +85,7 @@ def test_old_participant_and_our_hider(classes, robots, tmp_path):
     ]
 
 
+@pytest.mark.slow
 def test_our_participant_and_old_hider(classes, robots, tmp_path):
     port, running = robots
     rooms = [f"{room}:Orange:Round and Large:10:Orange Bottle:rsz_t1.jpg" for room in range(8)]
@@ -103,7 +104,9 @@ def test_our_participant_and_old_hider(classes, robots, tmp_path):
 
 
 def test_old_participant_joins_play_which_is_then_stopped(classes, tmp_path):
-    play = Program(tmp_path, "play", "--outside", "TabUI", "--port", "0", "--rate", "20", "--bag", "a.bag")
+    play = Program(
+        tmp_path, "play", "--outside", "TabUI", "--port", "0", "--rate", "20", "--bag", "a.bag", "--no-report"
+    )
     try:
         until("play to listen", lambda: "can join at" in play.text, [play])
         port = int(play.text.split("can join at ")[1].split(".\n")[0].rpartition(":")[2])

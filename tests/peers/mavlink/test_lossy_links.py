@@ -105,6 +105,7 @@ def test_a_script_s_files_arrive(lossy: tuple[Program, int, int, tuple[LossyLink
     assert about["fileCrc"] == checksum((tmp_path / "parameters.json").read_bytes())
 
 
+@pytest.mark.slow
 @needs("mavsdk")
 def test_mavsdk_s_mission_arrives(lossy: tuple[Program, int, int, tuple[LossyLink, LossyLink]]) -> None:
     play, _, port, (_, link) = lossy

@@ -14,6 +14,7 @@ EVO = PROJECT / ".peers" / "evo" / "bin"
 _SCRIPT = re.compile(r"^```(sh|bash)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("rostopic") is None, reason="not installed: rostopic (see scripts/install_peers.sh)")
 @pytest.mark.skipif(not (EVO / "evo_ape").exists(), reason="not installed: evo (see scripts/install_peers.sh)")
 def test_the_tools_of_others_read_what_the_page_says(tmp_path: Path) -> None:

@@ -148,7 +148,7 @@ def test_a_subscriber_hears_on_while_the_master_is_dead(core: Core, tmp_path: Pa
         until("everything at the new master", core.whole, [program])
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_whoever_stops_a_session_finds_the_graph_in_order(core: Core, tmp_path: Path, number: signal.Signals) -> None:
     core.start()
     before = core.parameters()
@@ -226,7 +226,7 @@ def test_a_port_that_something_else_has_is_told_before_anything_begins(tmp_path:
     ("arguments", "word"),
     [
         (("--ros-master", "localhost"), "'localhost' is not a master's address"),
-        (("--ros-host", "192.0.2.1"), "192.0.2.1"),
+        pytest.param(("--ros-host", "192.0.2.1"), "192.0.2.1", marks=pytest.mark.slow),
         (("--ros-host", "no such host"), "no such host"),
     ],
 )

@@ -348,6 +348,7 @@ async def test_rosparam_and_we_see_the_same_parameters():
             assert isinstance(await node.get_param("/nothing"), CallFailed)
 
 
+@pytest.mark.slow
 @with_patience
 async def test_a_master_that_comes_late_and_again_is_told_everything():
     log: list[str] = []

@@ -28,7 +28,9 @@ def folder(tmp_path: Path) -> Path:
 @pytest.fixture
 def played(screen: Desktop, folder: Path) -> Iterator[programs.Program]:
     """`thbridge play` on the desktop."""
-    program = programs.Program(folder, "play", "study.yaml", "--bag", "hunt.bag", environment=screen.environment)
+    program = programs.Program(
+        folder, "play", "study.yaml", "--bag", "hunt.bag", "--no-report", environment=screen.environment
+    )
     yield program
     screen.picture(folder / "screen.png")
     program.close()
@@ -66,6 +68,7 @@ def test_a_yes_in_the_window_is_the_first_thing_recorded(
     assert agreed["at"].endswith("Z")
 
 
+@pytest.mark.slow
 def test_a_no_in_a_window_at_a_server_is_told_to_it(screen: Desktop, folder: Path) -> None:
     running = [programs.Program(folder, "server", "study.yaml", "--port", "0")]
     try:
