@@ -10,6 +10,7 @@ from thbridge.files.resources import shipped
 from thbridge.files.yaml.load import Loaded
 from thbridge.protocols.mavlink.options import AutopilotIdentity
 from thbridge.sockets.addresses import Address, parse_address, parse_target
+from thbridge.study.overrides import StudyChange
 from thbridge.study.study_file import Study, load_study
 from ui.terminal import BAD_INPUT, bad_input, fail, note
 
@@ -34,6 +35,21 @@ def with_options(study: Study, changes: Mapping[str, object]) -> Study:
         problem = f"--robots {changed.robots}: the study has software for robot {max(changed.each)} (`each`)"
         fail(BAD_INPUT, f"{problem}. Give more robots, or delete it from the study.")
     return changed
+
+
+def changes_of(given: list[str]) -> tuple[list[Path], list[StudyChange]]:
+    """Study files and single changes given by --with."""
+    files, changes = [], []
+    for text in given:
+        key, equals, value = text.partition("=")
+        if equals and key and not Path(text).exists():
+            changes.append(StudyChange(key.strip(), value))
+        elif text.endswith((".yaml", ".yml")):
+            files.append(Path(text))
+        else:
+            problem = f"--with: {text!r} is neither KEY=VALUE nor a study file"
+            fail(BAD_INPUT, f"{problem}. Write for example --with robot.amcl.max_particles=500.")
+    return files, changes
 
 
 def with_server(study: Study, host: str | None, port: int | None) -> Study:

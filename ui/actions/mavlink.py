@@ -24,8 +24,8 @@ from thbridge.sockets.mavlink.client import StationSocket, Unreachable, open_sta
 from thbridge.study.overrides import with_changes
 from thbridge.study.study_file import read_study_text
 from thbridge.timing.loop import stopping
-from ui.actions.replay import changes_of, other_versions
-from ui.settings import setting_of, study_of
+from ui.actions.replay import other_versions
+from ui.settings import changes_of, setting_of, study_of
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out
 
 T = TypeVar("T")

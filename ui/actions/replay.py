@@ -12,23 +12,7 @@ from thbridge.analysis.report.values import label_of
 from thbridge.app.compose.recording import versions
 from thbridge.app.replay.replay import Difference, Replayed
 from thbridge.ros.messages.session_records import SessionRecord
-from thbridge.study.overrides import StudyChange
-from ui.terminal import BAD_INPUT, fail, out
-
-
-def changes_of(given: list[str]) -> tuple[list[Path], list[StudyChange]]:
-    """Study files and single changes given by --with."""
-    files, changes = [], []
-    for text in given:
-        key, equals, value = text.partition("=")
-        if equals and key and not Path(text).exists():
-            changes.append(StudyChange(key.strip(), value))
-        elif text.endswith((".yaml", ".yml")):
-            files.append(Path(text))
-        else:
-            problem = f"--with: {text!r} is neither KEY=VALUE nor a study file"
-            fail(BAD_INPUT, f"{problem}. Write for example --with robot.amcl.max_particles=500.")
-    return files, changes
+from ui.terminal import out
 
 
 def other_versions(record: SessionRecord) -> Iterator[str]:

@@ -106,7 +106,6 @@ def play(
     from thbridge.app.session.session import TickRecord
     from thbridge.protocols.text import legacy
     from thbridge.study.overrides import with_changes
-    from ui.actions.replay import changes_of
     from ui.event_loop import run
     from ui.first_start import announce_compiling
     from ui.hosting.consent import ask_for_consent
@@ -115,7 +114,7 @@ def play(
     from ui.listening import graph_of, hosts_of, ports_of, watch_of
     from ui.outcome import show_outcome, usual_bag
     from ui.report import write_report
-    from ui.settings import setting_of, study_of, with_mavlink, with_options, with_server
+    from ui.settings import changes_of, setting_of, study_of, with_mavlink, with_options, with_server
     from ui.story import print_story
 
     files, assignments = changes_of(changes or [])

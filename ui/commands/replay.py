@@ -53,9 +53,10 @@ def replay_command(
     from thbridge.ros.names import INPUTS
     from thbridge.study.overrides import with_changes
     from thbridge.study.study_file import read_study_text
-    from ui.actions.replay import changes_of, other_versions, replayed_as_json, show_replayed
+    from ui.actions.replay import other_versions, replayed_as_json, show_replayed
     from ui.event_loop import run
     from ui.first_start import announce_compiling
+    from ui.settings import changes_of
     from ui.story import print_story
 
     files, assignments = changes_of(changes or [])

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pytest
+from msgspec import structs
 
 from tests.thbridge.hunt.test_game import ARENA, ROOM_1, ROOM_4, after, visit
 from thbridge.hunt import rules
@@ -70,13 +71,8 @@ def test_people_tell_by_the_picture_and_may_change_their_mind():
 def test_a_game_of_the_properties_of_2016_is_written_as_ever():
     started = GameStarted(7, 1, 2, 100.0, 5.0, 2.0, 1.0, ARENA)
     assert "properties" not in to_json(started)
-    declared = replace_properties(started, (SIZE, WEIGHT, MATERIAL))
+    declared = structs.replace(started, properties=(SIZE, WEIGHT, MATERIAL))
     assert from_json(to_json(declared)).properties == (SIZE, WEIGHT, MATERIAL)
-
-
-def replace_properties(started, properties):
-    fields = {name: getattr(started, name) for name in started.__struct_fields__}
-    return GameStarted(**{**fields, "properties": properties})
 
 
 def test_properties_are_fields_beside_the_others():

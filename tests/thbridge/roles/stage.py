@@ -1,6 +1,6 @@
 """A hunt without a simulator: robots that arrive after so many ticks, on the real router with the real other roles."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -118,7 +118,7 @@ class Puppets:
 
 
 class Stage:
-    """A session of keeper, puppets, Hider and TabUI."""
+    """A session of keeper, puppets, Hider and TabUI, or of those that are not `outside`."""
 
     def __init__(
         self,
@@ -126,12 +126,13 @@ class Stage:
         strategy: BotStrategy = BotStrategy.SUGGESTION,
         set_name: str = "original-2016",
         rules: GameRules = RULES,
-        hider: bool = True,
+        outside: Collection[str] = (),
         participant: Role | None = None,
         seed: int = 7,
         briefing: Briefing | None = None,
         kinds: Sequence[TreasureKind] | None = None,
         history: Sequence[Event] = (),
+        tells_refusals: bool = False,
     ) -> None:
         self.templates = templates(set_name)
         if kinds is not None:
@@ -141,14 +142,21 @@ class Stage:
         names = tuple(sorted(kind.name for kind in self.templates.kinds))
         self.briefing = briefing or Briefing(names=names, properties=self.templates.properties)
         last_game = 1 if history else 0
-        self.keeper = Keeper(rules, lambda game: engine(self.templates, seed), history, last_game, self.briefing)
+        self.keeper = Keeper(
+            rules,
+            lambda game: engine(self.templates, seed),
+            history,
+            last_game,
+            self.briefing,
+            tells_refusals=tells_refusals,
+        )
         costs = self.templates.costs or templates("original-2016").costs
         assert costs is not None
         self.puppets = Puppets(robots, plain_costs(costs))
         self.tabui: Role = participant or TabUI(build_bot(self.templates, strategy, seed))
         roles: list[Role] = [self.puppets, self.tabui]
-        if hider:
-            roles.append(build_hider(self.templates, seed))
+        roles.append(build_hider(self.templates, seed))
+        roles = [role for role in roles if role.name not in outside]
         self.session = Session(self.keeper, roles, log=self.log)
         self.router = self.session._router
         self.tick_records: list[TickRecord] = []

@@ -421,7 +421,7 @@ def test_programs_of_2016_need_no_consensus_and_never_say_that_they_give_up():
 
 def test_a_hider_of_2016_is_believed():
     """Its treasures are its own secret; the game learns from what it says."""
-    played = Stage(hider=False)
+    played = Stage(outside={"Hider"})
     connection = played.router.connect(0.0)
     played.session.perform(played.router.receive_data(connection, b"%%setid Hider\n", 0.0))
     answered = 0

@@ -67,7 +67,7 @@ def read_setting(
         BadFile: a file is missing or wrong, or files do not fit together; as BadFiles, all such faults at once.
     """
     resources = resources or shipped()
-    faults, keys = FaultCollection(), StudyKeys(study, written)
+    faults, keys = FaultCollection(), StudyKeys(study, written, resources)
     place: Map | None = None
     templates: TemplateSet | None = None
     costs: CostMatrix | None = None
@@ -100,19 +100,22 @@ class StudyKeys:
     Args:
         study: the study, perhaps with values that its file does not have.
         written: the study as its file has it; None: it has no file.
+        resources: maps and templates that are known by name.
     """
 
-    def __init__(self, study: Study, written: Loaded[Study] | None) -> None:
+    def __init__(self, study: Study, written: Loaded[Study] | None, resources: Resources) -> None:
         self._study = study
         self._written = written
+        self._resources = resources
 
     def fault(self, key: str, fault: BadFile) -> BadFile:
         """Return a fault as one of a key's line, unless the key's value does not come from the file."""
         written = self._written
         if written is None or attrgetter(_field(key))(written.value) != attrgetter(_field(key))(self._study):
             return fault
-        unnamed = fault.path == shipped().root / "maps" or fault.path == shipped().root / "templates"
-        problem = fault.problem if unnamed else f"{fault.path}: {fault.problem}"
+        # A name that is not known is no fault of the folder in which it was looked for.
+        unknown = fault.path.parent == self._resources.root
+        problem = fault.problem if unknown else f"{fault.path}: {fault.problem}"
         return written.fault(key, problem, fault.remedy)
 
     @contextmanager
@@ -149,9 +152,10 @@ def read_map_of(
     Raises:
         BadFile: the map has a fault, or the study does not fit it.
     """
-    keys = StudyKeys(study, written)
+    resources = resources or shipped()
+    keys = StudyKeys(study, written, resources)
     with keys.naming("map"):
-        folder = (resources or shipped()).find("maps", study.map, beside)
+        folder = resources.find("maps", study.map, beside)
     place = read_map(folder, study.world.footprint, with_costs=with_costs)
     most = study.participant.robots or (0, 0)
     largest = max(study.robots, *most)

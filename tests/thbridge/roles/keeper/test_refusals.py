@@ -4,32 +4,24 @@ import logging
 
 import pytest
 
-from tests.thbridge.roles.stage import RULES, Stage, engine
+from tests.thbridge.roles.stage import Stage
 from thbridge.app.refusal_log import RefusalLog
 from thbridge.hunt.refusals import RequestRefused
-from thbridge.protocols.text.router import SendToClient
-from thbridge.roles.keeper.keeper import Keeper, ProgramRefusal
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.router import Forwarded, SendToClient
+from thbridge.roles.keeper.keeper import ProgramRefusal
 
 
 class Outsider:
     """A game without TabUI, and a connection of a program of 2016 in its place."""
 
     def __init__(self, *, tells_refusals: bool = False, robots: bool = True) -> None:
-        self.stage = Stage()
-        keeper = Keeper(
-            RULES, lambda game: engine(self.stage.templates), (), 0, self.stage.briefing, tells_refusals=tells_refusals
-        )
-        self.stage = Stage()
-        session = self.stage.session
-        session._router.detach("TabUI")
-        session._keeper = self.stage.keeper = keeper
-        kept = {self.stage.puppets} if robots else set()
-        session._roles = tuple(role for role in session._roles if role in kept or role.name == "Hider")
-        for role in session._roles:
-            role.connected()
+        outside = {legacy.TABUI} if robots else {legacy.TABUI, legacy.SIMR}
+        self.stage = Stage(outside=outside, tells_refusals=tells_refusals)
         self.heard: list[str] = []
-        session.perform = self._perform
-        self.connection = session._router.connect(0.0)
+        self.session = self.stage.session
+        self.session.perform = self._perform
+        self.connection = self.session.connect(0.0)
         self.say("%%setid TabUI")
         self.stage.run(6)
 
@@ -37,10 +29,11 @@ class Outsider:
         for output in outputs:
             if isinstance(output, SendToClient):
                 self.heard.append(output.data.decode().strip())
-        self.stage.session._note_all_forwarded(outputs)
+            elif isinstance(output, Forwarded):
+                self.session.note_forwarded(output)
 
     def say(self, line: str) -> None:
-        self._perform(self.stage.session._router.receive_data(self.connection, f"{line}\n".encode(), 0.0))
+        self._perform(self.session.receive_data(self.connection, f"{line}\n".encode(), 0.0))
 
     def refused(self, line: str) -> list[str]:
         """Say a line; return the sentences of the refusals that follow."""
