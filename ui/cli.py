@@ -12,15 +12,17 @@ from ui.commands.bag.plot import bag_plot
 from ui.commands.drive import GoalWithYaw, drive
 from ui.commands.group import CommandGroup
 from ui.commands.localize import localize_command
+from ui.commands.maps.maps import maps_app
+from ui.commands.maps.measure import maps_measure
+from ui.commands.maps.new import maps_edit, maps_new
 from ui.commands.mavlink import mavlink_app
-from ui.commands.measure import maps_measure
-from ui.commands.new_map import maps_edit, maps_new
 from ui.commands.plan import plan
 from ui.commands.play import play
 from ui.commands.replay import replay_command
 from ui.commands.ros import ros_app
 from ui.commands.scan import scan
-from ui.commands.study_edit import study_edit
+from ui.commands.study.edit import study_edit
+from ui.commands.study.study import study_app
 from ui.commands.watch import watch
 from ui.terminal import err
 
@@ -51,12 +53,12 @@ bag.bag_app.command("export")(bag_export)
 bag.bag_app.command("plot")(bag_plot)
 app.command("replay")(replay_command)
 app.add_typer(bag.bag_app, name="bag")
-files.maps_app.command("measure")(maps_measure)
-files.maps_app.command("new")(maps_new)
-files.maps_app.command("edit")(maps_edit)
-app.add_typer(files.maps_app, name="maps")
-files.study_app.command("edit")(study_edit)
-app.add_typer(files.study_app, name="study")
+maps_app.command("measure")(maps_measure)
+maps_app.command("new")(maps_new)
+maps_app.command("edit")(maps_edit)
+app.add_typer(maps_app, name="maps")
+study_app.command("edit")(study_edit)
+app.add_typer(study_app, name="study")
 app.add_typer(templates.templates_app, name="templates")
 app.add_typer(mavlink_app, name="mavlink")
 app.add_typer(ros_app, name="ros")

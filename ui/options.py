@@ -9,6 +9,7 @@ import typer
 from thbridge.protocols.mavlink.options import AutopilotIdentity
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.sockets.addresses import LOCALHOST, ROS_MASTER_URI, TEXT_SERVER_PORT, WATCH_PORT
+from ui.terminal import BAD_INPUT, fail
 
 StudyFile = Annotated[
     Path | None, typer.Argument(help="Study file (YAML); see `thbridge study init`. Options below win over it.")
@@ -109,3 +110,10 @@ class ParticipantKind(StrEnum):
     SUGGESTION = BotStrategy.SUGGESTION
     NEAREST = BotStrategy.NEAREST
     RANDOM = BotStrategy.RANDOM
+
+
+def the_study(by_position: Path | None, by_option: Path | None) -> Path | None:
+    """The study file, which may be named by position or, as earlier, by --study."""
+    if by_position is not None and by_option is not None:
+        fail(BAD_INPUT, f"--study: {by_position} is named already. Leave one of the two out.")
+    return by_position or by_option

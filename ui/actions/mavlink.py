@@ -42,11 +42,14 @@ def setting_of_recording(bag: Path, study_file: Path | None, changes: list[str],
     """The study of a recording, or another one."""
     if study_file is not None:
         if changes:
-            fail(BAD_INPUT, "--with: it changes the recording's study; --study gives another. Leave one of them out.")
+            fail(
+                BAD_INPUT,
+                "--with: it changes the recording's study; another study has others. Leave one of the two out.",
+            )
         return setting_of(study_of(study_file, {}), study_file)
     with bad_input():
         if not has_session(bag):
-            fail(BAD_INPUT, f"{bag}: it does not say what it was recorded with. Give a study by --study.")
+            fail(BAD_INPUT, f"{bag}: it does not say what it was recorded with. Name a study file after it.")
         record = session_of(bag)
         for sentence in other_versions(record):
             note(sentence)

@@ -9,7 +9,7 @@ import typer
 
 from thbridge.sockets.addresses import Address, parse_address
 from ui.commands.group import CommandGroup
-from ui.options import AsJson, KeyFile
+from ui.options import AsJson, KeyFile, StudyOption, the_study
 from ui.outputs import make_copy_ready
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, out, print_json
 
@@ -122,8 +122,9 @@ def mavlink_goto(
 def mavlink_replay(
     bag: Annotated[Path, typer.Argument(help="A recording with topics /robotN/mavlink/to.")],
     study_file: Annotated[
-        Path | None, typer.Option("--study", help="Study to run it in; by default the recording's own.")
+        Path | None, typer.Argument(help="Study to run it in; by default the recording's own.")
     ] = None,
+    study_option: StudyOption = None,
     changes: Annotated[
         list[str] | None,
         typer.Option(
@@ -152,6 +153,7 @@ def mavlink_replay(
     from ui.first_start import announce_compiling
     from ui.story import print_story
 
+    study_file = the_study(study_file, study_option)
     what_if = study_file is not None or bool(changes)
     setting = setting_of_recording(bag, study_file, changes or [], beside)
     if to is not None:

@@ -31,6 +31,7 @@ from ui.options import (
     Templates,
     WatchAt,
     WatchKey,
+    the_study,
 )
 from ui.outputs import make_ready
 from ui.terminal import BAD_INPUT, DECLINED, FAILED, bad_input, fail, note, out, print_json, say
@@ -201,13 +202,6 @@ def tabui(
         print_json({"score": last.score, "rooms_visited": visited, "over": last.over})
     else:
         out.print(f"The game is over. Score {last.score}.")
-
-
-def the_study(by_position: Path | None, by_option: Path | None) -> Path | None:
-    """The study file, which may be named by position or, as earlier, by --study."""
-    if by_position is not None and by_option is not None:
-        fail(BAD_INPUT, f"--study: {by_position} is named already. Leave one of the two out.")
-    return by_position or by_option
 
 
 def _address(server: str) -> tuple[str, int]:

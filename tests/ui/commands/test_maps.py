@@ -54,7 +54,7 @@ def maps(*words: object) -> Result:
 
 def test_a_new_map_is_measured_by_a_study_that_does_not_fit_it_and_then_plays(here: Path) -> None:
     (here / "study.yaml").write_text("robots: 3\nmap: office\ntemplates: ./none\neach:\n  2: {}\n")
-    measure = ("measure", "two", "--runs", 1, "--study", "study.yaml", "--out")
+    measure = ("measure", "two", "study.yaml", "--runs", 1, "--out")
     of_another_map = here / "two" / "mapTimes"
     of_another_map.write_text("2\n99 1\n99 99\n")
     elsewhere = maps(*measure, "mapTimes", "--jobs", 1)

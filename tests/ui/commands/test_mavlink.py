@@ -308,8 +308,8 @@ def test_a_replay_for_people(recorded: Path) -> None:
 
 
 def test_a_replay_in_two_studies(recorded: Path, tmp_path: Path) -> None:
-    message = refusal("replay", recorded, "--study", tmp_path / "s.yaml", "--with", "seed=2")
-    assert "--with: it changes the recording's study; --study gives another." in message
+    message = refusal("replay", recorded, tmp_path / "s.yaml", "--with", "seed=2")
+    assert "--with: it changes the recording's study; another study has others." in message
 
 
 def test_a_replay_onto_itself(recorded: Path) -> None:

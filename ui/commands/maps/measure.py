@@ -8,13 +8,14 @@ from typing import Annotated, TextIO
 
 import typer
 
-from ui.options import AsJson
+from ui.options import AsJson, StudyOption, the_study
 from ui.outputs import STANDARD_OUTPUT, share_no_output
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
 
 
 def maps_measure(
     name: Annotated[str, typer.Argument(help="Name of a map, or the path of its folder.")],
+    study_file: Annotated[Path | None, typer.Argument(help="Study file; its `world` and `robot` drive.")] = None,
     runs: Annotated[int, typer.Option(help="Trips from each place to each room; their mean counts.", min=1)] = 3,
     to: Annotated[
         Path | None,
@@ -22,9 +23,7 @@ def maps_measure(
             "--out", help="The mapTimes file to write; must not exist. `-` is standard output. Without it, only shown."
         ),
     ] = None,
-    study_file: Annotated[
-        Path | None, typer.Option("--study", help="Study file; its `world` and `robot` drive.")
-    ] = None,
+    study_option: StudyOption = None,
     seed: Annotated[int | None, typer.Option(help="Of all chance in the trips.", min=0, max=2**31 - 1)] = None,
     jobs: Annotated[
         int | None, typer.Option(help="Trips driven at a time; by default one on every core.", min=1, max=256)
@@ -41,7 +40,7 @@ def maps_measure(
 
     share_no_output(to, as_json)
     folder = map_folder(name)
-    study = study_of(study_file, {"seed": seed})
+    study = study_of(the_study(study_file, study_option), {"seed": seed})
     with bad_input():
         place = read_map(folder, study.world.footprint, with_costs=False)
     course = MeasurementSetup(place, study.world, study.robot, study.seed)

@@ -1,0 +1,65 @@
+"""`thbridge maps check` and `maps list`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ui.commands.group import CommandGroup
+from ui.options import AsJson
+from ui.terminal import BAD_INPUT, bad_input, fail, note, out, print_json, say
+
+maps_app = typer.Typer(
+    cls=CommandGroup,
+    help="Maps: the arenas that robots drive in.",
+    no_args_is_help=True,
+)
+
+
+@maps_app.command("check")
+def maps_check(
+    name: Annotated[str, typer.Argument(help="Name of a map, or the path of its folder.")],
+    to: Annotated[
+        Path | None,
+        typer.Option("--to", help="Draw the map there: rooms, numbers, names, doors, goals, starts; .png, .svg, .pdf."),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Check a map: image, rooms, goals and start poses; and tell what it holds."""
+    from thbridge.files.map_files import check_map
+    from thbridge.offline.map_survey import survey
+    from ui.actions.map_check import PICTURES, finding_as_json, show_survey, survey_as_json, write_picture
+    from ui.settings import map_folder
+
+    if to is not None and to.suffix.lower() not in PICTURES:
+        fail(BAD_INPUT, f"--to: {to} is no picture. Give a file name that ends in .png, .svg or .pdf.")
+    folder = map_folder(name)
+    check = check_map(folder)
+    seen = None if check.map is None else survey(check.map)
+    errors = len(check.errors)
+    if as_json:
+        told = None if seen is None else survey_as_json(seen)
+        print_json({"ok": errors == 0, "findings": [finding_as_json(each) for each in check.findings], "map": told})
+    else:
+        if seen is not None and not errors:
+            show_survey(seen, folder)
+        for finding in check.findings:
+            say(f"{finding.severity}: {finding.fault}")
+        say(f"{errors} errors, {len(check.findings) - errors} warnings")
+    if to is not None and seen is None:
+        note(f"{to} is not drawn: first the files must be readable.")
+    elif to is not None and seen is not None:
+        with bad_input():
+            write_picture(seen, to)
+        note(f"Wrote {to}.")
+    if errors:
+        raise typer.Exit(BAD_INPUT)
+
+
+@maps_app.command("list")
+def maps_list() -> None:
+    """Name the maps that come with the project."""
+    from thbridge.files.resources import shipped
+
+    for name in shipped().names("maps"):
+        out.print(name)

@@ -1,0 +1,48 @@
+"""`thbridge study init` and `study check`."""
+
+from contextlib import suppress
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ui.commands.group import CommandGroup
+from ui.outputs import STANDARD_OUTPUT
+from ui.terminal import BAD_INPUT, fail, note, out
+
+study_app = typer.Typer(
+    cls=CommandGroup,
+    help="Study files: everything that can be set, in one YAML file.",
+    no_args_is_help=True,
+)
+
+
+@study_app.command("init")
+def study_init(
+    file: Annotated[Path, typer.Argument(help="The file to write; must not exist. `-` is standard output.")],
+) -> None:
+    """Write a study file with every key at its default, commented."""
+    from thbridge.study.text import commented_study
+
+    if file == STANDARD_OUTPUT:
+        print(commented_study(), end="")  # noqa: T201 - this is what was asked for
+        return
+    try:
+        with file.open("x", encoding="utf-8") as opened:
+            opened.write(commented_study())
+    except FileExistsError:
+        fail(BAD_INPUT, f"{file}: there is such a file already. Choose another name.")
+    except OSError as error:
+        with suppress(OSError):
+            file.unlink()  # a half written one
+        fail(BAD_INPUT, f"{file}: it cannot be written ({error.strerror}). Choose another folder.")
+    note(f"Wrote {file}. Run it with `thbridge play {file}`.")
+
+
+@study_app.command("check")
+def study_check(file: Annotated[Path, typer.Argument(help="A study file.")]) -> None:
+    """Check a study file and everything it names."""
+    from ui.settings import setting_of, study_of
+
+    setting_of(study_of(file, {}), file)
+    out.print(f"{file}: no faults", highlight=False)
