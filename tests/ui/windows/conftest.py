@@ -39,16 +39,12 @@ def qtbot(qapp: QApplication, request: pytest.FixtureRequest) -> PatientBot:
     return PatientBot(request)
 
 
-@pytest.fixture(autouse=True, scope="session")
-def keep_for_good() -> None:
-    """What is loaded by now need not be looked through for garbage after each test."""
-    gc.collect()
-    gc.freeze()
-
-
 @pytest.fixture(autouse=True)
 def garbage_timer(qapp: QApplication) -> Iterator[None]:
     """Garbage goes between events, as in the programs; no window of one test is left to the next."""
+    # What is there by now stays: programs that were run in this process have freed it for looking through again, which
+    # takes more than a second after each test.
+    gc.freeze()
     timer = GarbageTimer(qapp)
     yield
     timer.deleteLater()

@@ -133,10 +133,10 @@ def _room_changes(view: View, old: RoomView, new: RoomView) -> Iterator[str]:
         yield f"In room {new.room} is {properties_in_words(view.properties, new.sensed)}."
     elif new.known != old.known:
         for each in view.properties:
-            if new.known.get(each.name) != old.known.get(each.name):
+            value = new.known.get(each.name)
+            if value is not None and value != old.known.get(each.name):
                 who = "You say" if each.told_by is Teller.PERSON else "Sensed"
-                value = value_in_words(new.known[each.name])
-                yield f"{who} of what is in room {new.room}: {each.label.lower()} {value}."
+                yield f"{who} of what is in room {new.room}: {each.label.lower()} {value_in_words(value)}."
     if new.picture is not None and old.picture is None:
         by = "" if new.robot is None else f" by {robot_name(new.robot)}"
         yield f"A picture is taken in room {new.room}{by}."
