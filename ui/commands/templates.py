@@ -23,7 +23,7 @@ SetName = Annotated[str, typer.Argument(help="Name of a template set, or the pat
 def templates_check(name: SetName, as_json: AsJson = False) -> None:
     """Check a template set, and tell what is in it."""
     from ui.actions.templates import read_set
-    from ui.model.template_preview import NOWHERE, contents, sentences
+    from ui.model.template_set.preview import NOWHERE, contents, sentences
 
     templates = read_set(name)
     if as_json:
@@ -47,7 +47,7 @@ def templates_edit(
         fail(BAD_INPUT, f"{reason} Or edit its files as text, and check them with `thbridge templates check {folder}`.")
     own = folder_of(f"{folder}/")
     # A second of imports that no other command needs.
-    from ui.windows.study import edit_templates
+    from ui.windows.templates import edit_templates
 
     with bad_input():
         code = edit_templates(own, look.value)

@@ -1,4 +1,4 @@
-"""The study file as a form, and the template set as texts with a preview."""
+"""The study file as a form."""
 
 from pathlib import Path
 
@@ -7,7 +7,6 @@ from thbridge.study.study_file import Study
 from ui.model.study_form.noise import preview_of
 from ui.windows.application import application
 from ui.windows.look import Appearance, Choice, TextSize, user_settings
-from ui.windows.study.template_window import TemplateWindow
 from ui.windows.study.window import StudyWindow
 
 
@@ -32,21 +31,6 @@ def edit(path: Path, choice: Choice = "system") -> int:
     look, text_size = Appearance(app, choice), TextSize(app, user_settings())
     window = study_window(path)
     look.changed.connect(window.repaint_all)
-    text_size.add_keys(window)
-    window.show()
-    return app.exec()
-
-
-def edit_templates(folder: Path, choice: Choice = "system") -> int:
-    """Open the window of a template set, and wait until it is closed; return the program's exit code.
-
-    Raises:
-        BadFile: one of its files cannot be read.
-    """
-    app = application()
-    look, text_size = Appearance(app, choice), TextSize(app, user_settings())
-    window = TemplateWindow(folder)
-    look.changed.connect(window.update)
     text_size.add_keys(window)
     window.show()
     return app.exec()

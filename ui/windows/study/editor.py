@@ -10,7 +10,7 @@ from thbridge.files.edited_file import TextOnDisk, read_edited, write_edited
 from thbridge.files.errors import BadFile
 from thbridge.hunt.refusals import RequestRefused
 from ui.model.study_form.draft import HEADER, StudyDraft, UndoHistory, draft_of
-from ui.windows.study.background import BackgroundWorker
+from ui.windows.editing.background import BackgroundWorker
 
 _TYPING = 120
 """Milliseconds of pause after which typing is checked."""

@@ -10,8 +10,8 @@ from PySide6.QtWidgets import QGridLayout, QScrollArea, QSplitter, QVBoxLayout, 
 from thbridge.study.study_file import Study
 from ui.model.study_form.draft import StudyDraft
 from ui.model.study_form.noise import NoisePreview, extent_of, noise_from_form, preview_of
+from ui.windows.editing.background import BackgroundWorker
 from ui.windows.look import GAP, colours, follow_text, label, px, spaced, style_as_panel
-from ui.windows.study.background import BackgroundWorker
 from ui.windows.study.pictures import Canvas, NoisePicture, PaintFunction, fan_painter, room
 
 _DRAWINGS = 310

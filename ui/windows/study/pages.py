@@ -18,8 +18,8 @@ from PySide6.QtWidgets import (
 from ui.model.line_ends import plain_lines, with_line_ends_of
 from ui.model.study_form.draft import StudyDraft, search_fields
 from ui.model.study_form.form import FormField, FormGroup, RepeatKind
+from ui.windows.editing.exact_text import exact_text
 from ui.windows.look import GAP, colours, fixed_font, follow_text, label, spaced, style_as_panel
-from ui.windows.study.exact_text import exact_text
 from ui.windows.study.row import FieldRow
 
 _FOUND = "found"

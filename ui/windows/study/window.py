@@ -20,9 +20,9 @@ from PySide6.QtWidgets import (
 )
 
 from ui.model.study_form.form import FieldKind, RepeatKind
+from ui.windows.editing.faults import FaultList
 from ui.windows.look import GAP, FoldingRow, follow_text, label, open_within_screen, px, spaced, style_as_panel
 from ui.windows.study.editor import StudyEditor
-from ui.windows.study.faults import FaultList
 from ui.windows.study.noise_page import NoisePage, NoiseView
 from ui.windows.study.pages import ChangesPage, FieldsPage, TextPage
 from ui.windows.study.sections import NOISE, SectionTree

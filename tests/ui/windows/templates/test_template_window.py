@@ -16,7 +16,7 @@ from tests.ui.windows.walking import against_the_eye, nameless, stops
 from ui.model.theme import LIGHT
 from ui.windows import look
 from ui.windows.look import apply_palette
-from ui.windows.study.template_window import TemplateWindow
+from ui.windows.templates.window import TemplateWindow
 
 SHIPPED = Path(__file__).parents[4] / "templates"
 

@@ -32,12 +32,12 @@ from thbridge.files.treasure_files import PICTURES
 from thbridge.hunt.properties import TreasureProperty
 from thbridge.hunt.treasures import name_in_words
 from ui.model.line_ends import plain_lines, with_line_ends_of
-from ui.model.template_draft import TemplateDraft, edited_names, template_draft
-from ui.model.template_preview import NOWHERE, PreviewPlace, contents, place_on, sentences
+from ui.model.template_set.draft import TemplateDraft, edited_names, template_draft
+from ui.model.template_set.preview import NOWHERE, PreviewPlace, contents, place_on, sentences
 from ui.windows.controls import ChoiceBox
+from ui.windows.editing.background import BackgroundWorker
+from ui.windows.editing.exact_text import exact_text
 from ui.windows.look import GAP, fixed_font, follow_text, label, open_within_screen, px, spaced
-from ui.windows.study.background import BackgroundWorker
-from ui.windows.study.exact_text import exact_text
 
 _PAUSE = 250
 """Milliseconds without a key after which what was typed is checked."""

@@ -1,0 +1,1 @@
+"""A template set while it is edited."""

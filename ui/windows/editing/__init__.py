@@ -1,0 +1,1 @@
+"""Parts of windows in which files are edited."""
