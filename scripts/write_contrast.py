@@ -149,7 +149,7 @@ PAIRS = (
         0.18,
         "the plot below",
     ),
-    Pair("study/pages.py", "lines that a change adds, takes away", "good bad muted", "panel"),
+    Pair("editing/changes.py", "lines that a change adds, takes away", "good bad muted", "panel"),
     Pair("study/pictures.py", "paths driven and believed, walls", "text wall robots", "panel", "sign"),
     Pair("study/pictures.py", "ruler", "muted", "panel"),
     Pair("study/pictures.py", "beams", "line", "panel", "told besides", 70 / 255, "the crosses at their ends"),

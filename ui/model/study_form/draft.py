@@ -1,7 +1,6 @@
 """A study file while it is edited: its text, the form of it, and its faults."""
 
 import dataclasses
-import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ from thbridge.files.yaml.tree import Node, Section, parse
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.study.noise import TARGET_PATHS
 from thbridge.study.study_file import Study, StudyFile, load_study_tree, study_before
+from ui.model.differences import differences
 from ui.model.study_form.form import FormField, FormGroup, RepeatKind, form_of, typed_as_yaml
 
 HEADER = "# A study. Every key may be left out; what is not written here is as by default.\n"
@@ -118,9 +118,7 @@ class StudyDraft:
 
     def differences(self, saved: str) -> tuple[str, ...]:
         """The lines in which the text differs from what is on disk, with some around them, as `diff -u` has them."""
-        before, after = saved.splitlines(), self.text.splitlines()
-        lines = list(difflib.unified_diff(before, after, "on disk", "to be written", lineterm=""))
-        return tuple(lines)
+        return differences(saved, self.text)
 
 
 def draft_of(path: Path, text: str) -> StudyDraft:

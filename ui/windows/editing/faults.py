@@ -1,11 +1,11 @@
-"""List of a study's faults and of its notices, which are about entries without an effect."""
+"""List of the faults of what is edited, and of notices, which are about entries without an effect."""
 
-from pathlib import Path
+from collections.abc import Callable, Sequence
 
 from PySide6.QtCore import Signal, Slot
 from PySide6.QtWidgets import QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
-from ui.model.study_form.draft import StudyDraft
+from thbridge.files.errors import BadFile
 from ui.windows.look import GAP, follow_text, label, px, spaced
 
 _TALLEST = 104
@@ -14,14 +14,19 @@ _TALLEST = 104
 class FaultList(QWidget):
     """A verdict, and below it every fault and notice.
 
+    Args:
+        fine: words for no faults.
+        shortened: returns a sentence without what the window shows anyway.
+
     Attributes:
         chosen: a person wants to see the fault with this index.
     """
 
     chosen = Signal(int)
 
-    def __init__(self) -> None:
+    def __init__(self, fine: str, shortened: Callable[[str], str]) -> None:
         super().__init__()
+        self._fine, self._shortened = fine, shortened
         self.list = QListWidget()
         self.list.setAccessibleName("Faults and notices")
         follow_text(self.list, _fit)
@@ -33,11 +38,11 @@ class FaultList(QWidget):
         column.addWidget(self._verdict)
         column.addWidget(self.list)
 
-    def show_draft(self, draft: StudyDraft) -> None:
-        """Show the faults and notices of a draft."""
-        self._count = len(draft.faults)
-        lines = [f"⚠ {_short(str(fault), draft.path)}" for fault in draft.faults]
-        lines += [f"ℹ {_short(notice, draft.path)}" for notice in draft.notices]
+    def show_faults(self, faults: Sequence[BadFile], notices: Sequence[str] = ()) -> None:
+        """Show faults and notices."""
+        self._count = len(faults)
+        lines = [f"⚠ {self._shortened(str(fault))}" for fault in faults]
+        lines += [f"ℹ {self._shortened(notice)}" for notice in notices]
         if lines != [self.list.item(row).text() for row in range(self.list.count())]:
             self.list.clear()
             for line in lines:
@@ -45,9 +50,7 @@ class FaultList(QWidget):
         self.list.setVisible(bool(lines))
         _fit(self.list)
         words = f"{self._count} fault{'s' if self._count > 1 else ''}"
-        self._verdict.setText(
-            f"⚠ {words}. F8 goes to the next." if self._count else "✓ No faults: this study can be played."
-        )
+        self._verdict.setText(f"⚠ {words}. F8 goes to the next." if self._count else f"✓ {self._fine}")
         self._verdict.setProperty("bad", bool(self._count))
         self._verdict.style().unpolish(self._verdict)
         self._verdict.style().polish(self._verdict)
@@ -70,8 +73,3 @@ def _fit(shown: QListWidget) -> None:
     height = sum(shown.sizeHintForRow(row) for row in range(shown.count())) + 2 * GAP
     height += shown.horizontalScrollBar().sizeHint().height()
     shown.setFixedHeight(min(px(_TALLEST), height))
-
-
-def _short(sentence: str, path: Path) -> str:
-    """Return a sentence without the name of the file, which the window shows anyway."""
-    return sentence.removeprefix(f"{path}, ").removeprefix(f"{path}: ")

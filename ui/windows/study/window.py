@@ -20,11 +20,12 @@ from PySide6.QtWidgets import (
 )
 
 from ui.model.study_form.form import FieldKind, RepeatKind
+from ui.windows.editing.changes import ChangesPage
 from ui.windows.editing.faults import FaultList
 from ui.windows.look import GAP, FoldingRow, follow_text, label, open_within_screen, px, spaced, style_as_panel
 from ui.windows.study.editor import StudyEditor
 from ui.windows.study.noise_page import NoisePage, NoiseView
-from ui.windows.study.pages import ChangesPage, FieldsPage, TextPage
+from ui.windows.study.pages import FieldsPage, TextPage
 from ui.windows.study.sections import NOISE, SectionTree
 
 
@@ -51,7 +52,10 @@ class StudyWindow(QMainWindow):
         self.found = FieldsPage()
         self.text = TextPage()
         self.changes = ChangesPage()
-        self.faults = FaultList()
+        self.faults = FaultList(
+            "No faults: this study can be played.",
+            lambda told: told.removeprefix(f"{path}, ").removeprefix(f"{path}: "),
+        )
         self._title = label(path.name, "title", bold=True)
         self._state = label("", "small", muted=True)
         self._buttons: dict[str, QPushButton] = {}
@@ -138,9 +142,9 @@ class StudyWindow(QMainWindow):
         elif page is self.text:
             self.text.show_draft(draft)
         elif page is self.changes:
-            self.changes.show_draft(draft, editor.on_disk.text)
+            self.changes.show_changes(draft.differences(editor.on_disk.text))
         self.sections.show_draft(draft, self._key)
-        self.faults.show_draft(draft)
+        self.faults.show_faults(draft.faults, draft.notices)
         self.setWindowModified(editor.dirty)
         self._buttons["undo"].setEnabled(bool(editor.history.past))
         self._buttons["redo"].setEnabled(bool(editor.history.future))

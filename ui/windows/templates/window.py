@@ -1,11 +1,12 @@
-"""Window of a template set: its sentences and treasures as text, its pictures, and a preview of them all."""
+"""Window of a template set: treasures and properties as sheets, all files as text, pictures, and a preview."""
 
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QSignalBlocker, QSize, Qt, QTimer, Slot
-from PySide6.QtGui import QAction, QCloseEvent, QIcon, QKeySequence, QPixmap, QShortcut, QTextCursor
+from PySide6.QtCore import QEvent, QObject, QSignalBlocker, QSize, Qt, QTimer, Slot
+from PySide6.QtGui import QAction, QCloseEvent, QIcon, QKeyEvent, QKeySequence, QPixmap, QShortcut, QTextCursor
 from PySide6.QtWidgets import (
     QFileDialog,
     QHBoxLayout,
@@ -31,25 +32,34 @@ from thbridge.files.template_files import DIALOGUE_TEXT, scenario_on
 from thbridge.files.treasure_files import PICTURES
 from thbridge.hunt.properties import TreasureProperty
 from thbridge.hunt.treasures import name_in_words
+from ui.model.differences import differences
 from ui.model.line_ends import plain_lines, with_line_ends_of
 from ui.model.template_set.draft import TemplateDraft, edited_names, template_draft
 from ui.model.template_set.preview import NOWHERE, PreviewPlace, contents, place_on, sentences
+from ui.model.template_set.sheet import Texts
+from ui.model.template_set.sheets import sheets_of
 from ui.windows.controls import ChoiceBox
 from ui.windows.editing.background import BackgroundWorker
+from ui.windows.editing.changes import ChangesPage
 from ui.windows.editing.exact_text import exact_text
+from ui.windows.editing.faults import FaultList
 from ui.windows.look import GAP, fixed_font, follow_text, label, open_within_screen, px, spaced
+from ui.windows.templates.sheet_page import SheetPage
 
 _PAUSE = 250
 """Milliseconds without a key after which what was typed is checked."""
+_ROW_NAMES = {"Treasures": "treasure", "Properties": "property"}
 _LOOK = QSize(96, 96)
 """Size of a picture in the list, `px`."""
 
 
 class TemplateWindow(QMainWindow):
-    """Texts at the left, the preview and the pictures at the right, faults below.
+    """Sheets and texts at the left, the preview and the pictures at the right, faults below.
 
     Attributes:
+        sheets: the page of each sheet, by its title.
         pages: the editor of each file, by its name.
+        changes: what saving would change.
         words: menu of the words that hold where the cursor is.
         draft: the texts as they were checked last.
         preview: all sentences, as a robot would say them.
@@ -66,9 +76,19 @@ class TemplateWindow(QMainWindow):
         self.folder = folder
         self._on_disk: dict[str, TextOnDisk] = {name: read_edited(folder / name) for name in edited_names(folder)}
         self.pages = {name: self._made_page(name, disk.text) for name, disk in self._on_disk.items()}
+        self.sheets = {title: self._made_sheet(title) for title in sheets_of(self._shown_texts()) or ("Treasures",)}
+        self.changes = ChangesPage()
+        # Names of the pages whose last steps are one step of the person, the latest last; and of steps taken back.
+        self._done: list[tuple[str, ...]] = []
+        self._undone: list[tuple[str, ...]] = []
+        self._step: list[str] | None = None
         self.draft: TemplateDraft | None = None
         self._new_pictures: dict[str, bytes] = {}
+        # Pictures as they were when others were put into their place.
+        self._replaced: dict[str, bytes | None] = {}
+        # Of the texts when they had no faults last.
         self._properties: tuple[TreasureProperty, ...] = ()
+        self._pictures: Mapping[str, bytes] = {}
         self._pause = QTimer(self, singleShot=True, interval=_PAUSE)
         self._pause.timeout.connect(self._check)
         self._worker = BackgroundWorker(self, "templates")
@@ -93,15 +113,24 @@ class TemplateWindow(QMainWindow):
         self.word_button.setMenu(self.words)
         self.add_picture = QPushButton("Add a picture …")
         self.add_picture.clicked.connect(self._add_picture)
-        self.faults = QListWidget()
-        self.faults.setAccessibleName("Faults")
-        self.faults.itemActivated.connect(self._open_fault)
-        self.faults.itemClicked.connect(self._open_fault)
+        self.faults = FaultList(
+            "No faults: this set can be played.",
+            lambda told: told.removeprefix(f"{folder}/").removeprefix(f"{folder}: "),
+        )
+        self.faults.chosen.connect(self._open_fault)
+        QShortcut(QKeySequence("F8"), self).activated.connect(self.faults.choose_next)
+        self.undo_button, self.redo_button = QPushButton("Undo"), QPushButton("Redo")
+        for button, keys, step in (
+            (self.undo_button, "Ctrl+Z", self.undo),
+            (self.redo_button, "Ctrl+Shift+Z", self.redo),
+        ):
+            button.setAccessibleDescription(f"Key {keys}")
+            button.clicked.connect(step)
+            QShortcut(QKeySequence(keys), self).activated.connect(step)
         self.save_button = QPushButton("Save")
         self.save_button.setAccessibleDescription("Key Ctrl+S")
         self.save_button.clicked.connect(self.save)
         QShortcut(QKeySequence("Ctrl+S"), self).activated.connect(self.save)
-        self._verdict = label("", "small")
         self._lay_out()
         self.setWindowTitle(f"{folder.name}[*] — template set")
         open_within_screen(self, QSize(1240, 820))
@@ -122,6 +151,10 @@ class TemplateWindow(QMainWindow):
     def _changed_texts(self) -> list[str]:
         return [name for name, text in self.texts().items() if text != self._on_disk[name].text]
 
+    def _shown_texts(self) -> dict[str, str]:
+        """The texts with line ends as editors have them."""
+        return {name: exact_text(page) for name, page in self.pages.items()}
+
     @Slot()
     def save(self) -> bool:
         """Write what has changed, each file at once; return False where that was refused or not possible."""
@@ -130,12 +163,12 @@ class TemplateWindow(QMainWindow):
         if faults and not self._asked(left, "Save anyway"):
             return False
         try:
+            others = self._changed_by_others()
+            told = f"Another program has changed since they were read here: {', '.join(others)}."
+            if others and not self._asked(told, "Write over them"):
+                return False
             for name in self._changed_texts():
                 path = self.folder / name
-                if read_edited(path) != self._on_disk[name] and not self._asked(
-                    f"{name} was changed by another program since it was read here.", "Write over it"
-                ):
-                    return False
                 self._on_disk[name] = write_edited(path, self.texts()[name], self._on_disk[name].marked)
             for name in list(self._new_pictures):
                 with suppress(OSError):  # told by the writing that follows
@@ -148,6 +181,17 @@ class TemplateWindow(QMainWindow):
         finally:
             self._show_state()
         return True
+
+    def _changed_by_others(self) -> list[str]:
+        """Names of the files to be written that are no longer what was read."""
+        texts = [name for name in self._changed_texts() if read_edited(self.folder / name) != self._on_disk[name]]
+        return texts + [name for name in self._new_pictures if self._picture_on_disk(name) != self._replaced.get(name)]
+
+    def _picture_on_disk(self, name: str) -> bytes | None:
+        try:
+            return (self.folder / PICTURES / name).read_bytes()
+        except OSError:
+            return None
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask first when something would be lost."""
@@ -178,20 +222,24 @@ class TemplateWindow(QMainWindow):
     @Slot(object)
     def _checked(self, draft: TemplateDraft) -> None:
         self.draft = draft
-        self.faults.clear()
-        for fault in draft.faults:
-            self.faults.addItem(QListWidgetItem(f"⚠ {str(fault).removeprefix(f'{self.folder}/')}"))
-        self.faults.setVisible(bool(draft.faults))
+        self.faults.show_faults(draft.faults)
         if draft.templates is not None:
-            self._properties = draft.templates.properties
+            self._properties, self._pictures = draft.templates.properties, draft.templates.pictures
             kinds = [name_in_words(kind.name) for kind in draft.templates.kinds]
             if kinds != [self.treasure.itemText(row) for row in range(self.treasure.count())]:
                 with QSignalBlocker(self.treasure):
                     self.treasure.clear()
                     self.treasure.addItems(kinds)
             self._show_pictures()
+        self._refresh_sheets()
         self._show_preview()
         self._show_state()
+
+    @Slot()
+    def _refresh_sheets(self) -> None:
+        faults = () if self.draft is None else self.draft.faults
+        for page in self.sheets.values():
+            page.refresh({**self._pictures, **self._new_pictures}, faults)
 
     @Slot()
     def _show_preview(self) -> None:
@@ -220,24 +268,84 @@ class TemplateWindow(QMainWindow):
             self.pictures.addItem(item)
 
     def _show_state(self) -> None:
-        changed, faults = bool(self.changed()), () if self.draft is None else self.draft.faults
-        self.setWindowModified(changed)
-        self.save_button.setEnabled(changed)
-        words = f"{len(faults)} fault{'s' if len(faults) > 1 else ''}"
-        self._verdict.setText(
-            f"⚠ {words}. The preview is of the texts before." if faults else "✓ No faults: this set can be played."
-        )
+        changed = self.changed()
+        self.setWindowModified(bool(changed))
+        self.save_button.setEnabled(bool(changed))
+        self.undo_button.setEnabled(bool(self._done))
+        self.redo_button.setEnabled(bool(self._undone))
+        texts = self.texts()
+        lines = [line for name, disk in self._on_disk.items() for line in differences(disk.text, texts[name], name)]
+        self.changes.show_changes([*lines, *(f"+ {PICTURES}/{name}" for name in self._new_pictures)])
 
-    def _open_fault(self, item: QListWidgetItem) -> None:
-        fault = None if self.draft is None else self.draft.faults[self.faults.row(item)]
+    @Slot(int)
+    def _open_fault(self, row: int) -> None:
+        fault = None if self.draft is None else self.draft.faults[row]
         if fault is None or fault.path.name not in self.pages:
             return
-        page = self.pages[fault.path.name]
-        self.tabs.setCurrentWidget(page)
+        for page in self.sheets.values():
+            if self.tabs.currentWidget() not in self.pages.values() and page.go_to(fault):
+                self.tabs.setCurrentWidget(page)
+                page.table.setFocus()
+                return
+        text = self.pages[fault.path.name]
+        self.tabs.setCurrentWidget(text)
         if fault.line is not None:
-            page.setTextCursor(QTextCursor(page.document().findBlockByNumber(fault.line - 1)))
-            page.centerCursor()
-        page.setFocus()
+            text.setTextCursor(QTextCursor(text.document().findBlockByNumber(fault.line - 1)))
+            text.centerCursor()
+        text.setFocus()
+
+    # Steps ------------------------------------------------------------------------------------------------------------
+
+    @Slot(object)
+    def _apply(self, changed: Texts) -> None:
+        """Write new texts into their pages, as one step."""
+        self._step = []
+        for name, text in changed.items():
+            _replace_text(self.pages[name], text)
+        step, self._step = tuple(self._step), None
+        if step:
+            self._note_step(step)
+        self._refresh_sheets()
+
+    def _stepped(self, name: str) -> None:
+        """Note that a page has one more step to be taken back."""
+        if self._step is not None:
+            self._step.append(name)
+        else:
+            self._note_step((name,))
+
+    def _note_step(self, step: tuple[str, ...]) -> None:
+        self._done.append(step)
+        self._undone.clear()
+        self._show_state()
+
+    @Slot()
+    def undo(self) -> None:
+        """Take the last step back, in whatever file it was made."""
+        self._go(self._done, self._undone, QPlainTextEdit.undo)
+
+    @Slot()
+    def redo(self) -> None:
+        """Make the step again that was taken back last."""
+        self._go(self._undone, self._done, QPlainTextEdit.redo)
+
+    def _go(
+        self, steps: list[tuple[str, ...]], others: list[tuple[str, ...]], act: Callable[[QPlainTextEdit], None]
+    ) -> None:
+        if steps:
+            step = steps.pop()
+            for name in step:
+                act(self.pages[name])
+            others.append(step)
+            self._refresh_sheets()
+            self._show_state()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Leave the keys of undo and redo to the window: a page knows its own steps only."""
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and _is_of_steps(event):
+            event.ignore()
+            return True
+        return super().eventFilter(watched, event)
 
     @Slot()
     def _offer_words(self) -> None:
@@ -277,7 +385,9 @@ class TemplateWindow(QMainWindow):
             return
         if QPixmap().loadFromData(data):
             # The list of treasures takes names without blanks.
-            self._new_pictures[name or "_".join(Path(picked).name.split())] = data
+            taken = name or "_".join(Path(picked).name.split())
+            self._replaced.setdefault(taken, self._picture_on_disk(taken))
+            self._new_pictures[taken] = data
             self._typed()
         else:
             self._tell(f"{picked}: this is no picture. Choose a PNG or JPEG file.")
@@ -302,13 +412,31 @@ class TemplateWindow(QMainWindow):
         page.setAccessibleName(name)
         follow_text(page, lambda it: it.setFont(fixed_font()))
         page.textChanged.connect(self._typed)
+        page.document().undoCommandAdded.connect(partial(self._stepped, name))
+        page.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)  # its undo is the page's own
+        page.installEventFilter(self)
         return page
+
+    def _made_sheet(self, title: str) -> SheetPage:
+        page = SheetPage(_ROW_NAMES[title], lambda: sheets_of(self._shown_texts(), self._picture_names()).get(title))
+        page.changed.connect(self._apply)
+        return page
+
+    def _picture_names(self) -> list[str]:
+        folder = self.folder / PICTURES
+        there = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+        return sorted(there | set(self._new_pictures))
 
     def _lay_out(self) -> None:
         self.tabs = QTabWidget()
-        self.tabs.setAccessibleName("Files of the set")
+        self.tabs.setAccessibleName("Sheets and files of the set")
+        self.tabs.setUsesScrollButtons(False)
+        self.tabs.setElideMode(Qt.TextElideMode.ElideRight)
+        for title, sheet in self.sheets.items():
+            self.tabs.addTab(sheet, title)
         for name, page in self.pages.items():
             self.tabs.addTab(page, name)
+        self.tabs.addTab(self.changes, "Changes")
         left, right = QWidget(), QWidget()
         column = spaced(QVBoxLayout(left), GAP, 0)
         column.addWidget(self.tabs, 1)
@@ -319,11 +447,14 @@ class TemplateWindow(QMainWindow):
         choices.addWidget(self.treasure, 1)
         choices.addWidget(self.place, 1)
         column.addWidget(self.preview, 3)
-        column.addWidget(
-            label("Pictures; Enter or a double click puts another file in the place of one.", "small", muted=True)
-        )
+        column.addWidget(label("Pictures; Enter replaces one.", "small", muted=True))
         column.addWidget(self.pictures, 2)
         column.addWidget(self.add_picture)
+        sentences_page = self.pages[DIALOGUE_TEXT]
+        self.tabs.currentChanged.connect(
+            lambda _: self.word_button.setVisible(self.tabs.currentWidget() is sentences_page)
+        )
+        self.word_button.setVisible(False)
         body = QSplitter(Qt.Orientation.Horizontal)
         body.setChildrenCollapsible(False)
         body.addWidget(left)
@@ -333,9 +464,36 @@ class TemplateWindow(QMainWindow):
         head = spaced(QHBoxLayout(), GAP)
         rows.addLayout(head)
         head.addWidget(label(self.folder.name, "title", bold=True), 1)
-        head.addWidget(self.save_button)
+        for button in (self.undo_button, self.redo_button, self.save_button):
+            head.addWidget(button)
         rows.addWidget(body, 1)
-        rows.addWidget(self._verdict)
         rows.addWidget(self.faults)
-        self.faults.setMaximumHeight(px(110))
         self.setCentralWidget(inside)
+
+
+def _is_of_steps(event: QKeyEvent) -> bool:
+    return event.matches(QKeySequence.StandardKey.Undo) or event.matches(QKeySequence.StandardKey.Redo)
+
+
+def _replace_text(page: QPlainTextEdit, text: str) -> None:
+    """Write a text into a page, as one step that changes no more than what differs."""
+    before = exact_text(page)
+    if before == text:
+        return
+    start = _same(before, text)
+    end = _same(before[start:][::-1], text[start:][::-1])
+    cursor = QTextCursor(page.document())
+    cursor.setPosition(_units(before[:start]))
+    cursor.setPosition(_units(before[: len(before) - end]), QTextCursor.MoveMode.KeepAnchor)
+    cursor.insertText(text[start : len(text) - end])
+
+
+def _same(one: str, other: str) -> int:
+    """Number of signs with which both begin."""
+    pairs = enumerate(zip(one, other, strict=False))
+    return next((index for index, (a, b) in pairs if a != b), min(len(one), len(other)))
+
+
+def _units(text: str) -> int:
+    """Length as Qt counts it, in units of UTF-16."""
+    return len(text.encode("utf-16-le", "surrogatepass")) // 2

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QTextCursor
-from PySide6.QtWidgets import QApplication, QFileDialog
+from PySide6.QtWidgets import QApplication, QFileDialog, QLineEdit
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
@@ -15,6 +15,7 @@ from tests.ui.windows.study.test_study_window import answering
 from tests.ui.windows.walking import against_the_eye, nameless, stops
 from ui.model.theme import LIGHT
 from ui.windows import look
+from ui.windows.controls import ChoiceBox
 from ui.windows.look import apply_palette
 from ui.windows.templates.window import TemplateWindow
 
@@ -29,15 +30,20 @@ def folder(tmp_path: Path) -> Path:
 @pytest.fixture
 def window(qtbot: QtBot, qapp: QApplication, folder: Path) -> Iterator[TemplateWindow]:
     apply_palette(qapp, LIGHT)
+    window = opened(qtbot, folder)
+    yield window
+    with answering("Discard"):
+        window.close()
+    window.deleteLater()
+
+
+def opened(qtbot: QtBot, folder: Path) -> TemplateWindow:
     window = TemplateWindow(folder)
     with qtbot.waitActive(window):
         window.show()
         window.activateWindow()
     qtbot.waitUntil(lambda: window.draft is not None)
-    yield window
-    with answering("Discard"):
-        window.close()
-    window.deleteLater()
+    return window
 
 
 def append(window: TemplateWindow, name: str, text: str) -> None:
@@ -59,11 +65,11 @@ def test_what_is_typed_is_checked_and_saved_and_nothing_else_changes(
 ) -> None:
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     append(window, "DialogueText", "Is it £wieght£?\n")
-    qtbot.waitUntil(lambda: window.faults.count() == 1)
-    assert "DialogueText, line 9: unknown reserved word £wieght£. Write £weight£." in window.faults.item(0).text()
+    qtbot.waitUntil(lambda: window.faults.list.count() == 1)
+    assert "DialogueText, line 9: unknown reserved word £wieght£. Write £weight£." in window.faults.list.item(0).text()
     window.pages["DialogueText"].undo()
     append(window, "DialogueText", "Is it £weight£?\n")
-    qtbot.waitUntil(lambda: window.faults.count() == 0 and "Is it light?" in window.preview.toPlainText())
+    qtbot.waitUntil(lambda: window.faults.list.count() == 0 and "Is it light?" in window.preview.toPlainText())
     qtbot.mouseClick(window.save_button, Qt.MouseButton.LeftButton)
     after = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     sentences = folder / "DialogueText"
@@ -75,10 +81,10 @@ def test_what_is_typed_is_checked_and_saved_and_nothing_else_changes(
 def test_a_fault_leads_to_its_line(window: TemplateWindow, qtbot: QtBot) -> None:
     page = window.pages["treasures.yaml"]
     page.setPlainText(page.toPlainText().replace("weight: light, material: wood", "weight: lihgt, material: wood", 1))
-    qtbot.waitUntil(lambda: window.faults.count() == 1)
-    window.faults.setCurrentRow(0)
-    window.tabs.setCurrentIndex(0)
-    qtbot.keyClick(window.faults, Qt.Key.Key_Return)
+    qtbot.waitUntil(lambda: window.faults.list.count() == 1)
+    window.faults.list.setCurrentRow(0)
+    window.tabs.setCurrentWidget(window.pages["DialogueText"])
+    qtbot.keyClick(window.faults.list, Qt.Key.Key_Return)
     assert window.tabs.currentWidget() is page
     assert "lihgt" in page.textCursor().block().text()
 
@@ -105,10 +111,10 @@ def test_a_picture_is_added_for_a_treasure_that_names_it(
     other = Path(shutil.copy(SHIPPED / "practice" / "pictures" / "green_can.jpg", tmp_path / "my can.jpg"))
     page = window.pages["treasures.yaml"]
     page.setPlainText(page.toPlainText().replace("image: toy_block.jpg", "image: my_can.jpg"))
-    qtbot.waitUntil(lambda: window.faults.count() == 1)
+    qtbot.waitUntil(lambda: window.faults.list.count() == 1)
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(other), ""))
     qtbot.mouseClick(window.add_picture, Qt.MouseButton.LeftButton)
-    qtbot.waitUntil(lambda: window.faults.count() == 0)
+    qtbot.waitUntil(lambda: window.faults.list.count() == 0)
     assert window.save()
     assert (folder / "pictures" / "my_can.jpg").read_bytes() == other.read_bytes()
 
@@ -161,6 +167,7 @@ def test_a_text_that_nobody_edits_stays_to_the_byte(qtbot: QtBot, folder: Path, 
 )
 def test_words_are_offered_where_they_hold(window: TemplateWindow, line: int, offered: str, not_offered: str) -> None:
     page = window.pages["DialogueText"]
+    window.tabs.setCurrentWidget(page)
     page.setTextCursor(QTextCursor(page.document().findBlockByNumber(line - 1)))
     window.words.aboutToShow.emit()
     words = [action.data() for action in window.words.actions()]
@@ -172,6 +179,138 @@ def test_words_are_offered_where_they_hold(window: TemplateWindow, line: int, of
     assert page.textCursor().block().text().startswith(offered)
 
 
+def typed_into(window: TemplateWindow, qtbot: QtBot, title: str, row: int, column: int, text: str) -> None:
+    """Type into a cell, over what was there."""
+    window.tabs.setCurrentWidget(window.sheets[title])
+    table = window.sheets[title].table
+    table.setCurrentCell(row, column)
+    table.setFocus()
+    qtbot.keyClick(table, Qt.Key.Key_F2)
+    line = table.findChild(QLineEdit)
+    line.selectAll()
+    qtbot.keyClicks(line, text)
+    qtbot.keyClick(line, Qt.Key.Key_Return)
+    qtbot.waitUntil(lambda: table.item(row, column).text() == text)
+
+
+def test_a_cell_is_typed_and_saved_and_nothing_else_changes(window: TemplateWindow, qtbot: QtBot, folder: Path) -> None:
+    before = (folder / "treasures.yaml").read_text()
+    typed_into(window, qtbot, "Treasures", 1, 1, "25")
+    assert window.save()
+    assert (folder / "treasures.yaml").read_text() == before.replace(
+        "{name: paint tin, points: 20,", "{name: paint tin, points: 25,"
+    )
+
+
+def test_a_value_is_chosen_by_keys_from_those_that_were_declared(
+    window: TemplateWindow, qtbot: QtBot, folder: Path
+) -> None:
+    table = window.sheets["Treasures"].table
+    table.setCurrentCell(0, 6)
+    table.setFocus()
+    qtbot.keyClick(table, Qt.Key.Key_F2)
+    box = table.findChild(ChoiceBox)
+    assert [box.itemText(index) for index in range(box.count())] == ["wood", "metal", "ceramic"]
+    qtbot.keyClick(box, Qt.Key.Key_Down)
+    qtbot.keyClick(box, Qt.Key.Key_Return)
+    qtbot.waitUntil(lambda: "weight: light, material: metal" in window.texts()["treasures.yaml"].splitlines()[9])
+
+
+def test_a_property_is_renamed_in_treasures_and_sentences_and_one_step_takes_it_back(
+    window: TemplateWindow, qtbot: QtBot
+) -> None:
+    before = window.texts()
+    typed_into(window, qtbot, "Properties", 2, 0, "mass")
+    after = window.texts()
+    assert "weight" not in after["treasures.yaml"].partition("properties:")[2]
+    assert "£mass£" in after["DialogueText"]
+    assert "£weight£" not in after["DialogueText"]
+    qtbot.waitUntil(lambda: window.draft is not None and window.draft.texts == after)
+    assert window.draft is not None
+    assert window.draft.faults == ()
+    append(window, "DialogueText", "More?\n")
+    page = window.pages["DialogueText"]
+    window.tabs.setCurrentWidget(page)
+    page.setFocus()
+    qtbot.keyClick(page, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert window.texts() == after
+    qtbot.keyClick(page, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert window.texts() == before
+    assert window.changed() == []
+    both = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
+    qtbot.keyClick(page, Qt.Key.Key_Z, both)
+    assert window.texts() == after
+
+
+def test_rows_are_added_copied_and_removed(window: TemplateWindow, qtbot: QtBot) -> None:
+    before, page = window.texts(), window.sheets["Treasures"]
+    page.table.setCurrentCell(7, 0)
+    qtbot.mouseClick(page.copy, Qt.MouseButton.LeftButton)
+    assert page.table.item(8, 0).text() == "floor vase 2"
+    assert page.table.currentRow() == 8
+    qtbot.mouseClick(page.add, Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(lambda: window.draft is not None and window.draft.texts == window.texts())
+    assert window.draft is not None
+    assert window.draft.faults == ()
+    for _ in range(2):
+        page.table.setCurrentCell(8, 0)
+        qtbot.mouseClick(page.remove, Qt.MouseButton.LeftButton)
+    assert window.texts() == before
+
+
+def test_a_wrong_cell_is_marked_and_its_fault_leads_to_it(window: TemplateWindow, qtbot: QtBot) -> None:
+    page = window.sheets["Treasures"]
+    typed_into(window, qtbot, "Treasures", 3, 1, "many")
+    qtbot.waitUntil(lambda: "many" in page.table.item(3, 1).toolTip())
+    page.table.setCurrentCell(0, 0)
+    qtbot.keyClick(window, Qt.Key.Key_F8)
+    assert (page.table.currentRow(), page.table.currentColumn()) == (3, 1)
+    typed_into(window, qtbot, "Treasures", 3, 1, "30")
+    qtbot.waitUntil(lambda: page.table.item(3, 1).toolTip() == "")
+
+
+def test_a_list_of_2016_is_a_sheet_too_and_its_copy_stays_alike(qtbot: QtBot, tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(SHIPPED / "original-2016", tmp_path / "old"))
+    window = opened(qtbot, folder)
+    qtbot.addWidget(window)
+    assert list(window.sheets) == ["Treasures"]
+    typed_into(window, qtbot, "Treasures", 0, 3, "Amber Bottle")
+    assert window.save()
+    for name in ("treasures", "treasures.participant"):
+        was = (SHIPPED / "original-2016" / name).read_bytes()
+        assert (folder / name).read_bytes() == was.replace(b"Orange Bottle", b"Amber Bottle")
+        assert was != (folder / name).read_bytes()
+
+
+def test_files_and_pictures_that_others_wrote_are_asked_about_at_once(
+    window: TemplateWindow, qtbot: QtBot, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    picture = folder / "pictures" / "toy_block.jpg"
+    other = SHIPPED / "practice" / "pictures" / "green_can.jpg"
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(other), ""))
+    window.pictures.setCurrentRow(0)
+    qtbot.keyClick(window.pictures, Qt.Key.Key_Return)
+    append(window, "DialogueText", "More?\n")
+    typed_into(window, qtbot, "Treasures", 0, 1, "40")
+    theirs = {folder / "DialogueText": b"Theirs\nSpecificRoom:\n", folder / "treasures.yaml": b"{}", picture: b"jpg"}
+    for path, data in theirs.items():
+        path.write_bytes(data)
+    asked: list[str] = []
+    monkeypatch.setattr(window, "_asked", lambda words, _yes: asked.append(words))
+    assert not window.save()
+    assert len(asked) == 1
+    for path, data in theirs.items():
+        assert path.name in asked[0]
+        assert path.read_bytes() == data
+
+
+def test_what_saving_would_change_is_shown(window: TemplateWindow, qtbot: QtBot) -> None:
+    typed_into(window, qtbot, "Treasures", 1, 1, "25")
+    told = window.changes.view.toPlainText()
+    assert "+  - {name: paint tin, points: 25," in told
+    assert len([line for line in told.splitlines() if line.startswith("+")]) == 2
+
+
 def test_everything_has_a_name_and_tab_goes_as_the_eye_does(window: TemplateWindow) -> None:
     assert nameless(window) == []
     assert len(stops(window)) > 6
@@ -181,7 +320,7 @@ def test_everything_has_a_name_and_tab_goes_as_the_eye_does(window: TemplateWind
 @pytest.mark.parametrize("text", TEXTS)
 def test_nothing_is_cut_off_or_covered(window: TemplateWindow, qtbot: QtBot, qapp: QApplication, text: float) -> None:
     append(window, "DialogueText", "Is it £wieght£?\n")
-    qtbot.waitUntil(lambda: window.faults.count() == 1)
+    qtbot.waitUntil(lambda: window.faults.list.count() == 1)
     look.apply_text_size(qapp, text)
     try:
         for size in SIZES:

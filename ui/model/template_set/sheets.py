@@ -1,0 +1,27 @@
+"""The sheets of a template set."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from thbridge.files.errors import BadFile
+from thbridge.files.treasure_files import TREASURES, TREASURES_YAML
+from thbridge.files.yaml.tree import parse
+from ui.model.template_set.list_sheet import ListSheet
+from ui.model.template_set.sheet import Sheet, Texts
+from ui.model.template_set.yaml_sheets import PropertySheet, TreasureSheet
+
+
+def sheets_of(texts: Texts, pictures: Sequence[str] = ()) -> dict[str, Sheet]:
+    """Return the sheets of a set by their titles: those of the files that can be read.
+
+    Args:
+        texts: the texts of the set's files, by name.
+        pictures: names of the set's pictures.
+    """
+    if TREASURES in texts:
+        return {"Treasures": ListSheet(texts, pictures)}
+    try:
+        tree = parse(Path(TREASURES_YAML), texts[TREASURES_YAML])
+    except BadFile:
+        return {}
+    return {"Treasures": TreasureSheet(texts, tree, pictures), "Properties": PropertySheet(texts, tree)}
