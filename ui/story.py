@@ -101,8 +101,8 @@ def _happened(event: Event, rooms: RoomNames) -> str:
         case HandbackRequested(robot):
             return f"The participant asks for {robot_name(robot)} back."
         case TreasureSensed(room, properties):
-            told = ", ".join(map(value_in_words, properties.values()))
-            return f"Something {told}, is in {titled(room)}." if told else f"Something is in {titled(room)}."
+            what = f"Something {', '.join(map(value_in_words, properties.values()))}".strip()
+            return f"{what} is in {titled(room)}."
         case PropertyMeasured(room, robot, name, value):
             return f"{robot_name(robot).capitalize()} senses in {titled(room)}: {_property_in_words(name, value)}."
         case PropertyTold(room, name, value):
