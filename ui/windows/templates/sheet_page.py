@@ -75,8 +75,7 @@ class SheetPage(QWidget):
         self._choices = _Choices(self.table, self._choices_of)
         self.table.setItemDelegate(self._choices)
         self.table.verticalHeader().setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
-        self.table.setIconSize(QSize(px(_LOOK.width()), px(_LOOK.height())))
-        follow_text(self.table, lambda table: table.setIconSize(QSize(px(_LOOK.width()), px(_LOOK.height()))))
+        follow_text(self.table, _fit)
         self.table.itemChanged.connect(self._typed)
         self.table.currentCellChanged.connect(self._show_meaning)
         self._meaning = label("", "small", muted=True)
@@ -124,9 +123,7 @@ class SheetPage(QWidget):
                     item = self.table.item(row, number)
                     if sheet.columns[number].is_picture and item is not None and text in pictures:
                         item.setIcon(_icon(pictures[text]))
-        self.table.resizeColumnsToContents()
-        for number in range(len(sheet.columns)):
-            self.table.setColumnWidth(number, min(px(_WIDEST), self.table.columnWidth(number) + GAP))
+        _fit(self.table)
         self._show_meaning()
 
     def go_to(self, fault: BadFile) -> bool:
@@ -234,6 +231,14 @@ class _Choices(QStyledItemDelegate):
             model.setData(index, editor.currentText())
         else:
             super().setModelData(editor, model, index)
+
+
+def _fit(table: QTableWidget) -> None:
+    """Give each column the width of what is in it."""
+    table.setIconSize(QSize(px(_LOOK.width()), px(_LOOK.height())))
+    table.resizeColumnsToContents()
+    for number in range(table.columnCount()):
+        table.setColumnWidth(number, min(px(_WIDEST), table.columnWidth(number) + GAP))
 
 
 def _icon(data: bytes) -> QIcon:

@@ -311,6 +311,17 @@ def test_what_saving_would_change_is_shown(window: TemplateWindow, qtbot: QtBot)
     assert len([line for line in told.splitlines() if line.startswith("+")]) == 2
 
 
+def test_columns_follow_the_size_of_text(window: TemplateWindow, qapp: QApplication) -> None:
+    table = window.sheets["Treasures"].table
+    before = table.columnWidth(0)
+    look.apply_text_size(qapp, 2.0)
+    try:
+        settle()
+        assert table.columnWidth(0) > 1.5 * before
+    finally:
+        look.apply_text_size(qapp, 1.0)
+
+
 def test_everything_has_a_name_and_tab_goes_as_the_eye_does(window: TemplateWindow) -> None:
     assert nameless(window) == []
     assert len(stops(window)) > 6
