@@ -1,18 +1,23 @@
 """Maps, template sets and files that a study's field may name, each with a few words and a picture of it."""
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from sim.parameters import RobotParameters
 from thbridge.files.errors import BadFile
 from thbridge.files.map_files import read_map
 from thbridge.files.map_times import MAP_TIMES
 from thbridge.files.resources import Resources, shipped
+from thbridge.files.ros.parameters import read_ros_parameters
 from thbridge.files.template_files import read_template_set
 from thbridge.files.treasure_files import PICTURES
 
 _FAULTY = "it has faults"
 _TEXTS = (".txt", ".md")
+_YAML = (".yaml", ".yml")
+_USUAL = RobotParameters()
 _BEGINNING = 60
 """Characters of a text that are shown."""
 
@@ -95,6 +100,14 @@ def _texts(_resources: Resources, beside: Path) -> Iterator[NamedResource]:
         yield NamedResource(path.name, beginning)
 
 
+def _ros_parameters(_resources: Resources, beside: Path) -> Iterator[NamedResource]:
+    """Yield files that change robots' parameters; studies, which lie beside them, are none."""
+    for path in sorted(path for path in beside.iterdir() if path.suffix in _YAML and path.is_file()):
+        with suppress(BadFile):
+            if read_ros_parameters((path,), _USUAL).value != _USUAL:
+                yield NamedResource(f"[{path.name}]", "parameters of ROS nodes")
+
+
 def _folders(shipped_in: Path, beside: Path, mark: str) -> Iterator[tuple[str, Path]]:
     """Yield the folders that have a file of this name, each with its name as a study has it."""
     yield from ((path.parent.name, path.parent) for path in sorted(shipped_in.glob(f"*/{mark}")))
@@ -106,5 +119,6 @@ _FINDERS: Mapping[str, Callable[[Resources, Path], Iterator[NamedResource]]] = {
     "templates": _templates,
     "game.costs": _costs,
     "participant.consent": _texts,
+    "ros_parameters": _ros_parameters,
     "participant.farewell": _texts,
 }

@@ -13,6 +13,8 @@ _LOOK = QSize(96, 64)
 """Size of the picture beside a name, `px`."""
 _FOLDERS = frozenset({"map", "templates"})
 """Fields that name folders."""
+_LISTS = frozenset({"ros_parameters"})
+"""Fields that name several files."""
 
 
 class ResourceList(QWidget):
@@ -81,7 +83,8 @@ class ResourceList(QWidget):
         else:
             picked, _ = QFileDialog.getOpenFileName(here, "Choose a file", start)
         if picked:
-            self.chosen.emit(_as_written(Path(picked), self._beside, folder=self._key in _FOLDERS))
+            written = _as_written(Path(picked), self._beside, folder=self._key in _FOLDERS)
+            self.chosen.emit(f"[{written}]" if self._key in _LISTS else written)
         self.close()
 
 

@@ -347,6 +347,24 @@ def test_a_map_is_chosen_from_a_list_with_a_look_at_it(window: StudyWindow, qtbo
     qtbot.waitUntil(lambda: "map: office" in file.read_text())
 
 
+def test_files_of_ros_beside_the_study_are_offered_and_other_yaml_is_not(
+    window: StudyWindow, qtbot: QtBot, file: Path
+) -> None:
+    (file.parent / "amcl.yaml").write_text("amcl: {max_particles: 300}\n")
+    (file.parent / "broken.yaml").write_text("amcl: [\n")
+    window.open_field("ros_parameters")
+    qtbot.keyClick(window.fields.rows["ros_parameters"].editor, Qt.Key.Key_Down)
+    shown = next(each for each in QApplication.topLevelWidgets() if isinstance(each, ResourceList) and each.isVisible())
+    assert [shown.list.item(row).text() for row in range(shown.list.count())] == [
+        "[amcl.yaml]\nparameters of ROS nodes"
+    ]
+    qtbot.keyClick(shown.list, Qt.Key.Key_Return)
+    qtbot.waitUntil(lambda: "ros_parameters: [amcl.yaml]" in window.editor.draft.text)
+    study = window.editor.draft.study
+    assert study is not None
+    assert study.robot.amcl.max_particles == 300
+
+
 def test_another_folder_is_written_from_that_of_the_study(
     window: StudyWindow, qtbot: QtBot, file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
