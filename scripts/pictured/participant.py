@@ -32,6 +32,7 @@ from ui.model.screen import (
     EndGame,
     LeaveTreasure,
     PickName,
+    SenseMore,
     ShowHelp,
     ShowNext,
     ShowWaiting,
@@ -296,6 +297,20 @@ def commanded() -> Iterator[Shot]:
     yield shot("commanded-sent-on", window)
 
 
+def properties() -> Iterator[Shot]:
+    """Treasures with four properties: two are seen, one is sensed for energy, one the participant tells."""
+    hunt = PicturedHunt(Study(templates="four-properties"))
+    window = window_on(hunt.model, lambda: hunt.now)
+    hunt.send(ChooseRoom(2))
+    hunt.reached()
+    yield shot("properties", window)
+    hunt.do(SenseMore("weight"))
+    hunt.run(0.4)
+    hunt.send(TakeThePicture())
+    hunt.until(lambda screen: getattr(screen.popup, "picture", None) is not None)
+    yield shot("properties-picture", window)
+
+
 def crowd() -> Iterator[Shot]:
     """Six robots and twelve rooms."""
     hunt = PicturedHunt(Study(map="warehouse12", templates="sklar-azhar-2015", robots=6))
@@ -368,6 +383,14 @@ STORIES = (
             "commanded-sent-on": "The ground station has sent it on; what it found can still be named",
         },
         commanded,
+    ),
+    Story(
+        "Treasures with other properties",
+        {
+            "properties": "Two properties are seen; the weight costs energy to sense",
+            "properties-picture": "The weight was sensed; the material is the participant's to tell from the picture",
+        },
+        properties,
     ),
     Story("Many robots", {"six-robots": "Six robots and twelve rooms"}, crowd),
     Story("Leaving", {"leave": "The window is closed in the middle of a game"}, leaving),

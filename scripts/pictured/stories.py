@@ -1,5 +1,5 @@
 """All states of all windows."""
 
-from pictured import participant, researcher, study
+from pictured import arena, participant, researcher, study
 
-STORIES = (*participant.STORIES, *researcher.STORIES, *study.STORIES)
+STORIES = (*participant.STORIES, *researcher.STORIES, *study.STORIES, *arena.STORIES)

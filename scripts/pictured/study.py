@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QApplication, QLineEdit
 
 from pictured.shot import Shot, Story
 from ui.windows.study import StudyWindow, study_window
+from ui.windows.study.resource_list import ResourceList
 
 SIZE = (1240, 860)
 TEXT = """\
@@ -39,6 +40,12 @@ def edited() -> Iterator[Shot]:
     window.search.setText("pdist_scale")
     yield shot("study-search", window)
     window.search.clear()
+    window.open_field("map")
+    window.fields.rows["map"].open_list()
+    shown = window.fields.rows["map"].findChild(ResourceList)
+    yield Shot("study-list", window, lambda _: window.repaint_all(), over=shown)
+    if shown is not None:
+        shown.close()
     _type(window, "game.energy", "-3")
     yield shot("study-fault", window)
     _type(window, "game.energy", "120")
@@ -85,6 +92,7 @@ STORIES = (
             "study-section": "A section of the form",
             "study-noise": "Noise, and what it does",
             "study-search": "A setting is looked for by ROS's old name of it",
+            "study-list": "Maps to choose from, each with a look at it",
             "study-fault": "A fault, at its field and in the list",
             "study-changes": "What saving would change",
             "study-text": "The file as text",
