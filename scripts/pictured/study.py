@@ -1,4 +1,4 @@
-"""The study file as a form."""
+"""The study file as a form, and template sets as sheets."""
 
 import shutil
 import tempfile
@@ -9,8 +9,10 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit
 
 from pictured.shot import Shot, Story
+from thbridge.files.resources import shipped
 from ui.windows.study import StudyWindow, study_window
 from ui.windows.study.resource_list import ResourceList
+from ui.windows.templates.window import TemplateWindow
 
 SIZE = (1240, 860)
 TEXT = """\
@@ -60,6 +62,37 @@ def edited() -> Iterator[Shot]:
     shutil.rmtree(folder)
 
 
+def templates() -> Iterator[Shot]:
+    """A set of templates: its sheets, a cell with a fault, what saving would change."""
+    folder = Path(tempfile.gettempdir()) / "finds"
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(shipped().root / "templates" / "four-properties", folder)
+    window = TemplateWindow(folder)
+    window.resize(*SIZE)
+    window.show()
+    _wait(lambda: window.draft is not None)
+    sheet, properties = window.sheets["Treasures"].table, window.sheets["Properties"].table
+    sheet.setCurrentCell(2, 0)
+    yield Shot("templates-treasures", window)
+    window.tabs.setCurrentWidget(window.sheets["Properties"])
+    properties.setCurrentCell(2, 7)
+    yield Shot("templates-properties", window)
+    window.tabs.setCurrentWidget(window.sheets["Treasures"])
+    sheet.setCurrentCell(4, 3)
+    sheet.item(4, 3).setText("gren")
+    _wait(lambda: bool(window.draft is not None and window.draft.faults))
+    yield Shot("templates-fault", window)
+    sheet.item(4, 3).setText("green")
+    sheet.item(5, 1).setText("25")
+    _wait(lambda: bool(window.draft is not None and not window.draft.faults))
+    window.tabs.setCurrentWidget(window.changes)
+    yield Shot("templates-changes", window)
+    while window.changed():
+        window.undo()
+    window.close()
+    shutil.rmtree(folder)
+
+
 def shot(name: str, window: StudyWindow) -> Shot:
     """A picture of the window."""
     return Shot(
@@ -98,5 +131,15 @@ STORIES = (
             "study-text": "The file as text",
         },
         edited,
+    ),
+    Story(
+        "The admin: a template set",
+        {
+            "templates-treasures": "Treasures as a sheet, with sentences and pictures",
+            "templates-properties": "Properties as a sheet",
+            "templates-fault": "A fault, at its cell and in the list",
+            "templates-changes": "What saving would change",
+        },
+        templates,
     ),
 )
