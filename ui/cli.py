@@ -3,7 +3,6 @@
 import logging
 
 import typer
-from rich.logging import RichHandler
 
 from ui.commands import files, programs, templates
 from ui.commands.bag import bag
@@ -24,7 +23,7 @@ from ui.commands.scan import scan
 from ui.commands.study.edit import study_edit
 from ui.commands.study.study import study_app
 from ui.commands.watch import watch
-from ui.terminal import err
+from ui.terminal import note
 
 app = typer.Typer(
     cls=CommandGroup,
@@ -64,11 +63,15 @@ app.add_typer(mavlink_app, name="mavlink")
 app.add_typer(ros_app, name="ros")
 
 
+class NoteHandler(logging.Handler):
+    """Log records as lines on standard error, above a progress bar where there is one."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print a record in one line; those of an exception are as many as Python prints."""
+        note(self.format(record))
+
+
 def main() -> None:
     """Run the command line."""
-    logging.basicConfig(
-        level=logging.WARNING,
-        format="%(message)s",
-        handlers=[RichHandler(console=err, show_time=False, show_path=False, show_level=False)],
-    )
+    logging.basicConfig(level=logging.WARNING, format="%(message)s", handlers=[NoteHandler()])
     app()

@@ -35,13 +35,13 @@ from thbridge.hunt.properties import value_in_words
 from thbridge.hunt.rooms import Room, RoomNames
 from thbridge.hunt.rules import commander_name
 from thbridge.hunt.treasures import name_in_words
-from ui.terminal import out
+from ui.terminal import show
 
 
 def print_story(tick: TickRecord, rooms: RoomNames) -> None:
     """Print what happened in a tick; `rooms` are the names of the map's rooms."""
     for sentence in tell(tick, rooms):
-        out.print(sentence, highlight=False, markup=False)
+        show(sentence)
 
 
 def tell(tick: TickRecord, rooms: RoomNames) -> Iterator[str]:

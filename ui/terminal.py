@@ -28,6 +28,11 @@ def say(text: str) -> None:
     out.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
+def show(text: str) -> None:
+    """Print a sentence: broken between words on a terminal, in one line for files and other programs."""
+    out.print(text, highlight=False, markup=False, soft_wrap=not out.is_terminal)
+
+
 def note(text: str) -> None:
     """Print a line beside the result, on standard error."""
     err.print(text, highlight=False, markup=False, soft_wrap=True)

@@ -1,6 +1,7 @@
 """The command line from the user's seat: exit codes, the one message, the one JSON object."""
 
 import json
+import logging
 import os
 import re
 import socket
@@ -15,7 +16,7 @@ from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.ros.publisher import RosMessage, Topic
 from thbridge.study.study_file import load_study
-from ui.cli import app
+from ui.cli import NoteHandler, app
 
 ROOT = Path(__file__).parents[2]
 COSTS = str(ROOT / "templates" / "original-2016" / "mapTimes")
@@ -408,3 +409,12 @@ def test_where_nobody_can_watch_is_refused_and_so_is_a_key_that_is_none(folder: 
     assert "there is no key in this line" in refusal("play", "study.yaml", "--headless")
     message = "--watch: real robots are watched on their graph"
     assert message in refusal("simr", "--robots-from", "ros", "--watch", "6010")
+
+
+def test_what_is_logged_is_one_line_as_it_is(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
+    sentence = 'TabUI asked "%%goto TabUI SimR 0 39 39 45", refused: [bold]Room 40[/bold] is not a room of this game.'
+    NoteHandler().emit(logging.makeLogRecord({"msg": sentence}))
+    assert capsys.readouterr().err == sentence + "\n"

@@ -6,7 +6,7 @@ from tests.thbridge.roles.test_command import TAKE, Play
 from thbridge.hunt.events import RobotArrived, TreasureIdentified, TreasureLeft, TreasurePictured
 from thbridge.hunt.rooms import Room, RoomNames
 from thbridge.roles.robot_requests import ReleaseCommand
-from ui.story import tell
+from ui.story import print_story, tell
 
 
 def test_who_commands_a_robot_is_told() -> None:
@@ -54,3 +54,15 @@ def test_the_name_of_a_room_stands_beside_its_number() -> None:
         "Robot 2 is in room 4.",
         "The treasure in room 3 (Kitchen) is left alone.",
     ]
+
+
+def test_a_sentence_is_one_line_where_no_terminal_is(capsys, monkeypatch) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
+    play = Play()
+    play.stage.run(2)
+    events = (RobotArrived(0, Room(3)),)
+    tick = dataclasses.replace(play.stage.tick_records[-1], events=events, utterances=())
+    print_story(tick, RoomNames({3: "Store of instruments beside the long corridor"}))
+    assert capsys.readouterr().out == (
+        "    0.2 s  Robot 1 is in room 3 (Store of instruments beside the long corridor).\n"
+    )

@@ -15,7 +15,7 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.localize import LocalizationResult, localize, warm_up
 from thbridge.offline.recording import LocalizationBag
 from thbridge.offline.tum import tum_line
-from ui.terminal import BAD_INPUT, err, fail, out
+from ui.terminal import BAD_INPUT, err, fail, show
 
 ROBOT = "robot1"
 """Key of the filter's random stream; a bag holds one robot's scans on a topic."""
@@ -99,12 +99,13 @@ def show_localized(recording: LocalizationBag, result: LocalizationResult) -> No
     """Print the result."""
     last = result.last
     pose, deviations = last.base_in_map, np.sqrt(np.diag(last.covariance)).tolist()
-    out.print(f"At the end the robot is at x {pose.x:.3f} m, y {pose.y:.3f} m, yaw {pose.theta:.3f} rad", end="")
-    out.print(f" (standard deviations {deviations[0]:.3f}, {deviations[1]:.3f}, {deviations[2]:.3f}).")
+    place = f"x {pose.x:.3f} m, y {pose.y:.3f} m, yaw {pose.theta:.3f} rad"
+    spread = f"standard deviations {deviations[0]:.3f}, {deviations[1]:.3f}, {deviations[2]:.3f}"
+    show(f"At the end the robot is at {place} ({spread}).")
     if last.lost:
-        out.print("The filter holds that this is wrong: it is lost.")
+        show("The filter holds that this is wrong: it is lost.")
     each = 1000 * result.cpu_seconds / max(1, len(result.updates))
-    out.print(f"{len(result.updates)} updates from {result.scans} scans, {each:.2f} ms of the processor for each.")
+    show(f"{len(result.updates)} updates from {result.scans} scans, {each:.2f} ms of the processor for each.")
     for reason, count in result.skipped.items():
-        out.print(f"{count} scans were left out: {reason}.")
-    out.print(f"Scans: {recording.scan_topic}. Odometry: {recording.odometry_source}.")
+        show(f"{count} scans were left out: {reason}.")
+    show(f"Scans: {recording.scan_topic}. Odometry: {recording.odometry_source}.")

@@ -26,7 +26,7 @@ from thbridge.study.study_file import read_study_text
 from thbridge.timing.loop import stopping
 from ui.actions.replay import other_versions
 from ui.settings import changes_of, setting_of, study_of
-from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out
+from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, show
 
 T = TypeVar("T")
 
@@ -66,9 +66,9 @@ def show_frames_replayed(done: FramesReplayed) -> None:
     if done.unusable:
         note(f"{done.unusable} messages held no frame, or were for robots that there are not.")
     if done.compared and done.parted is None:
-        out.print("Every robot drove as it was recorded, to the last bit.", highlight=False)
+        show("Every robot drove as it was recorded, to the last bit.")
     elif done.parted is not None:
-        out.print(f"A robot first was elsewhere than recorded at {done.parted:.2f} s.", highlight=False)
+        show(f"A robot first was elsewhere than recorded at {done.parted:.2f} s.")
 
 
 def _arrivals(hunt: HuntResult) -> str:

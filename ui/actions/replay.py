@@ -12,7 +12,7 @@ from thbridge.analysis.report.values import label_of
 from thbridge.app.compose.recording import versions
 from thbridge.app.replay.replay import Difference, Replayed
 from thbridge.ros.messages.session_records import SessionRecord
-from ui.terminal import out
+from ui.terminal import out, show
 
 
 def other_versions(record: SessionRecord) -> Iterator[str]:
@@ -55,7 +55,7 @@ def show_replayed(done: Replayed, figures: Sequence[Compared]) -> None:
     if done.difference is None:
         ending = " The recording was cut off amid its last tick." if done.cut_off else ""
         text = f"All {done.messages} messages of {done.ticks} ticks are the same, bit for bit.{ending}"
-        out.print(f"{text} ({done.wall_seconds:.1f} s)", highlight=False)
+        show(f"{text} ({done.wall_seconds:.1f} s)")
     else:
         _show_difference(done.difference)
     for number, (was, now) in enumerate(figures, start=1):
@@ -64,7 +64,7 @@ def show_replayed(done: Replayed, figures: Sequence[Compared]) -> None:
 
 def _show_difference(difference: Difference) -> None:
     where = f"message {difference.number}, number {difference.topic_number} on {difference.topic}"
-    out.print(f"The first difference: {where}, at {difference.seconds:.2f} s: {difference.what}.", highlight=False)
+    show(f"The first difference: {where}, at {difference.seconds:.2f} s: {difference.what}.")
     if difference.fields:
         table = Table("field", "was", "is")
         for field in difference.fields:

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from ui.options import AsJson
-from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, out, print_json
+from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, print_json, show
 
 
 def suggest(
@@ -43,7 +43,7 @@ def suggest(
     if as_json:
         print_json({"next": rooms[0], "tour": rooms, "cost": cost})
     else:
-        out.print(f"Next room {rooms[0]}; the cheapest tour is {' '.join(map(str, rooms))} and costs {cost}.")
+        show(f"Next room {rooms[0]}; the cheapest tour is {' '.join(map(str, rooms))} and costs {cost}.")
 
 
 def report(

@@ -11,7 +11,7 @@ from thbridge.sockets.addresses import Address, parse_address
 from ui.commands.group import CommandGroup
 from ui.options import AsJson, KeyFile, StudyOption, the_study
 from ui.outputs import make_copy_ready
-from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, out, print_json
+from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, out, print_json, show
 
 USUAL = "127.0.0.1:14550"
 
@@ -74,7 +74,7 @@ def mavlink_status(
         out.print(sightings_table(robots))
         for robot in robots:
             if robot.text:
-                out.print(f"robot {robot.system}: {robot.text}", highlight=False, markup=False)
+                show(f"robot {robot.system}: {robot.text}")
 
 
 @mavlink_app.command("goto", context_settings={"ignore_unknown_options": True})
@@ -115,7 +115,7 @@ def mavlink_goto(
         hint = " If it wants signatures, give --signing-key." if signing_key is None and outcome.unanswered else ""
         fail(FAILED, f"{outcome.problem[:1].upper()}{outcome.problem[1:].rstrip('.')}.{hint}")
     there = link.station.robots[robot]
-    out.print(f"Robot {robot} is at {there.x:.2f} {there.y:.2f}.", highlight=False)
+    show(f"Robot {robot} is at {there.x:.2f} {there.y:.2f}.")
 
 
 @mavlink_app.command("replay")

@@ -34,7 +34,7 @@ from ui.options import (
     the_study,
 )
 from ui.outputs import make_ready
-from ui.terminal import BAD_INPUT, DECLINED, FAILED, bad_input, fail, note, out, print_json, say
+from ui.terminal import BAD_INPUT, DECLINED, FAILED, bad_input, fail, note, print_json, say, show
 
 
 def server(
@@ -201,7 +201,7 @@ def tabui(
         visited = sum(room.state == "visited" for room in last.rooms)
         print_json({"score": last.score, "rooms_visited": visited, "over": last.over})
     else:
-        out.print(f"The game is over. Score {last.score}.")
+        show(f"The game is over. Score {last.score}.")
 
 
 def _address(server: str) -> tuple[str, int]:

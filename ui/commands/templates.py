@@ -8,7 +8,7 @@ import typer
 from ui.commands.group import CommandGroup
 from ui.display import why_no_window
 from ui.options import AsJson, ColourScheme, LookOption
-from ui.terminal import BAD_INPUT, bad_input, fail, note, out, print_json
+from ui.terminal import BAD_INPUT, bad_input, fail, note, print_json, say
 
 templates_app = typer.Typer(
     cls=CommandGroup,
@@ -31,7 +31,7 @@ def templates_check(name: SetName, as_json: AsJson = False) -> None:
         return
     end = f"{len(templates.kinds)} treasures, {len(templates.properties)} properties: no faults"
     for line in (*contents(templates), *sentences(templates, NOWHERE), end):
-        out.print(line, highlight=False, markup=False, soft_wrap=True)
+        say(line)
 
 
 @templates_app.command("edit")
@@ -60,7 +60,7 @@ def templates_list() -> None:
     from thbridge.files.resources import shipped
 
     for name in shipped().names("templates"):
-        out.print(name)
+        say(name)
 
 
 @templates_app.command("new")

@@ -10,7 +10,7 @@ from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.view import GiveConsent
 from ui.hosting.terminal_player import TerminalPlayer
 from ui.options import ParticipantKind
-from ui.terminal import out
+from ui.terminal import show
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ def seat_of_bot(who: ParticipantKind, templates: TemplateSet, seed: int) -> Seat
 
 def seat_of_person(consent: GiveConsent | None = None) -> Seat:
     """Seat a person, who knows what the game tells, and may have agreed to take part already."""
-    person = TerminalPlayer(lambda line: out.print(line, highlight=False, markup=False), lambda: tabui.room_names)
+    person = TerminalPlayer(show, lambda: tabui.room_names)
     tabui = TabUI(person, consent=consent)
 
     def typed(line: str) -> None:

@@ -7,7 +7,7 @@ import typer
 
 from ui.commands.group import CommandGroup
 from ui.options import AsJson
-from ui.terminal import BAD_INPUT, bad_input, fail, note, out, print_json, say
+from ui.terminal import BAD_INPUT, bad_input, fail, note, print_json, say
 
 maps_app = typer.Typer(
     cls=CommandGroup,
@@ -62,4 +62,4 @@ def maps_list() -> None:
     from thbridge.files.resources import shipped
 
     for name in shipped().names("maps"):
-        out.print(name)
+        say(name)

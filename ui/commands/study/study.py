@@ -8,7 +8,7 @@ import typer
 
 from ui.commands.group import CommandGroup
 from ui.outputs import STANDARD_OUTPUT
-from ui.terminal import BAD_INPUT, fail, note, out
+from ui.terminal import BAD_INPUT, fail, note, say
 
 study_app = typer.Typer(
     cls=CommandGroup,
@@ -45,4 +45,4 @@ def study_check(file: Annotated[Path, typer.Argument(help="A study file.")]) -> 
     from ui.settings import setting_of, study_of
 
     setting_of(study_of(file, {}), file)
-    out.print(f"{file}: no faults", highlight=False)
+    say(f"{file}: no faults")
