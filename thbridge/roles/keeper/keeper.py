@@ -37,7 +37,7 @@ from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.consent import ConsentAnswer, ConsentStatus
 from thbridge.roles.keeper.debriefing import debrief_of
 from thbridge.roles.keeper.disclosure import view_of
-from thbridge.roles.keeper.legacy_lines import LegacyLines, request_kind, undone
+from thbridge.roles.keeper.legacy_lines import LegacyLines, LineReason, request_kind, undone
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.keeper.participant_requests import handle_participant_request
 from thbridge.roles.keeper.participants import Participants
@@ -109,6 +109,8 @@ class ProgramRefusal:
 
     def __str__(self) -> str:
         """A sentence for logs: `TabUI asked "%%goto TabUI SimR 0 39 39 45", refused: Room 40 is not a room ...`."""
+        if self.refused.reason == LineReason.NOBODY:
+            return f'{self.program} said "{self.asked}", which reached nobody: {self.refused.sentence}'
         return f'{self.program} asked "{self.asked}", refused: {self.refused.sentence}'
 
 
@@ -196,7 +198,7 @@ class Keeper:
     def tap(self, forwarded: Sequence[Forwarded]) -> None:
         """Take the lines that were forwarded since the last step; call it right before `step`."""
         for item in forwarded:
-            if is_notice(item.message):
+            if is_notice(item.message) or item.message.sender == self.name:
                 continue
             self._has_input = True
             if item.message.sender == legacy.TABUI and not item.sender_extended:

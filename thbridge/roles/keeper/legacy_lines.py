@@ -13,8 +13,8 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.properties import labelled, named_by_labels
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.protocols.text import legacy
-from thbridge.protocols.text.lines import TextMessage, UnreadableText
+from thbridge.protocols.text import canonical, legacy
+from thbridge.protocols.text.lines import TextCommand, TextMessage, UnreadableText
 from thbridge.protocols.text.notice import kind_of
 from thbridge.protocols.text.router import Forwarded
 from thbridge.roles.keeper.open_game import OpenGame
@@ -28,6 +28,8 @@ _WISHES: Mapping[type, str] = {
     legacy.NameTreasure: kind_of(IdentifyTreasure),
 }
 
+_COMMANDS_TO_SIMR = frozenset({TextCommand.GOTO, TextCommand.WHERE, TextCommand.MOVE})
+
 
 def request_kind(line: Forwarded) -> str | None:
     """Return the kind of the request in a line of 2016; None when it holds none."""
@@ -40,6 +42,10 @@ def undone(line: Forwarded, state: GameState | None) -> RequestRefused | None:
         return RequestRefused(LineReason.NOBODY, f"No program is called {line.message.receiver} here.")
     if line.message.receiver == legacy.HIDER and isinstance(line.legacy_value, UnreadableText):
         return RequestRefused(LineReason.UNREADABLE, "It is no line of the hunt of 2016.")
+    if line.message.receiver == legacy.SIMR and line.message.command in _COMMANDS_TO_SIMR:
+        value = canonical.decode(line.message)
+        if isinstance(value, UnreadableText):
+            return RequestRefused(LineReason.UNREADABLE, f"SimR cannot read it: {value.reason}.")
     if state is None and request_kind(line) is not None:
         return RequestRefused(LineReason.NO_GAME, "There is no game yet, because no robots have joined.")
     return None

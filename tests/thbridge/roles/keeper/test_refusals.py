@@ -50,6 +50,9 @@ class Outsider:
         ("%%goto TabUI SimR 7 1 1 45", "There is no robot 8; the team has 2."),
         ("%%snap TabUI Hider 3", "No robot stands in room 4."),
         ("%%snap TabUI Hider x", "It is no line of the hunt of 2016."),
+        ("%%goto TabUI SimR 0 one 1 45", "SimR cannot read it: 'one' is not a number."),
+        ("%%goto TabUI SimR 0", "SimR cannot read it: that is not what follows %%goto."),
+        ("%%move TabUI SimR 0 F 9", "SimR cannot read it: the intensity is 1 to 5, not 9."),
         ("%%error TabUI Nobody hello", "No program is called Nobody here."),
     ],
 )
@@ -76,6 +79,20 @@ def test_a_study_may_have_refusals_told_on_the_wire():
     outsider = Outsider(tells_refusals=True)
     outsider.refused("%%goto TabUI SimR 0 39 39 45")
     assert outsider.heard[-1] == "%%error Game TabUI refused: Room 40 is not a room of this game; it has 1 to 8."
+
+
+def test_a_reply_to_a_program_that_has_gone_is_told_as_that_and_none_of_the_keeper_s_own():
+    outsider = Outsider(tells_refusals=True)
+    outsider.refused("%%goto TabUI SimR 0 2 2 45")
+    outsider.say("%%goto TabUI SimR 1 39 39 45")
+    outsider.say("%%sshhuuttddoowwnn")
+    before = len(outsider.stage.tick_records)
+    outsider.stage.run(20)
+    told = [str(each) for tick in outsider.stage.tick_records[before:] for each in tick.refusals]
+    assert told == [
+        'TabUI asked "%%goto TabUI SimR 1 39 39 45", refused: Room 40 is not a room of this game; it has 1 to 8.',
+        'SimR said "%%error SimR TabUI "0;2"", which reached nobody: No program is called TabUI here.',
+    ]
 
 
 def test_what_is_repeated_does_not_fill_the_log(caplog):
