@@ -9,6 +9,7 @@ from thbridge.files.map_files import Map
 from thbridge.files.resources import shipped
 from thbridge.files.yaml.load import Loaded
 from thbridge.protocols.mavlink.options import AutopilotIdentity
+from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.sockets.addresses import Address, parse_address, parse_target
 from thbridge.study.overrides import StudyChange
 from thbridge.study.study_file import Study, load_study
@@ -35,6 +36,13 @@ def with_options(study: Study, changes: Mapping[str, object]) -> Study:
         problem = f"--robots {changed.robots}: the study has software for robot {max(changed.each)} (`each`)"
         fail(BAD_INPUT, f"{problem}. Give more robots, or delete it from the study.")
     return changed
+
+
+def with_strategy(study: Study, strategy: BotStrategy | None) -> Study:
+    """The study with the strategy of the simulated participant who plays; None changes nothing."""
+    if strategy is None:
+        return study
+    return dataclasses.replace(study, participant=dataclasses.replace(study.participant, strategy=strategy))
 
 
 def changes_of(given: list[str]) -> tuple[list[Path], list[StudyChange]]:

@@ -105,6 +105,7 @@ def play(
     from thbridge.app.play import HuntUnfinished, PlayOptions
     from thbridge.app.session.session import TickRecord
     from thbridge.protocols.text import legacy
+    from thbridge.roles.participant.bot_strategy import BotStrategy
     from thbridge.study.overrides import with_changes
     from ui.event_loop import run
     from ui.first_start import announce_compiling
@@ -114,7 +115,7 @@ def play(
     from ui.listening import graph_of, hosts_of, ports_of, watch_of
     from ui.outcome import show_outcome, usual_bag
     from ui.report import write_report
-    from ui.settings import changes_of, setting_of, study_of, with_mavlink, with_options, with_server
+    from ui.settings import changes_of, setting_of, study_of, with_mavlink, with_options, with_server, with_strategy
     from ui.story import print_story
 
     files, assignments = changes_of(changes or [])
@@ -123,6 +124,8 @@ def play(
         study = with_changes(study, files, assignments)
     study = with_server(with_options(study, {"robots": robots, "map": map_name, "seed": seed}), None, port)
     study = with_mavlink(study, mavlink, identity=identity, udp=udp, udp_listen=udp_listen, tcp=tcp, tlog=tlog)
+    if participant not in (None, ParticipantKind.PERSON):
+        study = with_strategy(study, BotStrategy(participant))
     if study.robots_from is RobotsFrom.ROS:
         problem = "robots_from: this study is for real robots, and `play` simulates"
         fail(BAD_INPUT, f"{problem}. Start `thbridge server`, `simr`, `hider` and `tabui`, or write sim in the study.")

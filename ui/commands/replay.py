@@ -56,14 +56,14 @@ def replay_command(
     from ui.actions.replay import other_versions, replayed_as_json, show_replayed
     from ui.event_loop import run
     from ui.first_start import announce_compiling
-    from ui.settings import changes_of
+    from ui.settings import changes_of, with_strategy
     from ui.story import print_story
 
     files, assignments = changes_of(changes or [])
     with bad_input():
         record = session_of(bag)
         study = read_study_text(bag, record.study)
-        setting = read_setting(with_changes(study, files, assignments), beside)
+        setting = read_setting(with_strategy(with_changes(study, files, assignments), participant), beside)
     if participant is not None and not record.participant:
         fail(BAD_INPUT, f"--participant: nobody played inside the program that recorded {bag}. Leave the option out.")
     what_if = bool(changes) or participant is not None

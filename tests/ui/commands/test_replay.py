@@ -8,9 +8,11 @@ from click.testing import Result
 from typer.testing import CliRunner
 
 from tests.ui.test_cli import write_bag
+from thbridge.app.replay.replay import session_of
 from thbridge.recording.bag.reader import messages
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.ros.publisher import RosMessage, Topic
+from thbridge.study.study_file import read_study_text
 from ui.cli import app
 
 
@@ -85,6 +87,19 @@ def test_what_if_for_people_is_a_table(hunt: Path) -> None:
     assert done.exit_code == 0, done.output
     assert "What became of it" in done.stdout
     assert "robot 2: energy left" in done.stdout
+
+
+def test_the_recorded_study_names_who_played() -> None:
+    played = thbridge(
+        "play", "--json", "--port", "0", "--participant", "nearest", "--max-seconds", "1", "--bag", "a.bag"
+    )
+    assert played.exit_code == 1  # not over yet
+    assert thbridge("replay", "a.bag").exit_code == 0
+    assert thbridge("replay", "a.bag", "--participant", "random", "--to", "b.bag").exit_code == 0
+    for bag, strategy in (("a.bag", "nearest"), ("b.bag", "random")):
+        record = session_of(Path(bag))
+        assert record.participant == strategy
+        assert read_study_text(Path(bag), record.study).participant.strategy == strategy
 
 
 @pytest.mark.parametrize(
