@@ -278,7 +278,7 @@ def unit_of(path: Path) -> str:
 def meaning_of(path: Path) -> str:
     """Meaning of a value, from the outermost field to the innermost: "speeds of the base: turning speed: about z"."""
     meanings = (MEANINGS.get(step.msgtype, {}).get(step.field) for step in path)
-    return ": ".join(dict.fromkeys(meaning.meaning for meaning in meanings if meaning is not None))
+    return ": ".join(dict.fromkeys(meaning.meaning for meaning in meanings if meaning and meaning.meaning))
 
 
 def topic_meaning(topic: str) -> str:
