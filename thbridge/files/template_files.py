@@ -93,10 +93,14 @@ def read_template_set(folder: Path) -> TemplateSet:
     pictures: dict[str, bytes] = {}
     declaring = (folder / TREASURES_YAML).exists()
     path = folder / (TREASURES_YAML if declaring else TREASURES)
+    if not path.exists():
+        problem = f"there is neither a {TREASURES_YAML} nor a {TREASURES}"
+        faults.found.append(BadFile(folder, problem, f"write the treasures into a {TREASURES_YAML}"))
     with faults.kept():
         costs = read_map_times(folder / MAP_TIMES) if (folder / MAP_TIMES).exists() else None
     with faults.kept():
-        treasures = read_treasures_yaml(path) if declaring else _treasures_with_images(path)
+        if path.exists():
+            treasures = read_treasures_yaml(path) if declaring else _treasures_with_images(path)
     with faults.kept():
         place = _priced_map(folder / SET)
     if treasures is not None:
@@ -177,10 +181,11 @@ def read_dialogue_text(path: Path, properties: Sequence[TreasureProperty] = OF_2
     faults = FaultCollection()
     lines = numbered_lines(path)
     number, name = first_line(path, lines, "name", "a name for the template, for instance DontKnow:")
-    if name in _SECTIONS:
+    if name in _SECTIONS or "£" in name:
+        meant = "a section" if name in _SECTIONS else "a question"
         raise BadFile(
             path,
-            "the first line is the template's name, not a section",
+            f"the first line is the template's name, not {meant}",
             "add a first line with a name, for instance DontKnow:",
             line=number,
             key=name,

@@ -297,3 +297,17 @@ def test_measured_times_are_read_back_as_whole_seconds_and_none_becomes_the_word
     file.write_text(map_times([[None, 12.4, 98.9], [None, None, 250.0], [None, 7.5, None]]))
     costs = read_map_times(file)
     assert costs.rows == ((math.inf, 12.0, 98.0), (math.inf, math.inf, 250.0), (math.inf, 8.0, math.inf))
+
+
+def test_a_folder_without_a_list_of_treasures_is_told_both_names(tmp_path):
+    folder = tmp_path / "set"
+    shutil.copytree(ORIGINAL, folder)
+    (folder / "treasures").unlink()
+    assert "there is neither a treasures.yaml nor a treasures" in refusal(read_template_set, folder)
+
+
+def test_a_question_is_not_taken_for_the_name(tmp_path):
+    text = tmp_path / "DialogueText"
+    text.write_text("\nShall I go to room £room£?\nSpecificRoom:\nSure?\n", encoding="utf-8")
+    assert "line 2, Shall I go" in refusal(read_dialogue_text, text)
+    assert "the first line is the template's name, not a question" in refusal(read_dialogue_text, text)

@@ -227,7 +227,8 @@ def _costs(path: Path, place: Map) -> CostMatrix:
         raise BadFile(
             path,
             f"{len(costs.rooms) + 1} nodes, but the map {place.name} has {len(place.rooms)} rooms and a corridor",
-            f"give a mapTimes of {len(place.rooms) + 1} nodes in the map's folder, or by `game: costs:` in the study",
+            f"let `thbridge maps measure` write a {MAP_TIMES} of {len(place.rooms) + 1} nodes into the map's folder, "
+            "or name one by `game: costs:` in the study",
             line=1,
             key="number of nodes",
         )
