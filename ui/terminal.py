@@ -1,6 +1,7 @@
 """Output, error messages and exit codes of all commands."""
 
 import json
+import shlex
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import NoReturn
@@ -21,6 +22,11 @@ NOT_TAKING_PART = "The participant did not agree to take part. Nothing was recor
 
 out = Console()
 err = Console(stderr=True)
+
+
+def command(*words: object) -> str:
+    """A command of ours that a shell takes as it stands, whatever blanks are in a file's name."""
+    return shlex.join(["thbridge", *map(str, words)])
 
 
 def say(text: str) -> None:

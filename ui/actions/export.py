@@ -8,7 +8,7 @@ from pathlib import Path
 from thbridge.analysis.export import poses
 from thbridge.analysis.export.exporting import table_name
 from thbridge.recording.bag.reader import info
-from ui.terminal import BAD_INPUT, fail
+from ui.terminal import BAD_INPUT, command, fail
 
 
 def chosen_topics(bag: Path, patterns: Collection[str]) -> frozenset[str]:
@@ -41,7 +41,9 @@ def _fail_without(bag: Path, what: str, pattern: str, names: Collection[str]) ->
     near = difflib.get_close_matches(pattern, sorted(names), n=3, cutoff=0.6)
     near += [name for name in sorted(names) if word and word in name and name not in near][:3]
     hint = f"The nearest right ones are {', '.join(near)}" if near else f"No {what} is like it"
-    fail(BAD_INPUT, f"--{what}s: there is no {what} {pattern}. {hint}; `thbridge bag info {bag}` lists all topics.")
+    fail(
+        BAD_INPUT, f"--{what}s: there is no {what} {pattern}. {hint}; `{command('bag', 'info', bag)}` lists all topics."
+    )
 
 
 def names_in(given: Collection[str]) -> list[str]:

@@ -9,7 +9,7 @@ from thbridge.files.map_files import MapFinding
 from thbridge.files.map_times import MAP_TIMES
 from thbridge.hunt.rooms import Room
 from thbridge.offline.map_survey import Doorway, MapSurvey
-from ui.terminal import out, say
+from ui.terminal import command, out, say
 
 PICTURES = (".png", ".svg", ".pdf")
 
@@ -29,8 +29,8 @@ def show_survey(seen: MapSurvey, folder: Path) -> None:
     where = "" if first is None else f"; robot 1 starts at ({first.x:g}, {first.y:g})"
     say(f"start poses: {len(place.starts)}{where}")
     say(f"ways: {seen.reachable} of {seen.pairs} from the start and every room to every other room")
-    home = folder / MAP_TIMES
-    known = f"known, in {MAP_TIMES}" if place.costs else f"none yet: `thbridge maps measure {folder} --out {home}`"
+    measure = command("maps", "measure", folder, "--out", folder / MAP_TIMES)
+    known = f"known, in {MAP_TIMES}" if place.costs else f"none yet: `{measure}`"
     say(f"travel times: {known}")
 
 

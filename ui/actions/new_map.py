@@ -28,7 +28,7 @@ from thbridge.offline.arena import Arena, arena_of
 from thbridge.offline.measure import MeasurementSetup, TripTimes
 from thbridge.offline.room_finding import find_rooms
 from ui.actions.measure import measure_trips, times_matrix
-from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, say
+from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, say
 
 SEED = 1
 
@@ -75,16 +75,19 @@ def find_arena(grid: OccupancyGrid, rooms: int | None, robots: int, names: Seque
     return arena
 
 
-def require_rooms(arena: Arena, grid: OccupancyGrid, source: Path) -> None:
+def require_rooms(arena: Arena, grid: OccupancyGrid, source: Path, *, negated: bool) -> None:
     """End the command where there is nothing to play in, and tell why that may be."""
     if arena.rooms and arena.starts:
         return
     free, occupied = float((grid.cells == FREE).mean()), float((grid.cells == OCCUPIED).mean())
     seen = f"{free:.0%} of the image is free, {occupied:.0%} occupied, {1 - free - occupied:.0%} unknown"
-    remedy = (
-        "If walls are bright and floor is dark, the image is inverted: give --negate, or `negate: 1` in its map.yaml. "
-        "If rooms are there but too small, the resolution is wrong. Else draw the rooms by --draw"
+    inverted = (
+        "--negate is for bright walls and dark floor: if walls are dark, leave it out. "
+        if negated
+        else "If walls are bright and floor is dark, the image is inverted: give --negate, or `negate: 1` in its "
+        "map.yaml. "
     )
+    remedy = f"{inverted}If rooms are there but too small, the resolution is wrong. Else draw the rooms by --draw"
     fail(FAILED, f"{source}: no rooms were found; {seen}. {remedy}.")
 
 
@@ -109,7 +112,7 @@ def check_written(folder: Path) -> None:
         say(f"{finding.severity}: {finding.fault}")
     say(f"Checked: {len(check.errors)} errors, {len(check.findings) - len(check.errors)} warnings")
     if check.errors:
-        fail(BAD_INPUT, f"{folder}: mend rooms.yaml, or draw the rooms by `thbridge maps edit {folder}`.")
+        fail(BAD_INPUT, f"{folder}: mend rooms.yaml, or draw the rooms by `{command('maps', 'edit', folder)}`.")
 
 
 def same_trips(one: Map, other: Map) -> bool:
@@ -145,7 +148,7 @@ def unreached_words(times: Sequence[TripTimes], folder: Path) -> str:
     return (
         f"{len(failed)} of {len(times)} ways were not driven to the end and are no moves (99); mostly: {reason}. "
         f"Most begin or end in {rooms}. Clear the way there in the image, "
-        f"delete rooms by `thbridge maps edit {folder}`, or play without these moves."
+        f"delete rooms by `{command('maps', 'edit', folder)}`, or play without these moves."
     )
 
 

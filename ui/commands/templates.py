@@ -8,7 +8,7 @@ import typer
 from ui.commands.group import CommandGroup
 from ui.display import why_no_window
 from ui.options import AsJson, ColourScheme, LookOption
-from ui.terminal import BAD_INPUT, bad_input, fail, note, print_json, say
+from ui.terminal import BAD_INPUT, bad_input, command, fail, note, print_json, say
 
 templates_app = typer.Typer(
     cls=CommandGroup,
@@ -44,7 +44,10 @@ def templates_edit(
 
     reason = why_no_window()
     if reason is not None:
-        fail(BAD_INPUT, f"{reason} Or edit its files as text, and check them with `thbridge templates check {folder}`.")
+        fail(
+            BAD_INPUT,
+            f"{reason} Or edit its files as text, and check them with `{command('templates', 'check', folder)}`.",
+        )
     own = folder_of(f"{folder}/")
     # A second of imports that no other command needs.
     from ui.windows.templates import edit_templates
@@ -81,4 +84,4 @@ def templates_new(
             fail(BAD_INPUT, f"{folder}: there is such a folder already. Choose another name.")
         except OSError as error:
             fail(BAD_INPUT, f"{folder}: it cannot be written ({error.strerror or error}). Choose another folder.")
-    note(f"Wrote {folder}, a copy of {like}. Change its files, then run `thbridge templates check {folder}`.")
+    note(f"Wrote {folder}, a copy of {like}. Change its files, then run `{command('templates', 'check', folder)}`.")

@@ -165,6 +165,14 @@ class TestNew:
         assert "--negate" in refused.stderr
         done = maps("new", "plan.png", "--resolution", 0.1, "--no-times", "--negate")
         assert "Rooms: 2 found" in done.stdout
+        picture(here / "dark.png")
+        refused = maps("new", "dark.png", "--resolution", 0.1, "--no-times", "--negate")
+        assert "if walls are dark, leave it out" in refused.stderr
+
+    def test_commands_that_are_told_hold_for_names_with_blanks(self, here: Path) -> None:
+        picture(here / "my lab.png")
+        told = maps("new", "my lab.png", "--resolution", 0.1, "--no-times").stdout
+        assert told.endswith("Look at it: thbridge maps check 'my lab' --to 'my lab-rooms.png'\n")
 
     @pytest.mark.parametrize(
         ("words", "told"),

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from ui.options import AsJson
-from ui.terminal import bad_input, note, out, print_json
+from ui.terminal import bad_input, note, print_json, say
 
 
 class ExportFormat(StrEnum):
@@ -54,4 +54,4 @@ def bag_export(
         print_json({"folder": str(to), "rows": rows, "notices": exported.notices})
     else:
         total = sum(rows.values())
-        out.print(f"{to}: {len(rows)} tables, {total} rows, and README.md.", highlight=False, soft_wrap=True)
+        say(f"{to}: {len(rows)} {'table' if len(rows) == 1 else 'tables'}, {total} rows, and README.md.")

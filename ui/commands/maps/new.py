@@ -8,7 +8,7 @@ from typing import Annotated, ParamSpec
 import typer
 
 from ui.options import ColourScheme, LookOption
-from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, say
+from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, say
 
 P = ParamSpec("P")
 
@@ -65,7 +65,7 @@ def maps_new(
         if not folder.exists():
             fail(FAILED, f"Nothing was saved, so there is no {folder}.")
     else:
-        require_rooms(arena, grid, source)
+        require_rooms(arena, grid, source, negated=negate)
         with bad_input():
             write_map(folder, grid, arena)
     check_written(folder)
@@ -76,11 +76,11 @@ def maps_new(
         announce_compiling()
         complete = measure_map(folder, place, runs, jobs or os.cpu_count() or 1)
     else:
-        say(f"Not measured. Games need times: thbridge maps measure {folder} --out {folder / 'mapTimes'}")
-    say(f"Look at it: thbridge maps check {folder} --to {folder.name}-rooms.png")
+        say(f"Not measured. Games need times: {command('maps', 'measure', folder, '--out', folder / 'mapTimes')}")
+    say(f"Look at it: {command('maps', 'check', folder, '--to', f'{folder.name}-rooms.png')}")
     path = folder if folder.is_absolute() else f"./{folder}"
     if times:
-        say(f"Play on it: thbridge play --map {path}")
+        say(f"Play on it: {command('play', '--map', path)}")
     if not complete:
         raise typer.Exit(FAILED)
 
@@ -125,7 +125,7 @@ def maps_edit(
         say(f"The times were of other trips; they are now {old}.")
     check_written(folder)
     if not times.exists():
-        say(f"Games need times: thbridge maps measure {folder} --out {times}")
+        say(f"Games need times: {command('maps', 'measure', folder, '--out', times)}")
 
 
 def _require_window(otherwise: str) -> None:

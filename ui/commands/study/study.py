@@ -8,7 +8,7 @@ import typer
 
 from ui.commands.group import CommandGroup
 from ui.outputs import STANDARD_OUTPUT
-from ui.terminal import BAD_INPUT, fail, note, say
+from ui.terminal import BAD_INPUT, command, fail, note, say
 
 study_app = typer.Typer(
     cls=CommandGroup,
@@ -36,7 +36,7 @@ def study_init(
         with suppress(OSError):
             file.unlink()  # a half written one
         fail(BAD_INPUT, f"{file}: it cannot be written ({error.strerror}). Choose another folder.")
-    note(f"Wrote {file}. Run it with `thbridge play {file}`.")
+    note(f"Wrote {file}. Run it with `{command('play', file)}`.")
 
 
 @study_app.command("check")
