@@ -5,6 +5,7 @@ import logging
 import typer
 
 from ui.commands import files, programs, templates
+from ui.commands.argue import argue
 from ui.commands.bag import bag
 from ui.commands.bag.export import bag_export
 from ui.commands.bag.plot import bag_plot
@@ -44,6 +45,7 @@ for command in (
     plan,
     scan,
     watch,
+    argue,
 ):
     app.command()(command)
 app.command(cls=GoalWithYaw)(drive)

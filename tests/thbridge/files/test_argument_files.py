@@ -1,0 +1,53 @@
+"""Argumentation frameworks in the formats of solvers."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+
+from tests.thbridge.argumentation.frameworks import frameworks
+from thbridge.argumentation.framework import ArgumentationFramework
+from thbridge.files.argument_files import read_framework
+from thbridge.files.errors import BadFile
+
+
+@given(framework=frameworks())
+def test_what_was_written_is_read(tmp_path_factory: pytest.TempPathFactory, framework: ArgumentationFramework) -> None:
+    folder = tmp_path_factory.mktemp("frameworks")
+    names, attacks = framework.arguments, sorted(framework.attacks)
+    apx = [*(f"arg({name})." for name in names), *(f"att({one}, {other})." for one, other in attacks)]
+    tgf = [*names, "#", *(f"{one} {other}" for one, other in attacks)]
+    for name, lines in (("a.apx", apx), ("a.tgf", tgf)):
+        (folder / name).write_text("\n".join(lines))
+        assert read_framework(folder / name) == framework
+
+
+def test_facts_may_share_a_line_and_have_comments(tmp_path: Path) -> None:
+    path = tmp_path / "a.apx"
+    path.write_text("% two\narg(x).arg( y ) . att(x,y). % one attack\n\n")
+    assert read_framework(path) == ArgumentationFramework.of("xy", [("x", "y")])
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "told"),
+    [
+        ("a.apx", "arg(a).\narg(b)\n", ["line 2: 'arg(b)' cannot be read. Write arg(NAME)."]),
+        ("a.apx", "arg(a).\narg(a).\n", ["line 2: the argument a is there twice, first in line 1."]),
+        (
+            "a.apx",
+            "arg(a).\natt(a,b).\natt(c,a).\n",
+            ["line 2: there is no argument b.", "line 3: there is no argument c."],
+        ),
+        ("a.tgf", "a\n#\na\n", ["line 3: 'a' is no attack."]),
+        ("a.tgf", "a\n#\na b\n", ["line 3: there is no argument b."]),
+        ("a.txt", "arg(a).", ["its name does not say what it is."]),
+    ],
+)
+def test_every_fault_has_its_line(tmp_path: Path, name: str, text: str, told: list[str]) -> None:
+    path = tmp_path / name
+    path.write_text(text)
+    with pytest.raises(BadFile) as refused:
+        read_framework(path)
+    lines = str(refused.value).splitlines()
+    assert len(lines) == len(told)
+    assert all(sentence in line for sentence, line in zip(told, lines, strict=True))

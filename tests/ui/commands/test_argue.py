@@ -1,0 +1,49 @@
+"""`thbridge argue`."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from ui.cli import app
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "case.apx"
+    path.write_text("arg(a). arg(b). arg(c). arg(d).\natt(b,a). att(c,b). att(c,d). att(d,c).\n")
+    return path
+
+
+def argue(*arguments: object) -> str:
+    done = CliRunner().invoke(app, ["argue", *map(str, arguments)])
+    assert done.exit_code == 0, done.output
+    return done.stdout
+
+
+def test_extensions_are_told_sorted(file: Path) -> None:
+    assert argue(file, "--semantics", "PR") == "{a, c}\n{b, d}\n"
+    told = json.loads(argue(file, "--semantics", "co", "--json"))
+    assert told == {"semantics": "CO", "extensions": [[], ["a", "c"], ["b", "d"]]}
+
+
+def test_an_argument_is_asked_about(file: Path) -> None:
+    assert "a is in some extension." in argue(file, "--semantics", "ST", "--query", "a")
+    told = json.loads(argue(file, "--query", "a", "--explain", "--json"))
+    assert (told["credulous"], told["sceptical"], told["grounded"]) == (False, False, False)
+    assert told["discussion"][:2] == [{"locution": "HTB", "argument": "a"}, {"locution": "CB", "argument": "b"}]
+    assert "Opponent:  but b can be so." in argue(file, "--query", "a", "--explain")
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--query", "z"), "--query: there is no argument z"),
+        (("--explain",), "--explain: it needs to know of what."),
+    ],
+)
+def test_what_cannot_be_is_told(file: Path, options: tuple[str, ...], told: str) -> None:
+    done = CliRunner().invoke(app, ["argue", str(file), *options])
+    assert done.exit_code == 2
+    assert told in done.stderr

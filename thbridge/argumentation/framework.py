@@ -1,0 +1,54 @@
+"""Abstract argumentation frameworks (Dung 1995, On the Acceptability of Arguments, Artificial Intelligence 77)."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+
+@dataclass(frozen=True)
+class ArgumentationFramework:
+    """Arguments, and which attacks which.
+
+    Attributes:
+        arguments: their names, each once; results follow this order.
+        attacks: pairs of an attacker and what it attacks.
+
+    Raises:
+        ValueError: a name is there twice, or an attack is of something that is no argument.
+    """
+
+    arguments: tuple[str, ...]
+    attacks: frozenset[tuple[str, str]]
+
+    def __post_init__(self) -> None:
+        known = set(self.arguments)
+        if len(known) < len(self.arguments):
+            raise ValueError("an argument is there twice")
+        if strange := {name for attack in self.attacks for name in attack} - known:
+            raise ValueError(f"no arguments: {', '.join(sorted(strange))}")
+
+    @classmethod
+    def of(cls, arguments: Iterable[str], attacks: Iterable[tuple[str, str]]) -> "ArgumentationFramework":
+        """Return the framework of these arguments and attacks."""
+        return cls(tuple(arguments), frozenset(attacks))
+
+    @cached_property
+    def index(self) -> dict[str, int]:
+        """The place of each argument."""
+        return {name: place for place, name in enumerate(self.arguments)}
+
+    @cached_property
+    def attackers(self) -> tuple[tuple[int, ...], ...]:
+        """The places of the attackers of each argument, ascending."""
+        return self._neighbours([(target, attacker) for attacker, target in self.attacks])
+
+    @cached_property
+    def attacked(self) -> tuple[tuple[int, ...], ...]:
+        """The places of what each argument attacks, ascending."""
+        return self._neighbours(self.attacks)
+
+    def _neighbours(self, pairs: Iterable[tuple[str, str]]) -> tuple[tuple[int, ...], ...]:
+        places: list[list[int]] = [[] for _ in self.arguments]
+        for one, other in pairs:
+            places[self.index[one]].append(self.index[other])
+        return tuple(tuple(sorted(each)) for each in places)

@@ -1,0 +1,221 @@
+"""Extensions, the sets of arguments that stand together: grounded, complete, preferred and stable ones, exactly.
+
+Grounded extensions take time linear in the attacks. The others are found as labellings (Caminada 2006, On the Issue of
+Reinstatement in Argumentation): an argument is in when all its attackers are out, out when one of them is in, else
+undecided. The search keeps the labels that each argument may still have, and draws all conclusions before it guesses.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from enum import StrEnum
+
+from thbridge.argumentation.framework import ArgumentationFramework
+
+Extension = frozenset[str]
+"""Arguments that stand together."""
+
+IN, OUT, UNDECIDED = 1, 2, 4
+"""Labels, as bits of the set of those that an argument may still have."""
+_ANY = IN | OUT | UNDECIDED
+
+
+class Semantics(StrEnum):
+    """Notion of which arguments stand together, by the names of the competitions of solvers (ICCMA)."""
+
+    GROUNDED = "GR"
+    COMPLETE = "CO"
+    PREFERRED = "PR"
+    STABLE = "ST"
+
+
+def extensions(framework: ArgumentationFramework, semantics: Semantics) -> tuple[Extension, ...]:
+    """Return all extensions, in the order of the places of their arguments; only stable semantics may have none."""
+    found = _FINDERS[semantics](framework)
+    return tuple(sorted(found, key=lambda extension: sorted(framework.index[name] for name in extension)))
+
+
+def grounded(framework: ArgumentationFramework) -> Extension:
+    """Return the grounded extension: what must be accepted by whoever accepts as little as possible."""
+    return _names(framework, (place for place, label in enumerate(grounded_labels(framework)) if label == IN))
+
+
+def grounded_labels(framework: ArgumentationFramework) -> list[int]:
+    """Return the label of each argument by its place: those that are neither in nor out are undecided."""
+    return _grounded(framework)[0]
+
+
+def grounded_steps(framework: ArgumentationFramework) -> list[int | None]:
+    """Return for each place how many arguments came in before it did, or what put it out; None: undecided."""
+    return _grounded(framework)[1]
+
+
+def _grounded(framework: ArgumentationFramework) -> tuple[list[int], list[int | None]]:
+    """Labels and steps; each attack is looked at once."""
+    labels = [UNDECIDED] * len(framework.arguments)
+    steps: list[int | None] = [None] * len(labels)
+    standing = [len(attackers) for attackers in framework.attackers]
+    ready = deque(place for place, count in enumerate(standing) if count == 0)
+    step = 0
+    while ready:
+        place = ready.popleft()
+        labels[place], steps[place] = IN, step
+        for defeated in framework.attacked[place]:
+            if labels[defeated] == OUT:
+                continue
+            labels[defeated], steps[defeated] = OUT, step
+            for freed in framework.attacked[defeated]:
+                standing[freed] -= 1
+                if standing[freed] == 0:
+                    ready.append(freed)
+        step += 1
+    return labels, steps
+
+
+def complete(framework: ArgumentationFramework) -> Iterator[Extension]:
+    """Yield the complete extensions."""
+    for labels in _Search(framework).labellings():
+        yield _names(framework, (place for place, label in enumerate(labels) if label == IN))
+
+
+def stable(framework: ArgumentationFramework) -> Iterator[Extension]:
+    """Yield the stable extensions: those that attack all that is not in them."""
+    for labels in _Search(framework, IN | OUT).labellings():
+        yield _names(framework, (place for place, label in enumerate(labels) if label == IN))
+
+
+def preferred(framework: ArgumentationFramework) -> Iterator[Extension]:
+    """Yield the preferred extensions: the complete ones that are part of no larger one.
+
+    One is grown until it cannot grow; the next has to hold something that each of the others does not.
+    """
+    found: list[set[int]] = []
+    search, everything = _Search(framework), set(range(len(framework.arguments)))
+    while True:
+        others = [everything - each for each in found]
+        grown = search.one_with((), others)
+        if grown is None:
+            return
+        while (larger := search.one_with(grown, [*others, everything - grown])) is not None:
+            grown = larger
+        found.append(grown)
+        yield _names(framework, grown)
+
+
+def _names(framework: ArgumentationFramework, places: Iterable[int]) -> Extension:
+    return frozenset(framework.arguments[place] for place in places)
+
+
+class _Search:
+    """Search for complete labellings.
+
+    Args:
+        framework: what is labelled.
+        labels: those that arguments may have.
+    """
+
+    def __init__(self, framework: ArgumentationFramework, labels: int = _ANY) -> None:
+        self._attackers, self._attacked = framework.attackers, framework.attacked
+        grounded_ones = grounded_labels(framework)
+        # What is grounded has its label in every complete labelling.
+        self._start = [labels if label == UNDECIDED else label & labels for label in grounded_ones]
+
+    def one_with(self, wanted: Iterable[int], some_of: Sequence[set[int]]) -> set[int] | None:
+        """Return the places that are in, in a labelling where these are in and at least one of each set is."""
+        start = list(self._start)
+        for place in wanted:
+            start[place] &= IN
+        found = next(self._labellings(start, some_of), None)
+        return None if found is None else {place for place, label in enumerate(found) if label == IN}
+
+    def labellings(self) -> Iterator[list[int]]:
+        """Yield all labellings, each once."""
+        return self._labellings(list(self._start), ())
+
+    def _labellings(self, start: list[int], some_of: Sequence[set[int]]) -> Iterator[list[int]]:
+        if not self._conclude(start, range(len(start)), some_of):
+            return
+        stack = [start]
+        while stack:
+            may_be = stack.pop()
+            place = self._undetermined(may_be)
+            if place is None:
+                yield may_be
+                continue
+            # Pushed last is tried first: in, so that preferred ones are found early.
+            for label in (UNDECIDED, OUT, IN):
+                if may_be[place] & label:
+                    guess = list(may_be)
+                    guess[place] = label
+                    if self._conclude(guess, (place, *self._attacked[place]), some_of):
+                        stack.append(guess)
+
+    def _undetermined(self, may_be: Sequence[int]) -> int | None:
+        """The place of the argument with most attacks of those whose label is not known."""
+        places = (place for place, labels in enumerate(may_be) if labels & (labels - 1))
+        return max(places, key=lambda place: len(self._attacked[place]) + len(self._attackers[place]), default=None)
+
+    def _conclude(self, may_be: list[int], changed: Iterable[int], some_of: Sequence[set[int]]) -> bool:
+        """Draw all conclusions; return False where no labelling is left."""
+        queue = deque(changed)
+        waiting = set(queue)
+
+        def restrict(place: int, labels: int) -> None:
+            if may_be[place] & ~labels:
+                may_be[place] &= labels
+                for touched in (place, *self._attacked[place]):
+                    if touched not in waiting:
+                        waiting.add(touched)
+                        queue.append(touched)
+
+        while True:
+            while queue:
+                place = queue.popleft()
+                waiting.discard(place)
+                self._restrict_around(place, may_be, restrict)
+                if not may_be[place]:
+                    return False
+            for places in some_of:
+                open_ones = [place for place in places if may_be[place] & IN]
+                if not open_ones:
+                    return False
+                if len(open_ones) == 1:
+                    restrict(open_ones[0], IN)
+            if not queue:
+                return True
+
+    def _restrict_around(self, place: int, may_be: list[int], restrict: Callable[[int, int], None]) -> None:
+        """Restrict the labels of an argument by those of its attackers, and theirs by its own."""
+        attackers = self._attackers[place]
+        labels = [may_be[each] for each in attackers]
+        if any(each == IN for each in labels):
+            restrict(place, OUT)
+        if all(each == OUT for each in labels):
+            restrict(place, IN)
+        if any(not each & OUT for each in labels):
+            restrict(place, OUT | UNDECIDED)
+        if not any(each & IN for each in labels):
+            restrict(place, IN | UNDECIDED)
+        if not any(each & UNDECIDED for each in labels):
+            restrict(place, IN | OUT)
+        own = may_be[place]
+        if own == IN:
+            for each in attackers:
+                restrict(each, OUT)
+        if not own & OUT:
+            for each in attackers:
+                restrict(each, OUT | UNDECIDED)
+        for mine, theirs in _NEEDS_ONE:
+            able = [each for each in attackers if may_be[each] & theirs]
+            if not own & ~mine and len(able) == 1:
+                restrict(able[0], theirs)
+
+
+_NEEDS_ONE = ((OUT, IN), (UNDECIDED, UNDECIDED), (OUT | UNDECIDED, IN | UNDECIDED))
+"""An argument with one of the first labels has an attacker with one of the second ones."""
+
+_FINDERS: Mapping[Semantics, Callable[[ArgumentationFramework], Iterable[Extension]]] = {
+    Semantics.GROUNDED: lambda framework: (grounded(framework),),
+    Semantics.COMPLETE: complete,
+    Semantics.PREFERRED: preferred,
+    Semantics.STABLE: stable,
+}

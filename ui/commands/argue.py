@@ -1,0 +1,57 @@
+"""`thbridge argue`: which arguments of a framework stand together, and why one does or does not."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from thbridge.argumentation.semantics import Semantics
+from ui.options import AsJson
+from ui.terminal import BAD_INPUT, bad_input, fail, print_json, say
+
+
+def argue(
+    file: Annotated[Path, typer.Argument(help="An argumentation framework, .apx or .tgf.")],
+    semantics: Annotated[
+        Semantics, typer.Option(help="GR: grounded, CO: complete, PR: preferred, ST: stable.", case_sensitive=False)
+    ] = Semantics.GROUNDED,
+    query: Annotated[str | None, typer.Option(help="An argument: is it in an extension, in all of them?")] = None,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Why the argument of --query is grounded, or not, as a discussion.")
+    ] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Tell which arguments stand together: the extensions of an argumentation framework."""
+    from thbridge.argumentation.discussion import discuss, is_won
+    from thbridge.argumentation.semantics import extensions
+    from thbridge.files.argument_files import read_framework
+    from ui.actions.argue import move_in_words
+
+    if explain and query is None:
+        fail(BAD_INPUT, "--explain: it needs to know of what. Name the argument by --query.")
+    with bad_input():
+        framework = read_framework(file)
+    if query is not None and query not in framework.index:
+        near = [name for name in framework.arguments if name.lower() == query.lower()]
+        of = ", ".join(near or framework.arguments[:12]) or "none at all"
+        fail(BAD_INPUT, f"--query: there is no argument {query} in {file}. Its arguments are, for example: {of}.")
+    found = extensions(framework, semantics)
+    names = sorted(sorted(each) for each in found)
+    told: dict[str, object] = {"semantics": semantics.value, "extensions": names}
+    lines = [f"{{{', '.join(each)}}}" for each in names] or ["There is no extension."]
+    if query is not None:
+        credulous, sceptical = any(query in each for each in found), all(query in each for each in found)
+        told |= {"query": query, "credulous": credulous, "sceptical": sceptical}
+        how = "every" if sceptical and found else "some" if credulous else "no"
+        lines.append(f"{query} is in {how} extension.")
+    if explain and query is not None:
+        discussion = discuss(framework, query)
+        told["discussion"] = [{"locution": move.locution.value, "argument": move.argument} for move in discussion]
+        told["grounded"] = is_won(discussion)
+        lines += ["", *map(move_in_words, discussion)]
+        lines.append(f"So {query} {'has' if is_won(discussion) else 'does not have'} to be accepted.")
+    if as_json:
+        print_json(told)
+    else:
+        for line in lines:
+            say(line)
