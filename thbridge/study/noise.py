@@ -83,7 +83,10 @@ class NoiseBeliefs:
 class NoiseSection:
     """Sensor noise, and the estimators' models of it."""
 
-    preset: NoisePreset = param(NoisePreset.NONE, "numbers to begin from; a line below, once written, wins over it")
+    preset: NoisePreset = param(
+        NoisePreset.NONE,
+        "numbers to begin from (none: the defaults, perfect: no noise); a line below, once written, wins over it",
+    )
     odometry: OdometryNoise = param(OdometryNoise(), "how the wheels truly err")
     laser: LaserNoise = param(LaserNoise(), "how the laser truly errs")
     gyro_noise: float = _as_in(WorldParameters, "gyro_noise", float)
