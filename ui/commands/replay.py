@@ -49,6 +49,7 @@ def replay_command(
     from thbridge.app.compose.setting import read_setting
     from thbridge.app.replay.replay import ReplayOptions, replay, session_of
     from thbridge.app.session.session import TickRecord
+    from thbridge.protocols.text import legacy
     from thbridge.recording.bag.reader import info, messages
     from thbridge.ros.names import INPUTS
     from thbridge.study.overrides import with_changes
@@ -74,7 +75,11 @@ def replay_command(
 
     rooms = setting.map.room_names
 
+    refused = 0
+
     def progress(moment: TickRecord) -> None:
+        nonlocal refused
+        refused += sum(each.program == legacy.TABUI for each in moment.refusals)
         if not as_json:
             print_story(moment, rooms)
 
@@ -92,6 +97,10 @@ def replay_command(
         print_json(replayed_as_json(done, to, figures))
     else:
         show_replayed(done, figures)
+    if what_if and participant is None and refused:
+        note(f"Requests of the participant that were refused: {refused}. {_SAME_TIME}")
+        if record.participant:
+            note("To compare whole hunts, let a simulated participant play anew by --participant.")
     if not done.finished:
         fail(FAILED, "stopped before the end of the recording")
     if done.difference is not None and not what_if:
@@ -100,4 +109,5 @@ def replay_command(
         raise typer.Exit(FAILED)
 
 
+_SAME_TIME = "They come when they came in the recording, wherever robots are now."
 _FRAMES = "Where MAVLink frames drove the robots, `thbridge mavlink replay` does without."

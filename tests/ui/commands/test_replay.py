@@ -87,6 +87,14 @@ def test_what_if_for_people_is_a_table(hunt: Path) -> None:
     assert done.exit_code == 0, done.output
     assert "What became of it" in done.stdout
     assert "robot 2: energy left" in done.stdout
+    assert "refused" not in done.stderr
+
+
+def test_requests_that_come_too_early_for_the_changed_robots_are_counted(hunt: Path) -> None:
+    done = thbridge("replay", hunt, "--with", "robot.TrajectoryPlannerROS.max_vel_x=0.2", "--json")
+    assert done.exit_code == 0, done.output
+    assert "Requests of the participant that were refused: " in done.stderr
+    assert "let a simulated participant play anew by --participant" in done.stderr
 
 
 def test_the_recorded_study_names_who_played() -> None:
