@@ -11,9 +11,12 @@ from thbridge.hunt.events import Commander
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.hunt.team_tour import MOST_ROOMS_OF_A_TEAM, TourStart, best_team_tours
+from thbridge.hunt.team_tour import TourStart, best_team_tours
 from thbridge.hunt.tour import Tour, why_no_tour
 from thbridge.roles.participant_rules import Discussed, Situation, free_to_discuss
+
+MOST_ROOMS_ADVISED = 12
+"""Greatest number of rooms left for which robots plan together: a plan has to be there within a tick."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +40,7 @@ def advise(state: GameState, discussed: Sequence[Discussed], robot: int) -> Advi
     if refused is not None:
         return refused
     starts = {robot: TourStart(state.costs_from(robot), adviser.energy)}
-    if len(free) <= MOST_ROOMS_OF_A_TEAM:
+    if len(free) <= MOST_ROOMS_ADVISED:
         others = {number: _start(state, discussed, number) for number in range(len(state.robots)) if number != robot}
         starts |= {number: start for number, start in others.items() if start is not None}
     tours = _tours(costs, tuple(starts.values()), free, state.started.identify_cost)
