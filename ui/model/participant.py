@@ -11,9 +11,9 @@ from ui.model.motion import MotionPlayback
 from ui.model.playing.acts import do
 from ui.model.playing.compose import compose, next_change
 from ui.model.playing.marks import MapMarks
+from ui.model.playing.memory.popup_queue import DestinationItem, TreasureItem
+from ui.model.playing.memory.state import DrawnState, ParticipantMemory
 from ui.model.playing.offers import offer
-from ui.model.playing.popup_queue import DestinationItem, TreasureItem
-from ui.model.playing.state import DrawnState, ParticipantMemory
 from ui.model.playing.view_update import open_requests, receive_view
 from ui.model.scene import RobotMark, RoomMark
 from ui.model.screen import Act, RoomTile, Screen

@@ -20,8 +20,18 @@ from thbridge.roles.view import (
     TellProperty,
 )
 from ui.model.playing.cards import card_sentence
-from ui.model.playing.name_choice import NameChoice
-from ui.model.playing.popup_queue import DestinationItem, TreasureItem
+from ui.model.playing.memory.name_choice import NameChoice
+from ui.model.playing.memory.popup_queue import DestinationItem, TreasureItem
+from ui.model.playing.memory.state import (
+    EndGameEarly,
+    HuntMemory,
+    LeaveLast,
+    LeaveUndecided,
+    LeaveWindow,
+    ParticipantMemory,
+    PendingStep,
+    Reroute,
+)
 from ui.model.playing.possible import (
     ends_game,
     left_beside,
@@ -35,16 +45,6 @@ from ui.model.playing.possible import (
     why_not_stop,
 )
 from ui.model.playing.sounds import why_silent
-from ui.model.playing.state import (
-    EndGameEarly,
-    HuntMemory,
-    LeaveLast,
-    LeaveUndecided,
-    LeaveWindow,
-    ParticipantMemory,
-    PendingStep,
-    Reroute,
-)
 from ui.model.playing.view_update import is_open, note, settle
 from ui.model.playing.words import name_request, titled
 from ui.model.screen import (

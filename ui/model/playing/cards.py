@@ -9,8 +9,8 @@ from thbridge.hunt.rules import affordable
 from thbridge.roles.notices import RobotMotion
 from thbridge.roles.view import CallBack, RequestHandback, RobotView, TakeUpTreasure
 from ui.model.keys import key_of
+from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
 from ui.model.playing.possible import arrival_warning, is_allowed, left_beside, undecided_beside, why_not_command
-from ui.model.playing.state import HuntMemory, ParticipantMemory
 from ui.model.playing.words import as_sentence, how_it_comes_back, place_name, titled
 from ui.model.screen import Action, AskForRobot, ChooseRobot, NextRobot, RobotCard, StopRobot, TakeUpAgain
 

@@ -7,13 +7,13 @@ from thbridge.hunt.events import Condition
 from thbridge.roles.view import GiveConsent
 from ui.model.keys import HELP, help_lines, is_letter, keyed
 from ui.model.playing.cards import cards, nothing_waits
-from ui.model.playing.popup_queue import DestinationItem, PopupItem, TreasureItem
+from ui.model.playing.memory.popup_queue import DestinationItem, PopupItem, TreasureItem
+from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
 from ui.model.playing.popups.confirmations import confirmation
 from ui.model.playing.popups.dialogues import destination_popup, dialogue_title
 from ui.model.playing.popups.game_over import game_over_page
 from ui.model.playing.popups.treasures import PICTURE_TIMEOUT, treasure_popup
 from ui.model.playing.sounds import why_silent
-from ui.model.playing.state import HuntMemory, ParticipantMemory
 from ui.model.playing.tiles import dont_know, end, tiles
 from ui.model.playing.words import titled, verdict_words
 from ui.model.rules_sheet import rules_of

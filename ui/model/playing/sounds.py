@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from thbridge.roles.view import View
-from ui.model.playing.state import HuntMemory, ParticipantMemory
+from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
 from ui.model.screen import GameSound
 
 

@@ -8,8 +8,8 @@ from thbridge.hunt.properties import value_in_words
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import GiveUp, RequestSuggestion, RoomView, SelectRoom
 from ui.model.keys import keyed
+from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
 from ui.model.playing.possible import energy_warning, why_not_ask, why_not_end, why_not_go
-from ui.model.playing.state import HuntMemory, ParticipantMemory
 from ui.model.playing.words import gained, place_name, titled
 from ui.model.screen import Action, AskAdvice, ChooseRoom, EndGame, RoomTile
 

@@ -23,11 +23,9 @@ from thbridge.roles.view import (
     TakeUpTreasure,
     View,
 )
-from ui.model.playing.history import GameHistory, stopped_words
-from ui.model.playing.popup_queue import DestinationItem, PopupItem, TreasureItem
-from ui.model.playing.possible import ends_game, why_not_command, why_not_end, why_not_go, why_not_name
-from ui.model.playing.sounds import sounds_of
-from ui.model.playing.state import (
+from ui.model.playing.memory.history import GameHistory, stopped_words
+from ui.model.playing.memory.popup_queue import DestinationItem, PopupItem, TreasureItem
+from ui.model.playing.memory.state import (
     EndGameEarly,
     HuntMemory,
     LeaveLast,
@@ -36,6 +34,8 @@ from ui.model.playing.state import (
     ParticipantMemory,
     Reroute,
 )
+from ui.model.playing.possible import ends_game, why_not_command, why_not_end, why_not_go, why_not_name
+from ui.model.playing.sounds import sounds_of
 from ui.model.playing.words import as_sentence, how_it_comes_back, place_name, titled
 
 NOTE = 6.0

@@ -1,6 +1,6 @@
 import math
 
-from ui.model.playing.connection import ConnectionStatus
+from ui.model.playing.memory.connection import ConnectionStatus
 
 
 def test_how_long_it_is_lost_is_told_each_second():

@@ -1,7 +1,7 @@
 import pytest
 
-from ui.model.playing.name_choice import TYPING, NameChoice
-from ui.model.playing.popup_queue import TreasureItem
+from ui.model.playing.memory.name_choice import TYPING, NameChoice
+from ui.model.playing.memory.popup_queue import TreasureItem
 
 NAMES = ("ball", "beer_bottle", "beer_can", "Öl", "umbrella")
 NONE = NameChoice(TreasureItem(0, 3))

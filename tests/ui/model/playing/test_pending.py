@@ -15,7 +15,7 @@ from thbridge.roles.view import (
     SelectRoom,
     TakeUpTreasure,
 )
-from ui.model.playing.pending import PendingRequests
+from ui.model.playing.memory.pending import PendingRequests
 
 STANDING = with_room(
     with_robot(view(), 0, place=3), 3, state="visited", robot=0, sensed={"colour": "Pink", "footprint": "Square"}

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from thbridge.roles.notices import PicturePiece
-from ui.model.playing.pictures import Pictures
+from ui.model.playing.memory.pictures import Pictures
 
 
 def pieces(data, size, game=1, room=3):

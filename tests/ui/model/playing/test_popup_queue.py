@@ -1,4 +1,4 @@
-from ui.model.playing.popup_queue import DestinationItem, PopupQueue, TreasureItem
+from ui.model.playing.memory.popup_queue import DestinationItem, PopupQueue, TreasureItem
 
 A, B, C = TreasureItem(0, 1), TreasureItem(1, 2), DestinationItem(2)
 

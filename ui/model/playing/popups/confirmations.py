@@ -3,7 +3,7 @@
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from ui.model.keys import keyed
-from ui.model.playing.state import (
+from ui.model.playing.memory.state import (
     EndGameEarly,
     HuntMemory,
     LeaveLast,

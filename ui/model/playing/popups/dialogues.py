@@ -6,10 +6,10 @@ from sim.common.robot_numbers import robot_name
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import DialogueView, SelectRoom
 from ui.model.keys import choice_keys, keyed
-from ui.model.playing.history import speaker_of
-from ui.model.playing.popup_queue import DestinationItem
+from ui.model.playing.memory.history import speaker_of
+from ui.model.playing.memory.popup_queue import DestinationItem
+from ui.model.playing.memory.state import HuntMemory
 from ui.model.playing.possible import energy_warning
-from ui.model.playing.state import HuntMemory
 from ui.model.playing.words import name_request, titled
 from ui.model.screen import Action, DialoguePopup, GiveAnswer, ShowNext
 

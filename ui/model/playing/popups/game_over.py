@@ -4,7 +4,7 @@ from thbridge.hunt.events import EndReason
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import Debrief, PlayAgain, RoomDebrief, RoomView
 from ui.model.keys import keyed
-from ui.model.playing.state import HuntMemory
+from ui.model.playing.memory.state import HuntMemory
 from ui.model.playing.words import as_sentence, counted, scored, verdict_words
 from ui.model.screen import AnotherGame, GameOverPage
 

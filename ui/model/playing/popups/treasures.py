@@ -11,8 +11,9 @@ from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import GiveUpTreasure, MeasureProperty, OpenDialogue, RoomView, View
 from ui.model.keys import keyed
-from ui.model.playing.pictures import Pictures
-from ui.model.playing.popup_queue import TreasureItem
+from ui.model.playing.memory.pictures import Pictures
+from ui.model.playing.memory.popup_queue import TreasureItem
+from ui.model.playing.memory.state import HuntMemory
 from ui.model.playing.popups.dialogues import dialogue_popup
 from ui.model.playing.possible import (
     ends_game,
@@ -22,7 +23,6 @@ from ui.model.playing.possible import (
     why_not_request,
     why_not_work,
 )
-from ui.model.playing.state import HuntMemory
 from ui.model.playing.words import counted, percent, titled, verdict_words
 from ui.model.screen import (
     Action,

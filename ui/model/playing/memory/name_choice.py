@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from thbridge.hunt.treasures import name_in_words
-from ui.model.playing.popup_queue import TreasureItem
+from ui.model.playing.memory.popup_queue import TreasureItem
 
 TYPING = 1.5
 """Seconds after which a letter begins another name instead of going on with the letters before it."""

@@ -9,12 +9,12 @@ from thbridge.roles.notices import FloorPlan, RobotMotion
 from thbridge.roles.participant_rules import Situation, revealed
 from thbridge.roles.view import DialogueView, RequestSuggestion, SelectRoom, View
 from thbridge.timing.wall_clock import utc_now
-from ui.model.playing.connection import ConnectionStatus
-from ui.model.playing.history import GameHistory
-from ui.model.playing.name_choice import NameChoice
-from ui.model.playing.pending import PendingRequests
-from ui.model.playing.pictures import Pictures
-from ui.model.playing.popup_queue import DestinationItem, PopupItem, PopupQueue, TreasureItem
+from ui.model.playing.memory.connection import ConnectionStatus
+from ui.model.playing.memory.history import GameHistory
+from ui.model.playing.memory.name_choice import NameChoice
+from ui.model.playing.memory.pending import PendingRequests
+from ui.model.playing.memory.pictures import Pictures
+from ui.model.playing.memory.popup_queue import DestinationItem, PopupItem, PopupQueue, TreasureItem
 from ui.model.screen import GameSound
 
 
