@@ -115,7 +115,7 @@ def check_written(folder: Path) -> None:
         fail(BAD_INPUT, f"{folder}: mend rooms.yaml, or draw the rooms by `{command('maps', 'edit', folder)}`.")
 
 
-def same_trips(one: Map, other: Map) -> bool:
+def same_trips(one: Arena, other: Arena) -> bool:
     """Return True when trips on two drawings of a map begin and end at the same poses, room by room."""
     return one.starts == other.starts and [room.goal for room in one.rooms] == [room.goal for room in other.rooms]
 

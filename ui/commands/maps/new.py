@@ -106,22 +106,25 @@ def maps_edit(
     from ui.windows.arena import draw_arena
 
     rooms, times = folder / "rooms.yaml", folder / MAP_TIMES
-    before, arena = rooms.read_bytes(), Arena(check.map.rooms, check.map.starts)
-    draw_arena(
-        check.map.name,
-        check.map.grid,
-        arena,
-        lambda drawn: _why_not(write_rooms, folder, drawn.rooms, drawn.starts),
-        look.value,
-        is_saved=True,
-    )
+    old = times.with_name(f"{MAP_TIMES}.old")
+    before, arena, measured = rooms.read_bytes(), Arena(check.map.rooms, check.map.starts), times.exists()
+    saved = arena
+
+    def write(drawn: Arena) -> None:
+        nonlocal saved
+        write_rooms(folder, drawn.rooms, drawn.starts)
+        # At once, not when the window is closed: a game may begin before.
+        if times.exists() and not same_trips(saved, drawn):
+            times.replace(old)
+        elif measured and not times.exists() and same_trips(arena, drawn):
+            old.replace(times)
+        saved = drawn
+
+    draw_arena(check.map.name, check.map.grid, arena, lambda drawn: _why_not(write, drawn), look.value, is_saved=True)
     if rooms.read_bytes() == before:
         return
     say(f"Wrote {rooms}")
-    now = check_map(folder, with_costs=False).map
-    if times.exists() and now is not None and not same_trips(check.map, now):
-        old = times.with_name(f"{MAP_TIMES}.old")
-        times.replace(old)
+    if measured and not times.exists():
         say(f"The times were of other trips; they are now {old}.")
     check_written(folder)
     if not times.exists():

@@ -58,6 +58,22 @@ def test_other_rooms_put_the_times_aside(qtbot: QtBot, folder: Path) -> None:
     assert [room.name for room in read_map(folder).rooms] == ["Middle", "East"]
 
 
+def test_times_are_put_aside_with_the_save_and_come_back_with_their_trips(qtbot: QtBot, folder: Path) -> None:
+    times, seen = folder / "mapTimes", []
+    written = times.read_text()
+
+    def delete_a_room_and_undo(window: ArenaWindow) -> None:
+        window.list.setCurrentRow(0)
+        for key, held in ((Qt.Key.Key_Delete, Qt.KeyboardModifier.NoModifier), (Qt.Key.Key_Z, CONTROL)):
+            qtbot.keyClick(window, key, held)
+            qtbot.keyClick(window, Qt.Key.Key_S, CONTROL)
+            seen.append(times.exists())
+
+    run(delete_a_room_and_undo, "edit", "three")
+    assert seen == [False, True]
+    assert times.read_text() == written
+
+
 def test_another_name_keeps_the_times_and_closing_without_a_change_says_nothing(qtbot: QtBot, folder: Path) -> None:
     def rename(window: ArenaWindow) -> None:
         window.list.setCurrentRow(1)
