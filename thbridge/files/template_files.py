@@ -37,6 +37,8 @@ DIALOGUE_TEXT = "DialogueText"
 SET = "set.yaml"
 LARGEST_PICTURE = 2_000_000
 """Largest size of an image file in bytes."""
+_IMAGE_BEGINNINGS = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"BM", b"RIFF", b"<")
+"""First bytes of what windows can show: PNG, JPEG, GIF, BMP, WebP, SVG. Phones make HEIC, whatever the name."""
 
 _SECTIONS: Mapping[str, Scenario] = {
     "SpecificRoom:": Scenario.SPECIFIC_ROOM,
@@ -166,6 +168,8 @@ def _picture(treasures: Path, name: str, file: Path) -> bytes:
     if len(data) > LARGEST_PICTURE:
         problem = f"the picture is larger than {LARGEST_PICTURE // 1_000_000} MB, and participants would wait for it"
         raise BadFile(file, problem, "save it smaller; a photo of 1000 x 1000 pixels is enough")
+    if not data.startswith(_IMAGE_BEGINNINGS):
+        raise BadFile(file, "this is no picture that windows can show", "save it as PNG or JPEG")
     return data
 
 
