@@ -4,7 +4,7 @@ import logging
 
 import typer
 
-from ui.commands import files, programs, templates
+from ui.commands import programs, templates
 from ui.commands.argue import argue
 from ui.commands.bag import bag
 from ui.commands.bag.export import bag_export
@@ -19,10 +19,12 @@ from ui.commands.mavlink import mavlink_app
 from ui.commands.plan import plan
 from ui.commands.play import play
 from ui.commands.replay import replay_command
+from ui.commands.report import report
 from ui.commands.ros import ros_app
 from ui.commands.scan import scan
 from ui.commands.study.edit import study_edit
 from ui.commands.study.study import study_app
+from ui.commands.suggest import suggest
 from ui.commands.watch import watch
 from ui.terminal import note
 
@@ -40,8 +42,8 @@ for command in (
     programs.simr,
     programs.hider,
     programs.tabui,
-    files.suggest,
-    files.report,
+    suggest,
+    report,
     plan,
     scan,
     watch,

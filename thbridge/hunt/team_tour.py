@@ -59,10 +59,7 @@ def best_team_tours(
     Raises:
         ValueError: more rooms than can be compared.
     """
-    rooms = sorted(set(unvisited))
-    limit = MOST_ROOMS if len(starts) == 1 else MOST_ROOMS_OF_A_TEAM
-    if len(rooms) > limit:
-        raise ValueError(f"at most {limit} rooms can be shared out, and there are {len(rooms)}")
+    rooms = _comparable(unvisited, starts)
     step = _steps(costs, rooms, starts)
     to_go, sizes = cost_to_go(step)
     spent = [_payable(to_go[:, len(rooms) + at], sizes, start.energy, visit) for at, start in enumerate(starts)]
@@ -73,6 +70,47 @@ def best_team_tours(
         order = first_order(step, to_go, len(rooms) + at, np.array([subset]))
         tours.append(Tour(tuple(rooms[room] for room in order), float(to_go[subset, len(rooms) + at])))
     return tuple(tours)
+
+
+@dataclass(frozen=True, slots=True)
+class PlanValue:
+    """Value of a joint plan: the number of rooms visited, and the energy of all moves."""
+
+    rooms: int
+    cost: float
+
+
+def alternatives(
+    costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0
+) -> tuple[dict[Room, PlanValue], ...]:
+    """Return for each robot what each room as its next one is worth: the value of the best plan that begins so.
+
+    The others go on as is best then. Rooms that a robot cannot pay for are left out. The arguments are those of
+    `best_team_tours`.
+
+    Raises:
+        ValueError: more rooms than can be compared.
+    """
+    rooms = _comparable(unvisited, starts)
+    step = _steps(costs, rooms, starts)
+    to_go, sizes = cost_to_go(step)
+    spent = [_payable(to_go[:, len(rooms) + at], sizes, start.energy, visit) for at, start in enumerate(starts)]
+    every, values = np.arange(len(sizes)), []
+    for at, start in enumerate(starts):
+        others = _plans(spent[:at] + spent[at + 1 :], sizes, len(rooms))[-1]
+        of_robot: dict[Room, PlanValue] = {}
+        for bit, room in enumerate(rooms):
+            having = every[(every >> bit) & 1 == 1]
+            first = np.full(len(sizes), np.inf)
+            first[having] = step[len(rooms) + at, bit] + to_go[having ^ (1 << bit), bit]
+            own = _payable(first, sizes, start.energy, visit)
+            best = _first_of_best(others, own, sizes, len(sizes) - 1)
+            if np.isfinite(own[best]):
+                rest = len(sizes) - 1 - best
+                value = float(own[best] + others.least[rest])
+                of_robot[room] = PlanValue(int(sizes[best] + others.most[rest]), value)
+        values.append(of_robot)
+    return tuple(values)
 
 
 def best_score(costs: CostMatrix, starts: Sequence[TourStart], points: Mapping[Room, int], visit: float) -> int:
@@ -87,9 +125,7 @@ def best_score(costs: CostMatrix, starts: Sequence[TourStart], points: Mapping[R
     Raises:
         ValueError: more rooms than can be compared.
     """
-    rooms = sorted(points)
-    if len(rooms) > MOST_ROOMS_OF_A_TEAM:
-        raise ValueError(f"at most {MOST_ROOMS_OF_A_TEAM} rooms can be shared out, and there are {len(rooms)}")
+    rooms = _comparable(points, starts)
     to_go, sizes = cost_to_go(_steps(costs, rooms, starts))
     worth = np.zeros(len(sizes), dtype=np.int64)
     for bit, room in enumerate(rooms):
@@ -97,6 +133,15 @@ def best_score(costs: CostMatrix, starts: Sequence[TourStart], points: Mapping[R
     spent = [to_go[:, len(rooms) + at] + visit * sizes for at in range(len(starts))]
     spent = [np.where(each <= start.energy, each, np.inf) for each, start in zip(spent, starts, strict=True)]
     return int(worth[np.bitwise_or.reduce(_shared_out(spent, worth, len(rooms)))])
+
+
+def _comparable(unvisited: Collection[Room], starts: Sequence[TourStart]) -> list[Room]:
+    """Return the rooms in order. Raises ValueError when they are too many."""
+    rooms = sorted(set(unvisited))
+    limit = MOST_ROOMS if len(starts) == 1 else MOST_ROOMS_OF_A_TEAM
+    if len(rooms) > limit:
+        raise ValueError(f"at most {limit} rooms can be shared out, and there are {len(rooms)}")
+    return rooms
 
 
 def _steps(costs: CostMatrix, rooms: Sequence[Room], starts: Sequence[TourStart]) -> NDArray[np.float64]:
@@ -117,15 +162,10 @@ def _shared_out(spent: Sequence[NDArray[np.float64]], worth: NDArray[np.int64], 
 
     The first robot comes last and so chooses first, among equals the rooms with the lowest numbers.
     """
-    plans = [_best_within(spent[-1], worth, rooms)]
-    for of_robot in reversed(spent[1:-1]):
-        plans.append(_joined(plans[-1], of_robot, worth, rooms))
-    left = len(worth) - 1
-    taken: list[int] = []
-    if len(spent) > 1:
-        taken.append(_first_of_best(plans[-1], spent[0], worth, left))
-        left ^= taken[-1]
-    for plan in reversed(plans):
+    plans = _plans(spent[1:], worth, rooms)
+    taken = [_first_of_best(plans[-1], spent[0], worth, len(worth) - 1)]
+    left = len(worth) - 1 - taken[0]
+    for plan in reversed(plans[1:]):
         taken.append(int(plan.taken[left]))
         left ^= taken[-1]
     return taken
@@ -146,6 +186,16 @@ class _Plan:
     most: NDArray[np.int64]
     least: NDArray[np.float64]
     taken: NDArray[np.int64]
+
+
+def _plans(spent: Sequence[NDArray[np.float64]], worth: NDArray[np.int64], rooms: int) -> list[_Plan]:
+    """Return the plan of no robot, of the last, of the last two, and so on."""
+    nothing = np.zeros(len(worth), dtype=np.int64)
+    plans = [_Plan(nothing, np.zeros(len(worth)), nothing)]
+    for of_robot in reversed(spent):
+        first = len(plans) == 1
+        plans.append(_best_within(of_robot, worth, rooms) if first else _joined(plans[-1], of_robot, worth, rooms))
+    return plans
 
 
 def _best_within(spent: NDArray[np.float64], worth: NDArray[np.int64], rooms: int) -> _Plan:

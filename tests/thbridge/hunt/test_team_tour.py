@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from thbridge.files.map_times import read_map_times
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.rooms import CORRIDOR, Room, all_rooms
-from thbridge.hunt.team_tour import MOST_ROOMS_OF_A_TEAM, TourStart, best_score, best_team_tours
+from thbridge.hunt.team_tour import MOST_ROOMS_OF_A_TEAM, TourStart, alternatives, best_score, best_team_tours
 from thbridge.hunt.tour import MOST_ROOMS, Tour, best_tour
 
 ARENA = read_map_times(Path(__file__).parents[3] / "templates" / "original-2016" / "mapTimes")
@@ -23,8 +23,11 @@ def price(costs, start, order):
     return start.costs[order[0].people] + sum(costs.cost(*pair) for pair in itertools.pairwise(order))
 
 
-def by_brute_force(costs, starts, rooms, visit, sent):
-    """Number of rooms and energy of the best plan, by trying every assignment and every order."""
+def by_brute_force(costs, starts, rooms, visit, sent, first=None):
+    """Number of rooms and energy of the best plan, by trying every assignment and every order; None without any.
+
+    Where `first` is given, the tour of the robot `sent` begins in that room.
+    """
     must = sent >= 0 and any(starts[sent].costs[room.people] <= starts[sent].energy for room in rooms)
     plans = []
     for owners in itertools.product(range(-1, len(starts)), repeat=len(rooms)):
@@ -32,15 +35,18 @@ def by_brute_force(costs, starts, rooms, visit, sent):
         if must and not shares[sent]:
             continue
         prices = [
-            min(price(costs, start, order) for order in itertools.permutations(share))
-            for start, share in zip(starts, shares, strict=True)
+            min(
+                price(costs, start, order) if first is None or at != sent or order[:1] == (first,) else math.inf
+                for order in itertools.permutations(share)
+            )
+            for at, (start, share) in enumerate(zip(starts, shares, strict=True))
         ]
         if all(
             least + visit * max(len(share) - 1, 0) <= start.energy
             for least, share, start in zip(prices, shares, starts, strict=True)
         ):
             plans.append((-sum(map(len, shares)), sum(prices)))
-    return min(plans)
+    return min(plans, default=None)
 
 
 numbers = st.sampled_from([1.0, 2.0, 3.0, 5.0, 8.0, math.inf])
@@ -54,6 +60,20 @@ teams = st.integers(1, 4).flatmap(
         ),
     )
 )
+
+
+@settings(deadline=None, max_examples=60)
+@given(team=teams, visit=st.sampled_from([0.0, 1.0]))
+def test_every_next_room_is_worth_the_best_plan_that_begins_with_it(team, visit):
+    rows, robots = team
+    costs = CostMatrix(tuple(map(tuple, rows)))
+    starts = tuple(TourStart(tuple(row), float(energy)) for row, energy in robots)
+    values = alternatives(costs, starts, costs.rooms, visit)
+    for at in range(len(starts)):
+        for room in costs.rooms:
+            best = by_brute_force(costs, starts, costs.rooms, visit, at, room)
+            value = values[at].get(room)
+            assert (None if value is None else (-value.rooms, value.cost)) == best
 
 
 def by_sets(costs, starts, rooms):

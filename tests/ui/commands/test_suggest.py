@@ -1,0 +1,60 @@
+"""`thbridge suggest --team`."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from ui.cli import app
+
+
+def suggest(*arguments: object) -> str:
+    done = CliRunner().invoke(app, ["suggest", *map(str, arguments)])
+    assert done.exit_code == 0, done.output
+    return done.stdout
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    path = tmp_path / "study.yaml"
+    path.write_text("map: office\nrobots: 3\ngame: {energy: 60}\n")
+    return path
+
+
+def test_a_team_is_told_its_joint_plan_and_what_else_would_cost(study: Path) -> None:
+    told = json.loads(suggest("--team", study, "--json"))
+    robots = told["robots"]
+    assert told["rooms"] == sum(len(robot["tour"]) for robot in robots)
+    assert len({room for robot in robots for room in robot["tour"]}) == told["rooms"] > 3
+    assert told["cost"] == pytest.approx(sum(robot["cost"] for robot in robots))
+    for robot in robots:
+        worth = {each["next"]: (-each["rooms"], each["cost"]) for each in robot["alternatives"]}
+        assert min(worth.values()) >= (-told["rooms"], told["cost"] - 1e-9)
+        if robot["tour"]:
+            assert worth[robot["tour"][0]] == pytest.approx((-told["rooms"], told["cost"]))
+    assert "Next: robot 1 to " in suggest("--team", study)
+
+
+def test_rooms_that_are_left_may_be_named(study: Path) -> None:
+    told = json.loads(suggest("--team", study, "--unvisited", "2,5", "--json"))
+    assert sorted(room for robot in told["robots"] for room in robot["tour"]) == [2, 5]
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (("--at", "0"), "--team: the study says what moves cost"),
+        (("--unvisited", "99"), "--unvisited: '99' is not a room"),
+    ],
+)
+def test_what_does_not_go_together_is_told(study: Path, options: tuple[str, ...], sentence: str) -> None:
+    done = CliRunner().invoke(app, ["suggest", "--team", str(study), *options])
+    assert done.exit_code == 2
+    assert sentence in done.stderr
+
+
+def test_without_a_team_all_of_one_robot_is_asked_for() -> None:
+    done = CliRunner().invoke(app, ["suggest", "--at", "0"])
+    assert done.exit_code == 2
+    assert "for one robot give --costs, --at and --unvisited" in done.stderr

@@ -1,0 +1,24 @@
+"""`thbridge report`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ui.terminal import bad_input
+
+
+def report(
+    bag: Annotated[Path, typer.Argument(help="A ROS 1 bag.")],
+    to: Annotated[
+        Path | None, typer.Option("--to", help="The page; by default beside the bag. `-` is standard output.")
+    ] = None,
+    map_yaml: Annotated[
+        Path | None, typer.Option("--map", help="The map, a map_server YAML file; by default the bag's own.")
+    ] = None,
+) -> None:
+    """Make a report of a bag: one HTML page with paths, errors, energy, events and talk."""
+    from ui.report import write_report
+
+    with bad_input():
+        write_report(bag, to or bag.with_suffix(".html"), map_yaml)

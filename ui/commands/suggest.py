@@ -1,0 +1,92 @@
+"""`thbridge suggest`: where to go next."""
+
+from collections.abc import Collection
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ui.options import AsJson
+from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, print_json, show
+
+if TYPE_CHECKING:
+    from thbridge.hunt.rooms import Room
+
+
+def suggest(
+    costs: Annotated[Path | None, typer.Option(help="Cost file in the mapTimes format.")] = None,
+    at: Annotated[int | None, typer.Option(help="Where the robot stands; 0 is the corridor.", min=0)] = None,
+    unvisited: Annotated[
+        str | None, typer.Option(help="Rooms still to visit, e.g. `1,2,5`; of a team by default all.")
+    ] = None,
+    team: Annotated[
+        Path | None, typer.Option(help="Study file: the joint plan of its robots from their start poses.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Suggest the next room: the first of the cheapest tour of all rooms still to visit, of one robot or of a team."""
+    if team is not None:
+        if costs is not None or at is not None:
+            fail(BAD_INPUT, "--team: the study says what moves cost and where robots are. Leave --costs and --at out.")
+        _suggest_to_team(team, unvisited, as_json)
+        return
+    if costs is None or at is None or unvisited is None:
+        fail(BAD_INPUT, "suggest: for one robot give --costs, --at and --unvisited; for a team give --team STUDY.")
+    _suggest_to_robot(costs, at, unvisited, as_json)
+
+
+def _suggest_to_robot(costs: Path, at: int, unvisited: str, as_json: bool) -> None:
+    from thbridge.files.map_times import read_map_times
+    from thbridge.hunt.refusals import RequestRefused
+    from thbridge.hunt.rooms import Room
+    from thbridge.hunt.tour import best_tour
+
+    with bad_input():
+        matrix = read_map_times(costs)
+    start = Room(at)
+    if not matrix.has_place(start):
+        fail(
+            BAD_INPUT,
+            f"--at: {at} is not a place in the cost file. Write 0, the corridor, or a room up to {len(matrix.rooms)}.",
+        )
+    places = _rooms(unvisited, matrix.rooms)
+    tour = best_tour(matrix, start, places)
+    if isinstance(tour, RequestRefused):
+        fail(FAILED, tour.sentence)
+    rooms = [each.people for each in tour.rooms]
+    cost = int(tour.cost) if tour.cost == int(tour.cost) else tour.cost
+    if as_json:
+        print_json({"next": rooms[0], "tour": rooms, "cost": cost})
+    else:
+        show(f"Next room {rooms[0]}; the cheapest tour is {' '.join(map(str, rooms))} and costs {cost}.")
+
+
+def _suggest_to_team(study_file: Path, unvisited: str | None, as_json: bool) -> None:
+    from thbridge.hunt.team_tour import MOST_ROOMS_OF_A_TEAM, alternatives, best_team_tours
+    from ui.actions.suggest import plan_as_json, show_plan, team_starts
+    from ui.settings import setting_of, study_of
+
+    setting = setting_of(study_of(study_file, {}), study_file)
+    rooms = setting.costs.rooms if unvisited is None else _rooms(unvisited, setting.costs.rooms)
+    if len(rooms) > MOST_ROOMS_OF_A_TEAM:
+        problem = f"a joint plan of {len(rooms)} rooms takes too long"
+        fail(BAD_INPUT, f"--team: {problem}. Name at most {MOST_ROOMS_OF_A_TEAM} of them by --unvisited.")
+    starts, visit = team_starts(setting), setting.study.game.identify_cost
+    tours = best_team_tours(setting.costs, starts, rooms, visit)
+    values = alternatives(setting.costs, starts, rooms, visit)
+    if as_json:
+        print_json(plan_as_json(tours, values))
+    else:
+        show_plan(tours, values, setting.map.room_names)
+
+
+def _rooms(text: str, known: Collection["Room"]) -> list["Room"]:
+    from thbridge.hunt.rooms import Room
+
+    rooms = []
+    for number in map(str.strip, text.split(",")):
+        if not number.isdecimal() or (room := Room(int(number))) not in known:
+            wanted = f"Write numbers of rooms, 1 to {len(known)}, with commas between"
+            fail(BAD_INPUT, f"--unvisited: {number!r} is not a room in the cost file. {wanted}.")
+        rooms.append(room)
+    return rooms
