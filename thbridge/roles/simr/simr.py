@@ -191,7 +191,7 @@ class SimR(RobotsRole):
                 goto = decode_goto(message, self._dialect, len(self._game_map.goals))
                 if isinstance(goto, legacy.GotoRoom) and goto.robot < self._team.size:
                     self._waiting.append((tick, goto))
-                elif isinstance(goto, GotoPoint) and self._is_free(goto.robot):
+                elif isinstance(goto, GotoPoint) and self._is_free(goto.robot) and not self._is_judged(message):
                     self._go_to_point(goto)
             case TextCommand.WHERE:
                 where = canonical.decode(message)
@@ -286,6 +286,14 @@ class SimR(RobotsRole):
         """Return True when a text line may drive a robot: it has no move of the game, and nobody else commands it."""
         taken = () if self._orders is None else self._orders.taken
         return 0 <= robot < self._team.size and robot not in self._moves and robot not in taken
+
+    def _is_judged(self, message: TextMessage) -> bool:
+        """Return True for the form of 2016 where there is a keeper, who refuses rooms that there are not."""
+        return (
+            self._orders is not None
+            and self._dialect is Dialect.LEGACY_2016
+            and isinstance(legacy.decode(message), legacy.GotoRoom)
+        )
 
     def _go_to_point(self, goto: GotoPoint) -> None:
         if self.snapshot is None:

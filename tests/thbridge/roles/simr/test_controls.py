@@ -195,6 +195,14 @@ def test_what_is_asked_in_nobody_s_name_is_no_intervention(driver):
     assert all(status.researchers == (None, None) for status in driver.levels(TeamStatus))
 
 
+def test_a_room_that_the_keeper_refuses_is_no_point_in_metres(driver):
+    free = Orders(1, (None, None), (90.0, 80.0), (0, 0), None)
+    driver.run(1, encode_notice(KEEPER, legacy.SIMR, free))
+    driver.run(3, legacy.GotoRoom(0, 8).message(), canonical.encode(canonical.GotoPoint(1, 0.5, 0.0), "Me", "SimR"))
+    assert driver.simr.snapshot.robots[0].navigation.goal is None
+    assert driver.simr.snapshot.robots[1].navigation.goal is not None
+
+
 def test_no_line_drives_a_robot_that_somebody_has_taken(driver):
     taken = Orders(1, (MoveOrder(1, 2), None), (90.0, 80.0), (0, 0), None, taken=(1,))
     driver.run(1, encode_notice(KEEPER, legacy.SIMR, taken))
