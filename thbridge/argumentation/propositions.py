@@ -1,0 +1,63 @@
+"""Propositions, what holds or does not, and rules from some of them to another."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Proposition:
+    """Something that holds or does not; each kind of proposition is a class with fields of its own."""
+
+    def excludes(self, other: "Proposition") -> bool:
+        """Return True when this and another proposition cannot both hold, as values of the same thing cannot."""
+        return False
+
+
+@dataclass(frozen=True, slots=True)
+class Literal:
+    """A proposition, or that it does not hold.
+
+    Attributes:
+        proposition: the proposition.
+        holds: False for its negation.
+    """
+
+    proposition: Proposition
+    holds: bool = True
+
+    def __invert__(self) -> "Literal":
+        return Literal(self.proposition, not self.holds)
+
+    def __str__(self) -> str:
+        return f"{'' if self.holds else 'not '}{self.proposition}"
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """If all premises hold, the conclusion does.
+
+    Attributes:
+        premises: at least one.
+        conclusion: what follows.
+        is_said: False for a rule of the language, which both sides know and nobody has to say.
+    """
+
+    premises: tuple[Literal, ...]
+    conclusion: Literal
+    is_said: bool = True
+
+    def __str__(self) -> str:
+        return f"{' and '.join(map(str, self.premises))} -> {self.conclusion}"
+
+
+def opposed(one: Literal, other: Literal) -> bool:
+    """Return True when two literals cannot both be: one denies the other, or both hold and exclude each other."""
+    if one.proposition == other.proposition:
+        return one.holds != other.holds
+    both = one.holds and other.holds
+    return both and (one.proposition.excludes(other.proposition) or other.proposition.excludes(one.proposition))
+
+
+def consistent(literals: "frozenset[Literal]") -> bool:
+    """Return True when no two of these are opposed."""
+    ordered = tuple(literals)
+    return not any(opposed(one, other) for at, one in enumerate(ordered) for other in ordered[at + 1 :])
