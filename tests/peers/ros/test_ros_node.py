@@ -326,7 +326,8 @@ async def received(ros: Graph, node: str, topic: str, count: int) -> bool:
     await client.close()
     assert isinstance(stats, MethodResponse)
     _, subscribed = stats.value
-    return [messages for name, [[_, _, messages, *_]] in subscribed if name == topic] == [count]
+    # A topic is listed before its first connection is.
+    return [messages for name, links in subscribed if name == topic for [_, _, messages, *_] in links] == [count]
 
 
 async def _is_value(answer: Awaitable[object]) -> bool:
