@@ -11,6 +11,11 @@ class Proposition:
         """Return True when this and another proposition cannot both hold, as values of the same thing cannot."""
         return False
 
+    @property
+    def parts(self) -> "tuple[Literal, ...]":
+        """Literals that hold together when this does; all that has no parts is its own only one."""
+        return (Literal(self),)
+
 
 @dataclass(frozen=True, slots=True)
 class Literal:
@@ -27,8 +32,34 @@ class Literal:
     def __invert__(self) -> "Literal":
         return Literal(self.proposition, not self.holds)
 
+    @property
+    def parts(self) -> "tuple[Literal, ...]":
+        """The literals that it stands for: of a conjunction its parts, of the opposite of one each part negated."""
+        return tuple(part if self.holds else ~part for part in self.proposition.parts)
+
     def __str__(self) -> str:
+        if len(parts := self.parts) > 1:
+            return " and ".join(map(str, parts))
         return f"{'' if self.holds else 'not '}{self.proposition}"
+
+
+@dataclass(frozen=True, slots=True)
+class Conjunction(Proposition):
+    """Several literals at once, such as an order of rooms; its opposite denies each of them (Sklar and Azhar 2015).
+
+    Attributes:
+        literals: at least two, none of which is a conjunction.
+    """
+
+    literals: tuple[Literal, ...]
+
+    @property
+    def parts(self) -> tuple[Literal, ...]:
+        """The literals."""
+        return self.literals
+
+    def __str__(self) -> str:
+        return " and ".join(map(str, self.literals))
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +82,10 @@ class Rule:
 
 def opposed(one: Literal, other: Literal) -> bool:
     """Return True when two literals cannot both be: one denies the other, or both hold and exclude each other."""
+    return any(_clash(part, another) for part in one.parts for another in other.parts)
+
+
+def _clash(one: Literal, other: Literal) -> bool:
     if one.proposition == other.proposition:
         return one.holds != other.holds
     both = one.holds and other.holds

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from thbridge.argumentation.propositions import Proposition
+from thbridge.argumentation.propositions import Literal, Proposition
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.rooms import Room
 
@@ -99,6 +99,51 @@ class InImage(Proposition):
 
     def __str__(self) -> str:
         return f"in_image({self.thing}, {self.image})"
+
+
+@dataclass(frozen=True, slots=True)
+class TreasureIn(Proposition):
+    """A treasure is in a room; another one is not."""
+
+    name: str
+    room: Room
+
+    def excludes(self, other: Proposition) -> bool:
+        """Return True for another treasure in this room."""
+        return isinstance(other, TreasureIn) and self.room == other.room and self.name != other.name
+
+    def __str__(self) -> str:
+        return f"treasure_in({self.name}, {_room(self.room)})"
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted(Proposition):
+    """The speaker wants it so, without a further reason."""
+
+    what: Literal
+
+    def __str__(self) -> str:
+        return f"wanted({self.what})"
+
+
+@dataclass(frozen=True, slots=True)
+class Visited(Proposition):
+    """A room has been looked into."""
+
+    room: Room
+
+    def __str__(self) -> str:
+        return f"visited({_room(self.room)})"
+
+
+@dataclass(frozen=True, slots=True)
+class TooFar(Proposition):
+    """A room is too far for the energy left."""
+
+    room: Room
+
+    def __str__(self) -> str:
+        return f"too_far({_room(self.room)})"
 
 
 def _room(room: Room) -> str:

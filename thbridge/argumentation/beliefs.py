@@ -1,0 +1,102 @@
+"""Beliefs of an agent (Sigma of Sklar and Azhar 2015): what it holds, where each comes from, and how it is revised."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+
+from thbridge.argumentation.arguments import Argument, Belief, Preference, arguments_for
+from thbridge.argumentation.cases import Stance
+from thbridge.argumentation.propositions import Literal, Proposition, Rule, opposed
+
+
+class Source(StrEnum):
+    """Kind of place that a belief comes from, the most trusted first."""
+
+    SENSED = "sensed"
+    COMPUTED = "computed"
+    TOLD = "told"
+    DECIDED = "decided"
+
+
+_TRUST = {source: len(Source) - place for place, source in enumerate(Source)}
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Origin of a belief.
+
+    Attributes:
+        source: kind of place that it comes from.
+        at: simulated time at which it was so, s.
+        confidence: of whoever sensed or computed it, 0 to 1.
+    """
+
+    source: Source
+    at: float = 0.0
+    confidence: float = 1.0
+
+    @property
+    def is_evidence(self) -> bool:
+        """True when the belief supports itself; a decision needs something else to rest on."""
+        return self.source is not Source.DECIDED
+
+    @property
+    def weight(self) -> tuple[int, float, float]:
+        """Sorts origins by how much they are worth: a trusted source, then confidence, then a fresh observation."""
+        return _TRUST[self.source], self.confidence, self.at
+
+
+@dataclass(frozen=True, slots=True)
+class Beliefs:
+    """Beliefs of an agent, possibly inconsistent. "Held" means held: what only follows from beliefs is not.
+
+    Attributes:
+        origins: of each literal that is held.
+        rules: that are held; those of the language, which nobody has to say, among them.
+    """
+
+    origins: Mapping[Literal, Origin] = field(default_factory=dict)
+    rules: tuple[Rule, ...] = ()
+
+    @classmethod
+    def of(cls, literals: Iterable[Literal], rules: Iterable[Rule] = (), source: Source = Source.SENSED) -> "Beliefs":
+        """Return beliefs that all have the same source."""
+        return cls(dict.fromkeys(literals, Origin(source)), tuple(rules))
+
+    def __contains__(self, belief: Belief) -> bool:
+        return belief in (self.rules if isinstance(belief, Rule) else self.origins)
+
+    def stance(self, proposition: Proposition) -> Stance:
+        """Return what is held of a proposition; unknown where nothing or, of an inconsistent pair, both are."""
+        yes, no = Literal(proposition) in self.origins, Literal(proposition, holds=False) in self.origins
+        if yes == no:
+            return Stance.UNKNOWN
+        return Stance.BELIEVES if yes else Stance.DISBELIEVES
+
+    def arguments(self, conclusion: Literal) -> tuple[Argument, ...]:
+        """Return all arguments for a conclusion."""
+        return arguments_for(conclusion, self.origins, self.rules, lambda literal: self.origins[literal].is_evidence)
+
+    def gaining(self, belief: Belief, origin: Origin) -> "Beliefs":
+        """Return the beliefs with one more, and without what it is opposed to."""
+        if isinstance(belief, Rule):
+            return self if belief in self.rules else replace(self, rules=(*self.rules, belief))
+        gained = self.losing(other for other in self.origins if opposed(other, belief)).origins
+        return replace(self, origins={**gained, **dict.fromkeys((belief, *belief.parts), origin)})
+
+    def losing(self, literals: Iterable[Literal]) -> "Beliefs":
+        """Return the beliefs without some literals."""
+        lost = set(literals)
+        return replace(self, origins={each: origin for each, origin in self.origins.items() if each not in lost})
+
+    @property
+    def prefers(self) -> Preference:
+        """Preference for the argument whose weakest premise has the better origin; unknown premises are the weakest."""
+
+        def weakest(argument: Argument) -> tuple[int, float, float]:
+            origins = [self.origins[premise] for premise in argument.premises if premise in self.origins]
+            if len(origins) < len(argument.premises) or not origins:
+                return (0, 0.0, 0.0)
+            return min(origin.weight for origin in origins)
+
+        return lambda one, other: weakest(one) > weakest(other)

@@ -1,0 +1,158 @@
+"""The worked example of Sklar and Azhar (2015): five exchanges between a robot and a person about a treasure hunt.
+
+The robot stands in room 4 with an energy of 1000. Each exchange begins with fresh stores; the second and third do with
+the costs of the later ones.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from thbridge.argumentation.beliefs import Beliefs, Origin, Source
+from thbridge.argumentation.cases import Side
+from thbridge.argumentation.propositions import Conjunction, Literal, Proposition, Rule
+from thbridge.dialogue.games.agents import Agent, Picture
+from thbridge.dialogue.games.control import Conversation
+from thbridge.dialogue.games.tables import Rulebook
+from thbridge.dialogue.propositions import (
+    ColourFound,
+    EnergyCost,
+    EnergyLevel,
+    InImage,
+    LessThan,
+    Selected,
+    TooFar,
+    TreasureIn,
+    Visited,
+    VisitOrder,
+    Wanted,
+)
+from thbridge.hunt.rooms import Room
+
+ENERGY = 1000.0
+HERE = Room(4)
+COLOURS: Mapping[str, tuple[str, ...]] = {
+    "image1": ("brown",),
+    "image2": ("grey", "blue"),
+    "image3": ("brown",),
+    "image4": ("yellow",),
+    "image5": ("blue",),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Exchange:
+    """One exchange of the example.
+
+    Attributes:
+        title: for people.
+        topics: propositions it is about, in the order in which they are talked over.
+        start: the conversation before anything is said.
+    """
+
+    title: str
+    topics: tuple[Proposition, ...]
+    start: Conversation
+
+
+def jhri2015(rulebook: Rulebook) -> tuple[Exchange, ...]:
+    """Return the five exchanges."""
+    return (
+        Exchange("Which rooms: they agree on one of two", _rooms_of(1, 3), _where(rulebook, 100.0)),
+        Exchange("Which rooms: the person asks for reasons", _rooms_of(3), _where(rulebook, 250.0)),
+        Exchange("Which rooms: the person says the opposite", _rooms_of(3), _where(rulebook, 250.0)),
+        Exchange("In which order", (order(1, 3),), _how(rulebook)),
+        Exchange("What was found", (BOTTLE_IN_5, BOTTLE_IN_2, BLUE_BOTTLE), _what(rulebook)),
+    )
+
+
+def order(*rooms: int) -> Conjunction:
+    """Return the proposition that these rooms are visited in this order."""
+    return Conjunction(tuple(Literal(VisitOrder(place, Room(room))) for place, room in enumerate(rooms, start=1)))
+
+
+BOTTLE_IN_5, BOTTLE_IN_2 = InImage("bottle", "image5"), InImage("bottle", "image2")
+BLUE_BOTTLE = TreasureIn("blue bottle", Room(1))
+BLUE_BOTTLE_SEEN = Rule((Literal(BOTTLE_IN_2), Literal(ColourFound("image2", "blue"))), Literal(BLUE_BOTTLE))
+
+
+def level() -> Literal:
+    """Return the robot's energy level, s1."""
+    return Literal(EnergyLevel(ENERGY))
+
+
+def cost(start: int, goal: int, energy: float) -> Literal:
+    """Return what a way costs."""
+    return Literal(EnergyCost(Room(start), Room(goal), energy))
+
+
+def less(terms: tuple[float, ...], limit: float) -> Literal:
+    """Return that a sum of energies is below another energy."""
+    return Literal(LessThan(terms, limit))
+
+
+def _rooms_of(*rooms: int) -> tuple[Proposition, ...]:
+    return tuple(Selected(Room(room)) for room in rooms)
+
+
+def _affordable(room: int, energy: float) -> Rule:
+    premises = (level(), cost(HERE.people, room, energy), less((energy,), ENERGY))
+    return Rule(premises, Literal(Selected(Room(room))), is_said=False)
+
+
+def _where(rulebook: Rulebook, to_room_3: float) -> Conversation:
+    costs = {1: 100.0, 3: to_room_3}
+    rules = [_affordable(room, energy) for room, energy in costs.items()]
+    evidence = [level()]
+    for room, energy in costs.items():
+        evidence += [cost(HERE.people, room, energy), less((energy,), ENERGY)]
+    decided = [Literal(Selected(Room(room))) for room in costs]
+    against = Literal(Selected(Room(3)), holds=False)
+    reasons: tuple[Proposition, ...] = (Wanted(against), TooFar(Room(3)), Visited(Room(3)))
+    hers = frozenset([Literal(Selected(Room(1))), against])
+    return _conversation(rulebook, _robot(evidence, decided, rules, hers), _person(reasons, against, rules))
+
+
+def _how(rulebook: Rulebook) -> Conversation:
+    to_1, to_3, from_1_to_3 = cost(4, 1, 100.0), cost(4, 3, 250.0), cost(1, 3, 250.0)
+    below, nearer, sum_below = less((100.0,), ENERGY), less((100.0,), 250.0), less((100.0, 250.0), ENERGY)
+    first, mine, theirs = Literal(VisitOrder(1, Room(1))), Literal(order(1, 3)), Literal(order(3, 1))
+    rules = [
+        Rule((level(), to_1, to_3, nearer, below), first, is_said=False),
+        Rule((level(), to_1, to_3, from_1_to_3, nearer, sum_below), mine, is_said=False),
+    ]
+    # In the order in which the robot says them: s1, s2, s4, s6, s3, then s5 and s7.
+    evidence = [level(), to_1, to_3, nearer, below, from_1_to_3, sum_below]
+    robot = _robot(evidence, [mine, *mine.parts], rules, frozenset([theirs, *theirs.parts]))
+    against = ~mine
+    return _conversation(rulebook, robot, _person((Wanted(theirs),), against, rules))
+
+
+def _what(rulebook: Rulebook) -> Conversation:
+    evidence = [Literal(ColourFound(image, colour)) for image, colours in COLOURS.items() for colour in colours]
+    robot = _robot(evidence, [], [], frozenset())
+    person = Agent(
+        Side.HUMAN,
+        Beliefs.of([Literal(BOTTLE_IN_2)], [BLUE_BOTTLE_SEEN]),
+        is_person=True,
+        picture=Picture(frozenset(evidence)),
+    )
+    return _conversation(rulebook, robot, person)
+
+
+def _robot(evidence: list[Literal], decided: list[Literal], rules: list[Rule], hers: frozenset[Literal]) -> Agent:
+    origins = dict.fromkeys(evidence, Origin(Source.SENSED)) | dict.fromkeys(decided, Origin(Source.DECIDED))
+    return Agent(Side.ROBOT, Beliefs(origins, tuple(rules)), picture=Picture(hers))
+
+
+def _person(reasons: tuple[Proposition, ...], against: Literal, rules: list[Rule]) -> Agent:
+    """A person who may give each of some reasons against what the robot wants."""
+    own = [Rule((Literal(reason),), against, is_said=False) for reason in reasons]
+    return Agent(Side.HUMAN, Beliefs.of(map(Literal, reasons), [*rules, *own], Source.TOLD), is_person=True)
+
+
+def _conversation(rulebook: Rulebook, robot: Agent, person: Agent) -> Conversation:
+    return Conversation(rulebook, {Side.ROBOT: robot, Side.HUMAN: person}, able=_people_see_shapes)
+
+
+def _people_see_shapes(side: Side, proposition: Proposition) -> bool:
+    return side is Side.HUMAN and isinstance(proposition, InImage)

@@ -1,0 +1,81 @@
+"""Contents of moves in dialogue games: propositions that hold or not, rules, arguments, and not knowing."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TypeAlias
+
+from thbridge.argumentation.arguments import Argument, Belief
+from thbridge.argumentation.propositions import Literal, Proposition, Rule
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """The speaker does not know whether a proposition holds; U in Sklar and Azhar (2015)."""
+
+    proposition: Proposition
+
+    def __str__(self) -> str:
+        return f"U({self.proposition})"
+
+
+Content: TypeAlias = Literal | Rule | Argument | Unknown
+
+
+class ContentKind(StrEnum):
+    """Kind of a content, by which files tell the forms of a locution apart."""
+
+    LITERAL = "literal"
+    RULE = "rule"
+    ARGUMENT = "argument"
+    UNKNOWN = "unknown"
+
+
+def kind_of_content(content: Content) -> ContentKind:
+    """Return the kind of a content."""
+    match content:
+        case Literal():
+            return ContentKind.LITERAL
+        case Rule():
+            return ContentKind.RULE
+        case Argument():
+            return ContentKind.ARGUMENT
+        case Unknown():
+            return ContentKind.UNKNOWN
+
+
+@dataclass(frozen=True, slots=True)
+class DialogueMove:
+    """A locution with its content, written as in the paper: `assert(selected(Room3))`.
+
+    Attributes:
+        locution: its name in the file of locutions.
+        content: what it is about.
+    """
+
+    locution: str
+    content: Content
+
+    def __str__(self) -> str:
+        text = str(self.content)
+        # An argument and not knowing bring brackets of their own.
+        return f"{self.locution}{text}" if isinstance(self.content, Argument) else f"{self.locution}({text})"
+
+
+def propositions_in(content: Content) -> frozenset[Proposition]:
+    """Return the propositions that a content speaks of, of conjunctions their parts."""
+    match content:
+        case Unknown(proposition):
+            return frozenset(part.proposition for part in proposition.parts)
+        case Literal():
+            return frozenset(part.proposition for part in content.parts)
+        case Rule(premises, conclusion):
+            return frozenset().union(*map(propositions_in, (*premises, conclusion)))
+        case Argument(support, conclusion):
+            return frozenset().union(*map(propositions_in, (*support, conclusion)))
+
+
+def opposite(content: Belief) -> Belief:
+    """Return the opposite of a literal. Raises ValueError for a rule, which has none."""
+    if isinstance(content, Rule):
+        raise ValueError(f"a rule has no opposite: {content}")
+    return ~content

@@ -1,0 +1,205 @@
+"""Control layer: the dialogues of one robot and one person, in sequence, one inside another, or at the same time."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+from thbridge.argumentation.arguments import Belief
+from thbridge.argumentation.cases import DialogueCase, DialogueKind, Side, Stance, case_of
+from thbridge.argumentation.propositions import Literal, Proposition, opposed
+from thbridge.dialogue.games.agents import Agent
+from thbridge.dialogue.games.contents import DialogueMove
+from thbridge.dialogue.games.dialogue_game import (
+    Agents,
+    GamePlay,
+    GameUtterance,
+    LegalMove,
+    legal_replies,
+    other_side,
+    say,
+)
+from thbridge.dialogue.games.tables import DialogueEnd, Rulebook
+
+_NOBODY_TELLS: Callable[[Side, Proposition], bool] = lambda _side, _proposition: False  # noqa: E731 - a default
+
+
+class IllegalMoveError(ValueError):
+    """A move, or the opening of a dialogue, that the rules do not allow."""
+
+
+@dataclass(frozen=True, slots=True)
+class Opening:
+    """Legal way to open a dialogue.
+
+    Attributes:
+        game: name of the game.
+        topic: what it is about.
+        move: with which it is opened.
+    """
+
+    game: str
+    topic: Belief
+    move: DialogueMove
+
+
+@dataclass(frozen=True, slots=True)
+class Conversation:
+    """All dialogues of one robot and one person. A value: what changes it returns it as it then is.
+
+    Attributes:
+        rulebook: locutions and games.
+        agents: both sides.
+        plays: all dialogues, those that ended among them, in order of opening.
+        record: all that was said, in order.
+        able: what a side is thought able to tell.
+    """
+
+    rulebook: Rulebook
+    agents: Agents
+    plays: tuple[GamePlay, ...] = ()
+    record: tuple[GameUtterance, ...] = ()
+    able: Callable[[Side, Proposition], bool] = field(default=_NOBODY_TELLS, compare=False)
+
+    def play(self, number: int) -> GamePlay:
+        """Return the dialogue with this number, from 1. Raises IllegalMoveError when there is none."""
+        if not 0 < number <= len(self.plays):
+            raise IllegalMoveError(f"there is no dialogue {number}")
+        return self.plays[number - 1]
+
+    @property
+    def open_plays(self) -> tuple[GamePlay, ...]:
+        """Dialogues that go on, those that wait for one inside them among them."""
+        return tuple(play for play in self.plays if play.end is None)
+
+    def waits(self, number: int) -> bool:
+        """Return True while a dialogue waits for one inside it."""
+        return any(play.parent == number for play in self.open_plays)
+
+    def case(self, proposition: Proposition) -> DialogueCase:
+        """Return the case of what the robot thinks, and takes the person to think, of a proposition."""
+        robot = self.agents[Side.ROBOT]
+        return case_of(_stance(robot, proposition), robot.picture.stance(proposition))
+
+    def legal(self, number: int) -> tuple[DialogueMove, ...]:
+        """Return the legal moves in a dialogue of the side whose turn it is there; none while it waits."""
+        return tuple(legal.move for legal in self._legal(self.play(number)))
+
+    def openings(self, side: Side, proposition: Proposition, parent: int | None = None) -> tuple[Opening, ...]:
+        """Return the ways in which a side may open a dialogue about a proposition.
+
+        Args:
+            side: who opens it.
+            proposition: what it is about.
+            parent: number of a dialogue in which it is this side's turn, and which waits then.
+        """
+        case = self.case(proposition)
+        yes = Literal(proposition)
+        match case.kind:
+            case DialogueKind.PERSUASION if side in case.openers:
+                robot_believes = _stance(self.agents[Side.ROBOT], proposition) is Stance.BELIEVES
+                topics = [("persuasion", yes if robot_believes == (side is Side.ROBOT) else ~yes)]
+            case DialogueKind.INFORMATION_SEEKING if side in case.openers:
+                topics = [("information-seeking", yes)]
+            case DialogueKind.INQUIRY if self.able(other_side(side), proposition):
+                topics = [("information-seeking", yes)]
+            case DialogueKind.INQUIRY:
+                rules = [rule for rule in self.agents[side].beliefs.rules if rule.conclusion.proposition == proposition]
+                return tuple(opening for rule in rules for opening in self._ways("inquiry", rule, side, parent))
+            case _:
+                topics = []
+        return tuple(opening for game, topic in topics for opening in self._ways(game, topic, side, parent))
+
+    def opening(self, side: Side, game: str, topic: Belief, parent: int | None = None) -> tuple[Opening, ...]:
+        """Return the ways in which a side may open this game about this topic, whatever the nine cases say of it."""
+        return self._ways(game, topic, side, parent)
+
+    def open(self, side: Side, opening: Opening, *, parent: int | None = None, at: float = 0.0) -> "Conversation":
+        """Return the conversation with a new dialogue. Raises IllegalMoveError when that is not legal.
+
+        Args:
+            side: who opens it.
+            opening: one of the openings of this side.
+            parent: number of the dialogue that waits for it.
+            at: simulated time, s.
+        """
+        if opening not in self._ways(opening.game, opening.topic, side, parent):
+            raise IllegalMoveError(f"the {side} may not open {opening.game} with {opening.move}")
+        fresh = self._new(opening.game, opening.topic, side, parent)
+        return replace(self, plays=(*self.plays, fresh))._after(fresh, opening.move, at)
+
+    def say(self, number: int, move: DialogueMove, *, at: float = 0.0) -> "Conversation":
+        """Return the conversation after a move of the side whose turn it is. Raises IllegalMoveError.
+
+        Args:
+            number: of the dialogue.
+            move: the move.
+            at: simulated time, s.
+        """
+        return self._after(self.play(number), move, at)
+
+    def withdraw(self, number: int) -> "Conversation":
+        """Return the conversation after the end of a dialogue, and all inside it, whose matter is past."""
+        inner = [play.number for play in self.open_plays if play.parent == number]
+        now = self._with(replace(self.play(number), end=DialogueEnd.WITHDRAWN))
+        for each in inner:
+            now = now.withdraw(each)
+        return now
+
+    def with_agent(self, agent: Agent) -> "Conversation":
+        """Return the conversation with a side that has sensed something new."""
+        return replace(self, agents={**self.agents, agent.side: agent})
+
+    def _legal(self, play: GamePlay) -> tuple[LegalMove, ...]:
+        if self.waits(play.number):
+            return ()
+        listener = other_side(play.speaker)
+        return legal_replies(play, self.agents, self.rulebook, lambda what: self.able(listener, what))
+
+    def _ways(self, game: str, topic: Belief, side: Side, parent: int | None) -> tuple[Opening, ...]:
+        if parent is not None:
+            outer = self.play(parent)
+            if outer.end is not None or outer.speaker is not side or self.waits(parent):
+                return ()
+        if any(play.topic == topic and play.game.name == game for play in self.open_plays):
+            return ()
+        fresh = self._new(game, topic, side, parent)
+        moves = self._legal(fresh)
+        return tuple(Opening(game, topic, legal.move) for legal in moves if self._has_answer(fresh, legal))
+
+    def _new(self, game: str, topic: Belief, side: Side, parent: int | None) -> GamePlay:
+        former = [
+            play
+            for play in self.plays
+            if (play.game.name, play.topic, play.initiator) == (game, topic, side) and play.end is not None
+        ]
+        used = frozenset(play.moves[1][1] for play in former if len(play.moves) > 1)
+        number = len(self.plays) + 1
+        return GamePlay(number, self.rulebook.games[game], topic, side, parent, barred=used)
+
+    def _has_answer(self, fresh: GamePlay, legal: LegalMove) -> bool:
+        """Return True when the other side has a reply that it has not used up in a dialogue that began likewise."""
+        if not fresh.barred:
+            return True
+        play, agents, _ = say(fresh, self.agents, self.rulebook, legal, 0.0)
+        able = lambda what: self.able(fresh.initiator, what)  # noqa: E731 - the listener changes with the speaker
+        return bool(legal_replies(play, agents, self.rulebook, able))
+
+    def _after(self, play: GamePlay, move: DialogueMove, at: float) -> "Conversation":
+        legal = next((legal for legal in self._legal(play) if legal.move == move), None)
+        if legal is None:
+            raise IllegalMoveError(f"{move} is not legal in dialogue {play.number} ({play.game.name}, {play.stage})")
+        play, agents, said = say(play, self.agents, self.rulebook, legal, at)
+        now = replace(self, agents=agents, record=(*self.record, *said))._with(play)
+        if play.end is None and not now._legal(play):
+            now = now._with(replace(play, end=DialogueEnd.STALEMATE))
+        return now
+
+    def _with(self, play: GamePlay) -> "Conversation":
+        return replace(self, plays=(*self.plays[: play.number - 1], play, *self.plays[play.number :]))
+
+
+def _stance(agent: Agent, proposition: Proposition) -> Stance:
+    """An agent's opinion; what its other beliefs exclude counts as disbelieved."""
+    own = agent.beliefs.stance(proposition)
+    if own is Stance.UNKNOWN and any(opposed(Literal(proposition), held) for held in agent.beliefs.origins):
+        return Stance.DISBELIEVES
+    return own

@@ -1,0 +1,248 @@
+"""One dialogue game being played: its legal moves, and what each changes."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+from thbridge.argumentation.arguments import Argument, Belief
+from thbridge.argumentation.cases import Side
+from thbridge.argumentation.propositions import Literal, Rule
+from thbridge.dialogue.games.agents import Agent
+from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown, opposite
+from thbridge.dialogue.games.locutions import Able, Utterer, after_saying, may_say
+from thbridge.dialogue.games.tables import DialogueEnd, GameRole, GameStage, GameTable, Reply, Rulebook, Slot
+
+Agents = Mapping[Side, Agent]
+
+
+def other_side(side: Side) -> Side:
+    """Return the other side."""
+    return Side.HUMAN if side is Side.ROBOT else Side.ROBOT
+
+
+@dataclass(frozen=True, slots=True)
+class GamePlay:
+    """Position in a dialogue game.
+
+    Attributes:
+        number: of the dialogue, from 1.
+        game: its table.
+        topic: what it is about.
+        initiator: who opened it.
+        parent: number of the dialogue that waits for this one; None without one.
+        stage: name of the present state; after the end, of the last one.
+        claim: what is being defended; None before there is anything.
+        defender: who defends it.
+        offered: support of the claim that was said, in order.
+        argument: the argument that was announced as a whole; None without one.
+        moves: all so far, with their speakers.
+        barred: replies to the opening that were used up by earlier dialogues.
+        end: None while it goes on.
+    """
+
+    number: int
+    game: GameTable
+    topic: Belief
+    initiator: Side
+    parent: int | None = None
+    stage: str = ""
+    claim: Belief | None = None
+    defender: Side | None = None
+    offered: tuple[Belief, ...] = ()
+    argument: Argument | None = None
+    moves: tuple[tuple[Side, DialogueMove], ...] = ()
+    barred: frozenset[DialogueMove] = frozenset()
+    end: DialogueEnd | None = None
+
+    @property
+    def state(self) -> GameStage:
+        """The present state's row of the table."""
+        return self.game.stages[self.stage or self.game.opening]
+
+    @property
+    def speaker(self) -> Side:
+        """The side whose turn it is, while the dialogue goes on."""
+        match self.state.turn:
+            case GameRole.INITIATOR:
+                return self.initiator
+            case GameRole.RESPONDENT:
+                return other_side(self.initiator)
+            case GameRole.DEFENDER:
+                return self.defender or self.initiator
+            case GameRole.CHALLENGER:
+                return other_side(self.defender or self.initiator)
+
+
+@dataclass(frozen=True, slots=True)
+class LegalMove:
+    """Legal move, and the row of the table that allows it."""
+
+    move: DialogueMove
+    reply: Reply
+
+
+def legal_replies(play: GamePlay, agents: Agents, rulebook: Rulebook, able: Able) -> tuple[LegalMove, ...]:
+    """Return the legal moves of the side whose turn it is, in the order of the table; none after the end.
+
+    Args:
+        play: the position.
+        agents: both sides.
+        rulebook: the locutions.
+        able: what the listener is thought able to tell.
+    """
+    if play.end is not None or len(play.moves) >= play.game.most_turns:
+        return ()
+    speaker = agents[play.speaker]
+    at = Utterer(speaker, agents[other_side(play.speaker)], able, rulebook.committing)
+    said = {move for side, move in play.moves if side is play.speaker and not speaker.is_person}
+    return tuple(
+        LegalMove(move, reply)
+        for reply in play.state.replies
+        for content in _contents(play, reply.slot, agents)
+        if (locution := rulebook.locution(reply.locution, content)) is not None
+        and may_say(locution, at, content)
+        and (move := DialogueMove(reply.locution, content)) not in said
+        and not (len(play.moves) == 1 and move in play.barred)
+    )
+
+
+def is_last_support(play: GamePlay, agents: Agents, support: Belief | None = None) -> bool:
+    """Return True when nothing is left to be said for the claim after this support; None: as things are."""
+    offered = play.offered if support is None else (*play.offered, support)
+    return any(not due for _, due in _cases_made(replace(play, offered=offered), agents))
+
+
+@dataclass(frozen=True, slots=True)
+class GameUtterance:
+    """Move as it was made.
+
+    Attributes:
+        dialogue: its number.
+        parent: number of the dialogue that waits for it; None without one.
+        index: of the move in the dialogue, from 0.
+        side: who made it.
+        move: the move.
+        before: name of the state in which it was made.
+        after: name of the state, or the end, that followed.
+        is_booked: True for what followed by itself, such as accepting a claim with the last of its support.
+    """
+
+    dialogue: int
+    parent: int | None
+    index: int
+    side: Side
+    move: DialogueMove
+    before: str
+    after: str
+    is_booked: bool = False
+
+
+def say(
+    play: GamePlay, agents: Agents, rulebook: Rulebook, legal: LegalMove, at: float
+) -> tuple[GamePlay, Agents, tuple[GameUtterance, ...]]:
+    """Return dialogue and sides after a legal move of the side whose turn it is, and what was said, in order.
+
+    Args:
+        play: the position.
+        agents: both sides.
+        rulebook: the locutions.
+        legal: the move.
+        at: simulated time, s.
+    """
+    side, move, reply = play.speaker, legal.move, legal.reply
+    before, locution = play.stage or play.game.opening, rulebook.locution(move.locution, move.content)
+    offers = reply.slot is Slot.SUPPORT and side is play.defender
+    if offers and isinstance(move.content, Literal | Rule):
+        play = replace(play, offered=(*play.offered, move.content))
+    if reply.slot is Slot.ARGUMENT and isinstance(move.content, Argument):
+        play = replace(play, argument=move.content)
+    is_last = is_last_support(play, agents) if reply.last is not None else False
+    after = reply.leads_to(is_last=is_last)
+    agents = _after(agents, rulebook, side, move, at)
+    if (
+        locution is not None
+        and locution.makes_claim
+        and reply.slot in {Slot.TOPIC, Slot.OPPOSITE}
+        and isinstance(move.content, Literal | Rule)
+    ):
+        play = replace(play, claim=move.content, defender=side, offered=(), argument=None)
+    end = play.game.end_of(after)
+    utterances = [GameUtterance(play.number, play.parent, len(play.moves), side, move, before, after)]
+    play = replace(play, moves=(*play.moves, (side, move)), stage=before if end else after, end=end)
+    booked = _follows(play, reply)
+    if booked is not None:
+        agents = _after(agents, rulebook, side, booked, at)
+        utterances.append(GameUtterance(play.number, play.parent, len(play.moves), side, booked, after, after, True))
+        play = replace(play, moves=(*play.moves, (side, booked)))
+    return play, agents, tuple(utterances)
+
+
+def _follows(play: GamePlay, reply: Reply) -> DialogueMove | None:
+    """The acceptance of the claim that follows from accepting the last of its support."""
+    if play.end is DialogueEnd.AGREEMENT and reply.slot is Slot.SUPPORT and play.claim is not None:
+        return DialogueMove(reply.locution, play.claim)
+    return None
+
+
+def _after(agents: Agents, rulebook: Rulebook, side: Side, move: DialogueMove, at: float) -> Agents:
+    locution = rulebook.locution(move.locution, move.content)
+    if locution is None:
+        return agents
+    speaker, listener = after_saying(locution, agents[side], agents[other_side(side)], move, at)
+    return {side: speaker, other_side(side): listener}
+
+
+def _contents(play: GamePlay, slot: Slot, agents: Agents) -> Iterable[Content]:
+    """Contents for a slot of the present state, most important first."""
+    match slot:
+        case Slot.TOPIC:
+            return (play.topic,)
+        case Slot.OPPOSITE:
+            return () if isinstance(play.topic, Rule) else (opposite(play.topic),)
+        case Slot.UNKNOWN:
+            return () if isinstance(play.topic, Rule) else (Unknown(play.topic.proposition),)
+        case Slot.CLAIM:
+            return () if play.claim is None else (play.claim,)
+        case Slot.ARGUMENT:
+            return () if play.offered else tuple(dict.fromkeys(argument for argument, _ in _cases_made(play, agents)))
+        case Slot.SUPPORT if play.speaker is play.defender:
+            return tuple(dict.fromkeys(support for _, due in _cases_made(play, agents) for support in due))
+        case Slot.SUPPORT:
+            return play.offered[-1:]
+
+
+def _cases_made(play: GamePlay, agents: Agents) -> list[tuple[Argument, tuple[Belief, ...]]]:
+    """Arguments for the claim that what was offered belongs to, each with the support that is still due.
+
+    Due is what the listener is not taken to hold, of the argument and of arguments for the parts of its conclusion.
+    """
+    if play.claim is None or play.defender is None:
+        return []
+    defender = agents[play.defender]
+    made = []
+    for argument in _arguments(defender, play.claim):
+        if play.argument not in {None, argument}:
+            continue
+        whole = _with_parts(defender, argument)
+        if all(support in whole for support in play.offered):
+            due = tuple(each for each in whole if each not in play.offered and each not in defender.picture)
+            made.append((argument, due))
+    return made
+
+
+def _arguments(defender: Agent, claim: Belief) -> tuple[Argument, ...]:
+    if isinstance(claim, Rule):
+        return (Argument(frozenset(claim.premises), claim.conclusion),)
+    found = defender.beliefs.arguments(claim)
+    # Of several, the one that rests on the best evidence comes first; its support is what a program says.
+    prefers = defender.beliefs.prefers
+    return tuple(sorted(found, key=lambda one: (sum(prefers(other, one) for other in found), str(one))))
+
+
+def _with_parts(defender: Agent, argument: Argument) -> tuple[Belief, ...]:
+    """Support of an argument and of one for each part of its conclusion, in the order in which it came to be held."""
+    supports = set(argument.support)
+    if len(parts := argument.conclusion.parts) > 1:
+        for part in parts:
+            supports |= next((each.support for each in defender.beliefs.arguments(part)), frozenset())
+    held: list[Belief] = [*defender.beliefs.origins, *defender.beliefs.rules]
+    return tuple(each for each in held if each in supports)

@@ -1,0 +1,244 @@
+"""Locutions: what must hold before one is said, and what holds after (Sklar and Azhar 2015, figure 4).
+
+A locution is data. Its conditions and effects are named; the names, and what each means, are the tables of this module.
+A condition of the speaker's own beliefs binds programs alone: what a person believes nobody reads.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+from thbridge.argumentation.arguments import Argument
+from thbridge.argumentation.beliefs import Origin, Source
+from thbridge.argumentation.cases import Stance
+from thbridge.argumentation.propositions import Literal, Proposition, Rule
+from thbridge.dialogue.games.agents import Agent
+from thbridge.dialogue.games.contents import Content, ContentKind, DialogueMove, Unknown
+
+Able = Callable[[Proposition], bool]
+"""True for what an agent is thought able to tell, such as a shape on a picture of a person."""
+
+
+@dataclass(frozen=True, slots=True)
+class Locution:
+    """Definition of a locution with one kind of content.
+
+    Attributes:
+        name: as it is written.
+        content: kind of what it is about.
+        before: names of the conditions that must hold for a program.
+        before_person: names of those that must hold for a person.
+        after: names of the effects.
+    """
+
+    name: str
+    content: ContentKind
+    before: tuple[str, ...] = ()
+    before_person: tuple[str, ...] = ()
+    after: tuple[str, ...] = ()
+
+    @property
+    def makes_claim(self) -> bool:
+        """True when who says it has to defend its content from then on."""
+        return "claimed" in self.after
+
+
+@dataclass(frozen=True, slots=True)
+class Utterer:
+    """Speaker and listener at a move, for conditions.
+
+    Attributes:
+        speaker: the one who says it.
+        listener: the other.
+        able: what the listener is thought able to tell.
+        committing: names of locutions by which their speaker shows to hold the content.
+    """
+
+    speaker: Agent
+    listener: Agent
+    able: Able
+    committing: frozenset[str]
+
+
+@dataclass(frozen=True, slots=True)
+class Precondition:
+    """Condition on a content, with its meaning for people who write files."""
+
+    meaning: str
+    holds: Callable[[Utterer, Content], bool]
+
+
+@dataclass(frozen=True, slots=True)
+class Postcondition:
+    """Effect of a locution, with its meaning for people who write files.
+
+    `apply` takes speaker, listener, the move and the time (s), and returns the two as they are afterwards.
+    """
+
+    meaning: str
+    apply: Callable[[Agent, Agent, DialogueMove, float], tuple[Agent, Agent]]
+
+
+def may_say(locution: Locution, at: Utterer, content: Content) -> bool:
+    """Return True when all conditions hold that a locution sets its speaker."""
+    names = locution.before_person if at.speaker.is_person else locution.before
+    return all(CONDITIONS[name].holds(at, content) for name in names)
+
+
+def after_saying(
+    locution: Locution, speaker: Agent, listener: Agent, move: DialogueMove, at: float
+) -> tuple[Agent, Agent]:
+    """Return speaker and listener after a move.
+
+    Args:
+        locution: of the move.
+        speaker: the one who says it.
+        listener: the other.
+        move: the move.
+        at: simulated time, s.
+    """
+    speaker = replace(speaker, store=(*speaker.store, move))
+    for name in locution.after:
+        speaker, listener = EFFECTS[name].apply(speaker, listener, move, at)
+    return speaker, listener
+
+
+def _stance(agent: Agent, content: Content) -> Stance:
+    if isinstance(content, Unknown):
+        return agent.beliefs.stance(content.proposition)
+    return agent.beliefs.stance(content.proposition) if isinstance(content, Literal) else Stance.UNKNOWN
+
+
+def _held(at: Utterer, content: Content) -> bool:
+    if isinstance(content, Argument):
+        return content.conclusion in at.speaker.beliefs and content.support <= _all_of(at.speaker)
+    if isinstance(content, Literal) and len(content.parts) > 1:
+        return all(part in at.speaker.beliefs for part in content.parts)
+    return isinstance(content, Literal | Rule) and content in at.speaker.beliefs
+
+
+def _all_of(agent: Agent) -> frozenset[Literal | Rule]:
+    return frozenset([*agent.beliefs.origins, *agent.beliefs.rules])
+
+
+def _argued(at: Utterer, content: Content) -> bool:
+    if isinstance(content, Argument):
+        return content in at.speaker.beliefs.arguments(content.conclusion)
+    return isinstance(content, Literal) and bool(at.speaker.beliefs.arguments(content))
+
+
+def _said(at: Utterer, content: Content) -> bool:
+    return any(move.content == content and move.locution in at.committing for move in at.listener.store)
+
+
+def _thought_to_argue(at: Utterer, content: Content) -> bool:
+    return isinstance(content, Literal | Rule) and at.speaker.picture.has_argument(content, at.speaker.beliefs.rules)
+
+
+def _answerable(at: Utterer, content: Content) -> bool:
+    picture = at.speaker.picture
+    if not isinstance(content, Literal) or (proposition := content.proposition) in picture.unknown:
+        return False
+    return picture.stance(proposition) is not Stance.UNKNOWN or at.able(proposition)
+
+
+def _shown(at: Utterer, content: Content) -> bool:
+    proposition = content.proposition if isinstance(content, Literal | Unknown) else None
+    return proposition is not None and at.listener.picture.stance(proposition) is not Stance.UNKNOWN
+
+
+def _premises_held(at: Utterer, content: Content) -> bool:
+    if not isinstance(content, Rule):
+        return _held(at, content)
+    return all(premise in at.speaker.beliefs for premise in content.premises)
+
+
+def _consequence_open(at: Utterer, content: Content) -> bool:
+    if not isinstance(content, Rule):
+        return True
+    return content.conclusion not in at.speaker.beliefs and content.conclusion not in at.speaker.picture
+
+
+CONDITIONS: Mapping[str, Precondition] = {
+    "held": Precondition("the speaker believes the content", _held),
+    "not held": Precondition("the speaker does not believe the content", lambda at, content: not _held(at, content)),
+    "argued": Precondition("the speaker has an argument for the content", _argued),
+    "not argued": Precondition(
+        "the speaker has no argument for the content", lambda at, content: not _argued(at, content)
+    ),
+    "undecided": Precondition(
+        "the speaker believes neither the content nor its opposite",
+        lambda at, content: _stance(at.speaker, content) is Stance.UNKNOWN,
+    ),
+    "news": Precondition(
+        "the listener is not taken to hold the content", lambda at, content: content not in at.speaker.picture
+    ),
+    "attributed": Precondition(
+        "the listener is taken to hold the content", lambda at, content: content in at.speaker.picture
+    ),
+    "thought to be argued": Precondition(
+        "the listener is taken to have an argument for the content", _thought_to_argue
+    ),
+    "answerable": Precondition(
+        "the listener is taken to have an opinion on the content, or to be able to tell", _answerable
+    ),
+    "said": Precondition("the listener has said the content, or accepted it", _said),
+    "not shown": Precondition(
+        "the speaker has not shown an opinion on the content", lambda at, content: not _shown(at, content)
+    ),
+    "premises held": Precondition("the speaker believes what a rule rests on, or the content", _premises_held),
+    "consequence open": Precondition("neither side is taken to hold what would follow from a rule", _consequence_open),
+}
+"""Conditions by name. "Taken to" is the speaker's picture of the listener."""
+
+
+def _shows(speaker: Agent, listener: Agent, move: DialogueMove, _at: float) -> tuple[Agent, Agent]:
+    return speaker, replace(listener, picture=listener.picture.gaining(move.content))
+
+
+def _argues(speaker: Agent, listener: Agent, move: DialogueMove, _at: float) -> tuple[Agent, Agent]:
+    if isinstance(move.content, Literal | Rule):
+        listener = replace(listener, picture=listener.picture.arguing(move.content))
+    return speaker, listener
+
+
+def _is_persuaded(speaker: Agent, listener: Agent, move: DialogueMove, at: float) -> tuple[Agent, Agent]:
+    # Accepting what is held already is legal, and leaves it with the origin that it has.
+    if isinstance(move.content, Literal | Rule) and move.content not in speaker.beliefs:
+        speaker = replace(speaker, beliefs=speaker.beliefs.gaining(move.content, Origin(Source.TOLD, at)))
+    return speaker, listener
+
+
+def _concludes(accepter: Agent, proposer: Agent, move: DialogueMove, at: float) -> tuple[Agent, Agent]:
+    rule = move.content
+    if not isinstance(rule, Rule):
+        return accepter, proposer
+    return (
+        _with_rule(accepter, rule, at, other_has_premises=True),
+        _with_rule(proposer, rule, at, other_has_premises=False),
+    )
+
+
+def _with_rule(agent: Agent, rule: Rule, at: float, *, other_has_premises: bool) -> Agent:
+    """Return an agent that holds a rule, takes the other to hold it, and draws its conclusion for both.
+
+    Whoever proposed the rule has shown its premises to be held; who accepted it may not hold them.
+    """
+    beliefs = agent.beliefs.gaining(rule, Origin(Source.TOLD, at))
+    if all(premise in beliefs for premise in rule.premises):
+        beliefs = beliefs.gaining(rule.conclusion, Origin(Source.COMPUTED, at))
+    picture = agent.picture.gaining(rule)
+    if other_has_premises or all(premise in picture for premise in rule.premises):
+        picture = picture.gaining(rule.conclusion)
+    return replace(agent, beliefs=beliefs, picture=picture)
+
+
+EFFECTS: Mapping[str, Postcondition] = {
+    "claimed": Postcondition(
+        "the content becomes the claim, which the speaker defends", lambda i, j, _move, _at: (i, j)
+    ),
+    "shown": Postcondition("the listener takes the speaker to hold the content, or not to know, from now on", _shows),
+    "shown to be argued": Postcondition("the listener takes the speaker to have an argument for the content", _argues),
+    "believed": Postcondition("the speaker believes the content, and nothing that it is opposed to", _is_persuaded),
+    "concluded": Postcondition("both sides learn a rule, and what follows from what they hold", _concludes),
+}
+"""Effects by name, besides the one that every locution has: it enters the speaker's commitment store."""
