@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from sim.common.robot_numbers import number_of
 from thbridge.argumentation.propositions import Literal, Proposition
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.rooms import Room
@@ -146,5 +147,214 @@ class TooFar(Proposition):
         return f"too_far({_room(self.room)})"
 
 
+@dataclass(frozen=True, slots=True)
+class NextRoom(Proposition):
+    """A robot goes to a room next; it goes to one, and no other robot goes there.
+
+    Attributes:
+        robot: index in the team, from 0.
+        room: the room.
+    """
+
+    robot: int
+    room: Room
+
+    def excludes(self, other: Proposition) -> bool:
+        """Return True for another room of this robot, and for this room of another robot."""
+        return isinstance(other, NextRoom) and (self.robot == other.robot) != (self.room == other.room)
+
+    def __str__(self) -> str:
+        return f"next({_robot(self.robot)}, {_room(self.room)})"
+
+
+@dataclass(frozen=True, slots=True)
+class TeamPlan(Proposition):
+    """Best that the team can do when a robot goes to a room next: so many rooms, for so much energy in all.
+
+    Attributes:
+        robot: index in the team, from 0.
+        room: its next room.
+        rooms: number of rooms that the team reaches.
+        energy: for all moves of the team.
+    """
+
+    robot: int
+    room: Room
+    rooms: int
+    energy: float
+
+    def excludes(self, other: Proposition) -> bool:
+        """Return True for another value of the same next room."""
+        same = isinstance(other, TeamPlan) and (self.robot, self.room) == (other.robot, other.room)
+        return same and self != other
+
+    def __str__(self) -> str:
+        return f"plan({_robot(self.robot)}, {_room(self.room)}, {self.rooms}, {energy_text(self.energy)})"
+
+
+@dataclass(frozen=True, slots=True)
+class FewerRooms(Proposition):
+    """A number of rooms is below another one."""
+
+    fewer: int
+    more: int
+
+    @property
+    def is_true(self) -> bool:
+        """True when the numbers say so."""
+        return self.fewer < self.more
+
+    def __str__(self) -> str:
+        return f"fewer_rooms({self.fewer}, {self.more})"
+
+
+@dataclass(frozen=True, slots=True)
+class CostOfOther(Proposition):
+    """Going to a room would cost another robot so much energy, as that one says.
+
+    Attributes:
+        robot: index in the team, from 0.
+        room: the room.
+        energy: of its way there.
+    """
+
+    robot: int
+    room: Room
+    energy: float
+
+    def excludes(self, other: Proposition) -> bool:
+        """Return True for another cost of the same way."""
+        same = isinstance(other, CostOfOther) and (self.robot, self.room) == (other.robot, other.room)
+        return same and self != other
+
+    def __str__(self) -> str:
+        return f"energy_cost_of({_robot(self.robot)}, {_room(self.room)}, {energy_text(self.energy)})"
+
+
+@dataclass(frozen=True, slots=True)
+class UnderWay(Proposition):
+    """Another robot is on its way to a room, or has agreed to go there.
+
+    Attributes:
+        robot: index in the team, from 0.
+        room: the room.
+    """
+
+    robot: int
+    room: Room
+
+    def __str__(self) -> str:
+        return f"under_way({_robot(self.robot)}, {_room(self.room)})"
+
+
+@dataclass(frozen=True, slots=True)
+class NoWay(Proposition):
+    """The robot finds no way to a room."""
+
+    room: Room
+
+    def __str__(self) -> str:
+        return f"no_way({_room(self.room)})"
+
+
+@dataclass(frozen=True, slots=True)
+class InTheWay(Proposition):
+    """Something that no map shows is in the way to a room: a door that is shut, a fire."""
+
+    room: Room
+
+    def __str__(self) -> str:
+        return f"in_the_way({_room(self.room)})"
+
+
+@dataclass(frozen=True, slots=True)
+class TakesPicture(Proposition):
+    """The robot in a room takes a picture of the treasure there."""
+
+    room: Room
+
+    def __str__(self) -> str:
+        return f"picture({_room(self.room)})"
+
+
+@dataclass(frozen=True, slots=True)
+class NamesTreasure(Proposition):
+    """The treasure in a room is named now."""
+
+    room: Room
+
+    def __str__(self) -> str:
+        return f"name({_room(self.room)})"
+
+
+@dataclass(frozen=True, slots=True)
+class CouldBe(Proposition):
+    """All that is known of the treasure in a room fits several names.
+
+    Attributes:
+        room: the room.
+        names: at least two, in alphabetical order.
+    """
+
+    room: Room
+    names: tuple[str, ...]
+
+    def excludes(self, other: Proposition) -> bool:
+        """Return True for other names, or a single one, of the same treasure."""
+        return isinstance(other, CouldBe | Settled) and self.room == other.room and self != other
+
+    def __str__(self) -> str:
+        return f"could_be({_room(self.room)}, {' or '.join(self.names)})"
+
+
+@dataclass(frozen=True, slots=True)
+class Settled(Proposition):
+    """All that is known of the treasure in a room fits one name only."""
+
+    room: Room
+    name: str
+
+    def excludes(self, other: Proposition) -> bool:
+        """Return True for another name, or several ones, of the same treasure."""
+        return isinstance(other, CouldBe | Settled) and self.room == other.room and self != other
+
+    def __str__(self) -> str:
+        return f"settled({_room(self.room)}, {self.name})"
+
+
+@dataclass(frozen=True, slots=True)
+class PictureTaken(Proposition):
+    """There is a picture of the treasure in a room already."""
+
+    room: Room
+
+    def __str__(self) -> str:
+        return f"picture_taken({_room(self.room)})"
+
+
+@dataclass(frozen=True, slots=True)
+class PictureCost(Proposition):
+    """Taking a picture costs so much energy."""
+
+    energy: float
+
+    def __str__(self) -> str:
+        return f"picture_cost({energy_text(self.energy)})"
+
+
+@dataclass(frozen=True, slots=True)
+class NamingCost(Proposition):
+    """Naming a treasure costs so much energy."""
+
+    energy: float
+
+    def __str__(self) -> str:
+        return f"naming_cost({energy_text(self.energy)})"
+
+
 def _room(room: Room) -> str:
     return f"Room{room.people}"
+
+
+def _robot(robot: int) -> str:
+    return f"Robot{number_of(robot)}"
