@@ -8,7 +8,7 @@ half a second for sixteen.
 """
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -36,6 +36,31 @@ class TourStart:
 
     costs: tuple[float, ...]
     energy: float
+
+    def can_pay(self, room: Room) -> bool:
+        """Return True when the robot can go to this room first."""
+        return self.costs[room.people] <= self.energy and self.costs[room.people] < math.inf
+
+    def after(self, costs: CostMatrix, room: Room, visit: float) -> "TourStart":
+        """Return the start of the rest of a tour whose first room is this one; its energy may be below 0."""
+        return TourStart(costs.rows[room.people], self.energy - self.costs[room.people] - visit)
+
+
+def paid_tour(costs: CostMatrix, start: TourStart, order: Iterable[Room], visit: float) -> Tour:
+    """Return the tour through rooms in this order, up to the first that the robot cannot pay for."""
+    rooms, cost = [], 0.0
+    for room in order:
+        if not start.can_pay(room):
+            break
+        rooms.append(room)
+        cost += start.costs[room.people]
+        start = start.after(costs, room, visit)
+    return Tour(tuple(rooms), cost)
+
+
+def most_rooms_shared_out(robots: int) -> int:
+    """Return the greatest number of rooms of which the best tours of a team are found."""
+    return MOST_ROOMS if robots == 1 else MOST_ROOMS_OF_A_TEAM
 
 
 def best_team_tours(
@@ -138,7 +163,7 @@ def best_score(costs: CostMatrix, starts: Sequence[TourStart], points: Mapping[R
 def _comparable(unvisited: Collection[Room], starts: Sequence[TourStart]) -> list[Room]:
     """Return the rooms in order. Raises ValueError when they are too many."""
     rooms = sorted(set(unvisited))
-    limit = MOST_ROOMS if len(starts) == 1 else MOST_ROOMS_OF_A_TEAM
+    limit = most_rooms_shared_out(len(starts))
     if len(rooms) > limit:
         raise ValueError(f"at most {limit} rooms can be shared out, and there are {len(rooms)}")
     return rooms
@@ -148,7 +173,7 @@ def _steps(costs: CostMatrix, rooms: Sequence[Room], starts: Sequence[TourStart]
     """(n + s, n) energy from rooms and starts to rooms."""
     between = [[costs.cost(start, goal) for goal in rooms] for start in rooms]
     step = np.array([*between, *([start.costs[goal.people] for goal in rooms] for start in starts)], dtype=np.float64)
-    return step.reshape(-1, len(rooms))
+    return step.reshape(len(rooms) + len(starts), len(rooms))
 
 
 def _payable(to_go: NDArray[np.float64], sizes: NDArray[np.int64], energy: float, visit: float) -> NDArray[np.float64]:

@@ -1,7 +1,8 @@
-"""Joint plans of `thbridge suggest --team`."""
+"""Plans of `thbridge suggest --team`."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 
 from rich.table import Table
 
@@ -9,13 +10,55 @@ from sim.common.robot_numbers import number_of, robot_name
 from thbridge.app.compose.robots import build_travel_times
 from thbridge.app.compose.setting import StudySetting
 from thbridge.hunt.costs import energy_text
+from thbridge.hunt.planners import PLANNERS
 from thbridge.hunt.rooms import CORRIDOR, Room, RoomNames
-from thbridge.hunt.team_tour import PlanValue, TourStart
+from thbridge.hunt.team_planner import TeamPlanner
+from thbridge.hunt.team_tour import PlanValue, TourStart, alternatives, best_team_tours, most_rooms_shared_out
 from thbridge.hunt.tour import Tour
 from ui.terminal import out, show
 
-Alternatives = Sequence[Mapping[Room, PlanValue]]
-"""What each next room of each robot is worth."""
+
+@dataclass(frozen=True, slots=True)
+class SuggestedPlan:
+    """Plan of a team, as it is suggested.
+
+    Attributes:
+        planner: that made it.
+        tours: one a robot.
+        best: value of the best plan; None where there are too many rooms to find it.
+        alternatives: for each robot what each next room is worth; empty for a plan that was not proven the best.
+    """
+
+    planner: TeamPlanner
+    tours: tuple[Tour, ...]
+    best: PlanValue | None
+    alternatives: tuple[Mapping[Room, PlanValue], ...]
+
+    @property
+    def value(self) -> PlanValue:
+        """Rooms visited, and the energy of all moves."""
+        return _value_of(self.tours)
+
+    @property
+    def is_proven(self) -> bool:
+        """True when it was made as the best there is."""
+        return self.planner is TeamPlanner.JOINT and self.best is not None
+
+
+def plan_of(setting: StudySetting, rooms: Collection[Room], planner: TeamPlanner) -> SuggestedPlan:
+    """Return the plan by which a study's robots would visit these rooms from their start poses.
+
+    Raises:
+        ValueError: more rooms than this planner can compare.
+    """
+    starts = team_starts(setting)
+    question = (setting.costs, starts, rooms, setting.study.game.identify_cost)
+    tours = PLANNERS[planner](*question)
+    if len(set(rooms)) > most_rooms_shared_out(len(starts)):
+        return SuggestedPlan(planner, tours, None, ())
+    if planner is TeamPlanner.JOINT:
+        return SuggestedPlan(planner, tours, _value_of(tours), alternatives(*question))
+    return SuggestedPlan(planner, tours, _value_of(best_team_tours(*question)), ())
 
 
 def team_starts(setting: StudySetting) -> tuple[TourStart, ...]:
@@ -30,39 +73,61 @@ def team_starts(setting: StudySetting) -> tuple[TourStart, ...]:
     )
 
 
-def plan_as_json(tours: Sequence[Tour], values: Alternatives) -> dict[str, object]:
+def plan_as_json(plan: SuggestedPlan) -> dict[str, object]:
     """Return the plan as the JSON object has it."""
-    robots = [
-        {
-            "robot": number_of(robot),
-            "tour": [room.people for room in tour.rooms],
-            "cost": tour.cost,
-            "alternatives": [
-                {"next": room.people, "rooms": value.rooms, "cost": value.cost} for room, value in of_robot.items()
-            ],
-        }
-        for robot, (tour, of_robot) in enumerate(zip(tours, values, strict=True))
+    robots: list[dict[str, object]] = [
+        {"robot": number_of(robot), "tour": [room.people for room in tour.rooms], "cost": tour.cost}
+        for robot, tour in enumerate(plan.tours)
     ]
-    rooms = sum(len(tour.rooms) for tour in tours)
-    return {"rooms": rooms, "cost": sum(tour.cost for tour in tours), "robots": robots}
+    for robot, of_robot in zip(robots, plan.alternatives, strict=bool(plan.alternatives)):
+        robot["alternatives"] = [{"next": room.people, **_as_json(value)} for room, value in of_robot.items()]
+    best = None if plan.best is None else _as_json(plan.best)
+    return {
+        "planner": plan.planner,
+        "proven": plan.is_proven,
+        **_as_json(plan.value),
+        "best": best,
+        "robots": robots,
+    }
 
 
-def show_plan(tours: Sequence[Tour], values: Alternatives, names: RoomNames) -> None:
-    """Print each robot's tour, and what its other next rooms would cost the team."""
-    total, spent = sum(len(tour.rooms) for tour in tours), sum(tour.cost for tour in tours)
-    table = Table(title=f"{total} rooms for {energy_text(spent)} energy", title_justify="left")
-    for heading in ("", "tour", "energy", "what other rooms first would cost the team"):
+def show_plan(plan: SuggestedPlan, names: RoomNames) -> None:
+    """Print each robot's tour and, of a plan that is proven best, what other next rooms would cost the team."""
+    table = Table(title=_in_words(plan.value), title_justify="left")
+    for heading in ("", "tour", "energy"):
         table.add_column(heading)
-    for robot, (tour, of_robot) in enumerate(zip(tours, values, strict=True)):
-        first = tour.rooms[0] if tour.rooms else None
-        others = {room: value for room, value in of_robot.items() if room != first}
-        told = ", ".join(f"{room.people}: {_loss(value, total, spent)}" for room, value in others.items())
+    if plan.alternatives:
+        table.add_column("what other rooms first would cost the team")
+    for robot, tour in enumerate(plan.tours):
         way = " ".join(str(room.people) for room in tour.rooms) or "stays"
-        table.add_row(robot_name(robot), way, energy_text(tour.cost), told)
+        losses = [_losses(plan, robot)] if plan.alternatives else []
+        table.add_row(robot_name(robot), way, energy_text(tour.cost), *losses)
     out.print(table)
-    sent = [(at, tour.rooms[0].people) for at, tour in enumerate(tours) if tour.rooms]
+    sent = [(at, tour.rooms[0].people) for at, tour in enumerate(plan.tours) if tour.rooms]
     told = "; ".join(f"{robot_name(at)} to {names.titled(room)}" for at, room in sent)
     show(f"Next: {told or 'nobody goes anywhere'}.")
+    if plan.best is None:
+        show("Of so many rooms no plan can be proven the best: a better one may exist.")
+    elif plan.best != plan.value:
+        show(f"The best plan: {_in_words(plan.best)}.")
+
+
+def _value_of(tours: Sequence[Tour]) -> PlanValue:
+    return PlanValue(sum(len(tour.rooms) for tour in tours), sum(tour.cost for tour in tours))
+
+
+def _as_json(value: PlanValue) -> dict[str, object]:
+    return {"rooms": value.rooms, "cost": value.cost}
+
+
+def _in_words(value: PlanValue) -> str:
+    return f"{value.rooms} rooms for {energy_text(value.cost)} energy"
+
+
+def _losses(plan: SuggestedPlan, robot: int) -> str:
+    first, value = plan.tours[robot].rooms[:1], plan.value
+    others = {room: worth for room, worth in plan.alternatives[robot].items() if (room,) != first}
+    return ", ".join(f"{room.people}: {_loss(worth, value.rooms, value.cost)}" for room, worth in others.items())
 
 
 def _loss(value: PlanValue, rooms: int, spent: float) -> str:

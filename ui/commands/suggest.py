@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from thbridge.hunt.team_planner import TeamPlanner
 from ui.options import AsJson
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, print_json, show
 
@@ -22,14 +23,20 @@ def suggest(
     team: Annotated[
         Path | None, typer.Option(help="Study file: the joint plan of its robots from their start poses.")
     ] = None,
+    planner: Annotated[
+        TeamPlanner | None,
+        typer.Option(help="How a team shares out rooms; `joint` is the best plan.", show_default="joint"),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Suggest the next room: the first of the cheapest tour of all rooms still to visit, of one robot or of a team."""
     if team is not None:
         if costs is not None or at is not None:
             fail(BAD_INPUT, "--team: the study says what moves cost and where robots are. Leave --costs and --at out.")
-        _suggest_to_team(team, unvisited, as_json)
+        _suggest_to_team(team, unvisited, planner or TeamPlanner.JOINT, as_json)
         return
+    if planner is not None:
+        fail(BAD_INPUT, "--planner: it shares rooms out to a team. Give --team STUDY, or leave it out.")
     if costs is None or at is None or unvisited is None:
         fail(BAD_INPUT, "suggest: for one robot give --costs, --at and --unvisited; for a team give --team STUDY.")
     _suggest_to_robot(costs, at, unvisited, as_json)
@@ -61,23 +68,21 @@ def _suggest_to_robot(costs: Path, at: int, unvisited: str, as_json: bool) -> No
         show(f"Next room {rooms[0]}; the cheapest tour is {' '.join(map(str, rooms))} and costs {cost}.")
 
 
-def _suggest_to_team(study_file: Path, unvisited: str | None, as_json: bool) -> None:
-    from thbridge.hunt.team_tour import MOST_ROOMS_OF_A_TEAM, alternatives, best_team_tours
-    from ui.actions.suggest import plan_as_json, show_plan, team_starts
+def _suggest_to_team(study_file: Path, unvisited: str | None, planner: TeamPlanner, as_json: bool) -> None:
+    from thbridge.hunt.tour import MOST_ROOMS
+    from ui.actions.suggest import plan_as_json, plan_of, show_plan
     from ui.settings import setting_of, study_of
 
     setting = setting_of(study_of(study_file, {}), study_file)
     rooms = setting.costs.rooms if unvisited is None else _rooms(unvisited, setting.costs.rooms)
-    if len(rooms) > MOST_ROOMS_OF_A_TEAM:
-        problem = f"a joint plan of {len(rooms)} rooms takes too long"
-        fail(BAD_INPUT, f"--team: {problem}. Name at most {MOST_ROOMS_OF_A_TEAM} of them by --unvisited.")
-    starts, visit = team_starts(setting), setting.study.game.identify_cost
-    tours = best_team_tours(setting.costs, starts, rooms, visit)
-    values = alternatives(setting.costs, starts, rooms, visit)
+    if planner is TeamPlanner.TOUR and len(rooms) > MOST_ROOMS:
+        problem = f"tours of {len(rooms)} rooms take too long to compare"
+        fail(BAD_INPUT, f"--planner: {problem}. Name at most {MOST_ROOMS} rooms by --unvisited, or another planner.")
+    plan = plan_of(setting, rooms, planner)
     if as_json:
-        print_json(plan_as_json(tours, values))
+        print_json(plan_as_json(plan))
     else:
-        show_plan(tours, values, setting.map.room_names)
+        show_plan(plan, setting.map.room_names)
 
 
 def _rooms(text: str, known: Collection["Room"]) -> list["Room"]:

@@ -41,6 +41,26 @@ def test_rooms_that_are_left_may_be_named(study: Path) -> None:
     assert sorted(room for robot in told["robots"] for room in robot["tour"]) == [2, 5]
 
 
+@pytest.mark.parametrize("planner", ["joint", "nearest", "greedy", "tour", "auction"])
+def test_a_team_may_plan_more_simply_and_is_told_the_best_plan_too(study: Path, planner: str) -> None:
+    told = json.loads(suggest("--team", study, "--planner", planner, "--json"))
+    assert told["planner"] == planner and told["proven"] == (planner == "joint")
+    best, robots = told["best"], told["robots"]
+    assert (-told["rooms"], told["cost"]) >= (-best["rooms"], best["cost"])
+    assert all(("alternatives" in robot) == told["proven"] for robot in robots)
+    shown = suggest("--team", study, "--planner", planner)
+    assert ("The best plan: " in shown) == (told["rooms"] != best["rooms"] or told["cost"] != best["cost"])
+
+
+def test_a_plan_of_too_many_rooms_is_said_not_to_be_proven(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    best = json.loads(suggest("--team", study, "--json"))
+    monkeypatch.setattr("thbridge.hunt.team_tour.MOST_ROOMS_OF_A_TEAM", 4)
+    told = json.loads(suggest("--team", study, "--json"))
+    assert not told["proven"] and told["best"] is None
+    assert told["rooms"] == best["rooms"] and told["cost"] == pytest.approx(best["cost"])
+    assert "no plan can be proven the best" in suggest("--team", study)
+
+
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
@@ -52,6 +72,12 @@ def test_what_does_not_go_together_is_told(study: Path, options: tuple[str, ...]
     done = CliRunner().invoke(app, ["suggest", "--team", str(study), *options])
     assert done.exit_code == 2
     assert sentence in done.stderr
+
+
+def test_a_planner_is_for_a_team() -> None:
+    done = CliRunner().invoke(app, ["suggest", "--costs", "c", "--at", "0", "--unvisited", "1", "--planner", "greedy"])
+    assert done.exit_code == 2
+    assert "--planner: it shares rooms out to a team" in done.stderr
 
 
 def test_without_a_team_all_of_one_robot_is_asked_for() -> None:

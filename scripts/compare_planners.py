@@ -1,0 +1,66 @@
+"""Compare the planners of a team on random hunts: rooms visited, and energy of all moves.
+
+Run it from the project's folder: `.venv/bin/python scripts/compare_planners.py`. A planner's plan is the best when it
+visits as many rooms as the exact joint plan for as much energy; of more rooms than that can compare, the last column
+stays empty and `search` is the joint plan. Writes a table in Markdown.
+"""
+
+import argparse
+import time
+from collections.abc import Sequence
+
+from tests.thbridge.hunt.random_hunts import random_hunt
+from thbridge.hunt.planners import PLANNERS, PlanTours
+from thbridge.hunt.rooms import all_rooms
+from thbridge.hunt.team_planner import TeamPlanner
+from thbridge.hunt.team_tour import most_rooms_shared_out
+from thbridge.hunt.team_tour_search import search_team_tours
+from thbridge.hunt.tour import MOST_ROOMS, Tour
+
+HUNTS = ((8, 2, 30.0), (12, 2, 60.0), (12, 3, 25.0), (12, 3, 200.0), (12, 4, 45.0), (16, 3, 50.0), (50, 3, 80.0))
+"""Rooms, robots, and energy of each robot."""
+VISIT = 2.0
+LARGE = 30
+"""Number of rooms from which on a tenth of the hunts has to do."""
+
+
+def value(tours: Sequence[Tour]) -> tuple[int, float]:
+    """Rooms visited and energy of all moves, without what sums of floats in another order differ by."""
+    return sum(len(tour.rooms) for tour in tours), round(sum(tour.cost for tour in tours), 6)
+
+
+def main() -> None:
+    """Plan all hunts and write the table."""
+    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    arguments.add_argument("--hunts", type=int, default=100, help="hunts of each kind (default: 100)")
+    hunts: int = arguments.parse_args().hunts
+    planners: dict[str, PlanTours] = {str(name): plan for name, plan in PLANNERS.items()}
+    planners["search"] = lambda costs, starts, unvisited, visit=0.0, sent=-1: search_team_tours(
+        costs, starts, unvisited, visit
+    )
+    print("| rooms | robots | energy each | planner | rooms visited | energy | seconds, the longest | best plans |")
+    print("|---|---|---|---|---|---|---|---|")
+    for rooms, robots, energy in HUNTS:
+        exact = rooms <= most_rooms_shared_out(robots)
+        seeds = range(hunts if rooms < LARGE else max(hunts // 10, 1))
+        best = []
+        left_out = {TeamPlanner.TOUR} if rooms > MOST_ROOMS else set[str]()
+        for name, plan in planners.items():
+            if name in left_out or (name == TeamPlanner.JOINT and not exact):
+                continue
+            values, longest = [], 0.0
+            for seed in seeds:
+                costs, starts = random_hunt(rooms, robots, energy, seed)
+                began = time.perf_counter()
+                values.append(value(plan(costs, starts, all_rooms(rooms), VISIT)))
+                longest = max(longest, time.perf_counter() - began)
+            best = best or values
+            visited, spent = (sum(column) / len(seeds) for column in zip(*values, strict=True))
+            met = (
+                f"{sum(one == other for one, other in zip(values, best, strict=True))} of {len(seeds)}" if exact else ""
+            )
+            print(f"| {rooms} | {robots} | {energy:g} | {name} | {visited:.2f} | {spent:.1f} | {longest:.3f} | {met} |")
+
+
+if __name__ == "__main__":
+    main()
