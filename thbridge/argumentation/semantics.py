@@ -30,7 +30,11 @@ class Semantics(StrEnum):
 
 def extensions(framework: ArgumentationFramework, semantics: Semantics) -> tuple[Extension, ...]:
     """Return all extensions, in the order of the places of their arguments; only stable semantics may have none."""
-    found = _FINDERS[semantics](framework)
+    return in_order(framework, _FINDERS[semantics](framework))
+
+
+def in_order(framework: ArgumentationFramework, found: Iterable[Extension]) -> tuple[Extension, ...]:
+    """Return extensions in the order of the places of their arguments."""
     return tuple(sorted(found, key=lambda extension: sorted(framework.index[name] for name in extension)))
 
 
@@ -86,23 +90,23 @@ def stable(framework: ArgumentationFramework) -> Iterator[Extension]:
 def preferred(framework: ArgumentationFramework) -> Iterator[Extension]:
     """Yield the preferred extensions: the complete ones that are part of no larger one.
 
-    One is grown until it cannot grow; the next has to hold something that each of the others does not.
+    The search finds larger ones first. So what it finds is preferred unless it is part of an earlier one, and it does
+    not look where only such parts are left.
     """
-    found: list[set[int]] = []
-    search, everything = _Search(framework), set(range(len(framework.arguments)))
-    while True:
-        others = [everything - each for each in found]
-        grown = search.one_with((), others)
-        if grown is None:
-            return
-        while (larger := search.one_with(grown, [*others, everything - grown])) is not None:
-            grown = larger
-        found.append(grown)
-        yield _names(framework, grown)
+    everything = (1 << len(framework.arguments)) - 1
+    others: list[int] = []
+    for labels in _Search(framework).labellings(others):
+        others.append(everything & ~_mask(labels, IN))
+        yield _names(framework, (place for place, label in enumerate(labels) if label == IN))
 
 
 def _names(framework: ArgumentationFramework, places: Iterable[int]) -> Extension:
     return frozenset(framework.arguments[place] for place in places)
+
+
+def _mask(labels: Iterable[int], label: int) -> int:
+    """The places that may have a label, as bits of a number."""
+    return sum(1 << place for place, each in enumerate(labels) if each & label)
 
 
 class _Search:
@@ -119,29 +123,24 @@ class _Search:
         # What is grounded has its label in every complete labelling.
         self._start = [labels if label == UNDECIDED else label & labels for label in grounded_ones]
 
-    def one_with(self, wanted: Iterable[int], some_of: Sequence[set[int]]) -> set[int] | None:
-        """Return the places that are in, in a labelling where these are in and at least one of each set is."""
+    def labellings(self, some_of: Sequence[int] = ()) -> Iterator[list[int]]:
+        """Yield all labellings, each once, and each after those in which more is in.
+
+        Args:
+            some_of: sets of places, as bits of numbers; one of each is in. Some may be added between two labellings.
+        """
         start = list(self._start)
-        for place in wanted:
-            start[place] &= IN
-        found = next(self._labellings(start, some_of), None)
-        return None if found is None else {place for place, label in enumerate(found) if label == IN}
-
-    def labellings(self) -> Iterator[list[int]]:
-        """Yield all labellings, each once."""
-        return self._labellings(list(self._start), ())
-
-    def _labellings(self, start: list[int], some_of: Sequence[set[int]]) -> Iterator[list[int]]:
-        if not self._conclude(start, range(len(start)), some_of):
-            return
-        stack = [start]
+        stack = [start] if self._conclude(start, range(len(start)), some_of) else []
         while stack:
             may_be = stack.pop()
+            # Sets may have been added since it was put there.
+            if some_of and not self._conclude(may_be, (), some_of):
+                continue
             place = self._undetermined(may_be)
             if place is None:
                 yield may_be
                 continue
-            # Pushed last is tried first: in, so that preferred ones are found early.
+            # Pushed last is tried first. The order of these three is what makes larger extensions come first.
             for label in (UNDECIDED, OUT, IN):
                 if may_be[place] & label:
                     guess = list(may_be)
@@ -150,11 +149,11 @@ class _Search:
                         stack.append(guess)
 
     def _undetermined(self, may_be: Sequence[int]) -> int | None:
-        """The place of the argument with most attacks of those whose label is not known."""
+        """The place of the argument that attacks most, of those whose label is not known."""
         places = (place for place, labels in enumerate(may_be) if labels & (labels - 1))
-        return max(places, key=lambda place: len(self._attacked[place]) + len(self._attackers[place]), default=None)
+        return max(places, key=lambda place: len(self._attacked[place]), default=None)
 
-    def _conclude(self, may_be: list[int], changed: Iterable[int], some_of: Sequence[set[int]]) -> bool:
+    def _conclude(self, may_be: list[int], changed: Iterable[int], some_of: Sequence[int]) -> bool:
         """Draw all conclusions; return False where no labelling is left."""
         queue = deque(changed)
         waiting = set(queue)
@@ -174,12 +173,13 @@ class _Search:
                 self._restrict_around(place, may_be, restrict)
                 if not may_be[place]:
                     return False
+            may_be_in = _mask(may_be, IN) if some_of else 0
             for places in some_of:
-                open_ones = [place for place in places if may_be[place] & IN]
+                open_ones = places & may_be_in
                 if not open_ones:
                     return False
-                if len(open_ones) == 1:
-                    restrict(open_ones[0], IN)
+                if not open_ones & (open_ones - 1):
+                    restrict(open_ones.bit_length() - 1, IN)
             if not queue:
                 return True
 

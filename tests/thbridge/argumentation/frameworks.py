@@ -62,3 +62,9 @@ def chain(length: int) -> ArgumentationFramework:
     """Arguments each of which attacks the next."""
     names = [f"a{number}" for number in range(length)]
     return ArgumentationFramework.of(names, pairwise(names))
+
+
+def pairs(count: int) -> ArgumentationFramework:
+    """Pairs of arguments that attack each other, and nothing else: one of each pair may stand."""
+    names = [(f"a{number}", f"b{number}") for number in range(count)]
+    return ArgumentationFramework.of([name for pair in names for name in pair], [*names, *((b, a) for a, b in names)])

@@ -5,7 +5,7 @@ import random
 import pytest
 from hypothesis import given
 
-from tests.thbridge.argumentation.frameworks import by_trying_all_sets, chain, frameworks, random_framework
+from tests.thbridge.argumentation.frameworks import by_trying_all_sets, chain, frameworks, pairs, random_framework
 from thbridge.argumentation.framework import ArgumentationFramework
 from thbridge.argumentation.semantics import Semantics, extensions, grounded
 
@@ -22,10 +22,10 @@ def test_extensions_are_those_of_the_definitions(framework: ArgumentationFramewo
     assert of(framework) == by_trying_all_sets(framework)
 
 
-@pytest.mark.slow
-def test_extensions_of_ten_thousand_frameworks_are_those_of_the_definitions() -> None:
+@pytest.mark.parametrize("count", [300, pytest.param(10_000, marks=pytest.mark.slow)])
+def test_extensions_of_larger_frameworks_are_those_of_the_definitions(count: int) -> None:
     rng = random.Random(16)
-    for _ in range(10_000):
+    for _ in range(count):
         framework = random_framework(rng, 2, 12)
         assert of(framework) == by_trying_all_sets(framework), framework
 
@@ -41,6 +41,13 @@ def test_known_frameworks() -> None:
     assert extensions(circle, Semantics.STABLE) == ()
     assert extensions(ArgumentationFramework.of("a", [("a", "a")]), Semantics.STABLE) == ()
     assert extensions(ArgumentationFramework.of((), ()), Semantics.STABLE) == (frozenset(),)
+
+
+def test_many_preferred_extensions_are_found_without_asking_for_each_of_them() -> None:
+    # Growing one after the other from nothing would take minutes.
+    found = extensions(pairs(9), Semantics.PREFERRED)
+    assert len(found) == len(set(found)) == 2**9
+    assert all(len(each) == 9 for each in found)
 
 
 def test_a_long_chain_needs_no_deep_recursion() -> None:
