@@ -1,5 +1,7 @@
 """`thbridge argue`: which arguments of a framework stand together, and why one does or does not."""
 
+from enum import StrEnum
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -10,11 +12,22 @@ from ui.options import AsJson
 from ui.terminal import BAD_INPUT, bad_input, fail, print_json, say
 
 
+class ArgumentationEngine(StrEnum):
+    """Program that finds extensions."""
+
+    PYTHON = "python"
+    CLINGO = "clingo"
+
+
 def argue(
     file: Annotated[Path, typer.Argument(help="An argumentation framework, .apx or .tgf.")],
     semantics: Annotated[
         Semantics, typer.Option(help="GR: grounded, CO: complete, PR: preferred, ST: stable.", case_sensitive=False)
     ] = Semantics.GROUNDED,
+    engine: Annotated[
+        ArgumentationEngine,
+        typer.Option(help="Who finds them; clingo, an extra package, is faster on large frameworks."),
+    ] = ArgumentationEngine.PYTHON,
     query: Annotated[str | None, typer.Option(help="An argument: is it in an extension, in all of them?")] = None,
     explain: Annotated[
         bool, typer.Option("--explain", help="Why the argument of --query is grounded, or not, as a discussion.")
@@ -23,12 +36,18 @@ def argue(
 ) -> None:
     """Tell which arguments stand together: the extensions of an argumentation framework."""
     from thbridge.argumentation.discussion import discuss, is_won
-    from thbridge.argumentation.semantics import extensions
     from thbridge.files.argument_files import read_framework
     from ui.actions.argue import move_in_words
 
     if explain and query is None:
         fail(BAD_INPUT, "--explain: it needs to know of what. Name the argument by --query.")
+    if engine is ArgumentationEngine.CLINGO:
+        if find_spec("clingo") is None:
+            remedy = "Run: pip install 'thbridge[argumentation]', or leave --engine away"
+            fail(BAD_INPUT, f"--engine: the package clingo is not installed. {remedy}.")
+        from thbridge.argumentation.clingo_engine import extensions_by_clingo as extensions
+    else:
+        from thbridge.argumentation.semantics import extensions
     with bad_input():
         framework = read_framework(file)
     if query is not None and query not in framework.index:

@@ -47,3 +47,17 @@ def test_what_cannot_be_is_told(file: Path, options: tuple[str, ...], told: str)
     done = CliRunner().invoke(app, ["argue", str(file), *options])
     assert done.exit_code == 2
     assert told in done.stderr
+
+
+def test_clingo_finds_the_same(file: Path) -> None:
+    pytest.importorskip("clingo", reason="clingo is not installed: make setup")
+    for semantics in ("GR", "CO", "PR", "ST"):
+        options = (file, "--semantics", semantics, "--query", "a", "--explain")
+        assert argue(*options, "--engine", "clingo") == argue(*options)
+
+
+def test_clingo_that_is_not_installed_is_told_with_the_remedy(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ui.commands.argue.find_spec", lambda _name: None)
+    done = CliRunner().invoke(app, ["argue", str(file), "--engine", "clingo"])
+    assert done.exit_code == 2
+    assert "--engine: the package clingo is not installed. Run: pip install 'thbridge[argumentation]'" in done.stderr
