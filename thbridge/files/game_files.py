@@ -9,7 +9,8 @@ from typing import Literal
 
 from sim.parameters import param
 from thbridge.dialogue.games.contents import ContentKind
-from thbridge.dialogue.games.locutions import CONDITIONS, EFFECTS, Locution
+from thbridge.dialogue.games.locutions import CONDITIONS, CONTRADICTIONS, EFFECTS, Locution
+from thbridge.dialogue.games.positions import NO_CLAIM, Obstacle, obstacle, positions, speaker_in
 from thbridge.dialogue.games.tables import DialogueEnd, GameRole, GameStage, GameTable, Reply, Rulebook, Slot
 from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.resources import PACKAGE
@@ -18,12 +19,15 @@ from thbridge.files.yaml.load import Loaded, load
 LOCUTIONS = "locutions.yaml"
 SHIPPED_GAMES = PACKAGE / "dialogue" / "games" / "rules"
 """The folder of the games that come with the project."""
-_KINDS_OF_SLOT: Mapping[tuple[Slot, str], tuple[ContentKind, ...]] = {
-    **{(slot, about): (ContentKind(about),) for slot in Slot for about in ("literal", "rule")},
-    **{(Slot.ARGUMENT, about): (ContentKind.ARGUMENT,) for about in ("literal", "rule")},
-    **{(Slot.UNKNOWN, about): (ContentKind.UNKNOWN,) for about in ("literal", "rule")},
-    **{(Slot.SUPPORT, about): (ContentKind.LITERAL,) for about in ("literal", "rule")},
+_KIND_OF_SLOT: Mapping[Slot, ContentKind] = {
+    Slot.ARGUMENT: ContentKind.ARGUMENT,
+    Slot.UNKNOWN: ContentKind.UNKNOWN,
+    Slot.SUPPORT: ContentKind.LITERAL,
 }
+"""Kinds of what slots hold; in all others stands what the game is about."""
+LONGEST_NAME = 60
+_NAMES = f"A name has 1 to {LONGEST_NAME} letters, with no blanks at its ends"
+_Forms = Mapping[tuple[str, ContentKind], Locution]
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,26 +74,75 @@ def read_rulebook(folders: Iterable[Path] = (SHIPPED_GAMES,)) -> Rulebook:
     Raises:
         BadFile: a fault of a file, or all faults together.
     """
-    locutions: dict[tuple[str, ContentKind], Locution] = {}
-    games: dict[str, GameTable] = {}
+    forms: dict[tuple[str, ContentKind], Locution] = {}
+    read: dict[str, Loaded[_GameYaml]] = {}
     faults = FaultCollection()
-    read: list[Loaded[_GameYaml]] = []
     for folder in folders:
-        if (folder / LOCUTIONS).exists():
-            with faults.kept():
-                locutions |= {
-                    (each.name, each.content): each for each in _locutions(load(folder / LOCUTIONS, _LocutionsYaml))
-                }
-        for path in sorted(folder.glob("*.yaml")):
-            if path.name != LOCUTIONS:
-                with faults.kept():
-                    read.append(load(path, _GameYaml))
-    for loaded in read:
         with faults.kept():
-            games[loaded.value.name] = _game(loaded, locutions)
+            paths, own_forms = _game_paths(folder), _read_locutions(folder)
+            forms |= own_forms
+            own = _load_games(paths, read)
+            if own_forms:
+                _check_others(folder / LOCUTIONS, [game for name, game in read.items() if name not in own], forms)
+            read |= own
+            for game in own.values():
+                with faults.kept():
+                    _check(game, forms)
     if faults.found:
         raise faults.together()
-    return Rulebook(tuple(locutions.values()), games)
+    return Rulebook(tuple(forms.values()), {name: _table(loaded.value) for name, loaded in read.items()})
+
+
+def _game_paths(folder: Path) -> list[Path]:
+    if not folder.is_dir():
+        raise BadFile(folder, "there is no such folder", f"Make it, and put games or a {LOCUTIONS} into it")
+    paths = sorted(path for path in folder.glob("*.yaml") if path.name != LOCUTIONS)
+    if not paths and not (folder / LOCUTIONS).exists():
+        raise BadFile(folder, f"there are neither games, *.yaml, nor a {LOCUTIONS} in it", "Name the folder of some")
+    return paths
+
+
+def _read_locutions(folder: Path) -> _Forms:
+    if not (folder / LOCUTIONS).exists():
+        return {}
+    return {(each.name, each.content): each for each in _locutions(load(folder / LOCUTIONS, _LocutionsYaml))}
+
+
+def _load_games(paths: Iterable[Path], others: Mapping[str, Loaded[_GameYaml]]) -> dict[str, Loaded[_GameYaml]]:
+    """Return the games of one folder by name, before their tables are checked.
+
+    Args:
+        paths: files of games.
+        others: games of earlier folders, which these replace where they have the same name.
+    """
+    faults, games = FaultCollection(), dict[str, Loaded[_GameYaml]]()
+    for path in paths:
+        with faults.kept():
+            loaded = load(path, _GameYaml)
+            name, about = loaded.value.name, loaded.value.about
+            if not _is_name(name):
+                raise loaded.fault("name", f"{name!r} is no name", _NAMES)
+            if name in games:
+                problem = f"{games[name].path.name} has a game {name}, too"
+                raise loaded.fault("name", problem, "Give each a name of its own")
+            games[name] = loaded
+            if name in others and about != others[name].value.about:
+                problem = f"{name} of {others[name].path}, which it replaces, is about a {others[name].value.about}"
+                raise loaded.fault("about", problem, f"Write {others[name].value.about}, or give it another name")
+    if faults.found:
+        raise faults.together()
+    return games
+
+
+def _check_others(path: Path, games: Iterable[Loaded[_GameYaml]], forms: _Forms) -> None:
+    """Raise a BadFile of a file of locutions with which a game of an earlier folder cannot be played any more."""
+    for game in games:
+        try:
+            _check(game, forms)
+        except BadFile as fault:
+            problem = f"with it the game {game.value.name} cannot be played: {fault}"
+            remedy = "Give locutions of your own names of their own, or write a game that takes the place of that one"
+            raise BadFile(path, problem, remedy, line=1, key="locutions") from None
 
 
 def _locutions(loaded: Loaded[_LocutionsYaml]) -> list[Locution]:
@@ -106,11 +159,22 @@ def _locutions(loaded: Loaded[_LocutionsYaml]) -> list[Locution]:
             ("after", each.after, EFFECTS),
         ):
             what = "effect" if field == "after" else "condition"
+            for at, name in enumerate(names):
+                place_of_word = f"{key}.{field}[{at}]"
+                if name not in known:
+                    faults.append(_no_such(loaded, place_of_word, what, name, known))
+                elif each.content not in known[name].kinds:
+                    kinds = ", ".join(kind for kind in ContentKind if kind in known[name].kinds)
+                    problem = f"{name} is for content: {kinds}; not for {each.content}"
+                    faults.append(loaded.fault(place_of_word, problem, "Take it away"))
+        for field, names in (("before", each.before), ("before_person", each.before_person)):
             faults += [
-                _no_such(loaded, f"{key}.{field}[{at}]", what, name, known)
-                for at, name in enumerate(names)
-                if name not in known
+                loaded.fault(f"{key}.{field}", f"{one} and {other} never hold together", "Take one of them away")
+                for one, other in CONTRADICTIONS
+                if {one, other} <= set(names)
             ]
+        if not _is_name(each.name):
+            faults.append(loaded.fault(f"{key}.name", f"{each.name!r} is no name", _NAMES))
     if faults:
         raise BadFiles(tuple(faults))
     return [
@@ -119,11 +183,7 @@ def _locutions(loaded: Loaded[_LocutionsYaml]) -> list[Locution]:
     ]
 
 
-def _game(loaded: Loaded[_GameYaml], locutions: Mapping[tuple[str, ContentKind], Locution]) -> GameTable:
-    written = loaded.value
-    faults = tuple(_faults(loaded, locutions))
-    if faults:
-        raise BadFiles(faults)
+def _table(written: _GameYaml) -> GameTable:
     stages = {
         stage.name: GameStage(
             stage.turn, tuple(Reply(reply.say, reply.of, reply.next, reply.last) for reply in stage.replies)
@@ -133,7 +193,14 @@ def _game(loaded: Loaded[_GameYaml], locutions: Mapping[tuple[str, ContentKind],
     return GameTable(written.name, written.about, written.opening, stages, written.most_turns)
 
 
-def _faults(loaded: Loaded[_GameYaml], locutions: Mapping[tuple[str, ContentKind], Locution]) -> Iterator[BadFile]:
+def _check(loaded: Loaded[_GameYaml], forms: _Forms) -> None:
+    """Raise the faults of a game: first those of words, then, of a table that hangs together, those of its course."""
+    for find in (_faults, _course_faults):
+        if faults := tuple(find(loaded, forms)):
+            raise BadFiles(faults)
+
+
+def _faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile]:
     written = loaded.value
     names = [stage.name for stage in written.stages]
     targets = [*names, *(end.value for end in DialogueEnd)]
@@ -141,21 +208,34 @@ def _faults(loaded: Loaded[_GameYaml], locutions: Mapping[tuple[str, ContentKind
         yield _no_such(loaded, "opening", "stage", written.opening, names)
     for place, stage in enumerate(written.stages):
         key = f"stages[{place}]"
+        if not _is_name(stage.name):
+            yield loaded.fault(f"{key}.name", f"{stage.name!r} is no name", _NAMES)
         if stage.name in names[:place]:
             yield loaded.fault(f"{key}.name", f"there are two stages {stage.name}", "Give each a name of its own")
         if stage.name in set(DialogueEnd):
             yield loaded.fault(f"{key}.name", f"{stage.name} is the name of an end", "Give the stage another name")
         if not stage.replies:
             yield loaded.fault(f"{key}.replies", "nothing can be said in this stage", "Add a reply, or take it away")
-        if stage.name == written.opening and stage.turn is not GameRole.INITIATOR:
-            yield loaded.fault(f"{key}.turn", "the initiator opens a game", "Write initiator")
         for at, reply in enumerate(stage.replies):
-            yield from _reply_faults(loaded, f"{key}.replies[{at}]", reply, targets, locutions)
-            if stage.name == written.opening and reply.of is not Slot.TOPIC:
-                yield loaded.fault(
-                    f"{key}.replies[{at}].of", f"a game is opened with its topic, not {reply.of}", "Write topic"
-                )
+            yield from _reply_faults(loaded, f"{key}.replies[{at}]", reply, targets, forms)
+            if any((reply.say, reply.of) == (other.say, other.of) for other in stage.replies[:at]):
+                problem = f"{reply.say} of {reply.of} is a reply of this stage already"
+                yield loaded.fault(f"{key}.replies[{at}]", problem, "Keep one of them")
+        if stage.name == written.opening:
+            yield from _opening_faults(loaded, key, stage)
     yield from _stage_faults(loaded, names)
+
+
+def _opening_faults(loaded: Loaded[_GameYaml], key: str, stage: _StageYaml) -> Iterator[BadFile]:
+    if stage.turn is not GameRole.INITIATOR:
+        yield loaded.fault(f"{key}.turn", "the initiator opens a game", "Write initiator")
+    for at, reply in enumerate(stage.replies):
+        if reply.of is not Slot.TOPIC:
+            problem = f"a game is opened with its topic, not {reply.of}"
+            yield loaded.fault(f"{key}.replies[{at}].of", problem, "Write topic")
+    if stage.replies and all(reply.next in set(DialogueEnd) for reply in stage.replies):
+        remedy = "Let one lead to a stage in which the respondent replies"
+        yield loaded.fault(f"{key}.replies[0].next", "nobody can reply to the opening: the game is over", remedy)
 
 
 def _reply_faults(
@@ -163,25 +243,50 @@ def _reply_faults(
     key: str,
     reply: _ReplyYaml,
     targets: Collection[str],
-    locutions: Mapping[tuple[str, ContentKind], Locution],
+    forms: _Forms,
 ) -> Iterator[BadFile]:
     about = loaded.value.about
-    forms = [kind for name, kind in locutions if name == reply.say]
-    wanted = _KINDS_OF_SLOT[reply.of, about]
-    if not forms:
-        yield _no_such(loaded, f"{key}.say", "locution", reply.say, {name for name, _ in locutions})
-    elif not set(wanted) & set(forms):
-        have = " or ".join(forms)
+    have = [kind for name, kind in forms if name == reply.say]
+    wanted = _kind_of(reply.of, about)
+    if not have:
+        yield _no_such(loaded, f"{key}.say", "locution", reply.say, {name for name, _ in forms})
+    elif wanted not in have:
         yield loaded.fault(
             f"{key}.of",
-            f"{reply.say} has no form for a {wanted[0]}, only for a {have}",
-            f"Add it to {LOCUTIONS}, with content: {wanted[0]}",
+            f"{reply.say} has no form with content: {wanted}, only with {', '.join(have)}",
+            f"Add one to {LOCUTIONS}, or write another slot",
         )
-    if reply.of is Slot.OPPOSITE and about == "rule":
-        yield loaded.fault(f"{key}.of", "a rule has no opposite", "Write about: literal, or another slot")
+    if reply.of in {Slot.OPPOSITE, Slot.UNKNOWN} and about == "rule":
+        problem = f"of a rule there is no {'opposite' if reply.of is Slot.OPPOSITE else 'not knowing'}"
+        yield loaded.fault(f"{key}.of", problem, "Write about: literal, or another slot")
     for field, target in (("next", reply.next), ("last", reply.last)):
         if target is not None and target not in targets:
             yield _no_such(loaded, f"{key}.{field}", "stage or end", target, targets)
+    if reply.last is not None and reply.of not in {Slot.SUPPORT, Slot.ARGUMENT}:
+        problem = f"`last` is for the last support of a claim, not for {reply.of}"
+        yield loaded.fault(f"{key}.last", problem, "Take it away, or write of: support or of: argument")
+
+
+def _course_faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile]:
+    """Turns of nobody, and replies that are legal in no play of the game."""
+    table = _table(loaded.value)
+
+    def form_of(reply: Reply) -> Locution:
+        return forms[reply.locution, _kind_of(reply.slot, table.about)]
+
+    found = positions(table, form_of)
+    for place, stage in enumerate(table.stages):
+        here = [position for position in found if position.stage == stage]
+        if any(speaker_in(table, position) is None for position in here):
+            turn = table.stages[stage].turn
+            problem = f"it can be the {turn}'s turn here though {NO_CLAIM.problem}"
+            yield loaded.fault(f"stages[{place}].turn", problem, f"Write initiator or respondent. {NO_CLAIM.remedy}")
+            continue
+        for at, reply in enumerate(table.stages[stage].replies):
+            obstacles = [obstacle(table, position, reply, form_of) for position in here]
+            if obstacles and all(obstacles) and isinstance(first := obstacles[0], Obstacle):
+                problem = f"{reply.locution} of {reply.slot} is never legal here: {first.problem}"
+                yield loaded.fault(f"stages[{place}].replies[{at}].of", problem, first.remedy)
 
 
 def _stage_faults(loaded: Loaded[_GameYaml], names: Collection[str]) -> Iterator[BadFile]:
@@ -199,8 +304,11 @@ def _stage_faults(loaded: Loaded[_GameYaml], names: Collection[str]) -> Iterator
     ending = {name for name, targets in after.items() if targets - set(names)}
     while grown := {name for name, targets in after.items() if targets & ending} - ending:
         ending |= grown
+    lost = [name for name in names if name not in reached] if reached else []
+    # Stages to which only lost ones lead are found again with them.
+    first_lost = [name for name in lost if not any(name in after[other] for other in lost)] or lost[:1]
     for place, stage in enumerate(written.stages):
-        if stage.name not in reached and written.opening in names:
+        if stage.name in first_lost:
             yield loaded.fault(
                 f"stages[{place}].name", f"no reply leads to the stage {stage.name}", "Let one do so, or take it away"
             )
@@ -217,5 +325,13 @@ def _no_such(
 ) -> BadFile:
     choices = sorted(known)
     near = difflib.get_close_matches(name, choices, n=1)
-    remedy = f"The nearest is {near[0]}" if near else f"There are: {', '.join(choices)}"
+    remedy = f"The nearest is {near[0]}" if near else f"There are: {', '.join(choices) or 'none'}"
     return loaded.fault(key, f"there is no {what} {name}", remedy)
+
+
+def _kind_of(slot: Slot, about: str) -> ContentKind:
+    return _KIND_OF_SLOT.get(slot, ContentKind(about))
+
+
+def _is_name(name: str) -> bool:
+    return bool(name) and name == name.strip() and name.isprintable() and len(name) <= LONGEST_NAME

@@ -61,21 +61,23 @@ class Utterer:
 
 @dataclass(frozen=True, slots=True)
 class Precondition:
-    """Condition on a content, with its meaning for people who write files."""
+    """Condition on a content, with its meaning for people who write files, and the kinds for which it can hold."""
 
     meaning: str
     holds: Callable[[Utterer, Content], bool]
+    kinds: frozenset[ContentKind] = frozenset(ContentKind)
 
 
 @dataclass(frozen=True, slots=True)
 class Postcondition:
-    """Effect of a locution, with its meaning for people who write files.
+    """Effect of a locution, with its meaning for people who write files, and the kinds for which there is one.
 
     `apply` takes speaker, listener, the move and the time (s), and returns the two as they are afterwards.
     """
 
     meaning: str
     apply: Callable[[Agent, Agent, DialogueMove, float], tuple[Agent, Agent]]
+    kinds: frozenset[ContentKind] = frozenset(ContentKind)
 
 
 def may_say(locution: Locution, at: Utterer, content: Content) -> bool:
@@ -158,10 +160,14 @@ def _consequence_open(at: Utterer, content: Content) -> bool:
     return content.conclusion not in at.speaker.beliefs and content.conclusion not in at.speaker.picture
 
 
+_CLAIMS = frozenset({ContentKind.LITERAL, ContentKind.RULE})
+
 CONDITIONS: Mapping[str, Precondition] = {
-    "held": Precondition("the speaker believes the content", _held),
+    "held": Precondition("the speaker believes the content", _held, frozenset(ContentKind) - {ContentKind.UNKNOWN}),
     "not held": Precondition("the speaker does not believe the content", lambda at, content: not _held(at, content)),
-    "argued": Precondition("the speaker has an argument for the content", _argued),
+    "argued": Precondition(
+        "the speaker has an argument for the content", _argued, frozenset({ContentKind.LITERAL, ContentKind.ARGUMENT})
+    ),
     "not argued": Precondition(
         "the speaker has no argument for the content", lambda at, content: not _argued(at, content)
     ),
@@ -176,19 +182,28 @@ CONDITIONS: Mapping[str, Precondition] = {
         "the listener is taken to hold the content", lambda at, content: content in at.speaker.picture
     ),
     "thought to be argued": Precondition(
-        "the listener is taken to have an argument for the content", _thought_to_argue
+        "the listener is taken to have an argument for the content", _thought_to_argue, _CLAIMS
     ),
     "answerable": Precondition(
-        "the listener is taken to have an opinion on the content, or to be able to tell", _answerable
+        "the listener is taken to have an opinion on the content, or to be able to tell",
+        _answerable,
+        frozenset({ContentKind.LITERAL}),
     ),
     "said": Precondition("the listener has said the content, or accepted it", _said),
     "not shown": Precondition(
         "the speaker has not shown an opinion on the content", lambda at, content: not _shown(at, content)
     ),
-    "premises held": Precondition("the speaker believes what a rule rests on, or the content", _premises_held),
+    "premises held": Precondition(
+        "the speaker believes what a rule rests on, or the content",
+        _premises_held,
+        frozenset(ContentKind) - {ContentKind.UNKNOWN},
+    ),
     "consequence open": Precondition("neither side is taken to hold what would follow from a rule", _consequence_open),
 }
 """Conditions by name. "Taken to" is the speaker's picture of the listener."""
+
+CONTRADICTIONS = (("held", "not held"), ("argued", "not argued"), ("news", "attributed"))
+"""Conditions of which at most one holds."""
 
 
 def _shows(speaker: Agent, listener: Agent, move: DialogueMove, _at: float) -> tuple[Agent, Agent]:
@@ -234,11 +249,17 @@ def _with_rule(agent: Agent, rule: Rule, at: float, *, other_has_premises: bool)
 
 EFFECTS: Mapping[str, Postcondition] = {
     "claimed": Postcondition(
-        "the content becomes the claim, which the speaker defends", lambda i, j, _move, _at: (i, j)
+        "the content becomes the claim, which the speaker defends", lambda i, j, _move, _at: (i, j), _CLAIMS
     ),
     "shown": Postcondition("the listener takes the speaker to hold the content, or not to know, from now on", _shows),
-    "shown to be argued": Postcondition("the listener takes the speaker to have an argument for the content", _argues),
-    "believed": Postcondition("the speaker believes the content, and nothing that it is opposed to", _is_persuaded),
-    "concluded": Postcondition("both sides learn a rule, and what follows from what they hold", _concludes),
+    "shown to be argued": Postcondition(
+        "the listener takes the speaker to have an argument for the content", _argues, _CLAIMS
+    ),
+    "believed": Postcondition(
+        "the speaker believes the content, and nothing that it is opposed to", _is_persuaded, _CLAIMS
+    ),
+    "concluded": Postcondition(
+        "both sides learn a rule, and what follows from what they hold", _concludes, frozenset({ContentKind.RULE})
+    ),
 }
 """Effects by name, besides the one that every locution has: it enters the speaker's commitment store."""

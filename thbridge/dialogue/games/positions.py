@@ -1,0 +1,120 @@
+"""Positions that plays of a game may come to, by its table alone: so a table is checked before anybody plays."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from thbridge.dialogue.games.locutions import Locution
+from thbridge.dialogue.games.tables import GameRole, GameTable, Reply, Slot
+
+FormOf = Callable[[Reply], Locution]
+"""Gives the form of a reply's locution for what its slot holds."""
+
+
+@dataclass(frozen=True, slots=True)
+class TablePosition:
+    """State of a game with what was said until then, as far as it matters for what can be said next.
+
+    Attributes:
+        stage: name of the state.
+        defender: initiator or respondent, whoever made the last claim; None before there is one.
+        is_announced: True when its argument was said as a whole.
+        is_offered: True when some of its support was said.
+    """
+
+    stage: str
+    defender: GameRole | None = None
+    is_announced: bool = False
+    is_offered: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """Reason for which a reply is not legal in a position, and what its author may do about it."""
+
+    problem: str
+    remedy: str
+
+
+NO_CLAIM = Obstacle(
+    "nothing is claimed before it", "Let a reply before it make a claim: one whose locution has `claimed` after it"
+)
+_NOT_OFFERED = Obstacle(
+    "no support was said before it, which the challenger could speak of", "Let the defender say `of: support` first"
+)
+_NOT_ANNOUNCED = Obstacle(
+    "no argument was said before it, which the challenger could speak of", "Let the defender say `of: argument` first"
+)
+_TOO_LATE = Obstacle(
+    "the argument as a whole comes before its support, not after it", "Move it to the stage before, or write support"
+)
+_OWN_WORDS = Obstacle(
+    "it is the defender's turn, and before this locution the other side must have said the same",
+    "Give the turn to the challenger, or take another locution",
+)
+
+
+def speaker_in(table: GameTable, position: TablePosition) -> GameRole | None:
+    """Return who speaks, initiator or respondent; None when a table says defender or challenger before any claim."""
+    turn = table.stages[position.stage].turn
+    if turn in {GameRole.INITIATOR, GameRole.RESPONDENT}:
+        return turn
+    if position.defender is None or turn is GameRole.DEFENDER:
+        return position.defender
+    return GameRole.RESPONDENT if position.defender is GameRole.INITIATOR else GameRole.INITIATOR
+
+
+def obstacle(table: GameTable, position: TablePosition, reply: Reply, form_of: FormOf) -> Obstacle | None:
+    """Return the reason for which a reply is never legal in a position, whatever both sides believe, or None.
+
+    Args:
+        table: the game.
+        position: a position of it.
+        reply: of the position's state.
+        form_of: gives the forms of locutions.
+    """
+    if reply.slot not in {Slot.CLAIM, Slot.SUPPORT, Slot.ARGUMENT}:
+        return None
+    if position.defender is None:
+        return NO_CLAIM
+    form, defends = form_of(reply), speaker_in(table, position) is position.defender
+    if reply.slot is Slot.ARGUMENT and position.is_offered:
+        return _TOO_LATE
+    if defends:
+        return _OWN_WORDS if "said" in form.before and "said" in form.before_person else None
+    if reply.slot is Slot.SUPPORT and not position.is_offered:
+        return _NOT_OFFERED
+    return _NOT_ANNOUNCED if reply.slot is Slot.ARGUMENT and not position.is_announced else None
+
+
+def positions(table: GameTable, form_of: FormOf) -> tuple[TablePosition, ...]:
+    """Return all positions that some play of a table may come to, in the order in which they are found.
+
+    Args:
+        table: the game.
+        form_of: gives the forms of locutions.
+    """
+    found: dict[TablePosition, None] = {}
+    waiting = [TablePosition(table.opening)]
+    while waiting:
+        position = waiting.pop()
+        if position in found:
+            continue
+        found[position] = None
+        if speaker_in(table, position) is None:
+            continue
+        for reply in table.stages[position.stage].replies:
+            if obstacle(table, position, reply, form_of) is None:
+                after = _after(table, position, reply, form_of)
+                waiting += [
+                    replace(after, stage=name) for name in (reply.next, reply.last) if name in table.stages and name
+                ]
+    return tuple(found)
+
+
+def _after(table: GameTable, position: TablePosition, reply: Reply, form_of: FormOf) -> TablePosition:
+    speaker, form = speaker_in(table, position), form_of(reply)
+    if form.makes_claim and reply.slot in {Slot.TOPIC, Slot.OPPOSITE}:
+        return TablePosition(position.stage, speaker)
+    if reply.slot is Slot.SUPPORT and speaker is position.defender:
+        return replace(position, is_offered=True)
+    return replace(position, is_announced=True) if reply.slot is Slot.ARGUMENT else position
