@@ -13,8 +13,12 @@ class Source(StrEnum):
     """Kind of place that a belief comes from, the most trusted first."""
 
     SENSED = "sensed"
-    COMPUTED = "computed"
     TOLD = "told"
+    """By somebody who may see what the agent does not."""
+    COMPUTED = "computed"
+    """From maps and plans, which know of nothing new."""
+    WISHED = "wished"
+    """By somebody who gives no other reason."""
     DECIDED = "decided"
 
 

@@ -12,6 +12,11 @@ class Proposition:
         return False
 
     @property
+    def is_wish(self) -> bool:
+        """True when it only says that somebody wants something."""
+        return False
+
+    @property
     def parts(self) -> "tuple[Literal, ...]":
         """Literals that hold together when this does; all that has no parts is its own only one."""
         return (Literal(self),)

@@ -1,27 +1,20 @@
-"""Dialogue engine without I/O: moves of people in; utterances and outcomes out; a dialogue is a value.
+"""Dialogue engines: moves of people in; utterances and outcomes out.
 
 A wizard may speak in a robot's place: a dialogue that is held waits where the robot would speak, until `speak` makes
 its move or `release` lets the robot itself do so.
-
-The engine knows no kind of dialogue. A protocol determines whose turn it is and which moves are legal, a strategy
-chooses the robot's move, a phrasing words it; the person gets the legal moves as sentences and can make no other.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 from thbridge.dialogue.moves import (
-    Author,
     Dialogue,
     DialogueOutcome,
     DialogueTopic,
     DialogueUtterance,
     Move,
     Speaker,
-    Turn,
 )
-from thbridge.dialogue.protocols import DialogueProtocol
-from thbridge.dialogue.strategies import Strategy
 
 
 class Phrasing(Protocol):
@@ -55,69 +48,32 @@ class DialogueStep:
     outcome: DialogueOutcome | None
 
 
-@dataclass(frozen=True, slots=True)
-class Engine:
-    """Engine for one kind of dialogue. Holds no state: every method takes a dialogue and returns it as it then is.
+class DialogueEngine(Protocol):
+    """Engine for one way of talking. Holds no state: every method takes a dialogue and returns it as it then is.
 
     All methods raise ValueError if somebody, or the strategy, makes a move that is not legal.
-
-    Attributes:
-        protocol: determines legal moves.
-        strategy: chooses the robot's moves.
-        phrasing: words moves.
     """
-
-    protocol: DialogueProtocol
-    strategy: Strategy
-    phrasing: Phrasing
 
     def open(self, number: int, topic: DialogueTopic, *, held: bool = False) -> DialogueStep:
         """Open a dialogue, and unless held let the robot speak until it is the person's turn or the dialogue ends."""
-        return self._run(Dialogue(number, topic), (), held)
+        ...
 
     def move(self, dialogue: Dialogue, move: Move, *, held: bool = False) -> DialogueStep:
         """Make the person's move, and unless held let the robot answer."""
-        dialogue, utterance = self._with_turn(dialogue, Turn(Speaker.PERSON, move, Author.PERSON))
-        return self._run(dialogue, (utterance,), held)
+        ...
 
     def speak(self, dialogue: Dialogue, move: Move, text: str = "") -> DialogueStep:
         """Make the move of a robot whose dialogue is held, and keep it held; `text` as for `Turn`."""
-        dialogue, utterance = self._with_turn(dialogue, Turn(Speaker.ROBOT, move, Author.WIZARD, text))
-        return self._run(dialogue, (utterance,), held=True)
+        ...
 
     def release(self, dialogue: Dialogue) -> DialogueStep:
         """Let the robot speak in a dialogue that was held."""
-        return self._run(dialogue, (), held=False)
+        ...
 
     def choices(self, dialogue: Dialogue, speaker: Speaker = Speaker.PERSON) -> tuple[Choice, ...]:
         """Return the speaker's legal moves in an open dialogue, most agreeable first; none if it is not their turn."""
-        if self.protocol.speaker(dialogue) is not speaker:
-            return ()
-        return tuple(Choice(move, self.phrasing.say(dialogue, move)) for move in self.protocol.legal(dialogue))
+        ...
 
     def utterances(self, dialogue: Dialogue) -> tuple[DialogueUtterance, ...]:
         """Return all utterances of a dialogue so far."""
-        so_far = Dialogue(dialogue.number, dialogue.topic)
-        utterances: list[DialogueUtterance] = []
-        for turn in dialogue.turns:
-            so_far, utterance = self._with_turn(so_far, turn)
-            utterances.append(utterance)
-        return tuple(utterances)
-
-    def _run(self, dialogue: Dialogue, utterances: tuple[DialogueUtterance, ...], held: bool) -> DialogueStep:
-        while (outcome := self.protocol.outcome(dialogue)) is None:
-            if held or self.protocol.speaker(dialogue) is Speaker.PERSON:
-                break
-            choice = self.strategy.choose(dialogue, self.protocol.legal(dialogue))
-            dialogue, utterance = self._with_turn(dialogue, Turn(Speaker.ROBOT, choice, Author.ROBOT))
-            utterances = (*utterances, utterance)
-        return DialogueStep(dialogue, utterances, outcome)
-
-    def _with_turn(self, dialogue: Dialogue, turn: Turn) -> tuple[Dialogue, DialogueUtterance]:
-        legal = self.protocol.legal(dialogue) if self.protocol.speaker(dialogue) is turn.speaker else ()
-        if turn.move not in legal:
-            raise ValueError(f"{turn.move} of the {turn.speaker} is not among the legal moves {legal}")
-        text = turn.text or self.phrasing.say(dialogue, turn.move)
-        index, topic = len(dialogue.turns), dialogue.topic
-        utterance = DialogueUtterance(dialogue.number, index, turn.speaker, turn.author, turn.move, text, topic)
-        return replace(dialogue, turns=(*dialogue.turns, turn)), utterance
+        ...

@@ -4,6 +4,7 @@ Nothing is in here that only the simulator knows: the robot's own energy and cos
 theirs, the joint plan made of these, its own failures, and what was found out about treasures.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -47,6 +48,8 @@ class WhereFacts:
         values: what each room as its next one is worth to the team.
         others: costs of those robots of the team that the plan sends to a room first, by room.
         failed: rooms that it did not reach when it was sent there, or has no way to.
+        team_costs: costs of the other robots to rooms, by their indices.
+        team_values: what a room as the next one of another robot is worth to the team, by that robot's index.
         confidence: of its localisation, 0 to 1.
         at: simulated time, s.
     """
@@ -60,6 +63,8 @@ class WhereFacts:
     values: Mapping[Room, PlanValue] = field(default_factory=dict)
     others: Mapping[Room, tuple[int, float]] = field(default_factory=dict)
     failed: frozenset[Room] = frozenset()
+    team_costs: Mapping[int, Mapping[Room, float]] = field(default_factory=dict)
+    team_values: Mapping[int, Mapping[Room, PlanValue]] = field(default_factory=dict)
     confidence: float = 1.0
     at: float = 0.0
 
@@ -94,32 +99,44 @@ class Evidence:
     Attributes:
         beliefs: sensed and computed, with the rules of the language, and its decision.
         decision: what it would do; None where it sees nothing to do.
-        shown: evidence that the participant sees in the window: costs, energies, robots under way.
     """
 
     beliefs: Beliefs
     decision: Literal | None
-    shown: frozenset[Literal]
 
 
-def where(facts: WhereFacts, told: Beliefs | None = None) -> Evidence:
+def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = None) -> Evidence:
     """Return what a robot believes about where to go.
 
     Args:
         facts: what it knows.
         told: what it was told before and accepted; its decision goes by that too.
+        rival: room with which it compares the best one; None: the one that costs it least.
     """
     case = _Case(facts.at, told)
     level = case.knows(EnergyLevel(facts.energy))
-    for room in facts.left:
-        _affordable(case, facts, room, level)
+    enough = {room: _affordable(case, facts, room, level) for room in facts.left}
     best = _best(facts, case)
-    if best is not None:
-        for room in facts.left:
-            if room != best and room in facts.values:
-                _compared(case, facts, best, room)
-    decision = None if best is None else Literal(NextRoom(facts.robot, best))
-    return case.evidence(decision)
+    if best is None:
+        return case.evidence(None, ())
+    others = [room for room in facts.left if room != best]
+    compared = {room: _compared(case, facts, best, room) for room in others if room in facts.values}
+    nearest = min(compared, key=lambda room: (facts.costs.get(room, math.inf), room), default=None)
+    reasons = compared.get(rival if rival in compared and rival is not None else nearest or best) or enough[best]
+    goes = Literal(NextRoom(facts.robot, best))
+    case.rule(reasons, goes)
+    # Whoever chooses one room has decided against the others (Sklar and Azhar 2015).
+    return case.evidence(goes, tuple(Literal(NextRoom(facts.robot, room), holds=False) for room in others))
+
+
+def is_decision(literal: Literal) -> bool:
+    """Return True for what is decided, or wished, in one situation only."""
+    return isinstance(literal.proposition, NextRoom | TakesPicture | NamesTreasure | Wanted)
+
+
+def is_hearsay(literal: Literal) -> bool:
+    """Return True for what a robot holds only because a person has persuaded it."""
+    return is_decision(literal) or isinstance(literal.proposition, InTheWay)
 
 
 def what(facts: WhatFacts, told: Beliefs | None = None) -> Evidence:
@@ -147,10 +164,24 @@ def what(facts: WhatFacts, told: Beliefs | None = None) -> Evidence:
             enough = (picture, naming, level)
             case.rule((several, *enough), takes)
             decision = takes
+    for told_so in (takes, names):
+        if case.was_told(told_so):
+            decision = told_so
+        elif case.was_told(~told_so) and decision == told_so:
+            decision = None
     if sum(both) > facts.energy:
         short = case.knows(LessThan((facts.energy,), sum(both)))
         case.rule((picture, naming, level, short), ~takes)
-    return case.evidence(decision)
+    return case.evidence(decision, tuple(~other for other in (takes, names) if decision and other != decision))
+
+
+def comparison(better: PlanValue, worse: PlanValue) -> Proposition | None:
+    """Return why a plan is better than another one, or None when it is not."""
+    if better.rooms > worse.rooms:
+        return FewerRooms(worse.rooms, better.rooms)
+    if better.rooms == worse.rooms and better.cost < worse.cost:
+        return LessThan((better.cost,), worse.cost)
+    return None
 
 
 def reasons_of_a_person(claim: Literal, facts: WhereFacts | WhatFacts) -> Beliefs:
@@ -162,11 +193,9 @@ def reasons_of_a_person(claim: Literal, facts: WhereFacts | WhatFacts) -> Belief
         if not claim.holds:
             blocked = Literal(InTheWay(room))
             reasons[blocked] = Rule((blocked,), claim, is_said=False)
-        elif (cost := facts.costs.get(room)) is not None:
-            dearer = [other for other, price in facts.costs.items() if price > cost]
-            if dearer and len(dearer) == len(facts.costs) - 1:
-                own = Literal(EnergyCost(facts.here, room, cost))
-                reasons[own] = Rule((own,), claim, is_said=False)
+        elif len(facts.costs) > 1 and (cost := facts.costs.get(room)) == min(facts.costs.values()) and cost is not None:
+            nearest = Literal(EnergyCost(facts.here, room, cost))
+            reasons[nearest] = Rule((nearest,), claim, is_said=False)
     return Beliefs.of(reasons, reasons.values(), Source.TOLD)
 
 
@@ -177,19 +206,19 @@ class _Case:
         self._at, self._confidence = at, confidence
         self._beliefs = told or Beliefs()
         self._rules: list[Rule] = []
-        self._shown: set[Literal] = set()
 
     def knows(self, proposition: Proposition, *, confidence: float = 1.0) -> Literal:
         literal = Literal(proposition)
-        shown = isinstance(proposition, _SHOWN)
-        source = Source.SENSED if shown else Source.COMPUTED
+        source = _SOURCES.get(type(proposition), Source.COMPUTED)
         self._beliefs = self._beliefs.gaining(literal, Origin(source, self._at, confidence))
-        if shown:
-            self._shown.add(literal)
         return literal
 
     def rule(self, premises: tuple[Literal, ...], conclusion: Literal) -> None:
         self._rules.append(Rule(premises, conclusion, is_said=False))
+
+    def was_told(self, conclusion: Literal) -> bool:
+        """True for something that it was persuaded of."""
+        return conclusion in self._beliefs
 
     def is_against(self, conclusion: Literal) -> bool:
         """True when there is evidence, or something told, against a conclusion."""
@@ -197,39 +226,48 @@ class _Case:
             ~conclusion in self._beliefs or Beliefs(self._beliefs.origins, tuple(self._rules)).arguments(~conclusion)
         )
 
-    def evidence(self, decision: Literal | None) -> Evidence:
+    def evidence(self, decision: Literal | None, rest: tuple[Literal, ...]) -> Evidence:
         rules = (*(rule for rule in self._beliefs.rules if rule not in self._rules), *self._rules)
         beliefs = Beliefs(self._beliefs.origins, rules)
-        if decision is not None:
-            beliefs = beliefs.gaining(decision, Origin(Source.DECIDED, self._at))
-        return Evidence(beliefs, decision, frozenset(self._shown))
+        for decided in (*(each for each in (decision,) if each is not None), *rest):
+            if decided not in beliefs:
+                beliefs = beliefs.gaining(decided, Origin(Source.DECIDED, self._at))
+        return Evidence(beliefs, decision)
 
 
-_SHOWN = (EnergyLevel, EnergyCost, CostOfOther, UnderWay, PictureCost, NamingCost, PictureTaken)
+_SOURCES: Mapping[type[Proposition], Source] = {
+    EnergyLevel: Source.SENSED,
+    NoWay: Source.SENSED,
+    PictureTaken: Source.SENSED,
+    CostOfOther: Source.TOLD,
+    UnderWay: Source.TOLD,
+}
+"""Sources of evidence; what is not here is computed."""
 
 
-def _affordable(case: _Case, facts: WhereFacts, room: Room, level: Literal) -> None:
-    """Gather whether the robot can get to a room at all."""
+def _affordable(case: _Case, facts: WhereFacts, room: Room, level: Literal) -> tuple[Literal, ...]:
+    """Gather whether the robot can get to a room at all; return the reasons if it can."""
     goes, cost = Literal(NextRoom(facts.robot, room)), facts.costs.get(room)
-    in_the_way = Literal(InTheWay(room))
-    case.rule((in_the_way,), ~goes)
+    case.rule((Literal(InTheWay(room)),), ~goes)
     if room in facts.under_way:
         case.rule((case.knows(UnderWay(facts.under_way[room], room)),), ~goes)
     if cost is None or room in facts.failed:
         case.rule((case.knows(NoWay(room)),), ~goes)
     if cost is None:
-        return
+        return ()
     way = case.knows(EnergyCost(facts.here, room, cost), confidence=facts.confidence)
-    if cost <= facts.energy:
-        if cost < facts.energy:
-            enough = case.knows(LessThan((cost,), facts.energy))
-            case.rule((level, way, enough), goes)
-    else:
+    if cost > facts.energy:
         case.rule((level, way, case.knows(LessThan((facts.energy,), cost))), ~goes)
+        return ()
+    # Paying with all that is left is possible, and nothing is below it then.
+    return (level, way, case.knows(LessThan((cost,), facts.energy))) if cost < facts.energy else (level, way)
 
 
 def _best(facts: WhereFacts, case: _Case) -> Room | None:
     """The room that the plan values most, of those against which nothing stands."""
+    wanted = [room for room in facts.left if case.was_told(Literal(NextRoom(facts.robot, room)))]
+    if wanted:
+        return wanted[0]
     open_ones = [
         room
         for room in facts.left
@@ -238,22 +276,13 @@ def _best(facts: WhereFacts, case: _Case) -> Room | None:
     return min(open_ones, key=lambda room: (-facts.values[room].rooms, facts.values[room].cost, room), default=None)
 
 
-def _compared(case: _Case, facts: WhereFacts, best: Room, room: Room) -> None:
-    """Gather the reasons for the best room, and against another one."""
+def _compared(case: _Case, facts: WhereFacts, best: Room, room: Room) -> tuple[Literal, ...]:
+    """Gather the reasons against another room than the best one; return those for the best one, if it is better."""
     better, worse = facts.values[best], facts.values[room]
-    mine, goes = Literal(NextRoom(facts.robot, best)), Literal(NextRoom(facts.robot, room))
-    if better.rooms > worse.rooms:
-        difference: Proposition = FewerRooms(worse.rooms, better.rooms)
-    elif better.cost < worse.cost:
-        difference = LessThan((better.cost,), worse.cost)
-    else:
-        return
-    premises = (
-        case.knows(TeamPlan(facts.robot, best, better.rooms, better.cost), confidence=facts.confidence),
-        case.knows(TeamPlan(facts.robot, room, worse.rooms, worse.cost), confidence=facts.confidence),
-        case.knows(difference),
-    )
-    case.rule(premises, ~goes)
+    goes = Literal(NextRoom(facts.robot, room))
+    difference = comparison(better, worse)
+    if difference is None:
+        return ()
     if room in facts.others:
         other, cost = facts.others[room]
         own = facts.costs.get(room)
@@ -261,4 +290,10 @@ def _compared(case: _Case, facts: WhereFacts, best: Room, room: Room) -> None:
             theirs = case.knows(CostOfOther(other, room, cost))
             way = case.knows(EnergyCost(facts.here, room, own), confidence=facts.confidence)
             case.rule((theirs, way, case.knows(LessThan((cost,), own))), ~goes)
-    case.rule(premises, mine)
+    reasons = (
+        case.knows(TeamPlan(facts.robot, best, better.rooms, better.cost), confidence=facts.confidence),
+        case.knows(TeamPlan(facts.robot, room, worse.rooms, worse.cost), confidence=facts.confidence),
+        case.knows(difference),
+    )
+    case.rule(reasons, ~goes)
+    return reasons

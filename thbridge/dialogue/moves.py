@@ -1,14 +1,18 @@
 """Values of a dialogue: topic, moves, turns, utterances.
 
 A dialogue's public record (`Dialogue`) is its topic and its moves. Everything else (turn, legal moves, sentences,
-outcome) is computed from the record.
+outcome) is computed from the record; where robots argue, what both sides believe is kept beside it.
 
-A new kind of dialogue (arguments, for example) adds its moves to `Move`, and a protocol and a strategy for them.
+A new way of talking adds its moves to `Move`, and an engine for them.
 """
 
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from thbridge.argumentation.propositions import Literal
+from thbridge.dialogue.evidence import WhatFacts, WhereFacts
+from thbridge.dialogue.games.contents import DialogueMove
+from thbridge.dialogue.games.control import Conversation
 from thbridge.hunt.properties import Properties
 from thbridge.hunt.rooms import Room
 
@@ -67,6 +71,8 @@ class DialogueTopic:
         other_robot: the robot that could get to the room for the least energy besides this one; None without one.
         properties: known of the treasure there.
         reason: of the robot's suggestion, as part of a sentence; empty for what it did not suggest.
+        facts: the robot's, for arguments; None where robots do not argue.
+        opener: the side that brings it up; a robot suggests a room without being asked.
     """
 
     scenario: Scenario
@@ -78,6 +84,8 @@ class DialogueTopic:
     other_robot: int | None = None
     properties: Properties = field(default_factory=dict)
     reason: str = ""
+    facts: WhereFacts | WhatFacts | None = None
+    opener: Speaker = Speaker.PERSON
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +105,62 @@ class Stop:
     """The person does not agree; the dialogue ends."""
 
 
-Move = Ask | Continue | Stop
+class Question(StrEnum):
+    """Question of a person about a decision, which the robot answers without anything else changing."""
+
+    WHY_THIS = "why-this"
+    WHY_NOT = "why-not"
+    WHY_ROBOT = "why-robot"
+    WHY_NOW = "why-now"
+    KNOWN = "known"
+    CHANGE = "change"
+    SIMPLER = "simpler"
+
+
+@dataclass(frozen=True, slots=True)
+class OpenQuestions:
+    """The person wants to ask something."""
+
+
+@dataclass(frozen=True, slots=True)
+class CloseQuestions:
+    """The person does not want to ask anything after all."""
+
+
+@dataclass(frozen=True, slots=True)
+class Enquire:
+    """The person asks a question; `about` is the literal that it is about, or None."""
+
+    question: Question
+    about: Literal | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Explain:
+    """The robot answers a question.
+
+    Attributes:
+        question: that it answers.
+        about: as in the question.
+        because: beliefs of the robot that are its answer; none where it knows of nothing.
+    """
+
+    question: Question
+    about: Literal | None
+    because: tuple[Literal, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Override:
+    """The person, who has the last word, wants it done all the same."""
+
+
+@dataclass(frozen=True, slots=True)
+class Leave:
+    """The person leaves it at that; the dialogue ends."""
+
+
+Move = Ask | Continue | Stop | DialogueMove | OpenQuestions | CloseQuestions | Enquire | Explain | Override | Leave
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,12 +172,14 @@ class Turn:
         move: the move.
         author: decided on it.
         text: replaces the sentence that belongs to the move; empty: that sentence.
+        said: the move that was really made, where another one was heard; None: the same.
     """
 
     speaker: Speaker
     move: Move
     author: Author
     text: str = ""
+    said: Move | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,11 +190,13 @@ class Dialogue:
         number: from 1, in order of opening.
         topic: of the dialogue.
         turns: all moves so far, oldest first.
+        conversation: what both sides have said and believe, where robots argue.
     """
 
     number: int
     topic: DialogueTopic
     turns: tuple[Turn, ...] = ()
+    conversation: Conversation | None = None
 
 
 @dataclass(frozen=True, slots=True)

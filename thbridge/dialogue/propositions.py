@@ -123,6 +123,11 @@ class Wanted(Proposition):
 
     what: Literal
 
+    @property
+    def is_wish(self) -> bool:
+        """True."""
+        return True
+
     def __str__(self) -> str:
         return f"wanted({self.what})"
 

@@ -61,3 +61,5 @@ class TemplatePhrasing:
                 return "Continue"
             case Stop():
                 return "Stop"
+            case _:
+                raise ValueError(f"there is no scripted sentence for {move}")

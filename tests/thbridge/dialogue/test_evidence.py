@@ -1,35 +1,13 @@
 """Evidence of a robot: its decision follows from it, and every comparison in it is true."""
 
 from hypothesis import given
-from hypothesis import strategies as st
 
+from tests.thbridge.dialogue.facts import where_facts
 from thbridge.argumentation.beliefs import Beliefs, Source
 from thbridge.argumentation.propositions import Literal
 from thbridge.dialogue.evidence import WhatFacts, WhereFacts, what, where
 from thbridge.dialogue.propositions import FewerRooms, InTheWay, LessThan, NamesTreasure, NextRoom, TakesPicture
 from thbridge.hunt.rooms import Room
-from thbridge.hunt.team_tour import PlanValue
-
-energies = st.integers(1, 400).map(float)
-
-
-@st.composite
-def where_facts(draw: st.DrawFn) -> WhereFacts:
-    left = tuple(Room(number) for number in sorted(draw(st.sets(st.integers(1, 8), min_size=1))))
-    costs = {room: draw(energies) for room in left if draw(st.booleans())}
-    energy = draw(energies)
-    payable = [room for room, cost in costs.items() if cost <= energy]
-    return WhereFacts(
-        robot=0,
-        here=Room(0),
-        energy=energy,
-        costs=costs,
-        left=left,
-        under_way={room: 1 for room in left if draw(st.booleans()) and draw(st.booleans())},
-        values={room: PlanValue(draw(st.integers(1, 5)), draw(energies)) for room in payable},
-        others={room: (1, draw(energies)) for room in left if draw(st.booleans())},
-        failed=frozenset(room for room in left if draw(st.booleans()) and draw(st.booleans())),
-    )
 
 
 @given(where_facts())

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from thbridge.app.compose.game import build_bot, build_hider
 from thbridge.app.session.session import Session, TickRecord
-from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.protocols import TemplateProtocol
+from thbridge.dialogue.scripted import ScriptedEngine
 from thbridge.dialogue.strategies import TemplateStrategy
 from thbridge.dialogue.templates import TemplatePhrasing
 from thbridge.files.resources import shipped
@@ -35,8 +35,10 @@ def templates(name: str = "original-2016") -> TemplateSet:
     return read_template_set(shipped().find("templates", name, Path()))
 
 
-def engine(chosen: TemplateSet, seed: int = 7) -> Engine:
-    return Engine(TemplateProtocol(chosen.dialogue), TemplateStrategy(), TemplatePhrasing(chosen.dialogue, seed))
+def engine(chosen: TemplateSet, seed: int = 7) -> ScriptedEngine:
+    return ScriptedEngine(
+        TemplateProtocol(chosen.dialogue), TemplateStrategy(), TemplatePhrasing(chosen.dialogue, seed)
+    )
 
 
 class Log:

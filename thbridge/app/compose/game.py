@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from sim.common import noise
 from thbridge.app.compose.setting import StudySetting
-from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.protocols import TemplateProtocol
+from thbridge.dialogue.scripted import ScriptedEngine
 from thbridge.dialogue.strategies import TemplateStrategy
 from thbridge.dialogue.templates import TemplatePhrasing
 from thbridge.files.template_files import TemplateSet
@@ -25,9 +25,9 @@ def build_keeper(setting: StudySetting, history: tuple[Event, ...] = (), last_ga
     game = study.game
     rules = GameRules(study.seed, game.energy, game.picture_cost, game.identify_cost, game.wrong_share)
 
-    def engine(number: int) -> Engine:
+    def engine(number: int) -> ScriptedEngine:
         seed = int(noise.key(study.seed, "dialogue", str(number)))
-        return Engine(TemplateProtocol(template), TemplateStrategy(), TemplatePhrasing(template, seed))
+        return ScriptedEngine(TemplateProtocol(template), TemplateStrategy(), TemplatePhrasing(template, seed))
 
     return Keeper(rules, engine, history, last_game, build_briefing(setting), tells_refusals=study.server.tell_refusals)
 

@@ -51,6 +51,7 @@ class Conversation:
         plays: all dialogues, those that ended among them, in order of opening.
         record: all that was said, in order.
         able: what a side is thought able to tell.
+        since: number of dialogues that belong to a past situation: replies used up in them may be used again.
     """
 
     rulebook: Rulebook
@@ -58,6 +59,7 @@ class Conversation:
     plays: tuple[GamePlay, ...] = ()
     record: tuple[GameUtterance, ...] = ()
     able: Callable[[Side, Proposition], bool] = field(default=_NOBODY_TELLS, compare=False)
+    since: int = 0
 
     def play(self, number: int) -> GamePlay:
         """Return the dialogue with this number, from 1. Raises IllegalMoveError when there is none."""
@@ -144,6 +146,23 @@ class Conversation:
             now = now.withdraw(each)
         return now
 
+    def begun_anew(self, is_past: Callable[[Literal], bool]) -> "Conversation":
+        """Return the conversation in a new situation, in which replies that were used up may be used again.
+
+        Args:
+            is_past: True for what was held in the former situation only, such as a decision.
+        """
+        agents = {}
+        for side, agent in self.agents.items():
+            past = [literal for literal in agent.beliefs.origins if is_past(literal)]
+            held = frozenset(literal for literal in agent.picture.held if not is_past(literal))
+            picture = replace(agent.picture, held=held)
+            agents[side] = replace(agent, beliefs=agent.beliefs.losing(past), picture=picture)
+        now = replace(self, agents=agents, since=len(self.plays))
+        for play in self.open_plays:
+            now = now.withdraw(play.number)
+        return now
+
     def with_agent(self, agent: Agent) -> "Conversation":
         """Return the conversation with a side that has sensed something new."""
         return replace(self, agents={**self.agents, agent.side: agent})
@@ -168,7 +187,7 @@ class Conversation:
     def _new(self, game: str, topic: Belief, side: Side, parent: int | None) -> GamePlay:
         former = [
             play
-            for play in self.plays
+            for play in self.plays[self.since :]
             if (play.game.name, play.topic, play.initiator) == (game, topic, side) and play.end is not None
         ]
         used = frozenset(play.moves[1][1] for play in former if len(play.moves) > 1)

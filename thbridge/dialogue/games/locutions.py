@@ -7,7 +7,7 @@ A condition of the speaker's own beliefs binds programs alone: what a person bel
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
-from thbridge.argumentation.arguments import Argument
+from thbridge.argumentation.arguments import Argument, Belief
 from thbridge.argumentation.beliefs import Origin, Source
 from thbridge.argumentation.cases import Stance
 from thbridge.argumentation.propositions import Literal, Proposition, Rule
@@ -219,8 +219,14 @@ def _argues(speaker: Agent, listener: Agent, move: DialogueMove, _at: float) -> 
 def _is_persuaded(speaker: Agent, listener: Agent, move: DialogueMove, at: float) -> tuple[Agent, Agent]:
     # Accepting what is held already is legal, and leaves it with the origin that it has.
     if isinstance(move.content, Literal | Rule) and move.content not in speaker.beliefs:
-        speaker = replace(speaker, beliefs=speaker.beliefs.gaining(move.content, Origin(Source.TOLD, at)))
+        speaker = replace(speaker, beliefs=speaker.beliefs.gaining(move.content, origin_of_hearsay(move.content, at)))
     return speaker, listener
+
+
+def origin_of_hearsay(belief: Belief, at: float) -> Origin:
+    """Return the origin of what somebody else says, at a simulated time in s."""
+    is_wish = isinstance(belief, Literal) and belief.proposition.is_wish
+    return Origin(Source.WISHED if is_wish else Source.TOLD, at)
 
 
 def _concludes(accepter: Agent, proposer: Agent, move: DialogueMove, at: float) -> tuple[Agent, Agent]:

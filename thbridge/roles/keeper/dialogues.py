@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from thbridge.dialogue.engine import DialogueStep, Engine
+from thbridge.dialogue.engine import DialogueEngine, DialogueStep
 from thbridge.dialogue.moves import Dialogue, DialogueOutcome, DialogueTopic, DialogueUtterance, Scenario, Speaker
 from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
@@ -56,7 +56,7 @@ class GameDialogues:
 
     def __init__(
         self,
-        engine: Engine,
+        engine: DialogueEngine,
         puppets: frozenset[int] = frozenset(),
         room_names: RoomNames | None = None,
     ) -> None:

@@ -12,7 +12,7 @@ from typing import get_args
 
 from msgspec import structs
 
-from thbridge.dialogue.engine import Engine
+from thbridge.dialogue.engine import DialogueEngine
 from thbridge.dialogue.moves import DialogueUtterance
 from thbridge.hunt import rules
 from thbridge.hunt.codec import treasure_of
@@ -151,7 +151,7 @@ class Keeper:
     def __init__(
         self,
         rules: GameRules,
-        engine: Callable[[int], Engine],
+        engine: Callable[[int], DialogueEngine],
         history: Sequence[Event] = (),
         last_game: int = 0,
         briefing: Briefing | None = None,

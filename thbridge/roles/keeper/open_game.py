@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Sequence
 
 from sim.common.observations import TICKS_PER_SECOND
-from thbridge.dialogue.engine import Engine
+from thbridge.dialogue.engine import DialogueEngine
 from thbridge.hunt import game, rules
 from thbridge.hunt.events import (
     CommanderChanged,
@@ -35,7 +35,7 @@ class OpenGame:
         room_names: names of the map's rooms.
     """
 
-    def __init__(self, engine: Callable[[int], Engine], last_game: int, room_names: RoomNames) -> None:
+    def __init__(self, engine: Callable[[int], DialogueEngine], last_game: int, room_names: RoomNames) -> None:
         self._engine = engine
         self._room_names = room_names
         self.last_game = last_game

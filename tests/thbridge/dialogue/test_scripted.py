@@ -2,9 +2,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.moves import Ask, Author, Continue, DialogueOutcome, DialogueTopic, Scenario, Speaker, Stop
 from thbridge.dialogue.protocols import TemplateProtocol
+from thbridge.dialogue.scripted import ScriptedEngine
 from thbridge.dialogue.strategies import TemplateStrategy
 from thbridge.dialogue.templates import ScriptedQuestion, Template, TemplatePhrasing
 from thbridge.hunt.rooms import Room
@@ -30,7 +30,7 @@ TOPIC = DialogueTopic(Scenario.DONT_KNOW, 0, Room(4), 13.0, 87.0)
 
 
 def engine(template=TEMPLATE, seed=7):
-    return Engine(TemplateProtocol(template), TemplateStrategy(), TemplatePhrasing(template, seed))
+    return ScriptedEngine(TemplateProtocol(template), TemplateStrategy(), TemplatePhrasing(template, seed))
 
 
 def test_every_question_needs_its_continue():
@@ -171,7 +171,7 @@ def test_a_strategy_cannot_break_the_protocol():
             return Ask(2)
 
     with pytest.raises(ValueError, match="not among the legal"):
-        Engine(TemplateProtocol(TEMPLATE), Hasty(), TemplatePhrasing(TEMPLATE, 7)).open(1, TOPIC)
+        ScriptedEngine(TemplateProtocol(TEMPLATE), Hasty(), TemplatePhrasing(TEMPLATE, 7)).open(1, TOPIC)
 
 
 def test_another_way_of_talking_fits_without_changing_the_engine():
@@ -195,7 +195,7 @@ def test_another_way_of_talking_fits_without_changing_the_engine():
         def say(self, dialogue, move):
             return f"{move.question}"
 
-    talk = Engine(Haggle(), Dearest(), Figures())
+    talk = ScriptedEngine(Haggle(), Dearest(), Figures())
     step = talk.open(1, TOPIC)
     assert step.utterances == ()
     step = talk.move(step.dialogue, Ask(10))

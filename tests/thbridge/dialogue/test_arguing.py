@@ -1,0 +1,216 @@
+"""Dialogues in which a robot argues: whatever a person does, and whatever the robot knows."""
+
+from dataclasses import dataclass
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from tests.thbridge.dialogue.facts import what_facts, where_facts
+from thbridge.argumentation.cases import Side
+from thbridge.argumentation.propositions import Literal
+from thbridge.dialogue.arguing import MOST_CHOICES, ArguingEngine
+from thbridge.dialogue.conditions import DialogueCondition, Manner
+from thbridge.dialogue.engine import DialogueStep
+from thbridge.dialogue.evidence import WhatFacts, WhereFacts, where
+from thbridge.dialogue.games.contents import DialogueMove, propositions_in
+from thbridge.dialogue.games.strategies import Attitude
+from thbridge.dialogue.moves import (
+    Dialogue,
+    DialogueOutcome,
+    DialogueTopic,
+    Explain,
+    Leave,
+    Move,
+    OpenQuestions,
+    Override,
+    Question,
+    Scenario,
+    Speaker,
+)
+from thbridge.dialogue.propositions import EnergyCost, NextRoom, Wanted
+from thbridge.files.game_files import read_rulebook
+from thbridge.hunt.rooms import Room
+from thbridge.hunt.team_tour import PlanValue
+
+RULEBOOK = read_rulebook()
+ARGUING = [DialogueCondition.COLLABORATOR, DialogueCondition.ADVISER, DialogueCondition.AUTONOMOUS]
+
+
+@dataclass(frozen=True)
+class FormalPhrasing:
+    """Moves as the paper writes them."""
+
+    def say(self, dialogue: Dialogue, move: Move) -> str:
+        return str(move)
+
+
+def engine(manner: Manner) -> ArguingEngine:
+    return ArguingEngine(RULEBOOK, {None: manner}, FormalPhrasing(), seed=3)
+
+
+manners = st.builds(
+    Manner,
+    condition=st.sampled_from(ARGUING),
+    attitude=st.sampled_from(Attitude),
+    persistence=st.integers(0, 3),
+    talkative=st.booleans(),
+    gives_reasons=st.booleans(),
+    misheard=st.sampled_from([0.0, 0.0, 0.5]),
+)
+MOST_TURNS = 60
+
+
+@st.composite
+def topics(draw: st.DrawFn) -> DialogueTopic:
+    facts: WhereFacts | WhatFacts = draw(st.one_of(where_facts(), what_facts()))
+    if isinstance(facts, WhatFacts):
+        scenario = draw(st.sampled_from([Scenario.TAKE_PICTURE, Scenario.TAKE_TREASURE]))
+        return DialogueTopic(scenario, 0, facts.room, facts.picture_cost, facts.energy, facts=facts)
+    assume(facts.values)
+    scenario = draw(st.sampled_from([Scenario.SPECIFIC_ROOM, Scenario.DONT_KNOW]))
+    opener = draw(st.sampled_from(Speaker)) if scenario is Scenario.DONT_KNOW else Speaker.PERSON
+    decision = where(facts).decision
+    assume(decision is not None)
+    room = draw(st.sampled_from(sorted(facts.values)))
+    if scenario is not Scenario.SPECIFIC_ROOM and decision is not None and isinstance(decision.proposition, NextRoom):
+        room = decision.proposition.room
+    return DialogueTopic(scenario, 0, room, facts.costs[room], facts.energy, facts=facts, opener=opener)
+
+
+def play(talker: ArguingEngine, step: DialogueStep, draw: st.DataObject) -> DialogueStep:
+    """Make random choices until the dialogue ends; who has asked for long enough leaves it."""
+    while step.outcome is None:
+        choices = talker.choices(step.dialogue)
+        assert 0 < len(choices) <= MOST_CHOICES
+        assert len({choice.text for choice in choices}) == len(choices)
+        assert talker.choices(step.dialogue, Speaker.ROBOT) == ()
+        last = len(step.dialogue.turns) > MOST_TURNS and choices[-1].move == Leave()
+        step = talker.move(step.dialogue, Leave() if last else draw.draw(st.sampled_from(choices)).move)
+    return step
+
+
+@given(topics(), manners, st.data())
+def test_every_dialogue_ends_and_offers_five_choices_at_most(
+    topic: DialogueTopic, manner: Manner, draw: st.DataObject
+) -> None:
+    talker = engine(manner)
+    step = play(talker, talker.open(1, topic), draw)
+    assert talker.choices(step.dialogue) == () or step.outcome is not None
+    # What is said is recorded word by word, and can be said again from the record.
+    assert [said.text for said in talker.utterances(step.dialogue)] == [
+        str(turn.said or turn.move) for turn in step.dialogue.turns
+    ]
+
+
+@given(topics(), manners, st.data())
+def test_a_robot_says_only_what_it_believes(topic: DialogueTopic, manner: Manner, draw: st.DataObject) -> None:
+    talker = engine(manner)
+    step = talker.open(1, topic)
+    while step.outcome is None and len(step.dialogue.turns) < MOST_TURNS:
+        before = len(step.dialogue.turns)
+        step = talker.move(step.dialogue, draw.draw(st.sampled_from(talker.choices(step.dialogue))).move)
+        conversation = step.dialogue.conversation
+        assert conversation is not None
+        held = {literal.proposition for literal in conversation.agents[Side.ROBOT].beliefs.origins}
+        for turn in step.dialogue.turns[before:]:
+            if turn.speaker is not Speaker.ROBOT:
+                continue
+            if isinstance(turn.move, Explain) and turn.move.question in {Question.WHY_THIS, Question.WHY_NOT}:
+                assert {literal.proposition for literal in turn.move.because} <= held
+            if isinstance(turn.move, DialogueMove) and turn.move.locution in {"assert", "accept"}:
+                assert propositions_in(turn.move.content) <= held
+
+
+@given(topics(), manners, st.data())
+def test_a_robot_that_agreed_believes_what_was_agreed_upon(
+    topic: DialogueTopic, manner: Manner, draw: st.DataObject
+) -> None:
+    talker = engine(manner)
+    step = play(talker, talker.open(1, topic), draw)
+    agreed = step.outcome is DialogueOutcome.CONSENSUS
+    overridden = any(isinstance(turn.move, Override) for turn in step.dialogue.turns)
+    if agreed and not overridden and isinstance(topic.facts, WhereFacts) and step.dialogue.conversation:
+        goes = Literal(NextRoom(0, step.dialogue.topic.room))
+        assert goes in step.dialogue.conversation.agents[Side.ROBOT].beliefs
+
+
+@given(topics(), st.data())
+def test_a_collaborator_does_nothing_that_one_of_both_does_not_want(topic: DialogueTopic, draw: st.DataObject) -> None:
+    talker = engine(Manner())
+    step = play(talker, talker.open(1, topic), draw)
+    moves = [turn.move for turn in step.dialogue.turns]
+    if step.outcome is DialogueOutcome.CONSENSUS and moves:
+        assert isinstance(moves[-1], DialogueMove) and moves[-1].locution == "accept"
+    assert not any(isinstance(move, Override) for move in moves)
+
+
+FACTS = WhereFacts(
+    robot=0,
+    here=Room(0),
+    energy=500.0,
+    costs={Room(1): 50.0, Room(2): 80.0, Room(3): 100.0},
+    left=(Room(1), Room(2), Room(3)),
+    values={Room(1): PlanValue(3, 300.0), Room(2): PlanValue(3, 250.0), Room(3): PlanValue(2, 200.0)},
+)
+
+
+def said(talker: ArguingEngine, step: DialogueStep, text: str) -> DialogueStep:
+    move = next(choice.move for choice in talker.choices(step.dialogue) if choice.text == text)
+    return talker.move(step.dialogue, move)
+
+
+@pytest.mark.parametrize("persistence", [0, 1, 2])
+def test_a_robot_gives_in_when_it_has_held_out_for_as_long_as_it_is_persistent(persistence: int) -> None:
+    talker = engine(Manner(persistence=persistence))
+    step = talker.open(1, DialogueTopic(Scenario.SPECIFIC_ROOM, 0, Room(1), 50.0, 500.0, facts=FACTS))
+    claim = "assert(next(Robot1, Room1))"
+    for held_out in range(persistence):
+        assert step.outcome is None
+        if held_out == 0:
+            step = said(talker, step, "challenge(not next(Robot1, Room1))")
+            step = said(talker, step, "reject(not next(Robot1, Room1))")
+        else:
+            step = said(talker, step, "assert(wanted(next(Robot1, Room1)))")
+        step = said(talker, step, claim)
+    assert step.outcome is DialogueOutcome.CONSENSUS
+    assert step.dialogue.topic.room == Room(1)
+
+
+def test_a_robot_believes_that_something_is_in_the_way_and_goes_elsewhere() -> None:
+    talker = engine(Manner())
+    topic = DialogueTopic(Scenario.DONT_KNOW, 0, Room(2), 80.0, 500.0, facts=FACTS, opener=Speaker.ROBOT)
+    step = talker.open(1, topic)
+    assert str(step.dialogue.turns[0].move) == "assert(next(Robot1, Room2))"
+    step = said(talker, step, "assert(not next(Robot1, Room2))")
+    assert str(step.dialogue.turns[-1].move) == "challenge(not next(Robot1, Room2))"
+    step = said(talker, step, "assert(in_the_way(Room2))")
+    assert "accept(in_the_way(Room2))" in [str(turn.move) for turn in step.dialogue.turns]
+    assert step.outcome is None
+    step = said(talker, step, "question(next(Robot1, Room1))")
+    assert str(step.dialogue.turns[-1].move) == "assert(next(Robot1, Room1))"
+    step = said(talker, step, "accept(next(Robot1, Room1))")
+    assert step.outcome is DialogueOutcome.CONSENSUS and step.dialogue.topic.room == Room(1)
+
+
+def test_a_dearer_way_by_what_it_says_would_change_its_mind() -> None:
+    talker = engine(Manner())
+    step = talker.open(1, DialogueTopic(Scenario.DONT_KNOW, 0, Room(2), 80.0, 500.0, facts=FACTS))
+    step = talker.move(step.dialogue, OpenQuestions())
+    change = next(choice.move for choice in talker.choices(step.dialogue) if "CHANGE" in choice.text)
+    answer = talker.move(step.dialogue, change).dialogue.turns[-1].move
+    assert isinstance(answer, Explain)
+    (dearer,) = (each.proposition for each in answer.because if isinstance(each.proposition, EnergyCost))
+    assert dearer == EnergyCost(Room(0), Room(2), 130.0)
+
+
+def test_a_wish_is_no_reason_for_a_robot_that_has_better_ones() -> None:
+    assert Wanted(Literal(NextRoom(0, Room(1)))).is_wish
+    talker = engine(Manner())
+    step = talker.open(1, DialogueTopic(Scenario.SPECIFIC_ROOM, 0, Room(1), 50.0, 500.0, facts=FACTS))
+    step = said(talker, step, "challenge(not next(Robot1, Room1))")
+    step = said(talker, step, "reject(not next(Robot1, Room1))")
+    step = said(talker, step, "assert(next(Robot1, Room1))")
+    step = said(talker, step, "assert(wanted(next(Robot1, Room1)))")
+    assert step.outcome is None
+    assert str(step.dialogue.turns[-1].move) == "reject(next(Robot1, Room1))"

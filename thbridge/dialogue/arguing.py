@@ -1,0 +1,399 @@
+"""Dialogues in which a robot argues: persuasion, information-seeking and inquiry about the decisions of the hunt.
+
+One dialogue of the participant with a robot is a course of dialogue games about one decision: what the participant
+wants opens a persuasion, "I don't know" an information-seeking; when a game has ended without an agreement, she may
+open the next one. Beside the games she may ask for explanations, which change nothing.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from sim.common import noise
+from thbridge.argumentation.beliefs import Beliefs, Source
+from thbridge.argumentation.cases import Side
+from thbridge.argumentation.propositions import Literal
+from thbridge.dialogue.conditions import DialogueCondition, Manner
+from thbridge.dialogue.engine import Choice, DialogueStep, Phrasing
+from thbridge.dialogue.evidence import Evidence, WhatFacts, WhereFacts, is_hearsay, reasons_of_a_person, what, where
+from thbridge.dialogue.explanations import explain, questions
+from thbridge.dialogue.games.agents import Agent
+from thbridge.dialogue.games.contents import ContentKind, DialogueMove, kind_of_content
+from thbridge.dialogue.games.control import Conversation, Opening
+from thbridge.dialogue.games.dialogue_game import GamePlay
+from thbridge.dialogue.games.strategies import ArguingStrategy, GameStrategy
+from thbridge.dialogue.games.tables import DialogueEnd, Rulebook
+from thbridge.dialogue.moves import (
+    Author,
+    CloseQuestions,
+    Dialogue,
+    DialogueOutcome,
+    DialogueTopic,
+    DialogueUtterance,
+    Enquire,
+    Explain,
+    Leave,
+    Move,
+    OpenQuestions,
+    Override,
+    Question,
+    Scenario,
+    Speaker,
+    Turn,
+)
+from thbridge.dialogue.propositions import NamesTreasure, NextRoom, TakesPicture
+from thbridge.hunt.rooms import Room
+
+PERSUASION, INFORMATION_SEEKING = "persuasion", "information-seeking"
+IN_BRIEF = "-in-brief"
+"""Ending of the names of games in which arguments are given as wholes."""
+_SIDES: Mapping[Speaker, Side] = {Speaker.ROBOT: Side.ROBOT, Speaker.PERSON: Side.HUMAN}
+MOST_CHOICES = 5
+"""Greatest number of choices that a person has at once."""
+
+
+@dataclass(frozen=True, slots=True)
+class ArguingEngine:
+    """Engine for dialogues in which robots argue; see `DialogueEngine`.
+
+    Attributes:
+        rulebook: locutions and games.
+        manner: of each robot, by its index; those that are not there have the one of `None`.
+        phrasing: words moves.
+        seed: of the game, for what is misheard.
+        strategy: chooses robots' moves; None: by their manner.
+    """
+
+    rulebook: Rulebook
+    manners: Mapping[int | None, Manner]
+    phrasing: Phrasing
+    seed: int = 0
+    strategy: GameStrategy | None = None
+
+    def manner(self, robot: int) -> Manner:
+        """Return the manner of a robot."""
+        return self.manners.get(robot) or self.manners[None]
+
+    def open(
+        self, number: int, topic: DialogueTopic, *, held: bool = False, former: Conversation | None = None
+    ) -> DialogueStep:
+        """Open a dialogue; see `DialogueEngine`.
+
+        Args:
+            number: of the dialogue.
+            topic: of the dialogue, with the robot's facts.
+            held: a person speaks in the robot's place.
+            former: all that this robot and the participant have said and believed before.
+        """
+        sides = (Agent(Side.ROBOT, Beliefs()), Agent(Side.HUMAN, Beliefs(), is_person=True))
+        fresh = Conversation(self.rulebook, {agent.side: agent for agent in sides})
+        evidence, claim = _evidence(topic, former), _claim(topic)
+        dialogue = Dialogue(number, topic, conversation=_sensed(topic, former or fresh))
+        if topic.opener is Speaker.ROBOT:
+            opening = self._opening(dialogue, Side.ROBOT, PERSUASION, evidence.decision)
+            return self._opened(dialogue, Speaker.ROBOT, opening, held)
+        if topic.scenario is Scenario.DONT_KNOW:
+            opening = self._opening(dialogue, Side.HUMAN, INFORMATION_SEEKING, evidence.decision)
+            return self._opened(dialogue, Speaker.PERSON, opening, held)
+        if self.manner(topic.robot).condition is DialogueCondition.SUPERVISOR or evidence.decision == claim:
+            return DialogueStep(dialogue, (), DialogueOutcome.CONSENSUS)
+        opening = self._opening(dialogue, Side.HUMAN, PERSUASION, claim)
+        return self._opened(dialogue, Speaker.PERSON, opening, held)
+
+    def move(self, dialogue: Dialogue, move: Move, *, held: bool = False) -> DialogueStep:
+        """Make the person's move, or another one that the robot has heard; see `DialogueEngine`."""
+        _check(move in self._legal(dialogue, Speaker.PERSON), move, Speaker.PERSON)
+        heard = self._heard(dialogue, move)
+        dialogue, utterance = self._with_turn(
+            dialogue, Turn(Speaker.PERSON, heard, Author.PERSON, said=None if heard == move else move)
+        )
+        return self._run(dialogue, (utterance,), held)
+
+    def speak(self, dialogue: Dialogue, move: Move, text: str = "") -> DialogueStep:
+        """Make the move of a robot whose dialogue is held; see `DialogueEngine`."""
+        _check(move in self._legal(dialogue, Speaker.ROBOT), move, Speaker.ROBOT)
+        dialogue, utterance = self._with_turn(dialogue, Turn(Speaker.ROBOT, move, Author.WIZARD, text))
+        return self._run(dialogue, (utterance,), held=True)
+
+    def release(self, dialogue: Dialogue) -> DialogueStep:
+        """Let the robot speak in a dialogue that was held."""
+        return self._run(dialogue, (), held=False)
+
+    def choices(self, dialogue: Dialogue, speaker: Speaker = Speaker.PERSON) -> tuple[Choice, ...]:
+        """Return the speaker's legal moves; see `DialogueEngine`."""
+        return tuple(Choice(move, self.phrasing.say(dialogue, move)) for move in self._legal(dialogue, speaker))
+
+    def utterances(self, dialogue: Dialogue) -> tuple[DialogueUtterance, ...]:
+        """Return all utterances of a dialogue so far."""
+        return tuple(
+            self._utterance(replace(dialogue, turns=dialogue.turns[:at]), turn)
+            for at, turn in enumerate(dialogue.turns)
+        )
+
+    # Course of a dialogue
+
+    def _opened(self, dialogue: Dialogue, speaker: Speaker, opening: Opening | None, held: bool) -> DialogueStep:
+        if opening is None:
+            # What was to be talked over is settled, or all has been said.
+            return DialogueStep(
+                dialogue, (), DialogueOutcome.CONSENSUS if _is_settled(dialogue) else DialogueOutcome.NO_CONSENSUS
+            )
+        author = Author.ROBOT if speaker is Speaker.ROBOT else Author.PERSON
+        dialogue, utterance = self._with_turn(dialogue, Turn(speaker, opening.move, author))
+        return self._run(dialogue, (utterance,), held)
+
+    def _run(self, dialogue: Dialogue, utterances: tuple[DialogueUtterance, ...], held: bool) -> DialogueStep:
+        while True:
+            dialogue, outcome = self._outcome(dialogue)
+            legal = () if outcome is not None or held else self._legal(dialogue, Speaker.ROBOT)
+            if not legal:
+                return DialogueStep(dialogue, utterances, outcome)
+            dialogue, utterance = self._with_turn(
+                dialogue, Turn(Speaker.ROBOT, self._chosen(dialogue, legal), Author.ROBOT)
+            )
+            utterances = (*utterances, utterance)
+
+    def _chosen(self, dialogue: Dialogue, legal: tuple[Move, ...]) -> Move:
+        conversation, play = dialogue.conversation, _current(dialogue)
+        if conversation is None or play is None or not isinstance(legal[0], DialogueMove):
+            return legal[0]
+        manner = self.manner(dialogue.topic.robot)
+        own = ArguingStrategy(manner.attitude, manner.persistence)
+        return (self.strategy or own).choose(conversation, play.number)
+
+    def _outcome(self, dialogue: Dialogue) -> tuple[Dialogue, DialogueOutcome | None]:
+        """Return the outcome, with the dialogue about what was agreed upon; None while it goes on."""
+        last = dialogue.turns[-1].move if dialogue.turns else None
+        conversation = dialogue.conversation
+        if isinstance(last, Leave) or conversation is None:
+            return dialogue, DialogueOutcome.NO_CONSENSUS
+        if isinstance(last, Override):
+            return dialogue, DialogueOutcome.CONSENSUS
+        play = _last_play(dialogue)
+        if (
+            _current(dialogue) is not None
+            or play is None
+            or isinstance(last, OpenQuestions | CloseQuestions | Enquire | Explain)
+        ):
+            return dialogue, None
+        if play.end is DialogueEnd.AGREEMENT and isinstance(play.claim, Literal) and play.claim.holds:
+            return _about(dialogue, play.claim), DialogueOutcome.CONSENSUS
+        manner = self.manner(dialogue.topic.robot)
+        if manner.condition is DialogueCondition.AUTONOMOUS and play.end is not DialogueEnd.AGREEMENT:
+            decision = _evidence(dialogue.topic, conversation).decision
+            if decision is not None and type(decision.proposition) is type(_claim(dialogue.topic).proposition):
+                return _about(dialogue, decision), DialogueOutcome.CONSENSUS
+        return dialogue, None
+
+    def _legal(self, dialogue: Dialogue, speaker: Speaker) -> tuple[Move, ...]:
+        conversation, play = dialogue.conversation, _current(dialogue)
+        last = dialogue.turns[-1].move if dialogue.turns else None
+        if conversation is None:
+            return ()
+        if isinstance(last, Enquire):
+            return (self._answer(dialogue, last),) if speaker is Speaker.ROBOT else ()
+        if play is not None and play.speaker is not _SIDES[speaker]:
+            return ()
+        if speaker is Speaker.ROBOT:
+            return () if play is None else conversation.legal(play.number)
+        manner = self.manner(dialogue.topic.robot)
+        asked = self._questions(dialogue)
+        if isinstance(last, OpenQuestions):
+            return (*asked[: MOST_CHOICES - 1], CloseQuestions())
+        moves: list[Move] = []
+        if play is None:
+            moves += self._openings(dialogue, conversation)
+        else:
+            moves += [
+                move
+                for move in conversation.legal(play.number)
+                if kind_of_content(move.content) is not ContentKind.ARGUMENT
+            ]
+        if manner.condition is DialogueCondition.ADVISER and _may_override(dialogue):
+            moves.append(Override())
+        if asked and len(moves) < MOST_CHOICES - 1:
+            moves.append(OpenQuestions())
+        return (*moves[: MOST_CHOICES - 1], Leave())
+
+    def _openings(self, dialogue: Dialogue, conversation: Conversation) -> list[Move]:
+        """Ways in which the person may go on after a game that has ended without an agreement to do something."""
+        claim, decision = _claim(dialogue.topic), _evidence(dialogue.topic, conversation).decision
+        found = [
+            self._opening(dialogue, Side.HUMAN, PERSUASION, claim),
+            self._opening(dialogue, Side.HUMAN, INFORMATION_SEEKING, decision),
+        ]
+        asked = [opening.move for opening in found if opening is not None]
+        last = _last_play(dialogue)
+        if last is not None and last.end is DialogueEnd.AGREEMENT:
+            # She has accepted that it is not done.
+            asked = [move for move in asked if move.content != claim]
+        return list(dict.fromkeys(asked))
+
+    def _questions(self, dialogue: Dialogue) -> tuple[Enquire, ...]:
+        conversation, topic = dialogue.conversation, dialogue.topic
+        if conversation is None or topic.facts is None or not self.manner(topic.robot).gives_reasons:
+            return ()
+        put = {turn.move for turn in dialogue.turns if isinstance(turn.move, Enquire)}
+        said = any(
+            turn.speaker is Speaker.ROBOT and isinstance(turn.move, DialogueMove | Explain) for turn in dialogue.turns
+        )
+        possible = questions(topic.facts, _evidence(topic, conversation), _claim(topic))
+        simpler = (Enquire(Question.SIMPLER),) if said else ()
+        return tuple(each for each in (*possible, *simpler) if each not in put or each.question is Question.SIMPLER)
+
+    def _answer(self, dialogue: Dialogue, asked: Enquire) -> Explain:
+        conversation, topic = dialogue.conversation, dialogue.topic
+        if asked.question is Question.SIMPLER:
+            return _last_said(dialogue)
+        if conversation is None or topic.facts is None:
+            return Explain(asked.question, asked.about, ())
+        return explain(asked, topic.facts, _evidence(topic, conversation))
+
+    # Sides
+
+    def _opening(self, dialogue: Dialogue, side: Side, game: str, topic: Literal | None) -> Opening | None:
+        conversation = dialogue.conversation
+        if topic is None or conversation is None:
+            return None
+        name = game if self.manner(dialogue.topic.robot).talkative else game + IN_BRIEF
+        return next(iter(conversation.opening(side, name, topic)), None)
+
+    def _heard(self, dialogue: Dialogue, move: Move) -> Move:
+        """Return the move that the robot hears: another one at the rate at which it mishears."""
+        rate = self.manner(dialogue.topic.robot).misheard
+        others = [
+            each for each in self._legal(dialogue, Speaker.PERSON) if isinstance(each, DialogueMove) and each != move
+        ]
+        if rate <= 0.0 or not others or not isinstance(move, DialogueMove):
+            return move
+        key = noise.key(self.seed, "misheard")
+        turn = len(dialogue.turns)
+        if noise.uniform(key, dialogue.number, 2 * turn) >= rate:
+            return move
+        return others[int(noise.uniform(key, dialogue.number, 2 * turn + 1) * len(others))]
+
+    def _with_turn(self, dialogue: Dialogue, turn: Turn) -> tuple[Dialogue, DialogueUtterance]:
+        utterance = self._utterance(dialogue, turn)
+        conversation, play = dialogue.conversation, _current(dialogue)
+        move, at = turn.move, _time(dialogue.topic)
+        if conversation is not None and isinstance(move, DialogueMove):
+            if play is not None:
+                conversation = conversation.say(play.number, move, at=at)
+            else:
+                side, topic = _SIDES[turn.speaker], move.content if isinstance(move.content, Literal) else None
+                ways = [self._opening(dialogue, side, game, topic) for game in (PERSUASION, INFORMATION_SEEKING)]
+                opening = next(each for each in ways if each is not None and each.move == move)
+                conversation = conversation.open(side, opening, at=at)
+        if conversation is not None and isinstance(move, Leave | Override) and play is not None:
+            conversation = conversation.withdraw(play.number)
+        if conversation is not None and not conversation.open_plays:
+            conversation = _sensed(dialogue.topic, conversation)
+        return replace(dialogue, turns=(*dialogue.turns, turn), conversation=conversation), utterance
+
+    def _utterance(self, dialogue: Dialogue, turn: Turn) -> DialogueUtterance:
+        text = turn.text or self.phrasing.say(dialogue, turn.said or turn.move)
+        return DialogueUtterance(
+            dialogue.number, len(dialogue.turns), turn.speaker, turn.author, turn.move, text, dialogue.topic
+        )
+
+
+def _check(is_legal: bool, move: Move, speaker: Speaker) -> None:
+    if not is_legal:
+        raise ValueError(f"{move} of the {speaker} is not among the legal moves")
+
+
+def _claim(topic: DialogueTopic) -> Literal:
+    """The literal that a dialogue is about."""
+    match topic.scenario:
+        case Scenario.TAKE_PICTURE:
+            return Literal(TakesPicture(topic.room))
+        case Scenario.TAKE_TREASURE:
+            return Literal(NamesTreasure(topic.room))
+        case _:
+            return Literal(NextRoom(topic.robot, topic.room))
+
+
+def _evidence(topic: DialogueTopic, conversation: Conversation | None) -> Evidence:
+    """Evidence of the robot, with what it was told and has accepted."""
+    told = Beliefs()
+    if conversation is not None:
+        beliefs = conversation.agents[Side.ROBOT].beliefs
+        kept = {
+            literal: origin
+            for literal, origin in beliefs.origins.items()
+            if origin.source in {Source.TOLD, Source.WISHED} and is_hearsay(literal)
+        }
+        told = Beliefs(kept)
+    match topic.facts:
+        case WhereFacts():
+            return where(topic.facts, told, topic.room)
+        case WhatFacts():
+            return what(topic.facts, told)
+        case None:
+            return Evidence(told, None)
+
+
+def _sensed(topic: DialogueTopic, conversation: Conversation) -> Conversation:
+    """The conversation after the robot has looked at its evidence anew, in the light of what it was told.
+
+    What a person could say for or against what the robot wants then, and for or against the topic, is hers to say.
+    """
+    evidence, claim = _evidence(topic, conversation), _claim(topic)
+    robot, person = conversation.agents[Side.ROBOT], conversation.agents[Side.HUMAN]
+    if topic.facts is not None:
+        origins, rules = dict(person.beliefs.origins), list(person.beliefs.rules)
+        for literal in dict.fromkeys([claim, *(each for each in (evidence.decision,) if each is not None)]):
+            for conclusion in (literal, ~literal):
+                own = reasons_of_a_person(conclusion, topic.facts)
+                origins |= own.origins
+                rules += [rule for rule in own.rules if rule not in rules]
+        person = replace(person, beliefs=Beliefs(origins, tuple(rules)))
+    return conversation.with_agent(replace(robot, beliefs=evidence.beliefs)).with_agent(person)
+
+
+def _time(topic: DialogueTopic) -> float:
+    return 0.0 if topic.facts is None else topic.facts.at
+
+
+def _current(dialogue: Dialogue) -> GamePlay | None:
+    """The game in which somebody has to speak now, or None."""
+    conversation = dialogue.conversation
+    if conversation is None:
+        return None
+    return next((play for play in reversed(conversation.open_plays) if not conversation.waits(play.number)), None)
+
+
+def _last_play(dialogue: Dialogue) -> GamePlay | None:
+    conversation = dialogue.conversation
+    return None if conversation is None or not conversation.plays else conversation.plays[-1]
+
+
+def _is_settled(dialogue: Dialogue) -> bool:
+    """True when the robot holds the claim already."""
+    conversation = dialogue.conversation
+    return conversation is not None and _claim(dialogue.topic) in conversation.agents[Side.ROBOT].beliefs
+
+
+def _may_override(dialogue: Dialogue) -> bool:
+    return dialogue.topic.scenario is not Scenario.DONT_KNOW
+
+
+def _about(dialogue: Dialogue, agreed: Literal) -> Dialogue:
+    """The dialogue, about what was agreed upon in the end."""
+    room: Room = dialogue.topic.room
+    if isinstance(agreed.proposition, NextRoom | TakesPicture | NamesTreasure):
+        room = agreed.proposition.room
+    return replace(dialogue, topic=replace(dialogue.topic, room=room))
+
+
+def _last_said(dialogue: Dialogue) -> Explain:
+    """All that the robot has argued with last, to be said again."""
+    for turn in reversed(dialogue.turns):
+        if turn.speaker is not Speaker.ROBOT:
+            continue
+        if isinstance(turn.move, Explain) and turn.move.question is not Question.SIMPLER:
+            return Explain(Question.SIMPLER, turn.move.about, turn.move.because)
+        if isinstance(turn.move, DialogueMove):
+            content = turn.move.content
+            if isinstance(content, Literal):
+                return Explain(Question.SIMPLER, content, (content,))
+    return Explain(Question.SIMPLER, None, ())

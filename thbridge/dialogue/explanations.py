@@ -1,0 +1,148 @@
+"""Explanations that a person may ask for: why this and not that, what is known, what would change the robot's mind.
+
+An explanation is made of literals, each of which the robot believes, or, of what would change its mind, which would
+lead it to another decision. So what is said is true by construction.
+"""
+
+from thbridge.argumentation.arguments import Argument
+from thbridge.argumentation.propositions import Literal, Proposition
+from thbridge.dialogue.evidence import Evidence, WhatFacts, WhereFacts, comparison
+from thbridge.dialogue.moves import Enquire, Explain, Question
+from thbridge.dialogue.propositions import (
+    CostOfOther,
+    EnergyCost,
+    InTheWay,
+    LessThan,
+    NextRoom,
+    TakesPicture,
+    TeamPlan,
+)
+from thbridge.hunt.rooms import Room
+
+
+def questions(facts: WhereFacts | WhatFacts, evidence: Evidence, claim: Literal) -> tuple[Enquire, ...]:
+    """Return the questions that may be asked about a decision and have an answer.
+
+    Args:
+        facts: the robot's.
+        evidence: made of them.
+        claim: what the dialogue is about.
+    """
+    decision = evidence.decision
+    possible = [Enquire(Question.WHY_NOT, _rival(facts, evidence, claim))]
+    if decision is not None:
+        possible.insert(0, Enquire(Question.WHY_THIS, decision))
+        if isinstance(facts, WhereFacts):
+            possible += [Enquire(Question.WHY_ROBOT, decision), Enquire(Question.CHANGE, decision)]
+    possible.append(Enquire(Question.KNOWN, claim))
+    return tuple(each for each in possible if each.about is not None and explain(each, facts, evidence).because)
+
+
+def explain(asked: Enquire, facts: WhereFacts | WhatFacts, evidence: Evidence) -> Explain:
+    """Return the answer to a question; without reasons where the robot has none."""
+    about, because = asked.about, tuple[Literal, ...]()
+    match asked.question:
+        case Question.WHY_THIS if about is not None:
+            because = _ordered(evidence, _best_argument(evidence, about))
+        case Question.WHY_NOT if about is not None:
+            because = _ordered(evidence, _best_argument(evidence, ~about))
+        case Question.WHY_ROBOT if about is not None and isinstance(facts, WhereFacts):
+            because = _against_other_robots(facts, about)
+        case Question.WHY_NOW if about is not None:
+            because = _ordered(evidence, _best_argument(evidence, about))
+        case Question.KNOWN if about is not None:
+            because = _known(evidence, about)
+        case Question.CHANGE if about is not None and isinstance(facts, WhereFacts):
+            because = _would_change(facts, about)
+    return Explain(asked.question, about, because)
+
+
+def _rival(facts: WhereFacts | WhatFacts, evidence: Evidence, claim: Literal) -> Literal | None:
+    """Return what the robot would not do, and a person may wonder about."""
+    decision = evidence.decision
+    if decision != claim:
+        return claim
+    if isinstance(facts, WhatFacts):
+        other = Literal(TakesPicture(facts.room))
+        return None if other == decision else other
+    goes = decision.proposition if decision is not None else None
+    others = [room for room in facts.values if not (isinstance(goes, NextRoom) and goes.room == room)]
+    nearest = min(others, key=lambda room: (facts.costs.get(room, 0.0), room), default=None)
+    return None if nearest is None else Literal(NextRoom(facts.robot, nearest))
+
+
+def _best_argument(evidence: Evidence, conclusion: Literal) -> Argument | None:
+    """The argument on the best evidence; of equal ones that which compares, since it says most."""
+    found = evidence.beliefs.arguments(conclusion)
+    prefers = evidence.beliefs.prefers
+
+    def rank(argument: Argument) -> tuple[int, int, str]:
+        compares = any(isinstance(premise.proposition, TeamPlan) for premise in argument.premises)
+        return sum(prefers(other, argument) for other in found), -compares, str(argument)
+
+    return min(found, key=rank, default=None)
+
+
+def _ordered(evidence: Evidence, argument: Argument | None) -> tuple[Literal, ...]:
+    if argument is None:
+        return ()
+    return tuple(literal for literal in evidence.beliefs.origins if literal in argument.premises)
+
+
+def _known(evidence: Evidence, about: Literal) -> tuple[Literal, ...]:
+    """All evidence that speaks of the same room, without comparisons."""
+    room = getattr(about.proposition, "room", None)
+
+    def speaks_of_it(proposition: Proposition) -> bool:
+        named = [getattr(proposition, name, None) for name in ("room", "goal")]
+        return room is not None and room in named
+
+    return tuple(
+        literal
+        for literal, origin in evidence.beliefs.origins.items()
+        if origin.is_evidence and literal != about and speaks_of_it(literal.proposition)
+    )
+
+
+def _against_other_robots(facts: WhereFacts, about: Literal) -> tuple[Literal, ...]:
+    """Own value of a room, and that of the robot that would come nearest to it."""
+    room: Room | None = getattr(about.proposition, "room", None)
+    if room is None or room not in facts.values:
+        return ()
+    own = facts.values[room]
+    others = {robot: values[room] for robot, values in facts.team_values.items() if room in values}
+    if others:
+        robot = min(others, key=lambda each: (-others[each].rooms, others[each].cost, each))
+        difference = comparison(own, others[robot])
+        if difference is not None:
+            return (
+                Literal(TeamPlan(facts.robot, room, own.rooms, own.cost)),
+                Literal(TeamPlan(robot, room, others[robot].rooms, others[robot].cost)),
+                Literal(difference),
+            )
+    costs = {robot: row[room] for robot, row in facts.team_costs.items() if room in row}
+    mine = facts.costs.get(room)
+    if mine is None or not costs:
+        return ()
+    robot = min(costs, key=lambda each: (costs[each], each))
+    if mine >= costs[robot]:
+        return ()
+    return (
+        Literal(EnergyCost(facts.here, room, mine)),
+        Literal(CostOfOther(robot, room, costs[robot])),
+        Literal(LessThan((mine,), costs[robot])),
+    )
+
+
+def _would_change(facts: WhereFacts, about: Literal) -> tuple[Literal, ...]:
+    """Literals each of which would lead to another room: something in the way, or a way that is so much dearer."""
+    room: Room | None = getattr(about.proposition, "room", None)
+    if room is None or room not in facts.values:
+        return ()
+    hypotheses = [Literal(InTheWay(room))]
+    own, cost = facts.values[room], facts.costs.get(room)
+    rivals = [value for other, value in facts.values.items() if other != room and value.rooms == own.rooms]
+    if cost is not None and rivals:
+        margin = min(value.cost for value in rivals) - own.cost
+        hypotheses.append(Literal(EnergyCost(facts.here, room, cost + margin)))
+    return tuple(hypotheses)

@@ -1,0 +1,119 @@
+"""Strategies of programs in dialogue games: which of the legal moves to make, by attitude and persistence.
+
+Attitudes towards what the other says are those of Parsons, Wooldridge and Amgoud (2003, Properties and Complexity of
+Some Formal Inter-agent Dialogues), with grounded semantics: the credulous accept whatever has a reason, the cautious
+what no standing argument of their own attacks, the sceptical what an argument of their own stands for.
+"""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Protocol
+
+from thbridge.argumentation.arguments import Argument, Belief, framework_of
+from thbridge.argumentation.beliefs import Beliefs
+from thbridge.argumentation.propositions import Literal, Rule, opposed
+from thbridge.argumentation.semantics import grounded
+from thbridge.dialogue.games.agents import Agent
+from thbridge.dialogue.games.contents import ContentKind, DialogueMove, kind_of_content
+from thbridge.dialogue.games.control import Conversation
+from thbridge.dialogue.games.dialogue_game import GamePlay
+from thbridge.dialogue.games.locutions import origin_of_hearsay
+
+
+class GameStrategy(Protocol):
+    """Chooses a program's moves. Must be a function of its arguments and of its constructor's."""
+
+    def choose(self, conversation: Conversation, number: int) -> DialogueMove:
+        """Return one of the legal moves, of which there is at least one, in the dialogue with this number."""
+        ...
+
+
+class Attitude(StrEnum):
+    """Attitude towards what the other side says."""
+
+    CREDULOUS = "credulous"
+    CAUTIOUS = "cautious"
+    SCEPTICAL = "sceptical"
+
+
+@dataclass(frozen=True, slots=True)
+class ArguingStrategy:
+    """Strategy of a program that argues.
+
+    Attributes:
+        attitude: towards what the other says.
+        persistence: number of dialogues about the same claim in which it holds out; 0 gives in at once.
+        announces: says its whole argument before it gives the parts one by one.
+    """
+
+    attitude: Attitude = Attitude.CAUTIOUS
+    persistence: int = 2
+    announces: bool = True
+
+    def choose(self, conversation: Conversation, number: int) -> DialogueMove:
+        """Return a move; see `GameStrategy`."""
+        play, legal = conversation.play(number), conversation.legal(number)
+        agent = conversation.agents[play.speaker]
+        by_name: dict[str, list[DialogueMove]] = {}
+        for move in legal:
+            by_name.setdefault(move.locution, []).append(move)
+        if play.claim is None or play.defender is play.speaker:
+            return self._say(play, agent, by_name, legal)
+        content = play.offered[-1] if play.offered else play.claim
+        accepting = by_name.get("accept", [])
+        if accepting and (self._gives_in(conversation, play) or self._agrees(agent, play.claim, content)):
+            return accepting[0]
+        holds_out = [*by_name.get("assert", []), *by_name.get("challenge", []), *by_name.get("reject", [])]
+        return (holds_out or list(legal))[0]
+
+    def _say(
+        self, play: GamePlay, agent: Agent, by_name: dict[str, list[DialogueMove]], legal: tuple[DialogueMove, ...]
+    ) -> DialogueMove:
+        """Choose among assertions: an answer to a question, or what supports a claim."""
+        wholes = [move for move in legal if kind_of_content(move.content) is ContentKind.ARGUMENT]
+        rest = [move for move in legal if move not in wholes]
+        if wholes and (self.announces or not rest):
+            return wholes[0]
+        return (rest or list(legal))[0]
+
+    def _gives_in(self, conversation: Conversation, play: GamePlay) -> bool:
+        earlier = [
+            other
+            for other in conversation.plays[conversation.since :]
+            if other.end is not None and other.topic == play.topic and other.initiator is play.initiator
+        ]
+        return len(earlier) >= self.persistence and play.initiator is not play.speaker
+
+    def _agrees(self, agent: Agent, claim: Belief, content: Belief) -> bool:
+        """Return True when an agent accepts a content that is the claim, or is said for it."""
+        if isinstance(claim, Rule) or isinstance(content, Rule):
+            return self.attitude is not Attitude.SCEPTICAL
+        if content in agent.beliefs and content == claim:
+            return True
+        own = agent.beliefs
+        supposed = own if content == claim else own.gaining(content, origin_of_hearsay(content, 0.0))
+        for_it, against = _standing(supposed, claim)
+        if content != claim:
+            denied = _standing(own, content)[1]
+            if self.attitude is Attitude.SCEPTICAL:
+                return content in own or bool(_standing(own, content)[0])
+            return self.attitude is Attitude.CREDULOUS or not (against or denied)
+        if self.attitude is Attitude.CAUTIOUS:
+            # Without a reason for it, one is asked for; only what it argues for itself needs none.
+            return bool(for_it) and not against
+        return bool(for_it) if self.attitude is Attitude.SCEPTICAL else not against
+
+
+def _standing(beliefs: Beliefs, claim: Literal) -> tuple[list[Argument], list[Argument]]:
+    """Return the arguments for and against a claim that are in the grounded extension."""
+    against_it = [~claim, *(held for held in beliefs.origins if opposed(held, claim) and held != ~claim)]
+    # Arguments against a premise count too.
+    arguments = dict.fromkeys(argument for each in (claim, *against_it) for argument in beliefs.arguments(each))
+    premises = dict.fromkeys(premise for argument in arguments for premise in sorted(argument.premises, key=str))
+    arguments |= dict.fromkeys(argument for premise in premises for argument in beliefs.arguments(~premise))
+    standing = grounded(framework_of(tuple(arguments), beliefs.prefers))
+    found = [argument for argument in arguments if str(argument) in standing]
+    return (
+        [argument for argument in found if argument.conclusion == claim],
+        [argument for argument in found if opposed(argument.conclusion, claim)],
+    )
