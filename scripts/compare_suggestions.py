@@ -1,16 +1,16 @@
-"""Compare two ways of advising a team: each robot by its own tour, and all by their joint plan.
+"""Compare the planners by which robots advise a person, in whole games.
 
 Run it from the project's folder: `.venv/bin/python scripts/compare_suggestions.py`. Programs play whole games by the
 rules, without a simulator: a robot drives for as many seconds as the move costs, more or less, names what it finds,
 asks where to go, and goes there, or to any other room that it can pay where the person has a mind of its own. Moves
-are priced as on arena8, from the start poses and between rooms. Both ways play the same games, drawn by their seeds.
-Writes a table in Markdown.
+are priced as on arena8, from the start poses and between rooms. All planners play the same games, drawn by their seeds.
+Writes a table in Markdown: rooms visited, and energy left to the whole team.
 """
 
 import argparse
 import heapq
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,11 +24,9 @@ from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import GameStarted, TreasuresHidden
 from thbridge.hunt.game import GameState, apply, begin
 from thbridge.hunt.refusals import RequestRefused
-from thbridge.hunt.rooms import Room
-from thbridge.hunt.team_tour import TourStart, best_team_tours
-from thbridge.hunt.tour import why_no_tour
+from thbridge.hunt.team_planner import TeamPlanner
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.keeper.advice import advise
+from thbridge.roles.keeper.advice import Adviser
 from thbridge.study.study_file import CostModel, GameSection, Study
 
 TREASURE = TreasureKind({"colour": "Green", "footprint": "Round and Small"}, 10, "bottle", None)
@@ -37,7 +35,6 @@ SPREAD = 0.3
 """Greatest share by which a drive takes longer or shorter than its cost in seconds."""
 
 PriceRow = tuple[float | None, ...]
-Adviser = Callable[[GameState, int], Room | RequestRefused]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,22 +43,6 @@ class GameResult:
 
     rooms: int
     energy: float
-
-
-def own_tour(state: GameState, robot: int) -> Room | RequestRefused:
-    """The first room of the robot's own tour through all rooms that are free."""
-    mover, started = state.robots[robot], state.started
-    refused = why_no_tour(state.costs_from(robot), mover.at, state.free_rooms, mover.energy)
-    if refused is not None:
-        return refused
-    start = TourStart(state.costs_from(robot), mover.energy)
-    return best_team_tours(started.costs, (start,), state.free_rooms, started.identify_cost, sent=0)[0].rooms[0]
-
-
-def joint_plan(state: GameState, robot: int) -> Room | RequestRefused:
-    """The first room of the robot in the joint plan."""
-    advice = advise(state, (), robot)
-    return advice if isinstance(advice, RequestRefused) else advice.room
 
 
 def play(
@@ -75,7 +56,7 @@ def play(
         energy: of each robot.
         follows: share of suggestions that the person follows.
         seed: of durations and whims.
-        adviser: of all robots.
+        adviser: in the place of all robots.
     """
     robots = len(from_starts)
     started = GameStarted(seed, 1, robots, energy, 5.0, IDENTIFY_COST, 1.0, costs)
@@ -95,9 +76,10 @@ def play(
             state = _after(state, rules.sense(state, going))
             named = rules.identify(state, going, TREASURE.name)
             state = _after(state, rules.leave(state, going) if isinstance(named, RequestRefused) else named)
-        room = adviser(state, robot)
-        if isinstance(room, RequestRefused):
+        advice = adviser.advise(state, (), robot)
+        if isinstance(advice, RequestRefused):
             continue  # It can go nowhere any more: rooms do not become free again, nor energy more.
+        room = advice.room
         sent += 1
         if noise.uniform(whims, sent, 0) >= follows:
             open_to_it = rules.affordable(state, robot)
@@ -122,19 +104,19 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--games", type=int, default=500, help="games of each kind (default: 500)")
     games: int = arguments.parse_args().games
-    print("| robots | energy each | follows | rooms, own tours | joint plan | energy left, own tours | joint plan |")
-    print("|---|---|---|---|---|---|---|")
+    print(f"| robots | energy each | follows | {' | '.join(TeamPlanner)} |")
+    print("|---|---|---|" + "---|" * len(TeamPlanner))
     for robots, energy, follows in itertools.product((2, 3), (30.0, 45.0, 60.0, 80.0, 100.0), (1.0, 0.7)):
         setting = read_setting(Study(robots=robots, game=GameSection(cost_model=CostModel.POSITION)), Path())
         travel = build_travel_times(setting)
         starts = [travel.costs_from(start) for start in setting.map.starts[:robots]]
-        means = []
-        for adviser in (own_tour, joint_plan):
+        cells = [f"{robots}", f"{energy:g}", f"{follows:.0%}"]
+        for planner in TeamPlanner:
+            adviser = Adviser(planner)
             results = [play(setting.costs, starts, energy, follows, seed, adviser) for seed in range(games)]
-            means.append((np.mean([one.rooms for one in results]), np.mean([one.energy for one in results])))
-        (rooms, left), (joint_rooms, joint_left) = means
-        game = f"{robots} | {energy:g} | {follows:.0%}"
-        print(f"| {game} | {rooms:.2f} | {joint_rooms:.2f} | {left:.1f} | {joint_left:.1f} |", flush=True)
+            rooms, left = np.mean([one.rooms for one in results]), np.mean([one.energy for one in results])
+            cells.append(f"{rooms:.2f}, {left:.1f}")
+        print(f"| {' | '.join(cells)} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ from thbridge.hunt.events import (
     PropertyTold,
     RobotArrived,
     RobotDeparted,
+    RoomAdvised,
     TreasureIdentified,
     TreasureLeft,
     TreasurePictured,
@@ -74,6 +75,8 @@ def _sentence(utterance: DialogueUtterance) -> str:
 
 
 def _happened(event: Event, rooms: RoomNames) -> str:
+    """Return a sentence on an event; empty for advice, which the robot's own sentence tells, and no more than that."""
+
     def titled(room: Room) -> str:
         return rooms.titled(room.people)
 
@@ -84,6 +87,8 @@ def _happened(event: Event, rooms: RoomNames) -> str:
             return f"{len(treasures)} treasures are hidden."
         case ConsentGiven():
             return "The participant has agreed to take part."
+        case RoomAdvised():
+            return ""
         case RobotDeparted(robot, room, cost):
             return f"{robot_name(robot).capitalize()} sets out for {titled(room)} and pays {energy_text(cost)} energy."
         case RobotArrived(robot, room):

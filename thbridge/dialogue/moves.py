@@ -71,6 +71,7 @@ class DialogueTopic:
         other_robot: the robot that could get to the room for the least energy besides this one; None without one.
         properties: known of the treasure there.
         reason: of the robot's suggestion, as part of a sentence; empty for what it did not suggest.
+        confidence: stated in its suggestion, 0 to 1; None where it states none.
         facts: the robot's, for arguments; None where robots do not argue.
         opener: the side that brings it up; a robot suggests a room without being asked.
     """
@@ -84,6 +85,7 @@ class DialogueTopic:
     other_robot: int | None = None
     properties: Properties = field(default_factory=dict)
     reason: str = ""
+    confidence: float | None = None
     facts: WhereFacts | WhatFacts | None = None
     opener: Speaker = Speaker.PERSON
 

@@ -7,6 +7,8 @@ from sim.common import noise
 from thbridge.dialogue.moves import Ask, Continue, Dialogue, Move, Scenario, Stop
 from thbridge.dialogue.words import fill, is_filled, words_of
 
+_CONFIDENCE = "£confidence£"
+
 
 @dataclass(frozen=True, slots=True)
 class ScriptedQuestion:
@@ -38,7 +40,7 @@ class TemplatePhrasing:
 
     The wording of a question depends on the seed, the dialogue's number and the question alone: other dialogues do not
     change it, and a restored dialogue has the same sentences. A wording that names what is not known is left out, as
-    long as there is another.
+    long as there is another. A confidence that is to be stated, and that the wording does not name, is said before it.
 
     Attributes:
         template: the questions.
@@ -56,7 +58,10 @@ class TemplatePhrasing:
                 wordings = self.template.of(dialogue.topic.scenario)[question].wordings
                 wordings = tuple(each for each in wordings if is_filled(each, words)) or wordings
                 chance = noise.uniform(noise.key(self.seed, "wording"), dialogue.number, question)
-                return fill(wordings[int(chance * len(wordings))], words)
+                wording = wordings[int(chance * len(wordings))]
+                if question == 0 and "confidence" in words and _CONFIDENCE not in wording:
+                    wording = f"I am {_CONFIDENCE} sure of my suggestion. {wording}"
+                return fill(wording, words)
             case Continue():
                 return "Continue"
             case Stop():

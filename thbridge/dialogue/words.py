@@ -51,6 +51,12 @@ WORDS = (
     ReservedWord(
         "reason", "the reason for a suggested room", lambda topic: topic.reason, scenarios=(Scenario.DONT_KNOW,)
     ),
+    ReservedWord(
+        "confidence",
+        "how sure the robot says it is of its suggestion, in percent, where the study has it say so",
+        lambda topic: "" if topic.confidence is None else f"{topic.confidence:.0%}",
+        scenarios=(Scenario.DONT_KNOW,),
+    ),
 )
 """All but the properties of treasures, which are words of the questions beside one."""
 

@@ -102,6 +102,28 @@ class ConsentGiven(_Event, frozen=True, omit_defaults=True, tag="agreed"):
     at: str = ""
 
 
+class RoomAdvised(_Event, frozen=True, tag="advised"):
+    """A robot suggested a room to a participant who did not know, or a wizard did in its place.
+
+    The participant is told the room and what the robot says about it, never whether the advice errs.
+
+    Attributes:
+        robot: index in the team, from 0.
+        room: the room suggested.
+        advice: number of the robot's advice in this game, from 1; asked again before the answer, it keeps its number.
+        planned: the room that the robot's planner chose. A wizard may have suggested another one.
+        erred: True when the robot suggested another room than planned because the study has it err.
+        confidence: stated by the robot, 0 to 1; None when it stated none.
+    """
+
+    robot: int
+    room: Room
+    advice: int
+    planned: Room
+    erred: bool
+    confidence: Number | None
+
+
 class RobotDeparted(_Event, frozen=True, tag="departed"):
     """A robot set out for a room, which is reserved from now on; its energy is paid in advance."""
 
@@ -249,6 +271,7 @@ Event = (
     GameStarted
     | TreasuresHidden
     | ConsentGiven
+    | RoomAdvised
     | RobotDeparted
     | RobotArrived
     | MoveFailed

@@ -34,6 +34,7 @@ from thbridge.hunt.events import (
     PropertyTold,
     RobotArrived,
     RobotDeparted,
+    RoomAdvised,
     TreasureIdentified,
     TreasureLeft,
     TreasurePictured,
@@ -67,6 +68,7 @@ class RobotState:
         holder: its commander, who also gets it back after a researcher's intervention.
         intervention: the researcher who intervenes now, or None.
         asked_back: number of times the participant has asked its present commander to give it back.
+        advice: number of its latest advice in this game; 0 before the first.
         failure: reason for which the last move that ended did not arrive, for people; empty when it arrived.
         costs: energy to each place from where it stands, by the number people use; during a move, from where it set
             out. None: those of the game's matrix.
@@ -80,6 +82,7 @@ class RobotState:
     holder: CommandHolder = CommandHolder()
     intervention: CommandHolder | None = None
     asked_back: int = 0
+    advice: int = 0
     failure: str = ""
     costs: tuple[float, ...] | None = None
 
@@ -239,6 +242,9 @@ def apply(state: GameState, event: Event) -> GameState:
             return replace(state, treasures=event.treasures)
         case ConsentGiven(at):
             return replace(state, agreed=True, agreed_at=at)
+        case RoomAdvised():
+            _room(state, event.room)
+            return _with_robot(state, event.robot, replace(_robot(state, event.robot), advice=event.advice))
         case RobotDeparted():
             robot = _robot(state, event.robot)
             _room(state, event.room)

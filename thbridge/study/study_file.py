@@ -20,6 +20,7 @@ from thbridge.files.ros.parameters import read_ros_parameters
 from thbridge.files.yaml.load import Loaded, load_tree
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, read_text
 from thbridge.hunt.rules import MOST_ROBOTS
+from thbridge.hunt.team_planner import TeamPlanner
 from thbridge.protocols.text.canonical import Dialect
 from thbridge.recording.bag.options import Compression, RecordingDetail, SplitLimits
 from thbridge.roles.participant.bot_strategy import BotStrategy
@@ -109,6 +110,24 @@ class DialogueSection:
     """Dialogues of robots and participant."""
 
     strategy: DialogueStrategy = param(DialogueStrategy.TEMPLATE, "how robots choose what to say")
+    planner: TeamPlanner = param(
+        TeamPlanner.JOINT,
+        "how robots choose the rooms they suggest: by the joint plan of the team, the nearest room, the cheapest moves "
+        "of all, their own tours, or an auction",
+    )
+    adviser_error_rate: float = param(
+        0.0,
+        "share of suggestions that err: another room than planned; above 0 no suggestion compares rooms",
+        "",
+        0,
+        1,
+    )
+    says_confidence: bool = param(
+        False, "whether robots say how sure they are of a suggestion: the share of theirs that do not err"
+    )
+    confidence_bias: float = param(
+        0.0, "added to the confidence that robots state, which stays within 0 and 1; 0 is calibrated", "", -1, 1
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -71,6 +71,21 @@ def test_a_wording_that_names_what_is_unknown_is_left_out_while_there_is_another
     assert said(Scenario.TAKE_TREASURE, 1) == "It is unknown."
 
 
+def test_confidence_is_said_where_the_wording_wants_it_or_else_before_it():
+    named = ScriptedQuestion(("Room £room£, and I am £confidence£ sure.",))
+    silent, last = ScriptedQuestion(("Room £room£?",)), ScriptedQuestion(("Now?",))
+
+    def said(question, ask, confidence):
+        template = Template("", {Scenario.DONT_KNOW: (question, last)})
+        topic = DialogueTopic(Scenario.DONT_KNOW, 0, Room(4), 5.0, 82.5, confidence=confidence)
+        return TemplatePhrasing(template, 1).say(Dialogue(1, topic), Ask(ask))
+
+    assert said(named, 0, 0.755) == "Room 4, and I am 76% sure."
+    assert said(silent, 0, 0.7) == "I am 70% sure of my suggestion. Room 4?"
+    assert said(silent, 1, 0.7) == "Now?"
+    assert said(silent, 0, None) == "Room 4?"
+
+
 def test_a_room_is_called_by_its_own_name_or_else_by_its_number():
     names = RoomNames.of([(3, "Kitchen"), (4, "Room 4")])
     played = Stage(set_name="four-properties")

@@ -25,6 +25,7 @@ from thbridge.hunt.events import (
     PropertyTold,
     RobotArrived,
     RobotDeparted,
+    RoomAdvised,
     TreasureIdentified,
     TreasureLeft,
     TreasurePictured,
@@ -36,7 +37,7 @@ from thbridge.hunt.properties import OF_2016, Teller, TreasureProperty
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
 
-# Written by the first release: a line of every kind, then the journals of four games.
+# Written by the first release, advice by a later one: a line of every kind, then the journals of four games.
 RECORDED = (Path(__file__).parent / "recorded_events.jsonl").read_text().splitlines()
 
 numbers = st.floats(allow_nan=False, allow_infinity=False)
@@ -60,6 +61,7 @@ events = st.one_of(
     ),
     st.builds(TreasuresHidden, st.lists(treasures, max_size=4).map(tuple)),
     st.builds(ConsentGiven, at=st.sampled_from(["", "2026-11-23T09:30:00Z"])),
+    st.builds(RoomAdvised, robots, rooms, robots, rooms, st.booleans(), st.none() | st.floats(0.0, 1.0)),
     st.builds(RobotDeparted, robots, rooms, numbers),
     st.builds(RobotArrived, robots, rooms),
     st.builds(MoveFailed, robots, rooms, texts, numbers, rooms),

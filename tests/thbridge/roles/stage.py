@@ -19,6 +19,7 @@ from thbridge.hunt.treasures import TreasureKind
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, parse_notice
+from thbridge.roles.keeper.advice import Adviser
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.disclosure import plain_costs
 from thbridge.roles.keeper.keeper import GameRules, Keeper
@@ -135,6 +136,7 @@ class Stage:
         kinds: Sequence[TreasureKind] | None = None,
         history: Sequence[Event] = (),
         tells_refusals: bool = False,
+        adviser: Adviser | None = None,
     ) -> None:
         self.templates = templates(set_name)
         if kinds is not None:
@@ -150,6 +152,7 @@ class Stage:
             history,
             last_game,
             self.briefing,
+            adviser,
             tells_refusals=tells_refusals,
         )
         costs = self.templates.costs or templates("original-2016").costs

@@ -11,6 +11,7 @@ from thbridge.dialogue.templates import TemplatePhrasing
 from thbridge.files.template_files import TemplateSet
 from thbridge.hunt.events import Event
 from thbridge.roles.hider import Hider
+from thbridge.roles.keeper.advice import Adviser
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.floor_plan import floor_plan_of
 from thbridge.roles.keeper.keeper import GameRules, Keeper
@@ -29,7 +30,16 @@ def build_keeper(setting: StudySetting, history: tuple[Event, ...] = (), last_ga
         seed = int(noise.key(study.seed, "dialogue", str(number)))
         return ScriptedEngine(TemplateProtocol(template), TemplateStrategy(), TemplatePhrasing(template, seed))
 
-    return Keeper(rules, engine, history, last_game, build_briefing(setting), tells_refusals=study.server.tell_refusals)
+    talk = study.dialogue
+    return Keeper(
+        rules,
+        engine,
+        history,
+        last_game,
+        build_briefing(setting),
+        Adviser(talk.planner, talk.adviser_error_rate, talk.says_confidence, talk.confidence_bias),
+        tells_refusals=study.server.tell_refusals,
+    )
 
 
 def build_briefing(setting: StudySetting) -> Briefing:

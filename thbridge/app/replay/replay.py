@@ -28,6 +28,8 @@ from thbridge.app.session.session import Session, TickRecord, TickRecorder
 from thbridge.app.session.simr_session import SimrSession
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.tree import parse
+from thbridge.hunt.codec import kind_of
+from thbridge.hunt.events import RoomAdvised
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.recording.bag import reader as bag_reader
@@ -153,7 +155,15 @@ def _recorded_by(path: Path, record: SessionRecord) -> Callable[[RosMessage], bo
     loaded = load_study_tree(path, parse(path, record.study))
     chosen, written = loaded.value.recording, loaded.lines
     detail = chosen.detail if "recording.detail" in written else RecordingDetail.ALL
-    return message_filter(detail, errors=chosen.errors and "recording.errors" in written)
+    keep = message_filter(detail, errors=chosen.errors and "recording.errors" in written)
+    if "dialogue.planner" in written:
+        return keep
+    return lambda message: not _is_advice(message) and keep(message)
+
+
+def _is_advice(message: RosMessage) -> bool:
+    """Return True for the event of an advice."""
+    return message.topic.name == names.GAME_EVENTS and unpack.game_event(message.data).kind == kind_of(RoomAdvised)
 
 
 def ticks_of(path: Path) -> Iterator[RecordedTick]:

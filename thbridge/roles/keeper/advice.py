@@ -1,54 +1,143 @@
-"""Advice of a robot about where to go: its first room in the joint plan of the team, and the reason for it."""
+"""Advice of a robot about where to go: its first room in the plan of the team, and the reason for it.
+
+An adviser may also err, as often as the study wants it.
+"""
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
+from sim.common import noise
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt import rules
 from thbridge.hunt.costs import CostMatrix, energy_text
-from thbridge.hunt.events import Commander
+from thbridge.hunt.events import Commander, RoomAdvised
 from thbridge.hunt.game import GameState
+from thbridge.hunt.planners import PLANNERS, PLANNING_ALONE
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.hunt.team_tour import TourStart, best_team_tours
+from thbridge.hunt.team_planner import TeamPlanner
+from thbridge.hunt.team_tour import TourStart
 from thbridge.hunt.tour import Tour, why_no_tour
 from thbridge.roles.participant_rules import Discussed, Situation, free_to_discuss
 
 MOST_ROOMS_ADVISED = 12
 """Greatest number of rooms left for which robots plan together: a plan has to be there within a tick."""
+_EXACT = frozenset({TeamPlanner.JOINT, TeamPlanner.TOUR})
+"""Planners whose tours are the best there are, of the team or of the robot alone."""
 
 
 @dataclass(frozen=True, slots=True)
 class Advice:
-    """A room that a robot suggests, and its reason as part of a sentence: "no other room costs me less"."""
+    """A room that a robot suggests, and what it says about it.
+
+    Attributes:
+        room: to go to.
+        reason: as part of a sentence: "no other room costs me less".
+        number: of the robot's advice in this game, from 1.
+        planned: the room that the planner chose.
+        erred: True when the robot suggests another one instead.
+        confidence: to be stated, 0 to 1; None where none is.
+    """
 
     room: Room
     reason: str
+    number: int
+    planned: Room
+    erred: bool = False
+    confidence: float | None = None
+
+    def event(self, robot: int) -> RoomAdvised:
+        """Return the event of a robot's giving this advice."""
+        return RoomAdvised(robot, self.room, self.number, self.planned, self.erred, self.confidence)
+
+    def instead(self, room: Room, cost: float) -> "Advice":
+        """Return the advice of a wizard who has this room suggested in the robot's place, for so much energy."""
+        return self if room == self.room else replace(self, room=room, reason=_reason_by_cost(cost), erred=False)
 
 
-def advise(state: GameState, discussed: Sequence[Discussed], robot: int) -> Advice | RequestRefused:
-    """Return the advice of a robot, or a refusal (`NoTour`) when there is no room that it could suggest.
+@dataclass(frozen=True, slots=True)
+class Adviser:
+    """Suggests rooms in the place of robots, as a study wants it.
 
-    It plans for all robots that the participant can send: those under way, and those that are about to be sent, go on
-    from there with the energy that is left to them once they have named what they find. Rooms that other robots have
-    dialogues about are theirs. Of more rooms than a joint plan can share out, the robot plans its own tour.
+    Advice errs by keyed noise of game, robot and number of the advice. An adviser that may err gives no reason but what
+    the room costs, whether it errs or not: a comparison would tell that it does, or be false.
+
+    Attributes:
+        planner: chooses the room.
+        error_rate: share of advice in which another room is suggested, drawn among all that the robot could suggest.
+        says_confidence: True when robots state how sure they are.
+        confidence_bias: added to the confidence of a calibrated adviser, who knows its rate of errors and no more.
     """
-    adviser, costs = state.robots[robot], state.started.costs
-    free = tuple(free_to_discuss(Situation(state, tuple(discussed)), robot))
-    refused = why_no_tour(state.costs_from(robot), adviser.at, free, adviser.energy)
-    if refused is not None:
-        return refused
-    starts = {robot: TourStart(state.costs_from(robot), adviser.energy)}
-    if len(free) <= MOST_ROOMS_ADVISED:
-        others = {number: _start(state, discussed, number) for number in range(len(state.robots)) if number != robot}
-        starts |= {number: start for number, start in others.items() if start is not None}
-    tours = _tours(costs, tuple(starts.values()), free, state.started.identify_cost)
-    room = tours[0].rooms[0]
-    return Advice(room, _reason(starts[robot].costs, room, free, dict(zip(starts, tours, strict=True)), robot))
+
+    planner: TeamPlanner = TeamPlanner.JOINT
+    error_rate: float = 0.0
+    says_confidence: bool = False
+    confidence_bias: float = 0.0
+
+    def advise(
+        self, state: GameState, discussed: Sequence[Discussed], robot: int, number: int = 1
+    ) -> Advice | RequestRefused:
+        """Return the advice of a robot, or a refusal (`NoTour`) when there is no room that it could suggest.
+
+        Unless the planner is for each robot alone, it plans for all robots that the participant can send: those under
+        way, and those that are about to be sent, go on from there with the energy that is left to them once they have
+        named what they find. Rooms that other robots have dialogues about are theirs. Of more rooms than a joint plan
+        can share out in time, the robot plans its own tour.
+
+        Args:
+            state: of the game.
+            discussed: see `Situation`.
+            robot: the robot asked.
+            number: of its advice in this game, from 1.
+        """
+        adviser, costs = state.robots[robot], state.started.costs
+        free = tuple(free_to_discuss(Situation(state, tuple(discussed)), robot))
+        refused = why_no_tour(state.costs_from(robot), adviser.at, free, adviser.energy)
+        if refused is not None:
+            return refused
+        starts = {robot: TourStart(state.costs_from(robot), adviser.energy)}
+        if self._plans_for_all(len(free)):
+            others = {other: _start(state, discussed, other) for other in range(len(state.robots)) if other != robot}
+            starts |= {other: start for other, start in others.items() if start is not None}
+        tours = _tours(self.planner, costs, tuple(starts.values()), free, state.started.identify_cost)
+        planned = tours[0].rooms[0]
+        wrong = [room for room in possible_rooms(state, discussed, robot) if room != planned]
+        room = self._drawn(state, robot, number, planned, wrong)
+        if self.error_rate > 0.0:
+            reason = _reason_by_cost(state.cost(robot, room))
+        else:
+            exact = self.planner in _EXACT
+            reason = _reason(starts[robot].costs, room, free, dict(zip(starts, tours, strict=True)), robot, exact)
+        return Advice(room, reason, number, planned, room != planned, self._confidence(bool(wrong)))
+
+    def _plans_for_all(self, rooms: int) -> bool:
+        in_time = self.planner is not TeamPlanner.JOINT or rooms <= MOST_ROOMS_ADVISED
+        return in_time and self.planner not in PLANNING_ALONE
+
+    def _drawn(self, state: GameState, robot: int, number: int, planned: Room, wrong: Sequence[Room]) -> Room:
+        """Return the room planned, or one of the wrong ones."""
+        stream = noise.key(state.started.seed, "adviser", str(state.started.game), str(robot))
+        if not wrong or noise.uniform(stream, number, 0) >= self.error_rate:
+            return planned
+        return wrong[int(noise.uniform(stream, number, 1) * len(wrong))]
+
+    def _confidence(self, may_err: bool) -> float | None:
+        if not self.says_confidence:
+            return None
+        calibrated = 1.0 - self.error_rate if may_err else 1.0
+        return min(max(calibrated + self.confidence_bias, 0.0), 1.0)
 
 
-def _reason(row: Sequence[float], room: Room, free: Collection[Room], tours: dict[int, Tour], robot: int) -> str:
+def possible_rooms(state: GameState, discussed: Sequence[Discussed], robot: int) -> list[Room]:
+    """Return the rooms that a robot could suggest: free to be talked about, and within its energy."""
+    free = free_to_discuss(Situation(state, tuple(discussed)), robot)
+    return [room for room in free if isinstance(rules.move(state, robot, room), tuple)]
+
+
+def _reason(
+    row: Sequence[float], room: Room, free: Collection[Room], tours: dict[int, Tour], robot: int, exact: bool
+) -> str:
     """Return the reason for going to a room next, as part of a sentence.
 
     Args:
@@ -57,20 +146,23 @@ def _reason(row: Sequence[float], room: Room, free: Collection[Room], tours: dic
         free: rooms that are left.
         tours: planned tours, by robot.
         robot: the robot that speaks.
+        exact: True when the tours are the best of those who plan them: else nothing is claimed of whole tours.
     """
     nearest = min(free, key=lambda other: (row[other.people], other))
     if row[room.people] <= row[nearest.people]:
         return "no other room costs me less"
     taker = next((number for number, tour in tours.items() if nearest in tour.rooms), None)
+    if taker is not None and taker != robot:
+        return f"{nearest} costs me less, but {robot_name(taker)} is better placed for it"
+    if not exact:
+        return _reason_by_cost(row[room.people])
     if taker is None:
         return f"{nearest} costs me less, but so we can reach more rooms"
-    if taker != robot:
-        return f"{nearest} costs me less, but {robot_name(taker)} is better placed for it"
     return f"{nearest} costs me less now, but my whole round costs less with {room} first"
 
 
-def reason_by_cost(cost: float) -> str:
-    """Return a reason for a room that somebody else has chosen in the robot's place."""
+def _reason_by_cost(cost: float) -> str:
+    """Return the reason that holds for any room."""
     return f"it costs me {energy_text(cost)}"
 
 
@@ -91,6 +183,8 @@ def _start(state: GameState, discussed: Sequence[Discussed], number: int) -> Tou
 
 
 @lru_cache(maxsize=16)
-def _tours(costs: CostMatrix, starts: tuple[TourStart, ...], rooms: tuple[Room, ...], visit: float) -> tuple[Tour, ...]:
-    """Return `best_team_tours` for the first robot; remembered, since a wizard's advice is shown anew in every tick."""
-    return best_team_tours(costs, starts, rooms, visit, sent=0)
+def _tours(
+    planner: TeamPlanner, costs: CostMatrix, starts: tuple[TourStart, ...], rooms: tuple[Room, ...], visit: float
+) -> tuple[Tour, ...]:
+    """Return the tours that send the first robot; remembered, since a wizard's advice is shown anew in every tick."""
+    return PLANNERS[planner](costs, starts, rooms, visit, sent=0)

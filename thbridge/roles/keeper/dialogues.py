@@ -1,7 +1,7 @@
 """Open dialogues of robots and participant, and agreements that were not acted upon yet."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from thbridge.dialogue.engine import DialogueEngine, DialogueStep
 from thbridge.dialogue.moves import Dialogue, DialogueOutcome, DialogueTopic, DialogueUtterance, Scenario, Speaker
@@ -75,7 +75,15 @@ class GameDialogues:
         utterances, self._utterances = self._utterances, []
         return utterances
 
-    def open(self, state: GameState, scenario: Scenario, robot: int, room: Room, reason: str = "") -> None:
+    def open(
+        self,
+        state: GameState,
+        scenario: Scenario,
+        robot: int,
+        room: Room,
+        reason: str = "",
+        confidence: float | None = None,
+    ) -> None:
         """Open a dialogue; an earlier one with this robot is withdrawn, and an agreement on the same matter too.
 
         Args:
@@ -84,9 +92,11 @@ class GameDialogues:
             robot: index in the team.
             room: the room that it is about.
             reason: of a suggestion, as part of a sentence.
+            confidence: to be stated in a suggestion, 0 to 1, or None.
         """
         self._forget(robot, MATTERS[scenario])
-        topic = _topic(state, scenario, robot, room, self._room_names.name(room.people) or str(room), reason)
+        name = self._room_names.name(room.people) or str(room)
+        topic = replace(_topic(state, scenario, robot, room, name), reason=reason, confidence=confidence)
         self._opened += 1
         self._follow(self._engine.open(self._opened, topic, held=robot in self.puppets))
 
@@ -95,12 +105,15 @@ class GameDialogues:
 
         Programs repeat the request until they see an answer: a suggestion that was made, and not answered yet, stands.
         """
-        given = self._open.get(robot)
-        is_answered = given is not None and any(turn.speaker is Speaker.PERSON for turn in given.turns)
-        stands = given is not None and given.topic.scenario is Scenario.DONT_KNOW and not is_answered
-        if not stands and robot not in self.asked_for_advice:
+        if not self.suggestion_stands(robot) and robot not in self.asked_for_advice:
             self._forget(robot, "select-room")
             self.asked_for_advice += (robot,)
+
+    def suggestion_stands(self, robot: int) -> bool:
+        """Return True while the participant has not answered what this robot suggested."""
+        given = self._open.get(robot)
+        is_answered = given is not None and any(turn.speaker is Speaker.PERSON for turn in given.turns)
+        return given is not None and given.topic.scenario is Scenario.DONT_KNOW and not is_answered
 
     def answer(self, number: int, turn: int, choice: int) -> None:
         """Make the participant's choice; one for an earlier turn changes nothing."""
@@ -225,7 +238,7 @@ class GameDialogues:
         self.asked_for_advice = tuple(asked for asked in self.asked_for_advice if asked != robot)
 
 
-def _topic(state: GameState, scenario: Scenario, robot: int, room: Room, room_name: str, reason: str) -> DialogueTopic:
+def _topic(state: GameState, scenario: Scenario, robot: int, room: Room, room_name: str) -> DialogueTopic:
     here = state.robots[robot]
     match scenario:
         case Scenario.TAKE_PICTURE:
@@ -243,7 +256,6 @@ def _topic(state: GameState, scenario: Scenario, robot: int, room: Room, room_na
         room_name=room_name,
         other_robot=_nearest_other(state, robot, room),
         properties=state.room(room).known,
-        reason=reason,
     )
 
 

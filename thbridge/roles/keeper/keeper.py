@@ -33,6 +33,7 @@ from thbridge.protocols.text.notice import (
     parse_notice,
 )
 from thbridge.protocols.text.router import Forwarded
+from thbridge.roles.keeper.advice import Adviser
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.consent import ConsentAnswer, ConsentStatus
 from thbridge.roles.keeper.debriefing import debrief_of
@@ -140,6 +141,7 @@ class Keeper:
         history: events of the game in progress, oldest first, as the journal has them; empty for none.
         last_game: number of the last game so far; the next one gets the number after it.
         briefing: for participants, beside the state of the game.
+        adviser: suggests rooms in the place of robots.
         tells_refusals: True: programs of 2016 are told what is refused to them, by `%%error`.
 
     Attributes:
@@ -155,6 +157,7 @@ class Keeper:
         history: Sequence[Event] = (),
         last_game: int = 0,
         briefing: Briefing | None = None,
+        adviser: Adviser | None = None,
         *,
         tells_refusals: bool = False,
     ) -> None:
@@ -162,7 +165,7 @@ class Keeper:
         self._refusals: list[ProgramRefusal] = []
         self._rules = rules
         self._briefing = briefing or Briefing()
-        self._game = OpenGame(engine, last_game, self._briefing.room_names)
+        self._game = OpenGame(engine, last_game, self._briefing.room_names, adviser or Adviser())
         self._game.restore(history)
         return_robots(self._game)
         self._legacy_lines = LegacyLines(self._game)

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.engine import DialogueEngine
+from thbridge.dialogue.moves import Scenario
 from thbridge.hunt import game, rules
 from thbridge.hunt.events import (
     CommanderChanged,
@@ -18,6 +19,7 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import RoomNames
 from thbridge.roles.failure_reasons import CALLED_BACK
+from thbridge.roles.keeper.advice import Advice, Adviser
 from thbridge.roles.keeper.dialogues import GameDialogues
 from thbridge.roles.notices import MoveOrder
 from thbridge.roles.view import RefusalView
@@ -33,10 +35,14 @@ class OpenGame:
         engine: makes the dialogue engine of a game, given the game's number.
         last_game: number of the last game so far.
         room_names: names of the map's rooms.
+        adviser: suggests rooms in the place of robots.
     """
 
-    def __init__(self, engine: Callable[[int], DialogueEngine], last_game: int, room_names: RoomNames) -> None:
+    def __init__(
+        self, engine: Callable[[int], DialogueEngine], last_game: int, room_names: RoomNames, adviser: Adviser
+    ) -> None:
         self._engine = engine
+        self._adviser = adviser
         self._room_names = room_names
         self.last_game = last_game
         self.state: GameState | None = None
@@ -90,6 +96,17 @@ class OpenGame:
         """Keep a refusal for the view."""
         self._refusals += 1
         self.refusal = RefusalView(self._refusals, request, refused.reason, refused.sentence)
+
+    def advice(self, state: GameState, robot: int) -> Advice | RequestRefused:
+        """Return what a robot suggests now; see `Adviser.advise`."""
+        stands = self.dialogues.suggestion_stands(robot)
+        number = state.robots[robot].advice + (0 if stands else 1)
+        return self._adviser.advise(state, self.dialogues.discussed, robot, number)
+
+    def suggest(self, state: GameState, robot: int, advice: Advice) -> None:
+        """Record an advice, and let the robot open the dialogue about it."""
+        self.record((advice.event(robot),))
+        self.dialogues.open(state, Scenario.DONT_KNOW, robot, advice.room, advice.reason, advice.confidence)
 
     def recall(self, robot: int) -> None:
         """Call a moving robot back; its move ends when SimR reports how far it came, or now if it was never ordered."""

@@ -8,7 +8,6 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.protocols.text.notice import Notice, decode_notice, kind_of
-from thbridge.roles.keeper.advice import advise
 from thbridge.roles.keeper.dialogues import MATTERS
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.participant_rules import Situation, judge, place
@@ -62,13 +61,13 @@ def handle_participant_request(game: OpenGame, state: GameState, notice: Notice,
 
 def suggest_or_await(game: OpenGame, state: GameState, number: int) -> None:
     """Let a robot suggest a room, or wait for the person who speaks in its place."""
-    advice = advise(state, game.dialogues.discussed, number)
+    advice = game.advice(state, number)
     if isinstance(advice, RequestRefused):
         game.refuse(kind_of(RequestSuggestion), advice)
     elif number in game.dialogues.puppets:
         game.dialogues.await_advice(number)
     else:
-        game.dialogues.open(state, Scenario.DONT_KNOW, number, advice.room, advice.reason)
+        game.suggest(state, number, advice)
 
 
 def _open(game: OpenGame, state: GameState, ruling: rules.Ruling, scenario: Scenario, robot: int, room: Room) -> None:

@@ -8,16 +8,12 @@ from dataclasses import dataclass
 
 import msgspec
 
-from thbridge.dialogue.moves import Scenario
-from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
-from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.roles.keeper.advice import advise, reason_by_cost
+from thbridge.roles.keeper.advice import Advice, possible_rooms
 from thbridge.roles.keeper.dialogues import HeldTurn
 from thbridge.roles.keeper.open_game import OpenGame
 from thbridge.roles.keeper.participant_requests import suggest_or_await
-from thbridge.roles.participant_rules import Situation, free_to_discuss
 from thbridge.roles.robot_requests import WizardAdvice, WizardMode, WizardMove, WizardRequest
 
 
@@ -69,26 +65,14 @@ def handle_wizard_request(game: OpenGame, state: GameState | None, request: Wiza
         case WizardMove(dialogue, turn, move, text):
             game.dialogues.speak_for(dialogue, turn, move, text)
         case WizardAdvice(robot, number):
-            waits = state is not None and robot in game.dialogues.asked_for_advice
-            if state is not None and waits and Room(max(number, 0)) in _rooms(game, state, robot):
-                game.dialogues.open(state, Scenario.DONT_KNOW, robot, Room(number), _reason(game, state, robot, number))
+            if state is not None and robot in game.dialogues.asked_for_advice:
+                own, room = game.advice(state, robot), Room(max(number, 0))
+                if isinstance(own, Advice) and room in possible_rooms(state, game.dialogues.discussed, robot):
+                    game.suggest(state, robot, own.instead(room, state.cost(robot, room)))
 
 
 def _advice(game: OpenGame, state: GameState, robot: int) -> HeldAdvice:
-    costs = tuple((room.people, state.cost(robot, room)) for room in _rooms(game, state, robot))
-    own = advise(state, game.dialogues.discussed, robot)
-    return HeldAdvice(robot, costs, None if isinstance(own, RequestRefused) else own.room.people)
-
-
-def _reason(game: OpenGame, state: GameState, robot: int, number: int) -> str:
-    """Return the robot's own reason where the wizard advises what it would, and else what the room costs."""
-    own = advise(state, game.dialogues.discussed, robot)
-    if not isinstance(own, RequestRefused) and own.room == Room(number):
-        return own.reason
-    return reason_by_cost(state.cost(robot, Room(number)))
-
-
-def _rooms(game: OpenGame, state: GameState, robot: int) -> list[Room]:
-    """Return the rooms that a robot may suggest."""
-    free = free_to_discuss(Situation(state, game.dialogues.discussed), robot)
-    return [room for room in free if isinstance(rules.move(state, robot, room), tuple)]
+    rooms = possible_rooms(state, game.dialogues.discussed, robot)
+    own = game.advice(state, robot)
+    costs = tuple((room.people, state.cost(robot, room)) for room in rooms)
+    return HeldAdvice(robot, costs, own.room.people if isinstance(own, Advice) else None)

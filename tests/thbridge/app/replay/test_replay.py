@@ -49,6 +49,7 @@ from thbridge.app.session.session import Session, TickRecord
 from thbridge.app.session.simr_session import SimrSession
 from thbridge.app.session.watch_requests import request_line
 from thbridge.files.errors import BadFile
+from thbridge.hunt.team_planner import TeamPlanner
 from thbridge.protocols import watching
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.client import NameRegistered
@@ -74,7 +75,7 @@ from thbridge.roles.robot_requests import (
     WizardMove,
 )
 from thbridge.ros import names
-from thbridge.ros.messages import unpack
+from thbridge.ros.messages import pack, unpack
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
 from thbridge.ros.publisher import RosMessage, Topic
@@ -83,7 +84,7 @@ from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.text.client import TextClient
 from thbridge.sockets.watching.client import WatchClient
 from thbridge.study.overrides import StudyChange, with_changes
-from thbridge.study.study_file import RecordingSection, Study, read_study_text
+from thbridge.study.study_file import DialogueSection, RecordingSection, Study, read_study_text
 
 STUDY = dataclasses.replace(Study(), seed=7, server=dataclasses.replace(Study().server, port=0))
 
@@ -204,6 +205,32 @@ class TestSame:
         done = again(tmp_path / "older.bag")
         assert (done.difference, done.cut_off, done.ticks) == (None, False, 16 * 50)
         assert done.messages == sum(message.topic not in NOT_IN_OLDER | {names.SESSION} for message in whole)
+
+    def test_a_recording_of_before_advice_was_recorded_is_the_same_again(self, hunt: Path, tmp_path: Path) -> None:
+        first, *rest = messages(hunt)
+        opening = unpack.session(first.data)
+        older = dataclasses.replace(opening, study=opening.study.replace("  planner: joint\n", ""))
+        assert older != opening
+        with BagWriter(tmp_path / "older.bag") as writer:
+            writer.write(RosMessage(Topic(first.topic, first.msgtype), first.stamp_ns, pack.session(0, older)))
+            for message in rest:
+                if message.topic != names.GAME_EVENTS or unpack.game_event(message.data).kind != "advised":
+                    writer.write(RosMessage(Topic(message.topic, message.msgtype), message.stamp_ns, message.data))
+        done = again(tmp_path / "older.bag")
+        assert (done.difference, done.ticks) == (None, 16 * 50)
+        assert done.messages < len(rest)
+
+    def test_advice_errs_again_where_it_did(self, tmp_path: Path) -> None:
+        talk = DialogueSection(
+            planner=TeamPlanner.AUCTION, adviser_error_rate=0.5, says_confidence=True, confidence_bias=-0.1
+        )
+        record(tmp_path / "erring.bag", dataclasses.replace(STUDY, dialogue=talk), 20.0)
+        equal(tmp_path / "erring.bag", 20 * 50)
+        told = [unpack.game_event(message.data) for message in messages(tmp_path / "erring.bag", [names.GAME_EVENTS])]
+        advice = [json.loads(event.json) for event in told if event.kind == "advised"]
+        assert len(advice) > 1
+        assert all((each["planned"] != each["room"]) == each["erred"] for each in advice)
+        assert {each["confidence"] for each in advice} == {0.4}
 
     def test_what_a_researcher_did_at_the_watch_door_is_done_again(self, tmp_path: Path) -> None:
         crate = Thing("crate", ((0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)), Pose2(0.0, 0.5, 0.2))

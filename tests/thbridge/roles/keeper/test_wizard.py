@@ -1,12 +1,15 @@
 """Wizard-of-Oz: a person speaks in a robot's place, and the participant does not see it."""
 
+from collections.abc import Sequence
+
 import pytest
 
 from tests.thbridge.roles.stage import Stage
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.dialogue.moves import Author
-from thbridge.hunt.events import Condition
+from thbridge.hunt.events import Condition, Event
 from thbridge.hunt.rooms import Room
+from thbridge.roles.keeper.advice import Adviser
 from thbridge.roles.keeper.wizard import WizardState
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
@@ -27,9 +30,9 @@ ON, OFF = WizardMode(0, on=True), WizardMode(0, on=False)
 class Oz:
     """A stage with a participant and a wizard who do what the test tells them."""
 
-    def __init__(self) -> None:
+    def __init__(self, adviser: Adviser | None = None, history: Sequence[Event] = ()) -> None:
         self.player = Script()
-        self.stage = Stage(participant=TabUI(self.player))
+        self.stage = Stage(participant=TabUI(self.player), adviser=adviser, history=history)
         self.stage.run(10)
 
     def wish(self, *wishes: ParticipantRequest) -> View:

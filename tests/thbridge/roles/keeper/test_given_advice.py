@@ -1,0 +1,77 @@
+"""Advice in a game: said to the participant, recorded for the researcher with what the participant is not told."""
+
+import msgspec
+
+from tests.thbridge.roles.keeper.test_wizard import ON, Oz
+from tests.thbridge.roles.stage import Stage
+from thbridge.hunt.events import RoomAdvised
+from thbridge.roles.keeper.advice import Adviser
+from thbridge.roles.robot_requests import WizardAdvice
+from thbridge.roles.view import AnswerDialogue, RequestSuggestion
+
+UNSURE = RequestSuggestion(0)
+ERRING = Adviser(error_rate=1.0, says_confidence=True, confidence_bias=0.8)
+
+
+def advised(stage: Stage) -> list[RoomAdvised]:
+    return [event for event in stage.log.events if isinstance(event, RoomAdvised)]
+
+
+def test_advice_that_errs_is_recorded_as_such_and_shown_as_any_other() -> None:
+    oz = Oz(ERRING)
+    view = oz.wish(UNSURE)
+    (event,) = advised(oz.stage)
+    (dialogue,) = view.dialogues
+    assert (event.robot, event.room.people, event.advice) == (0, dialogue.room, 1)
+    assert event.erred and event.planned != event.room and event.confidence == 0.8
+    assert dialogue.said[0].startswith("I am 80% sure of my suggestion. ")
+    assert "erred" not in msgspec.json.encode(view).decode()
+    assert not any("planned" in line or "erred" in line for line in oz.stage.lines)
+
+
+def test_without_a_word_from_the_study_advice_is_as_planned_and_says_no_confidence() -> None:
+    oz = Oz()
+    (dialogue,) = oz.wish(UNSURE).dialogues
+    (event,) = advised(oz.stage)
+    assert (event.room, event.erred, event.confidence) == (event.planned, False, None)
+    assert "sure" not in dialogue.said[0]
+
+
+def test_advice_asked_for_again_before_it_is_answered_is_the_same_advice() -> None:
+    oz = Oz(Adviser(error_rate=0.5))
+    rooms = set()
+    for _ in range(8):
+        (dialogue,) = oz.wish(UNSURE).dialogues
+        rooms.add(dialogue.room)
+    assert len(rooms) == 1
+    assert {event.advice for event in advised(oz.stage)} == {1}
+    oz.wish(AnswerDialogue(dialogue.dialogue, 1, 1))
+    oz.wish(UNSURE)
+    assert advised(oz.stage)[-1].advice == 2
+
+
+def test_a_keeper_that_is_started_again_counts_on() -> None:
+    before = Oz(ERRING)
+    before.wish(UNSURE)
+    after = Oz(ERRING, before.stage.log.events)
+    after.wish(UNSURE)
+    assert [event.advice for event in advised(after.stage)] == [1, 2]
+
+
+def test_a_wizards_own_advice_is_no_error_and_the_robots_is_recorded_beside_it() -> None:
+    oz = Oz(ERRING)
+    oz.ask(ON)
+    oz.wish(UNSURE)
+    (held,) = oz.held.advice
+    robots = held.suggestion
+    chosen = next(room for room, _ in held.costs if room != robots)
+    oz.ask(WizardAdvice(0, chosen))
+    (event,) = advised(oz.stage)
+    assert (event.room.people, event.erred) == (chosen, False)
+    other = Oz(ERRING)
+    other.ask(ON)
+    other.wish(UNSURE)
+    assert robots is not None
+    other.ask(WizardAdvice(0, robots))
+    (event,) = advised(other.stage)
+    assert (event.room.people, event.erred) == (robots, True)
