@@ -2,7 +2,7 @@
 
 import difflib
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from sim.common.robot_numbers import number_of
@@ -92,8 +92,7 @@ def word_fault(wording: str, scenario: Scenario, properties: Sequence[TreasurePr
     """
     beside = [each.name for each in properties]
     allowed = allowed_words(scenario, properties)
-    for found in _RESERVED.finditer(wording):
-        name = found.group(1)
+    for name in reserved_in(wording):
         if name in allowed:
             continue
         if name in beside:
@@ -106,9 +105,21 @@ def word_fault(wording: str, scenario: Scenario, properties: Sequence[TreasurePr
                 f"£{name}£ is known only where the robot suggests a room",
                 "use it in the first questions, those for a person who does not know, only",
             )
-        near = difflib.get_close_matches(name.casefold(), allowed, n=1)
-        choice = f"write £{near[0]}£" if near else "use one of " + ", ".join(f"£{word}£" for word in allowed)
-        return WordFault(f"unknown reserved word £{name}£", choice)
+    return spelling_fault(wording, allowed)
+
+
+def spelling_fault(wording: str, allowed: Collection[str]) -> WordFault | None:
+    """Return the first word of a wording that is not one of those allowed, or a pound sign that stands alone, or None.
+
+    Args:
+        wording: a sentence.
+        allowed: reserved words, in the order in which a remedy lists them.
+    """
+    for name in reserved_in(wording):
+        if name not in allowed:
+            near = difflib.get_close_matches(name.casefold(), allowed, n=1)
+            choices = "use one of " + ", ".join(f"£{word}£" for word in allowed) if allowed else "write it without"
+            return WordFault(f"unknown reserved word £{name}£", f"write £{near[0]}£" if near else choices)
     stray = _STRAY.search(_RESERVED.sub("", wording))
     if stray:
         return WordFault(
@@ -126,14 +137,25 @@ def words_of(topic: DialogueTopic) -> dict[str, str]:
 
 def is_filled(wording: str, words: Mapping[str, str]) -> bool:
     """Return True when each reserved word of a wording has a value."""
-    return all(found.group(1) in words for found in _RESERVED.finditer(wording))
+    return all(name in words for name in reserved_in(wording))
 
 
-def fill(wording: str, words: Mapping[str, str]) -> str:
-    """Return the wording with its reserved words replaced, and a capital where one begins a sentence."""
+def reserved_in(wording: str) -> tuple[str, ...]:
+    """Return the reserved words of a wording, without their pound signs, in order."""
+    return tuple(found.group(1) for found in _RESERVED.finditer(wording))
+
+
+def fill(wording: str, words: Mapping[str, str], beginning: re.Pattern[str] = _SENTENCE_START) -> str:
+    """Return the wording with its reserved words replaced, and a capital where one begins a sentence.
+
+    Args:
+        wording: a sentence.
+        words: the values of the reserved words.
+        beginning: finds, at the end of what stands before a word, that a sentence begins.
+    """
 
     def value(found: re.Match[str]) -> str:
         word = words.get(found.group(1), UNKNOWN)
-        return word[:1].upper() + word[1:] if _SENTENCE_START.search(wording[: found.start()]) else word
+        return word[:1].upper() + word[1:] if beginning.search(wording[: found.start()]) else word
 
     return _RESERVED.sub(value, wording)

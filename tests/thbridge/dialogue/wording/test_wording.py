@@ -1,0 +1,122 @@
+"""Wordings of arguing robots: every move has a sentence that carries its values, in every language that is shipped."""
+
+import re
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.thbridge.dialogue.wording.propositions import MOVES, NAMES, PLAIN, PROPOSITIONS, values_in
+from thbridge.argumentation.cases import Side
+from thbridge.argumentation.propositions import Literal, Proposition
+from thbridge.dialogue import propositions
+from thbridge.dialogue.conditions import DialogueCondition
+from thbridge.dialogue.games.contents import DialogueMove
+from thbridge.dialogue.propositions import EnergyLevel, NextRoom, TeamPlan, Wanted
+from thbridge.dialogue.wording.lines import LINES, LineKey
+from thbridge.dialogue.wording.predicates import PREDICATES, ValueKind
+from thbridge.dialogue.wording.wording import Wording
+from thbridge.files.word_files import SHIPPED_LANGUAGES, languages_in, read_language
+from thbridge.hunt.rooms import CORRIDOR, Room
+
+LANGUAGES = {name: read_language(name=name) for name in languages_in(SHIPPED_LANGUAGES)}
+WORDINGS = {name: Wording(language, 0, NAMES) for name, language in LANGUAGES.items()}
+SIDES = st.sampled_from(Side)
+NAME = st.sampled_from(sorted(WORDINGS))
+CHANCES = st.floats(0, 1, exclude_max=True)
+ROOM_3 = Literal(NextRoom(0, Room(3)))
+ENGLISH = WORDINGS["en"]
+
+
+def stands_in(value: str, sentence: str) -> bool:
+    """Return True when a value stands in a sentence as a whole word; numbers are not parts of other numbers."""
+    return re.search(rf"(?<![\w.,]){re.escape(value)}(?!\w|[.,]\d)", sentence, re.IGNORECASE) is not None
+
+
+@settings(max_examples=300)
+@given(NAME, MOVES, SIDES, CHANCES)
+def test_every_move_has_a_sentence_that_carries_all_values(
+    name: str, move: DialogueMove, side: Side, chance: float
+) -> None:
+    wording = WORDINGS[name]
+    grammar = wording.language.grammar
+    sentence = wording.sentence(move, side, chance=chance)
+    assert sentence[-1] in ".?" and sentence[0] == sentence[0].upper() and "£" not in sentence and "  " not in sentence
+    for value in values_in(move.content, 0, grammar.decimal):
+        assert stands_in(grammar.names.get(value, value), sentence), (value, sentence)
+
+
+@settings(max_examples=200)
+@given(NAME, PROPOSITIONS, SIDES, CHANCES, st.booleans())
+def test_what_does_not_hold_is_said_otherwise(
+    name: str, proposition: Proposition, side: Side, chance: float, simply: bool
+) -> None:
+    wording = WORDINGS[name]
+    yes, no = (
+        wording.phrase(Literal(proposition, holds), side, chance=chance, simply=simply) for holds in (True, False)
+    )
+    assert yes != no
+    for locution in ("assert", "challenge", "accept", "reject"):
+        said, denied = (
+            wording.sentence(DialogueMove(locution, Literal(proposition, holds)), side, chance=chance)
+            for holds in (True, False)
+        )
+        assert said != denied
+
+
+@pytest.mark.parametrize("name", sorted(WORDINGS))
+def test_every_line_has_words(name: str) -> None:
+    values = {ValueKind.ROOM: Room(3), ValueKind.NUMBER: 30, ValueKind.CLAUSE: ROOM_3, ValueKind.CLAUSES: (ROOM_3,)}
+    for key, line in LINES.items():
+        text = WORDINGS[name].line(key, **{word: values[kind] for word, kind in line.values.items()})
+        assert text and "£" not in text
+    assert set(LINES) == set(LineKey)
+
+
+def test_every_class_of_propositions_has_a_predicate_with_all_its_values() -> None:
+    classes = {
+        each for each in vars(propositions).values() if isinstance(each, type) and issubclass(each, Proposition)
+    } - {Proposition}
+    assert {predicate.proposition for predicate in PREDICATES.values()} == classes
+    for predicate in PREDICATES.values():
+        assert list(predicate.values) == list(predicate.proposition.__dataclass_fields__)
+
+
+@given(PLAIN)
+def test_predicates_are_named_as_propositions_are_written(proposition: Proposition) -> None:
+    predicate = PREDICATES[str(proposition).partition("(")[0]]
+    assert isinstance(proposition, predicate.proposition)
+
+
+def test_robots_say_i_people_say_you_and_others_have_numbers() -> None:
+    other = Literal(NextRoom(1, Room(2)))
+    assert ENGLISH.phrase(ROOM_3) == "I go to room 3 next"
+    assert ENGLISH.phrase(ROOM_3, Side.HUMAN) == "you go to room 3 next"
+    assert ENGLISH.phrase(other) == ENGLISH.phrase(other, Side.HUMAN) == "robot 2 goes to room 2 (Kitchen) next"
+    assert ENGLISH.phrase(Literal(Wanted(~ROOM_3)), Side.HUMAN) == "I want it so: you do not go to room 3 next"
+
+
+def test_the_most_specific_wording_is_said() -> None:
+    assert ENGLISH.sentence(DialogueMove("challenge", ROOM_3)) == "Why should I go to room 3 next?"
+    assert ENGLISH.sentence(DialogueMove("challenge", ~ROOM_3), Side.HUMAN) == "Why not room 3?"
+    level = Literal(EnergyLevel(1000.0))
+    assert ENGLISH.sentence(DialogueMove("challenge", level)) == "Why do you say that I have 1000 energy left?"
+    advised = ENGLISH.sentence(DialogueMove("assert", ROOM_3), condition=DialogueCondition.ADVISER)
+    assert advised == "My advice: I go to room 3 next."
+
+
+def test_one_room_is_counted_as_one() -> None:
+    phrase = ENGLISH.phrase(Literal(TeamPlan(0, CORRIDOR, 1, 12.5)))
+    assert phrase == "with me going to the corridor next, we reach 1 room for 12.5 energy in all"
+
+
+def test_chance_chooses_one_of_several_wordings() -> None:
+    move = DialogueMove("assert", ROOM_3)
+    assert {ENGLISH.sentence(move, chance=chance) for chance in (0.0, 0.49)} == {"I would go to room 3 next."}
+    assert ENGLISH.sentence(move, chance=0.99) == "I think I should go to room 3 next."
+
+
+def test_simpler_words_are_of_the_same_speaker() -> None:
+    level = Literal(EnergyLevel(1000.0))
+    assert ENGLISH.phrase(level, simply=True) == "I have 1000 energy"
+    assert ENGLISH.phrase(level, Side.HUMAN, simply=True) == "you have 1000 energy left"

@@ -1,0 +1,94 @@
+"""Lines beside the moves of games: how a dialogue begins and ends, what a person may ask, how robots answer."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from thbridge.argumentation.cases import Side
+from thbridge.dialogue.wording.predicates import ValueKind
+
+
+class LineKey(StrEnum):
+    """Key of a line in the files of a language."""
+
+    OPENED = "opened"
+    ENDED_AGREEMENT = "ended_agreement"
+    ENDED_DISAGREEMENT = "ended_disagreement"
+    ENDED_UNKNOWN = "ended_unknown"
+    ENDED_STALEMATE = "ended_stalemate"
+    ENDED_WITHDRAWN = "ended_withdrawn"
+    AGREED = "agreed"
+    WHERE_THEN = "where_then"
+    WHAT_THEN = "what_then"
+    LEAVE_IT = "leave_it"
+    OVERRIDE = "override"
+    OVERRIDE_PICTURE = "override_picture"
+    OVERRIDE_NAME = "override_name"
+    NEGLECTED = "neglected"
+    MISHEARD = "misheard"
+    HAVE_QUESTION = "have_question"
+    BACK = "back"
+    WHY_THIS = "why_this"
+    WHY_NOT = "why_not"
+    WHY_ROBOT = "why_robot"
+    WHY_NOW = "why_now"
+    KNOWN = "known"
+    CHANGE = "change"
+    SIMPLER = "simpler"
+    BECAUSE = "because"
+    BECAUSE_NOT_KNOWN = "because_not_known"
+    CHANGED_BY = "changed_by"
+    CHANGED_BY_NOTHING = "changed_by_nothing"
+
+
+@dataclass(frozen=True, slots=True)
+class LineMeaning:
+    """Meaning of a line, for people who write it.
+
+    Attributes:
+        speaker: the side that says it.
+        meaning: when it is said, or what for.
+        values: that it may name, by their reserved words.
+    """
+
+    speaker: Side
+    meaning: str
+    values: Mapping[str, ValueKind] = field(default_factory=dict)
+
+
+_ROOM = {"room": ValueKind.ROOM}
+_BECAUSE = {"because": ValueKind.CLAUSES}
+
+LINES: Mapping[LineKey, LineMeaning] = {
+    LineKey.OPENED: LineMeaning(Side.ROBOT, "before it argues", {"topic": ValueKind.CLAUSE}),
+    LineKey.ENDED_AGREEMENT: LineMeaning(Side.ROBOT, "when one side has accepted what the other claimed"),
+    LineKey.ENDED_DISAGREEMENT: LineMeaning(Side.ROBOT, "when something was rejected"),
+    LineKey.ENDED_UNKNOWN: LineMeaning(Side.ROBOT, "when who was asked does not know"),
+    LineKey.ENDED_STALEMATE: LineMeaning(Side.ROBOT, "when nothing is left to be said"),
+    LineKey.ENDED_WITHDRAWN: LineMeaning(Side.ROBOT, "when what was talked about is past"),
+    LineKey.AGREED: LineMeaning(Side.ROBOT, "before it does what was agreed", {"topic": ValueKind.CLAUSE}),
+    LineKey.WHERE_THEN: LineMeaning(Side.HUMAN, "asks where the robot would go"),
+    LineKey.WHAT_THEN: LineMeaning(Side.HUMAN, "asks what the robot would do about a treasure"),
+    LineKey.LEAVE_IT: LineMeaning(Side.HUMAN, "ends the dialogue"),
+    LineKey.OVERRIDE: LineMeaning(Side.HUMAN, "who has the last word, sends the robot to a room", _ROOM),
+    LineKey.OVERRIDE_PICTURE: LineMeaning(Side.HUMAN, "who has the last word, wants a picture"),
+    LineKey.OVERRIDE_NAME: LineMeaning(Side.HUMAN, "who has the last word, names the treasure"),
+    LineKey.NEGLECTED: LineMeaning(
+        Side.ROBOT, "when it was told nothing for a while", {"seconds": ValueKind.NUMBER, **_ROOM}
+    ),
+    LineKey.MISHEARD: LineMeaning(Side.ROBOT, "when it has understood something else"),
+    LineKey.HAVE_QUESTION: LineMeaning(Side.HUMAN, "wants to ask something"),
+    LineKey.BACK: LineMeaning(Side.HUMAN, "asks nothing after all"),
+    LineKey.WHY_THIS: LineMeaning(Side.HUMAN, "asks for the reasons for a room", _ROOM),
+    LineKey.WHY_NOT: LineMeaning(Side.HUMAN, "asks for the reasons against another room", _ROOM),
+    LineKey.WHY_ROBOT: LineMeaning(Side.HUMAN, "asks why this robot, and not another one"),
+    LineKey.WHY_NOW: LineMeaning(Side.HUMAN, "asks why now"),
+    LineKey.KNOWN: LineMeaning(Side.HUMAN, "asks for all that the robot knows of it"),
+    LineKey.CHANGE: LineMeaning(Side.HUMAN, "asks what would make the robot change its mind"),
+    LineKey.SIMPLER: LineMeaning(Side.HUMAN, "asks the robot to say it again in simpler words"),
+    LineKey.BECAUSE: LineMeaning(Side.ROBOT, "answers a question with what it believes", _BECAUSE),
+    LineKey.BECAUSE_NOT_KNOWN: LineMeaning(Side.ROBOT, "has no answer"),
+    LineKey.CHANGED_BY: LineMeaning(Side.ROBOT, "tells what would change its mind, if it were otherwise", _BECAUSE),
+    LineKey.CHANGED_BY_NOTHING: LineMeaning(Side.ROBOT, "knows of nothing that would change its mind"),
+}
+"""Lines that every language has."""

@@ -1,0 +1,239 @@
+"""Sentences of one robot and one person: for moves of dialogue games, for what they believe, and for other lines."""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from sim.common.robot_numbers import number_of
+from thbridge.argumentation.arguments import Argument
+from thbridge.argumentation.cases import Side
+from thbridge.argumentation.propositions import Literal, Proposition, Rule
+from thbridge.dialogue.conditions import DialogueCondition
+from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown, kind_of_content
+from thbridge.dialogue.wording.language import AboutRobot, Language
+from thbridge.dialogue.wording.lines import LINES, LineKey
+from thbridge.dialogue.wording.predicates import PREPOSITIONS, Predicate, ValueKind, predicate_of
+from thbridge.dialogue.words import fill
+from thbridge.hunt.costs import energy_text
+from thbridge.hunt.rooms import Room, RoomNames
+
+Value = Room | float | str | Literal | tuple[float, ...] | tuple[str, ...] | tuple[Literal, ...]
+"""Value of a reserved word; its kind tells how it is said."""
+
+_PICTURE = re.compile(r"image(\d+)")
+
+
+@dataclass(frozen=True, slots=True)
+class Wording:
+    """Words of a robot and a person, of their dialogue alone.
+
+    Every move about propositions of the hunt has a sentence, and so has every line. Where there are several wordings,
+    `chance`, a number in [0, 1), chooses one.
+
+    Attributes:
+        language: the language.
+        robot: that takes part, as index in the team.
+        names: of the rooms.
+    """
+
+    language: Language
+    robot: int
+    names: RoomNames = field(default_factory=RoomNames)
+
+    def sentence(
+        self,
+        move: DialogueMove,
+        speaker: Side = Side.ROBOT,
+        *,
+        condition: DialogueCondition | None = None,
+        chance: float = 0.0,
+        simply: bool = False,
+    ) -> str:
+        """Return the sentence for a move; for the person's moves, the text of the button.
+
+        Args:
+            move: what is said.
+            speaker: who says it.
+            condition: of the study; None for none in particular.
+            chance: chooses one of several wordings.
+            simply: in simpler words, which may leave values out.
+
+        Raises:
+            ValueError: the language has no words for this move; one that was checked has, for each shipped move.
+        """
+        content = move.content
+        say = _Clauses(self, speaker, chance, simply)
+        words = say.words_of(content)
+        subject = _subject(content)
+        predicate = None if subject is None else predicate_of(subject.proposition)
+        if subject is not None and predicate is not None:
+            words |= say.values(subject.proposition, predicate)
+        wordings = self.language.move(
+            move.locution,
+            kind_of_content(content),
+            speaker,
+            condition=condition,
+            of=None if predicate is None else predicate.name,
+            holds=subject is None or subject.holds,
+            robot=None if subject is None else self.about(subject.proposition),
+        )
+        if not wordings:
+            raise ValueError(f"{self.language.title} has no words for {move}")
+        return say.filled(_drawn(wordings, chance), words)
+
+    def phrase(self, literal: Literal, speaker: Side = Side.ROBOT, *, chance: float = 0.0, simply: bool = False) -> str:
+        """Return a clause, without capital and full stop, for what holds or does not. Arguments as in `sentence`."""
+        return _Clauses(self, speaker, chance, simply).of(literal)
+
+    def line(self, key: LineKey, *, chance: float = 0.0, simply: bool = False, **values: Value) -> str:
+        """Return a line with its values, each of the kind that `LINES` tells.
+
+        Raises:
+            KeyError: a wording names a value that is not given.
+        """
+        say = _Clauses(self, LINES[key].speaker, chance, simply)
+        words: dict[str, str] = {}
+        for name, value in values.items():
+            words |= say.value(name, LINES[key].values[name], value)
+        return say.filled(_drawn(self.language.line(key), chance), words)
+
+    def about(self, proposition: Proposition) -> AboutRobot | None:
+        """Return whether a proposition is about the robot that takes part or another one; None: about no robot."""
+        predicate = predicate_of(proposition)
+        if predicate is None or predicate.robot is None:
+            return None
+        return AboutRobot.SELF if getattr(proposition, predicate.robot) == self.robot else AboutRobot.OTHER
+
+
+@dataclass(frozen=True, slots=True)
+class _Clauses:
+    """Clauses of one sentence."""
+
+    wording: Wording
+    speaker: Side
+    chance: float
+    simply: bool
+
+    def of(self, literal: Literal) -> str:
+        """Clause for a literal; for one with several parts, all their clauses."""
+        parts = literal.parts
+        if len(parts) > 1:
+            return self.all_of(parts)
+        predicate = predicate_of(literal.proposition)
+        if predicate is None:
+            raise ValueError(f"there are no words for {literal}")
+        wording, language = self.wording, self.wording.language
+        robot = wording.about(literal.proposition)
+        wordings = language.phrase(predicate.name, self.speaker, robot, holds=literal.holds, simply=self.simply)
+        if not wordings:
+            raise ValueError(f"{language.title} has no words for {literal}")
+        return self.filled(
+            _drawn(wordings, self.chance), self.values(literal.proposition, predicate), begins_sentence=False
+        )
+
+    def all_of(self, literals: Iterable[Literal]) -> str:
+        """Clauses for literals that all hold."""
+        grammar = self.wording.language.grammar
+        return grammar.listed(map(self.of, literals), grammar.last_and)
+
+    def words_of(self, content: Content) -> dict[str, str]:
+        """The words for a content as a whole, and its parts."""
+        match content:
+            case Literal():
+                return {"content": self.of(content)}
+            case Unknown(proposition):
+                return {"content": self.of(Literal(proposition))}
+            case Rule():
+                return {"content": self.rule(content)}
+            case Argument(support, conclusion):
+                # A set has no order of its own.
+                parts = sorted(support, key=str)
+                grammar = self.wording.language.grammar
+                said = [self.rule(part) if isinstance(part, Rule) else self.of(part) for part in parts]
+                return {"support": grammar.listed(said, grammar.last_and), "conclusion": self.of(conclusion)}
+
+    def rule(self, rule: Rule) -> str:
+        """Clause for a rule."""
+        words = {"premises": self.all_of(rule.premises), "conclusion": self.of(rule.conclusion)}
+        return self.filled(self.wording.language.grammar.rule, words, begins_sentence=False)
+
+    def values(self, proposition: Proposition, predicate: Predicate) -> dict[str, str]:
+        """The words for the values of a proposition."""
+        words: dict[str, str] = {}
+        for name, kind in predicate.values.items():
+            words |= self.value(name, kind, getattr(proposition, name))
+        return words
+
+    def value(self, name: str, kind: ValueKind, value: Value) -> dict[str, str]:
+        """The words for a value."""
+        grammar = self.wording.language.grammar
+        match kind, value:
+            case ValueKind.ROOM, Room():
+                words = {name: self.room("", value)}
+                return words | {f"{each}_{name}": self.room(each, value) for each in PREPOSITIONS}
+            case ValueKind.ROBOT, int():
+                return {name: fill(grammar.robot, {"number": str(number_of(value))})}
+            case ValueKind.ROOMS, int():
+                form = grammar.one_room if value == 1 else grammar.many_rooms
+                return {name: fill(form, {"number": str(value)})}
+            case ((ValueKind.ENERGY | ValueKind.NUMBER), (int() | float())):
+                return {name: self.number(value)}
+            case ValueKind.SUM, tuple():
+                return {name: " + ".join(self.number(term) for term in value if isinstance(term, int | float))}
+            case ValueKind.PICTURE, str():
+                found = _PICTURE.fullmatch(value)
+                return {name: fill(grammar.picture, {"number": found.group(1)}) if found else self.name(value)}
+            case ValueKind.NAME, str():
+                return {name: self.name(value)}
+            case ValueKind.NAMES, tuple():
+                return {name: grammar.listed(map(self.name, map(str, value)), grammar.last_or)}
+            case ValueKind.CLAUSE, Literal():
+                return {name: self.of(value)}
+            case ValueKind.CLAUSES, tuple():
+                return {name: self.all_of(part for part in value if isinstance(part, Literal))}
+            case _:
+                raise TypeError(f"{name}: {value!r} is no {kind}")
+
+    def room(self, preposition: str, room: Room) -> str:
+        """A room, with its name, if any, after a preposition."""
+        grammar = self.wording.language.grammar
+        if room.is_corridor:
+            return grammar.corridor[preposition]
+        return fill(grammar.rooms[preposition], {"number": self.wording.names.numbered(room.people)})
+
+    def number(self, number: float) -> str:
+        """A number, with the decimal sign of the language."""
+        return energy_text(number).replace(".", self.wording.language.grammar.decimal)
+
+    def name(self, name: str) -> str:
+        """A name, in the words of the language if it has some for it."""
+        return self.wording.language.grammar.names.get(name, name)
+
+    def filled(self, wording: str, words: Mapping[str, str], *, begins_sentence: bool = True) -> str:
+        """A wording with its words, and capitals where sentences begin."""
+        after_colon = self.wording.language.grammar.capital_after_colon
+        return fill(wording, words, _BEGINNINGS[begins_sentence, after_colon])
+
+
+_BEGINNINGS = {
+    (True, False): re.compile(r"(^|[.?!…])\s*$"),
+    (True, True): re.compile(r"(^|[.?!…:])\s*$"),
+    (False, False): re.compile(r"[.?!…]\s*$"),
+    (False, True): re.compile(r"[.?!…:]\s*$"),
+}
+"""Text before a capital: where a sentence begins with it or not, with and without a capital after a colon."""
+
+
+def _subject(content: Content) -> Literal | None:
+    """The literal that a content is about; None for a rule and an argument."""
+    match content:
+        case Literal():
+            return content
+        case Unknown(proposition):
+            return Literal(proposition)
+        case _:
+            return None
+
+
+def _drawn(wordings: tuple[str, ...], chance: float) -> str:
+    return wordings[int(chance * len(wordings))]

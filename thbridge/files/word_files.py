@@ -1,0 +1,392 @@
+"""Reads the words of arguing robots: YAML files, one folder a language, checked until no sentence can fail."""
+
+import dataclasses
+import difflib
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.argumentation.cases import Side
+from thbridge.dialogue.games.contents import ContentKind
+from thbridge.dialogue.games.locutions import Locution
+from thbridge.dialogue.wording.language import AboutRobot, Grammar, Language, MoveWording, PhraseWording
+from thbridge.dialogue.wording.lines import LINES, LineKey
+from thbridge.dialogue.wording.predicates import PREDICATES, Predicate, reserved_words
+from thbridge.dialogue.words import reserved_in, spelling_fault
+from thbridge.files.errors import BadFile, BadFiles, FaultCollection
+from thbridge.files.game_files import read_rulebook
+from thbridge.files.resources import PACKAGE
+from thbridge.files.yaml.load import Loaded, load
+
+SHIPPED_LANGUAGES = PACKAGE / "dialogue" / "wording" / "languages"
+"""The folder of the languages that come with the project."""
+LONGEST_WORDING = 500
+"""Greatest length of a wording, in characters."""
+
+_WORDS_OF_CONTENT: Mapping[ContentKind, tuple[str, ...]] = {
+    ContentKind.LITERAL: ("content",),
+    ContentKind.RULE: ("content",),
+    ContentKind.ARGUMENT: ("conclusion", "support"),
+    ContentKind.UNKNOWN: ("content",),
+}
+"""Words for the whole content of a move; all of them are needed where the values themselves are not named."""
+
+
+@dataclass(frozen=True, slots=True)
+class _LanguageYaml:
+    title: str
+    falls_back_on: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _GrammarYaml:
+    room: str
+    to_room: str
+    from_room: str
+    in_room: str
+    corridor: str
+    to_corridor: str
+    from_corridor: str
+    in_corridor: str
+    robot: str
+    picture: str
+    one_room: str
+    many_rooms: str
+    between: str
+    last_and: str
+    last_or: str
+    rule: str
+    decimal: str
+    capital_after_colon: bool
+    negations: tuple[str, ...]
+    names: Mapping[str, str] = dataclasses.field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class _LineYaml:
+    key: str
+    say: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _WordsYaml:
+    language: _LanguageYaml | None = None
+    grammar: _GrammarYaml | None = None
+    phrases: tuple[PhraseWording, ...] = ()
+    moves: tuple[MoveWording, ...] = ()
+    lines: tuple[_LineYaml, ...] = ()
+
+
+def languages_in(folder: Path) -> tuple[str, ...]:
+    """Return the names of the languages in a folder, in alphabetical order."""
+    return tuple(sorted({path.parent.name for path in folder.glob("*/*.yaml")}))
+
+
+def read_language(
+    folders: Iterable[Path] = (SHIPPED_LANGUAGES,), name: str = "en", *, locutions: Sequence[Locution] | None = None
+) -> Language:
+    """Read a language, and those that it falls back on.
+
+    Args:
+        folders: with a folder for each language; what a later one says replaces what is narrowed down in the same way.
+        name: of the language's folder.
+        locutions: for which there have to be words; None: those that come with the project.
+
+    Raises:
+        BadFile: a fault of a file, or all faults together; or there is no such language, or it lacks words.
+    """
+    folders = tuple(folders)
+    locutions = read_rulebook().locutions if locutions is None else locutions
+    language = _read(folders, name, {each.name for each in locutions}, ())
+    folder = next(folder / name for folder in reversed(folders) if name in languages_in(folder))
+    faults = tuple(_lacking(folder, language, locutions))
+    if faults:
+        raise BadFiles(faults)
+    return language
+
+
+def check_words(folder: Path, *, locutions: Sequence[Locution] | None = None) -> tuple[Language, ...]:
+    """Return the languages of a folder, read with those that come with the project.
+
+    Raises:
+        BadFile: a fault of a file, or all faults together; or there is no language in the folder.
+    """
+    names = languages_in(folder)
+    if not names:
+        problem = "there is no language in this folder" if folder.is_dir() else "there is no such folder"
+        raise BadFile(folder, problem, "Make a folder in it for each language, such as en, with .yaml files")
+    faults, read = FaultCollection(), []
+    for name in names:
+        with faults.kept():
+            read.append(read_language((SHIPPED_LANGUAGES, folder), name, locutions=locutions))
+    if faults.found:
+        raise faults.together()
+    return tuple(read)
+
+
+def _read(folders: Sequence[Path], name: str, locutions: Collection[str], above: tuple[str, ...]) -> Language:
+    """Read a language without a look at what it lacks; `above` are those that fall back on it."""
+    known = sorted({each for folder in folders for each in languages_in(folder)})
+    if name not in known:
+        where = folders[-1] / name
+        raise BadFile(where, f"there is no language {name}", _nearest(name, known))
+    faults = FaultCollection()
+    files: list[Loaded[_WordsYaml]] = []
+    for folder in folders:
+        of_folder: list[Loaded[_WordsYaml]] = []
+        for path in sorted((folder / name).glob("*.yaml")):
+            with faults.kept():
+                of_folder.append(load(path, _WordsYaml))
+        for loaded in of_folder:
+            faults.found += _faults(loaded, locutions)
+        faults.found += _doubles(of_folder)
+        files += of_folder
+    if faults.found:
+        raise faults.together()
+    headed = next((loaded for loaded in reversed(files) if loaded.value.language is not None), None)
+    if headed is None or headed.value.language is None:
+        remedy = "Add to one of its files: language: {title: ..., falls_back_on: en}"
+        raise BadFile(files[-1].path.parent, "this language has no section 'language'", remedy)
+    head, fallback = headed.value.language, None
+    if head.falls_back_on is not None:
+        if head.falls_back_on in (name, *above):
+            raise headed.fault("language.falls_back_on", "languages fall back on one another in a circle", "Write null")
+        if head.falls_back_on not in known:
+            problem = f"there is no language {head.falls_back_on}"
+            raise headed.fault("language.falls_back_on", problem, _nearest(head.falls_back_on, known))
+        fallback = _read(folders, head.falls_back_on, locutions, (name, *above))
+    written = next((loaded.value.grammar for loaded in reversed(files) if loaded.value.grammar is not None), None)
+    grammar = _grammar(written) if written is not None else fallback.grammar if fallback is not None else None
+    if grammar is None:
+        remedy = "Add one, or let it fall back on a language that has one"
+        raise headed.fault("language", "this language has no section 'grammar'", remedy)
+    return Language(
+        name,
+        head.title,
+        grammar,
+        tuple(each for loaded in files for each in loaded.value.phrases),
+        tuple(each for loaded in files for each in loaded.value.moves),
+        {LineKey(each.key): each.say for loaded in files for each in loaded.value.lines},
+        fallback,
+    )
+
+
+def _grammar(written: _GrammarYaml) -> Grammar:
+    return Grammar(
+        rooms={"": written.room, "to": written.to_room, "from": written.from_room, "in": written.in_room},
+        corridor={
+            "": written.corridor,
+            "to": written.to_corridor,
+            "from": written.from_corridor,
+            "in": written.in_corridor,
+        },
+        robot=written.robot,
+        picture=written.picture,
+        one_room=written.one_room,
+        many_rooms=written.many_rooms,
+        between=written.between,
+        last_and=written.last_and,
+        last_or=written.last_or,
+        rule=written.rule,
+        decimal=written.decimal,
+        capital_after_colon=written.capital_after_colon,
+        negations=frozenset(written.negations),
+        names=written.names,
+    )
+
+
+def _faults(loaded: Loaded[_WordsYaml], locutions: Collection[str]) -> Iterator[BadFile]:
+    """Faults of one file."""
+    if loaded.value.grammar is not None:
+        yield from _grammar_faults(loaded, loaded.value.grammar)
+    for place, phrase in enumerate(loaded.value.phrases):
+        yield from _phrase_faults(loaded, f"phrases[{place}]", phrase)
+    for place, move in enumerate(loaded.value.moves):
+        yield from _move_faults(loaded, f"moves[{place}]", move, locutions)
+    for place, line in enumerate(loaded.value.lines):
+        key = f"lines[{place}]"
+        if line.key in set(LineKey):
+            allowed = reserved_words(LINES[LineKey(line.key)].values)
+            yield from _wording_faults(loaded, f"{key}.say", line.say, allowed, ())
+            if not line.say:
+                yield _no_wording(loaded, f"{key}.say")
+        else:
+            yield loaded.fault(f"{key}.key", f"there is no line {line.key}", _nearest(line.key, list(LineKey)))
+
+
+def _grammar_faults(loaded: Loaded[_WordsYaml], grammar: _GrammarYaml) -> Iterator[BadFile]:
+    number = {"number": "number"}
+    forms: dict[str, tuple[str, Mapping[str, str]]] = {
+        "room": (grammar.room, number),
+        "to_room": (grammar.to_room, number),
+        "from_room": (grammar.from_room, number),
+        "in_room": (grammar.in_room, number),
+        "corridor": (grammar.corridor, {}),
+        "to_corridor": (grammar.to_corridor, {}),
+        "from_corridor": (grammar.from_corridor, {}),
+        "in_corridor": (grammar.in_corridor, {}),
+        "robot": (grammar.robot, number),
+        "picture": (grammar.picture, number),
+        "one_room": (grammar.one_room, {}),
+        "many_rooms": (grammar.many_rooms, number),
+        "rule": (grammar.rule, {"premises": "premises", "conclusion": "conclusion"}),
+    }
+    for name, (form, words) in forms.items():
+        for problem, remedy in _wrong_in(form, words, words.values()):
+            yield loaded.fault(f"grammar.{name}", problem, remedy)
+    if "1" not in grammar.one_room:
+        yield loaded.fault("grammar.one_room", "a single room has to be said with its number", "Write it with a 1")
+    if grammar.decimal not in {".", ","}:
+        yield loaded.fault("grammar.decimal", "no sign before decimals", 'Write "." or ","')
+    if not grammar.negations:
+        remedy = "Write all words that deny what a sentence says"
+        yield loaded.fault("grammar.negations", "a language has negations", remedy)
+
+
+def _phrase_faults(loaded: Loaded[_WordsYaml], key: str, phrase: PhraseWording) -> Iterator[BadFile]:
+    predicate = PREDICATES.get(phrase.of)
+    if predicate is None:
+        yield loaded.fault(f"{key}.of", f"there is no predicate {phrase.of}", _nearest(phrase.of, list(PREDICATES)))
+        return
+    if phrase.robot is not None and predicate.robot is None:
+        yield loaded.fault(f"{key}.robot", f"{phrase.of} is about no robot", "Delete the key")
+    allowed, needed = reserved_words(predicate.values), _needed(predicate, phrase.robot)
+    said: Mapping[str, tuple[str, ...]] = {
+        "yes": phrase.yes,
+        "no": phrase.no,
+        "simply_yes": phrase.simply_yes,
+        "simply_no": phrase.simply_no,
+    }
+    if not any(said.values()):
+        yield _no_wording(loaded, f"{key}.yes")
+    for name, wordings in said.items():
+        whole = () if name.startswith("simply") else needed
+        yield from _wording_faults(loaded, f"{key}.{name}", wordings, allowed, (whole,))
+        for place, wording in enumerate(wordings):
+            if wording.rstrip().endswith((".", "?", "!")):
+                problem = "a phrase stands within sentences, and ends none"
+                yield loaded.fault(f"{key}.{name}[{place}]", problem, "Take away the sign at its end")
+    for place, wording in enumerate(phrase.yes):
+        if wording in phrase.no:
+            problem = "the same words for what holds and for what does not"
+            yield loaded.fault(f"{key}.yes[{place}]", problem, "Deny it in 'no'")
+
+
+def _move_faults(
+    loaded: Loaded[_WordsYaml], key: str, move: MoveWording, locutions: Collection[str]
+) -> Iterator[BadFile]:
+    if move.move not in locutions:
+        yield loaded.fault(f"{key}.move", f"there is no locution {move.move}", _nearest(move.move, locutions))
+    whole = _WORDS_OF_CONTENT[move.content]
+    allowed, ways = dict(zip(whole, whole, strict=True)), [frozenset(whole)]
+    if move.of is not None:
+        predicate = PREDICATES.get(move.of)
+        if predicate is None:
+            yield loaded.fault(f"{key}.of", f"there is no predicate {move.of}", _nearest(move.of, list(PREDICATES)))
+            return
+        if move.content not in {ContentKind.LITERAL, ContentKind.UNKNOWN}:
+            yield loaded.fault(f"{key}.of", f"a wording for a {move.content} is one for all predicates", "Delete it")
+        if move.robot is not None and predicate.robot is None:
+            yield loaded.fault(f"{key}.robot", f"{move.of} is about no robot", "Delete the key")
+        allowed |= reserved_words(predicate.values)
+        if move.holds is not None or move.content is ContentKind.UNKNOWN:
+            ways.append(_needed(predicate, move.robot))
+    if not move.say:
+        yield _no_wording(loaded, f"{key}.say")
+    yield from _wording_faults(loaded, f"{key}.say", move.say, allowed, ways)
+
+
+def _needed(predicate: Predicate, robot: AboutRobot | None) -> frozenset[str]:
+    """The values that a wording has to name: all, save a robot that speaks of itself."""
+    return frozenset(predicate.values) - ({predicate.robot} if robot is AboutRobot.SELF else set())
+
+
+def _wording_faults(
+    loaded: Loaded[_WordsYaml],
+    key: str,
+    wordings: Sequence[str],
+    allowed: Mapping[str, str],
+    ways: Sequence[Collection[str]],
+) -> Iterator[BadFile]:
+    """Faults of wordings that may have some words, and have to name all values of one of these sets."""
+    for place, wording in enumerate(wordings):
+        for problem, remedy in _wrong_in(wording, allowed, *ways):
+            yield loaded.fault(f"{key}[{place}]", problem, remedy)
+
+
+def _wrong_in(wording: str, allowed: Mapping[str, str], *ways: Collection[str]) -> Iterator[tuple[str, str]]:
+    """Problems of a wording, with their remedies."""
+    if not wording.strip():
+        yield "there are no words", "Write some"
+    if not wording.isprintable():
+        yield "a line break, or another sign that cannot be printed", "Write it on one line, with printable signs"
+    if len(wording) > LONGEST_WORDING:
+        yield f"{len(wording)} characters are too many", f"Write at most {LONGEST_WORDING}"
+    fault = spelling_fault(wording, allowed)
+    if fault is not None:
+        yield fault.problem, fault.remedy
+        return
+    named = {allowed[word] for word in reserved_in(wording)}
+    missing = [sorted(set(needed) - named) for needed in ways]
+    if missing and all(missing):
+        least = min(missing, key=len)
+        words = " and ".join(f"£{value}£" for value in least)
+        yield f"{words} is missing, so that the sentence would not carry it", f"Write {words} into it"
+
+
+def _no_wording(loaded: Loaded[_WordsYaml], key: str) -> BadFile:
+    return loaded.fault(key, "there is no wording", "Write at least one between [ and ]")
+
+
+def _doubles(of_folder: Iterable[Loaded[_WordsYaml]]) -> Iterator[BadFile]:
+    """Sections and wordings of which a folder of a language has two, so that one of them is never said."""
+    first: dict[tuple[object, ...], str] = {}
+    for loaded in of_folder:
+        value = loaded.value
+        entries: list[tuple[str, tuple[object, ...]]] = []
+        if value.language is not None:
+            entries.append(("language", ("language",)))
+        if value.grammar is not None:
+            entries.append(("grammar", ("grammar",)))
+        entries += [(f"phrases[{at}]", ("phrase", each.of, *each.narrowing)) for at, each in enumerate(value.phrases)]
+        entries += [
+            (f"moves[{at}]", ("move", each.move, each.content, each.speaker, *each.narrowing))
+            for at, each in enumerate(value.moves)
+        ]
+        entries += [(f"lines[{at}]", ("line", each.key)) for at, each in enumerate(value.lines)]
+        for key, narrowed in entries:
+            place = f"{loaded.path.name}, line {loaded.lines.get(key, 1)}"
+            if narrowed in first:
+                problem = f"the same stands in {first[narrowed]}, narrowed down in the same way"
+                yield loaded.fault(key, problem, "Keep one of the two, with all wordings in it")
+            first.setdefault(narrowed, place)
+
+
+def _lacking(folder: Path, language: Language, locutions: Sequence[Locution]) -> Iterator[BadFile]:
+    """Words that a language and all that it falls back on lack."""
+    or_fall_back = "or let the language fall back on another one"
+    for name, predicate in PREDICATES.items():
+        robots = (None,) if predicate.robot is None else tuple(AboutRobot)
+        for holds in (True, False):
+            word = "yes" if holds else "no"
+            if not all(language.phrase(name, side, robot, holds=holds) for side in Side for robot in robots):
+                remedy = f"Add to phrases: {{of: {name}, {word}: [...]}}, {or_fall_back}"
+                yield BadFile(folder, f"no phrase {name} with '{word}' for everybody", remedy, key="phrases")
+    for locution in locutions:
+        for side in Side:
+            if not language.move(locution.name, locution.content, side, holds=False) or not language.move(
+                locution.name, locution.content, side
+            ):
+                written = f"{{move: {locution.name}, content: {locution.content}, speaker: {side}, say: [...]}}"
+                problem = f"no wording of {locution.name} with a {locution.content} for every case, said by the {side}"
+                yield BadFile(folder, problem, f"Add to moves: {written}, {or_fall_back}", key="moves")
+    for key, line in LINES.items():
+        if not language.line(key):
+            problem = f"no line {key}: what the {line.speaker} says, {line.meaning}"
+            yield BadFile(folder, problem, f"Add to lines: {{key: {key}, say: [...]}}, {or_fall_back}", key="lines")
+
+
+def _nearest(name: str, known: Iterable[str]) -> str:
+    choices = sorted(known)
+    near = difflib.get_close_matches(name, choices, n=1)
+    return f"The nearest is {near[0]}" if near else f"There are: {', '.join(choices)}"
