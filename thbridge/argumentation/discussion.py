@@ -7,11 +7,12 @@ something conceded. Nobody may say the same argument twice. The proponent can wi
 extension.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
 from thbridge.argumentation.framework import ArgumentationFramework
-from thbridge.argumentation.semantics import IN, OUT, grounded_labels, grounded_steps
+from thbridge.argumentation.semantics import IN, OUT, UNDECIDED, grounded_labels, grounded_steps
 
 
 class DiscussionLocution(StrEnum):
@@ -36,6 +37,9 @@ class DiscussionMove:
 
 Discussion = tuple[DiscussionMove, ...]
 
+_OPENINGS = (DiscussionLocution.HAS_TO_BE, DiscussionLocution.CAN_BE)
+"""Kinds of moves that bring an argument in: nobody may bring in the same one again."""
+
 
 def legal_moves(framework: ArgumentationFramework, discussion: Discussion) -> tuple[DiscussionMove, ...]:
     """Return the moves that may come next; none once the discussion has ended.
@@ -44,30 +48,10 @@ def legal_moves(framework: ArgumentationFramework, discussion: Discussion) -> tu
         framework: what is discussed.
         discussion: the moves so far, the first of which is HTB of the argument in question.
     """
-    said, last = set(discussion), discussion[-1]
-    if _is_repeated(discussion):
-        return ()
-    settled = [
-        move
-        for name in framework.arguments
-        for move in (_concede(framework, said, name), _retract(framework, said, name))
-        if move is not None
-    ]
-    if settled:
-        return tuple(settled)
-    if last.locution is DiscussionLocution.CAN_BE:
-        return tuple(
-            DiscussionMove(DiscussionLocution.HAS_TO_BE, name) for name in _attackers(framework, last.argument)
-        )
-    claims = [move for move in discussion if move.locution is DiscussionLocution.HAS_TO_BE]
-    open_ones = [move for move in claims if DiscussionMove(DiscussionLocution.CONCEDE, move.argument) not in said]
-    if not open_ones:
-        return ()
-    return tuple(
-        DiscussionMove(DiscussionLocution.CAN_BE, name)
-        for name in _attackers(framework, open_ones[-1].argument)
-        if DiscussionMove(DiscussionLocution.RETRACT, name) not in said
-    )
+    position = _Position(framework)
+    for move in discussion:
+        position.take(move)
+    return position.legal_moves()
 
 
 def is_won(discussion: Discussion) -> bool:
@@ -79,40 +63,81 @@ def discuss(framework: ArgumentationFramework, argument: str) -> Discussion:
     """Return a discussion of an argument in which both sides play as well as they can."""
     labels, steps = grounded_labels(framework), grounded_steps(framework)
 
-    def rank(move: DiscussionMove) -> tuple[bool, int]:
+    def rank(move: DiscussionMove) -> tuple[int, int]:
+        # Both sides are best served by what is grounded, then by what is undecided. What became grounded first rests on
+        # nothing that came later, so that nothing has to be said twice.
         place = framework.index[move.argument]
+        return (IN, UNDECIDED, OUT).index(labels[place]), steps[place] or 0
+
+    position, discussion = _Position(framework), [DiscussionMove(DiscussionLocution.HAS_TO_BE, argument)]
+    position.take(discussion[0])
+    while moves := position.legal_moves():
+        discussion.append(min(moves, key=rank))
+        position.take(discussion[-1])
+    return tuple(discussion)
+
+
+class _Position:
+    """State of a discussion.
+
+    Args:
+        framework: what is discussed.
+    """
+
+    def __init__(self, framework: ArgumentationFramework) -> None:
+        self._framework = framework
+        self._said: dict[DiscussionLocution, set[str]] = {locution: set() for locution in DiscussionLocution}
+        self._claims: list[str] = []
+        # Only a move about an argument, or about one that attacks it, can settle it.
+        self._may_be_settled: set[str] = set()
+        self._last: DiscussionMove | None = None
+        self._is_repeated = False
+
+    def take(self, move: DiscussionMove) -> None:
+        """Make a move."""
+        name = move.argument
+        if move.locution in _OPENINGS:
+            self._is_repeated |= any(name in self._said[each] for each in _OPENINGS)
+            self._may_be_settled.add(name)
+        else:
+            self._may_be_settled.update(self._names(self._framework.attacked, name))
         if move.locution is DiscussionLocution.HAS_TO_BE:
-            # What became grounded first rests on nothing that came later, so that nothing has to be said twice.
-            return labels[place] != IN, steps[place] or 0
-        return labels[place] == OUT, 0
+            self._claims.append(name)
+        self._said[move.locution].add(name)
+        self._last = move
 
-    discussion: Discussion = (DiscussionMove(DiscussionLocution.HAS_TO_BE, argument),)
-    while moves := legal_moves(framework, discussion):
-        discussion = (*discussion, min(moves, key=rank))
-    return discussion
+    def legal_moves(self) -> tuple[DiscussionMove, ...]:
+        """Return the moves that may come next."""
+        if self._is_repeated or self._last is None:
+            return ()
+        if settled := self._settled():
+            return settled
+        if self._last.locution is DiscussionLocution.CAN_BE:
+            attackers = self._names(self._framework.attackers, self._last.argument)
+            return tuple(DiscussionMove(DiscussionLocution.HAS_TO_BE, name) for name in attackers)
+        while self._claims and self._claims[-1] in self._said[DiscussionLocution.CONCEDE]:
+            self._claims.pop()
+        if not self._claims:
+            return ()
+        attackers = self._names(self._framework.attackers, self._claims[-1])
+        retracted = self._said[DiscussionLocution.RETRACT]
+        return tuple(DiscussionMove(DiscussionLocution.CAN_BE, name) for name in attackers if name not in retracted)
 
+    def _settled(self) -> tuple[DiscussionMove, ...]:
+        """The moves by which the opponent gives in, which come before any other."""
+        moves = [self._settling(name) for name in sorted(self._may_be_settled, key=self._framework.index.__getitem__)]
+        found = tuple(move for move in moves if move is not None)
+        self._may_be_settled = {move.argument for move in found}
+        return found
 
-def _is_repeated(discussion: Discussion) -> bool:
-    openings = (DiscussionLocution.HAS_TO_BE, DiscussionLocution.CAN_BE)
-    said = [move.argument for move in discussion if move.locution in openings]
-    return len(set(said)) < len(said)
-
-
-def _attackers(framework: ArgumentationFramework, name: str) -> list[str]:
-    return [framework.arguments[place] for place in framework.attackers[framework.index[name]]]
-
-
-def _concede(framework: ArgumentationFramework, said: set[DiscussionMove], name: str) -> DiscussionMove | None:
-    done = DiscussionMove(DiscussionLocution.CONCEDE, name)
-    if done in said or DiscussionMove(DiscussionLocution.HAS_TO_BE, name) not in said:
+    def _settling(self, name: str) -> DiscussionMove | None:
+        attackers = self._names(self._framework.attackers, name)
+        claimed, opposed, conceded, retracted = (self._said[locution] for locution in DiscussionLocution)
+        if name in claimed and name not in conceded and retracted.issuperset(attackers):
+            return DiscussionMove(DiscussionLocution.CONCEDE, name)
+        if name in opposed and name not in retracted and not conceded.isdisjoint(attackers):
+            return DiscussionMove(DiscussionLocution.RETRACT, name)
         return None
-    retracted = (DiscussionMove(DiscussionLocution.RETRACT, each) in said for each in _attackers(framework, name))
-    return done if all(retracted) else None
 
-
-def _retract(framework: ArgumentationFramework, said: set[DiscussionMove], name: str) -> DiscussionMove | None:
-    done = DiscussionMove(DiscussionLocution.RETRACT, name)
-    if done in said or DiscussionMove(DiscussionLocution.CAN_BE, name) not in said:
-        return None
-    conceded = (DiscussionMove(DiscussionLocution.CONCEDE, each) in said for each in _attackers(framework, name))
-    return done if any(conceded) else None
+    def _names(self, neighbours: Sequence[tuple[int, ...]], name: str) -> list[str]:
+        return [self._framework.arguments[place] for place in neighbours[self._framework.index[name]]]

@@ -45,3 +45,8 @@ def test_a_discussion_as_people_would_have_it() -> None:
     told = " ".join(map(str, discuss(chain(3), "a2")))
     assert told == "HTB(a2) CB(a1) HTB(a0) CONCEDE(a0) RETRACT(a1) CONCEDE(a2)"
     assert " ".join(map(str, discuss(chain(3), "a1"))) == "HTB(a1) CB(a0)"
+
+
+def test_a_long_discussion_takes_no_longer_for_each_move() -> None:
+    # Looking at all that was said before every move took minutes.
+    assert len(discuss(chain(5001), "a5000")) == 2 * 5001
