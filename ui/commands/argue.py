@@ -30,14 +30,15 @@ def argue(
     ] = ArgumentationEngine.PYTHON,
     query: Annotated[str | None, typer.Option(help="An argument: is it in an extension, in all of them?")] = None,
     explain: Annotated[
-        bool, typer.Option("--explain", help="Why the argument of --query is grounded, or not, as a discussion.")
+        bool,
+        typer.Option("--explain", help="Why the argument of --query is in an extension, or not, with a discussion."),
     ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Tell which arguments stand together: the extensions of an argumentation framework."""
     from thbridge.argumentation.discussion import discuss, is_won
     from thbridge.files.argument_files import read_framework
-    from ui.actions.argue import move_in_words
+    from ui.actions.argue import discussion_in_words, grounded_label, membership_in_words
 
     if explain and query is None:
         fail(BAD_INPUT, "--explain: it needs to know of what. Name the argument by --query.")
@@ -67,8 +68,10 @@ def argue(
         discussion = discuss(framework, query)
         told["discussion"] = [{"locution": move.locution.value, "argument": move.argument} for move in discussion]
         told["grounded"] = is_won(discussion)
-        lines += ["", *map(move_in_words, discussion)]
-        lines.append(f"So {query} {'has' if is_won(discussion) else 'does not have'} to be accepted.")
+        told["label"] = grounded_label(framework, query)
+        lines += membership_in_words(framework, semantics, found, query)
+        lines += ["", f"A discussion of whether {query} is in the grounded extension:"]
+        lines += discussion_in_words(framework, discussion)
     if as_json:
         print_json(told)
     else:

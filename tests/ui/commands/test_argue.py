@@ -32,8 +32,9 @@ def test_an_argument_is_asked_about(file: Path) -> None:
     assert "a is in some extension." in argue(file, "--semantics", "ST", "--query", "a")
     told = json.loads(argue(file, "--query", "a", "--explain", "--json"))
     assert (told["credulous"], told["sceptical"], told["grounded"]) == (False, False, False)
+    assert told["label"] == "undecided"
     assert told["discussion"][:2] == [{"locution": "HTB", "argument": "a"}, {"locution": "CB", "argument": "b"}]
-    assert "Opponent:  but b can be so." in argue(file, "--query", "a", "--explain")
+    assert "Opponent:  But b attacks a.\n" in argue(file, "--query", "a", "--explain")
 
 
 @pytest.mark.parametrize(
