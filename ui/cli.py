@@ -25,6 +25,7 @@ from ui.commands.scan import scan
 from ui.commands.study.edit import study_edit
 from ui.commands.study.study import study_app
 from ui.commands.suggest import suggest
+from ui.commands.talk import talk_app
 from ui.commands.watch import watch
 from ui.terminal import note
 
@@ -65,6 +66,7 @@ app.add_typer(study_app, name="study")
 app.add_typer(templates.templates_app, name="templates")
 app.add_typer(mavlink_app, name="mavlink")
 app.add_typer(ros_app, name="ros")
+app.add_typer(talk_app, name="talk")
 
 
 class NoteHandler(logging.Handler):

@@ -49,6 +49,7 @@ def loaded(folder: Path, *arguments: str, **environment: str) -> set[str]:
         "mavlink status --nonsense",
         "study init",
         "ros master unexpected",
+        "talk --help",
     ],
 )
 def test_help_and_mistakes_load_nothing_that_a_command_needs(tmp_path: Path, arguments: str) -> None:

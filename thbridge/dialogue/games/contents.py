@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TypeAlias
+from typing import Self, TypeAlias
 
 from thbridge.argumentation.arguments import Argument, Belief
 from thbridge.argumentation.propositions import Literal, Proposition, Rule
@@ -21,13 +21,26 @@ class Unknown:
 Content: TypeAlias = Literal | Rule | Argument | Unknown
 
 
-class ContentKind(StrEnum):
+class TableWord(StrEnum):
+    """Word of the files of dialogue games, with its meaning for people who write them."""
+
+    meaning: str
+
+    def __new__(cls, word: str, meaning: str = "") -> Self:
+        """Make a word with its meaning."""
+        made = str.__new__(cls, word)
+        made._value_ = word
+        made.meaning = meaning
+        return made
+
+
+class ContentKind(TableWord):
     """Kind of a content, by which files tell the forms of a locution apart."""
 
-    LITERAL = "literal"
-    RULE = "rule"
-    ARGUMENT = "argument"
-    UNKNOWN = "unknown"
+    LITERAL = "literal", "a proposition, or that it does not hold"
+    RULE = "rule", "what follows from something else"
+    ARGUMENT = "argument", "a conclusion with its support"
+    UNKNOWN = "unknown", "not knowing about a proposition"
 
 
 def kind_of_content(content: Content) -> ContentKind:

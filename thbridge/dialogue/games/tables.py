@@ -2,53 +2,41 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import StrEnum
 from functools import cached_property
 from typing import Literal
 
-from thbridge.dialogue.games.contents import Content, ContentKind, kind_of_content
+from thbridge.dialogue.games.contents import Content, ContentKind, TableWord, kind_of_content
 from thbridge.dialogue.games.locutions import Locution
 
 
-class Slot(StrEnum):
+class Slot(TableWord):
     """Place in a table for what is said there."""
 
-    TOPIC = "topic"
-    OPPOSITE = "not topic"
-    CLAIM = "claim"
-    """What was asserted or proposed last, and is being defended."""
-    SUPPORT = "support"
-    """The next part of an argument for the claim that the listener is not taken to hold."""
-    ARGUMENT = "argument"
-    """The argument for the claim as a whole."""
-    UNKNOWN = "unknown"
-    """Not to know about the topic."""
+    TOPIC = "topic", "what the game is about"
+    OPPOSITE = "not topic", "the opposite of that"
+    CLAIM = "claim", "what was asserted or proposed last, and is being defended"
+    SUPPORT = "support", "the next part of an argument for the claim that the listener is not taken to hold"
+    ARGUMENT = "argument", "the argument for the claim as a whole"
+    UNKNOWN = "unknown", "not to know about the topic"
 
 
-class GameRole(StrEnum):
+class GameRole(TableWord):
     """Role in a game, by which a table says whose turn it is."""
 
-    INITIATOR = "initiator"
-    RESPONDENT = "respondent"
-    DEFENDER = "defender"
-    """The one who made the claim."""
-    CHALLENGER = "challenger"
-    """The other one."""
+    INITIATOR = "initiator", "the one who opened the game"
+    RESPONDENT = "respondent", "the other one"
+    DEFENDER = "defender", "the one who made the claim"
+    CHALLENGER = "challenger", "the one who did not"
 
 
-class DialogueEnd(StrEnum):
+class DialogueEnd(TableWord):
     """End of a dialogue game."""
 
-    AGREEMENT = "agreement"
-    """One side has accepted the other's claim."""
-    DISAGREEMENT = "disagreement"
-    """Something was rejected."""
-    UNKNOWN = "unknown"
-    """The one who was asked does not know."""
-    STALEMATE = "stalemate"
-    """There is no legal move left; every game may end so."""
-    WITHDRAWN = "withdrawn"
-    """What it was about is past."""
+    AGREEMENT = "agreement", "one side has accepted the other's claim"
+    DISAGREEMENT = "disagreement", "something was rejected"
+    UNKNOWN = "unknown", "the one who was asked does not know"
+    STALEMATE = "stalemate", "there is no legal move left; every game may end so"
+    WITHDRAWN = "withdrawn", "what it was about is past"
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,145 @@
+"""Words of `thbridge talk check` and `talk words`."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.dialogue.games.contents import ContentKind, TableWord
+from thbridge.dialogue.games.locutions import CONDITIONS, EFFECTS, Postcondition, Precondition
+from thbridge.dialogue.games.tables import DialogueEnd, GameRole, GameTable, Reply, Slot
+from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
+
+
+@dataclass(frozen=True, slots=True)
+class TalkCheck:
+    """Result of the check of a folder.
+
+    Attributes:
+        folder: the folder.
+        games: those that it adds or replaces; none where there are faults.
+        faults: of its files.
+    """
+
+    folder: Path
+    games: tuple[GameTable, ...] = ()
+    faults: tuple[BadFile, ...] = ()
+
+    def lines(self) -> Iterator[str]:
+        """Yield what people are told."""
+        yield from map(str, self.faults)
+        for game in self.games:
+            yield from _game_lines(game)
+        found = f"{len(self.faults)} faults" if self.faults else f"{len(self.games)} games, no faults"
+        yield f"{self.folder}: {found}"
+
+    def as_json(self) -> Mapping[str, object]:
+        """Return what programs are told."""
+        return {
+            "folder": str(self.folder),
+            "games": [_game_as_json(game) for game in self.games],
+            "faults": [
+                {
+                    "file": str(fault.path),
+                    "line": fault.line,
+                    "key": fault.key,
+                    "problem": fault.problem,
+                    "remedy": fault.remedy,
+                }
+                for fault in self.faults
+            ],
+        }
+
+
+def shipped_folder() -> Path:
+    """Return the folder of the games that come with the project."""
+    return SHIPPED_GAMES
+
+
+def check_folder(folder: Path) -> TalkCheck:
+    """Check all that a folder holds about dialogues, beside what comes with the project."""
+    try:
+        return TalkCheck(folder, _games_of(folder))
+    except BadFiles as several:
+        return TalkCheck(folder, faults=several.faults)
+    except BadFile as fault:
+        return TalkCheck(folder, faults=(fault,))
+
+
+def _games_of(folder: Path) -> tuple[GameTable, ...]:
+    shipped = read_rulebook()
+    if folder.resolve() == SHIPPED_GAMES:
+        return tuple(shipped.games.values())
+    games = read_rulebook((SHIPPED_GAMES, folder)).games
+    return tuple(game for name, game in games.items() if shipped.games.get(name) != game)
+
+
+def _game_lines(game: GameTable) -> Iterator[str]:
+    yield f"{game.name}, about a {game.about}; it ends after {game.most_turns} moves at the latest"
+    names, turns = (max(map(len, column)) for column in (game.stages, [each.turn for each in game.stages.values()]))
+    for name, stage in game.stages.items():
+        for at, reply in enumerate(stage.replies):
+            row, turn = (name, stage.turn) if at == 0 else ("", "")
+            yield f"  {row:{names}}  {turn:{turns}}  {reply.locution} {reply.slot} -> {_targets(reply)}"
+    yield f"  ends: {', '.join(_ends(game))}; {DialogueEnd.STALEMATE}, when nothing legal is left to say"
+
+
+def _targets(reply: Reply) -> str:
+    return reply.next if reply.last is None else f"{reply.next}; {reply.last}, when no support is left"
+
+
+def _ends(game: GameTable) -> list[str]:
+    named = {target for stage in game.stages.values() for reply in stage.replies for target in (reply.next, reply.last)}
+    return [end for end in DialogueEnd if end in named - {DialogueEnd.STALEMATE}]
+
+
+def _game_as_json(game: GameTable) -> Mapping[str, object]:
+    return {
+        "name": game.name,
+        "about": game.about,
+        "opening": game.opening,
+        "most_turns": game.most_turns,
+        "ends": _ends(game),
+        "stages": [
+            {
+                "name": name,
+                "turn": stage.turn,
+                "replies": [
+                    {"say": reply.locution, "of": reply.slot, "next": reply.next, "last": reply.last}
+                    for reply in stage.replies
+                ],
+            }
+            for name, stage in game.stages.items()
+        ],
+    }
+
+
+def words() -> Iterator[str]:
+    """Yield all words of files of games, with their meanings."""
+    yield from _section("content: what a form of a locution is about", _meanings(ContentKind))
+    yield from _section("before, before_person: what must hold before a locution is said", _rules(CONDITIONS))
+    yield from _section(
+        "after: what holds after it; besides, it enters the speaker's commitment store", _rules(EFFECTS)
+    )
+    yield from _section("turn: whose turn it is in a stage", _meanings(GameRole))
+    yield from _section("of: what a reply is about", _meanings(Slot))
+    yield from _section("next, last: the stage that follows a reply, or an end", _meanings(DialogueEnd))
+
+
+def _meanings(words: Iterable[TableWord]) -> list[tuple[str, str]]:
+    return [(word, word.meaning) for word in words]
+
+
+def _rules(rules: Mapping[str, Precondition] | Mapping[str, Postcondition]) -> list[tuple[str, str]]:
+    return [(name, f"{rule.meaning}{_kinds(rule.kinds)}") for name, rule in rules.items()]
+
+
+def _kinds(kinds: frozenset[ContentKind]) -> str:
+    return "" if len(kinds) == len(ContentKind) else f" ({', '.join(kind for kind in ContentKind if kind in kinds)})"
+
+
+def _section(heading: str, rows: Sequence[tuple[str, str]]) -> Iterator[str]:
+    yield heading
+    width = max(len(word) for word, _ in rows)
+    for word, meaning in rows:
+        yield f"  {word.ljust(width)}  {meaning}"
