@@ -128,6 +128,9 @@ class DialogueSection:
     confidence_bias: float = param(
         0.0, "added to the confidence that robots state, which stays within 0 and 1; 0 is calibrated", "", -1, 1
     )
+    games: Path | None = param(
+        None, "path of a folder of dialogue games, beside those that come with the project; null: those alone"
+    )
 
 
 @dataclass(frozen=True, slots=True)

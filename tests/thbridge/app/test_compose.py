@@ -9,10 +9,12 @@ from thbridge.app.compose.game import build_briefing
 from thbridge.app.compose.robots import REHEARSERS, build_simr, rehearse
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.files.errors import BadFile
+from thbridge.files.game_files import SHIPPED_GAMES
 from thbridge.files.resources import shipped
+from thbridge.files.yaml.load import Loaded
 from thbridge.protocols.text.notice import encode_notice
 from thbridge.roles.notices import Subscribe
-from thbridge.study.study_file import CostModel, GameSection, ParticipantSection, ShowsSection, Study
+from thbridge.study.study_file import CostModel, GameSection, ParticipantSection, ShowsSection, Study, load_study
 
 
 @pytest.mark.parametrize("name", ["arena8", "office", "warehouse12"])
@@ -123,3 +125,21 @@ def test_moves_without_any_costs_are_told_with_the_folder_and_the_remedy(tmp_pat
     (tmp_path / "map" / "mapTimes").unlink()
     with pytest.raises(BadFile, match=r"sklar-azhar-2015/mapTimes: neither .*`thbridge maps measure`"):
         read_setting(Study(map="./map", templates="sklar-azhar-2015"), tmp_path)
+
+
+def test_dialogue_games_of_a_study_are_checked_before_anything_starts(tmp_path: Path) -> None:
+    written = load_study_text(tmp_path, "dialogue: {games: games}\n")
+    with pytest.raises(BadFile, match=r"study\.yaml, line 1, dialogue\.games: .*there is no such folder"):
+        read_setting(written.value, tmp_path, written=written)
+    shutil.copytree(SHIPPED_GAMES, tmp_path / "games")
+    read_setting(written.value, tmp_path, written=written)
+    game = tmp_path / "games" / "persuasion.yaml"
+    game.write_text(game.read_text().replace("next: countered", "next: counterd"))
+    with pytest.raises(BadFile, match=r"games/persuasion\.yaml, line 15, .*The nearest is countered"):
+        read_setting(written.value, tmp_path, written=written)
+
+
+def load_study_text(folder: Path, text: str) -> Loaded[Study]:
+    path = folder / "study.yaml"
+    path.write_text(text)
+    return load_study(path)

@@ -189,7 +189,7 @@ def test_a_later_folder_adds_games_and_replaces_those_of_the_same_name(tmp_path:
     (tmp_path / "a.yaml").write_text(text.replace("name: persuasion", "name: persuasion\nmost_turns: 9"))
     (tmp_path / "b.yaml").write_text(text.replace("name: persuasion", "name: dispute"))
     games = read_rulebook((SHIPPED_GAMES, tmp_path)).games
-    assert sorted(games) == ["dispute", "information-seeking", "inquiry", "persuasion"]
+    assert games.keys() == {*read_rulebook().games, "dispute"}
     assert games["persuasion"].most_turns == 9
 
 

@@ -12,6 +12,7 @@ from sim.common.geometry import Pose2
 from sim.common.traversability import TraversabilityMap
 from sim.robot.costmap.footprint import radii
 from thbridge.files.errors import BadFile, BadFiles, FaultCollection
+from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 from thbridge.files.map_files import Map, read_map
 from thbridge.files.map_times import MAP_TIMES, read_map_times
 from thbridge.files.resources import Resources, shipped
@@ -85,6 +86,11 @@ def read_setting(
                 costs = _costs(path, place)
             model = study.game.cost_model
             by_position = path == place.costs if model is None else model is CostModel.POSITION
+    if study.dialogue.games is not None:
+        games = beside / study.dialogue.games
+        # Told before a session starts, and of a folder that is there with the lines of its own files.
+        with faults.kept(), keys.naming("dialogue.games", not games.is_dir()):
+            read_rulebook((SHIPPED_GAMES, games))
     with faults.kept(), keys.naming("participant.consent"):
         consent = _consent(study, beside)
     with faults.kept(), keys.naming("participant.farewell"):
