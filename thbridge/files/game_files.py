@@ -140,7 +140,8 @@ def _check_others(path: Path, games: Iterable[Loaded[_GameYaml]], forms: _Forms)
         try:
             _check(game, forms)
         except BadFile as fault:
-            problem = f"with it the game {game.value.name} cannot be played: {fault}"
+            why = f"{fault.path}, line {fault.line}: {fault.problem}"
+            problem = f"with it the game {game.value.name} cannot be played ({why})"
             remedy = "Give locutions of your own names of their own, or write a game that takes the place of that one"
             raise BadFile(path, problem, remedy, line=1, key="locutions") from None
 
