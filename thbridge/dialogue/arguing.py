@@ -274,6 +274,7 @@ class ArguingEngine:
     def _with_turn(self, dialogue: Dialogue, turn: Turn) -> tuple[Dialogue, DialogueUtterance]:
         utterance = self._utterance(dialogue, turn)
         conversation, play = dialogue.conversation, _current(dialogue)
+        said_before = 0 if conversation is None else len(conversation.record)
         move, at = turn.move, _time(dialogue.topic)
         if conversation is not None and isinstance(move, DialogueMove):
             if play is not None:
@@ -287,12 +288,22 @@ class ArguingEngine:
             conversation = conversation.withdraw(play.number)
         if conversation is not None and not conversation.open_plays:
             conversation = _sensed(dialogue.topic, conversation)
+        formal = () if conversation is None else conversation.record[said_before:]
+        utterance = replace(utterance, formal=formal, conversation=conversation)
         return replace(dialogue, turns=(*dialogue.turns, turn), conversation=conversation), utterance
 
     def _utterance(self, dialogue: Dialogue, turn: Turn) -> DialogueUtterance:
         text = turn.text or self.phrasing.say(dialogue, turn.said or turn.move)
+        heard = "" if turn.said is None else self.phrasing.say(dialogue, turn.move)
         return DialogueUtterance(
-            dialogue.number, len(dialogue.turns), turn.speaker, turn.author, turn.move, text, dialogue.topic
+            dialogue.number,
+            len(dialogue.turns),
+            turn.speaker,
+            turn.author,
+            turn.move,
+            text,
+            dialogue.topic,
+            heard=heard,
         )
 
 

@@ -13,6 +13,7 @@ from thbridge.argumentation.propositions import Literal
 from thbridge.dialogue.evidence import WhatFacts, WhereFacts
 from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.games.control import Conversation
+from thbridge.dialogue.games.dialogue_game import GameUtterance
 from thbridge.hunt.properties import Properties
 from thbridge.hunt.rooms import Room
 
@@ -213,6 +214,9 @@ class DialogueUtterance:
         move: the move.
         text: the sentence.
         topic: of the dialogue.
+        formal: moves in dialogue games that it made, those that followed by themselves among them.
+        heard: sentence of the move that the robot took it for; empty where it heard right.
+        conversation: what both sides have said and believe after it, where robots argue.
     """
 
     dialogue: int
@@ -222,3 +226,6 @@ class DialogueUtterance:
     move: Move
     text: str
     topic: DialogueTopic
+    formal: tuple[GameUtterance, ...] = ()
+    heard: str = ""
+    conversation: Conversation | None = None

@@ -214,3 +214,21 @@ def test_a_wish_is_no_reason_for_a_robot_that_has_better_ones() -> None:
     step = said(talker, step, "assert(wanted(next(Robot1, Room1)))")
     assert step.outcome is None
     assert str(step.dialogue.turns[-1].move) == "reject(next(Robot1, Room1))"
+
+
+@given(topics(), manners, st.data())
+def test_utterances_tell_every_formal_move_and_what_was_misheard(
+    topic: DialogueTopic, manner: Manner, draw: st.DataObject
+) -> None:
+    talker = engine(manner)
+    step = talker.open(1, topic)
+    utterances = step.utterances
+    while step.outcome is None and len(step.dialogue.turns) < MOST_TURNS:
+        step = talker.move(step.dialogue, draw.draw(st.sampled_from(talker.choices(step.dialogue))).move)
+        utterances += step.utterances
+    assert step.dialogue.conversation is not None
+    assert tuple(move for said in utterances for move in said.formal) == step.dialogue.conversation.record
+    for said, turn in zip(utterances, step.dialogue.turns, strict=True):
+        assert said.heard == ("" if turn.said is None else str(turn.move))
+        assert bool(said.formal) == isinstance(turn.move, DialogueMove)
+        assert said.formal == () or said.formal[0].move == turn.move
