@@ -20,7 +20,7 @@ class ArgumentationEngine(StrEnum):
 
 
 def argue(
-    file: Annotated[Path, typer.Argument(help="An argumentation framework, .apx or .tgf.")],
+    file: Annotated[Path, typer.Argument(help="An argumentation framework: .apx, .tgf or .af.")],
     semantics: Annotated[
         Semantics, typer.Option(help="GR: grounded, CO: complete, PR: preferred, ST: stable.", case_sensitive=False)
     ] = Semantics.GROUNDED,

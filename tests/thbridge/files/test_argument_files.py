@@ -20,6 +20,10 @@ def test_what_was_written_is_read(tmp_path_factory: pytest.TempPathFactory, fram
     for name, lines in (("a.apx", apx), ("a.tgf", tgf)):
         (folder / name).write_text("\n".join(lines))
         assert read_framework(folder / name) == framework
+    number = {name: str(place) for name, place in zip(names, range(1, len(names) + 1), strict=True)}
+    numbered = [(number[one], number[other]) for one, other in attacks]
+    (folder / "a.af").write_text("\n".join(["# ours", f"p af {len(names)}", *map(" ".join, numbered)]))
+    assert read_framework(folder / "a.af") == ArgumentationFramework.of(number.values(), numbered)
 
 
 def test_facts_may_share_a_line_and_have_comments(tmp_path: Path) -> None:
@@ -31,7 +35,10 @@ def test_facts_may_share_a_line_and_have_comments(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "told"),
     [
-        ("a.apx", "arg(a).\narg(b)\n", ["line 2: 'arg(b)' cannot be read. Write arg(NAME)."]),
+        ("a.apx", "arg(a).\narg(b)\n", ["line 2: there is no full stop after arg(b)."]),
+        ("a.apx", "arg(a).\natt(a b).\n", ["line 2: 'att(a b).' cannot be read. Write arg(NAME)."]),
+        ("a.apx", "<p>\n" * 1000, [f"line {number}: '<p>' cannot be read." for number in range(1, 21)]),
+        ("a.apx", f"({'a' * 100})", [f"line 1: '({'a' * 59}...' cannot be read."]),
         ("a.apx", "arg(a).\narg(a).\n", ["line 2: the argument a is there twice, first in line 1."]),
         (
             "a.apx",
@@ -40,6 +47,23 @@ def test_facts_may_share_a_line_and_have_comments(tmp_path: Path) -> None:
         ),
         ("a.tgf", "a\n#\na\n", ["line 3: 'a' is no attack."]),
         ("a.tgf", "a\n#\na b\n", ["line 3: there is no argument b."]),
+        (
+            "a.tgf",
+            "a\na b\n",
+            ["line 2: the argument a is there twice, first in line 1. Take one of them away; attacks"],
+        ),
+        ("a.tgf", "arg(a).\n", ["line 1: 'arg(a).' is no name of an argument."]),
+        ("a.af", "1 2\n", ["line 1: '1 2' does not say how many arguments there are. Begin with p af"]),
+        ("a.af", "p af 10000001\n", ["line 1: 'p af 10000001' does not say how many arguments there are."]),
+        ("a.af", "# nothing\n", ["a.af: it does not say how many arguments there are."]),
+        (
+            "a.af",
+            "p af 2\n1 3\n0 1\n1 2 3\np af 2\n1 \uff12\n",
+            [
+                f"line {number}: {text!r} is no attack."
+                for number, text in enumerate(["1 3", "0 1", "1 2 3", "p af 2", "1 \uff12"], 2)
+            ],
+        ),
         ("a.txt", "arg(a).", ["its name does not say what it is."]),
     ],
 )
