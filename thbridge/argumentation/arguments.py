@@ -62,11 +62,11 @@ def arguments_for(
         below = above | {wanted}
         for rule in by_conclusion.get(wanted, ()):
             if not below & set(rule.premises):
-                own: frozenset[Belief] = frozenset([rule]) if rule.is_said else frozenset()
+                own = frozenset[Belief]([rule])
                 for parts in product(*(tuple(supports(premise, below)) for premise in rule.premises)):
                     yield own.union(*parts)
 
-    found = {support for support in supports(conclusion, frozenset()) if _is_consistent(support, conclusion)}
+    found = {_said(whole) for whole in supports(conclusion, frozenset()) if _is_consistent(whole)}
     minimal = [support for support in found if not any(other < support for other in found)]
     return tuple(sorted((Argument(support, conclusion) for support in minimal), key=str))
 
@@ -109,7 +109,9 @@ def framework_of(
     )
 
 
-def _is_consistent(support: frozenset[Belief], conclusion: Literal) -> bool:
-    stated = {each for each in support if isinstance(each, Literal)}
-    derived = {each.conclusion for each in support if isinstance(each, Rule)}
-    return consistent(frozenset(stated | derived | {conclusion}))
+def _said(whole: frozenset[Belief]) -> frozenset[Belief]:
+    return frozenset(each for each in whole if isinstance(each, Literal) or each.is_said)
+
+
+def _is_consistent(whole: frozenset[Belief]) -> bool:
+    return consistent(frozenset(each.conclusion if isinstance(each, Rule) else each for each in whole))

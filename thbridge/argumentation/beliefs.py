@@ -68,14 +68,24 @@ class Beliefs:
         return cls(dict.fromkeys(literals, Origin(source)), tuple(rules))
 
     def __contains__(self, belief: Belief) -> bool:
-        return belief in (self.rules if isinstance(belief, Rule) else self.origins)
+        if isinstance(belief, Rule):
+            return belief in self.rules
+        return all(part in self.origins for part in belief.parts)
 
     def stance(self, proposition: Proposition) -> Stance:
-        """Return what is held of a proposition; unknown where nothing or, of an inconsistent pair, both are."""
-        yes, no = Literal(proposition) in self.origins, Literal(proposition, holds=False) in self.origins
+        """Return the opinion on a proposition, what other beliefs exclude counting as disbelieved.
+
+        It is unknown where there is none, or where beliefs are inconsistent.
+        """
+        wanted = Literal(proposition)
+        yes, no = wanted in self, any(opposed(wanted, held) for held in self.origins)
         if yes == no:
             return Stance.UNKNOWN
         return Stance.BELIEVES if yes else Stance.DISBELIEVES
+
+    def is_undecided(self, proposition: Proposition) -> bool:
+        """Return True when neither a proposition nor anything opposed to it is held."""
+        return self.stance(proposition) is Stance.UNKNOWN and Literal(proposition) not in self
 
     def arguments(self, conclusion: Literal) -> tuple[Argument, ...]:
         """Return all arguments for a conclusion."""

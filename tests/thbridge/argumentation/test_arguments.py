@@ -89,6 +89,13 @@ def test_what_argues_in_a_circle_is_no_argument() -> None:
     assert arguments_for(a, [], [Rule((b,), a), Rule((a,), b)]) == ()
 
 
+def test_what_follows_by_rules_of_the_language_must_be_consistent_too() -> None:
+    a, b, c, d = fact("a"), fact("b"), fact("c"), fact("d")
+    rules = [Rule((a,), b, is_said=False), Rule((b, d), c, is_said=False)]
+    assert [argument.support for argument in arguments_for(c, [a, d], rules)] == [{a, d}]
+    assert arguments_for(c, [a, d], [*rules[:1], Rule((b, d), ~a), Rule((~a,), c)]) == ()
+
+
 NAMES = [fact(name) for name in "abcd"]
 LITERALS = st.sampled_from([*NAMES, *(~name for name in NAMES)])
 PREMISES = st.lists(LITERALS, min_size=1, max_size=2, unique=True).map(tuple)

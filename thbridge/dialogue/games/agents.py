@@ -55,16 +55,16 @@ class Picture:
         """Return the picture after the other has shown that it holds this, or that it knows nothing of it."""
         match content:
             case Unknown(proposition):
-                lost = frozenset(part for part in self.held if part.proposition in {proposition, *_parts(proposition)})
-                return replace(self, held=self.held - lost, unknown=self.unknown | {proposition})
+                held = frozenset(each for each in self.held if not _tells(each, proposition))
+                return replace(self, held=held, unknown=self.unknown | {proposition})
             case Argument(_, conclusion):
                 return replace(self, arguments=self.arguments | {content}, argued=self.argued | {conclusion})
             case Rule():
                 return replace(self, rules=self.rules | {content})
             case _:
                 held = frozenset(each for each in self.held if not opposed(each, content))
-                known = {content.proposition, *_parts(content.proposition)}
-                return replace(self, held=held | {content, *content.parts}, unknown=self.unknown - known)
+                unknown = frozenset(each for each in self.unknown if not _tells(content, each))
+                return replace(self, held=held | {content, *content.parts}, unknown=unknown)
 
     def arguing(self, conclusion: Belief) -> "Picture":
         """Return the picture after the other has shown that it has some argument for this."""
@@ -101,5 +101,7 @@ class Agent:
     store: tuple[DialogueMove, ...] = ()
 
 
-def _parts(proposition: Proposition) -> tuple[Proposition, ...]:
-    return tuple(part.proposition for part in proposition.parts)
+def _tells(held: Literal, proposition: Proposition) -> bool:
+    """Return True when whoever holds the one has an opinion on the other."""
+    yes = Literal(proposition)
+    return opposed(held, yes) or opposed(held, ~yes)

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field, replace
 
 from thbridge.argumentation.arguments import Belief
 from thbridge.argumentation.cases import DialogueCase, DialogueKind, Side, Stance, case_of
-from thbridge.argumentation.propositions import Literal, Proposition, opposed
+from thbridge.argumentation.propositions import Literal, Proposition
 from thbridge.dialogue.games.agents import Agent
-from thbridge.dialogue.games.contents import DialogueMove
+from thbridge.dialogue.games.contents import DialogueMove, kind_of_content
 from thbridge.dialogue.games.dialogue_game import (
     Agents,
     GamePlay,
@@ -79,7 +79,7 @@ class Conversation:
     def case(self, proposition: Proposition) -> DialogueCase:
         """Return the case of what the robot thinks, and takes the person to think, of a proposition."""
         robot = self.agents[Side.ROBOT]
-        return case_of(_stance(robot, proposition), robot.picture.stance(proposition))
+        return case_of(robot.beliefs.stance(proposition), robot.picture.stance(proposition))
 
     def legal(self, number: int) -> tuple[DialogueMove, ...]:
         """Return the legal moves in a dialogue of the side whose turn it is there; none while it waits."""
@@ -97,7 +97,7 @@ class Conversation:
         yes = Literal(proposition)
         match case.kind:
             case DialogueKind.PERSUASION if side in case.openers:
-                robot_believes = _stance(self.agents[Side.ROBOT], proposition) is Stance.BELIEVES
+                robot_believes = self.agents[Side.ROBOT].beliefs.stance(proposition) is Stance.BELIEVES
                 topics = [("persuasion", yes if robot_believes == (side is Side.ROBOT) else ~yes)]
             case DialogueKind.INFORMATION_SEEKING if side in case.openers:
                 topics = [("information-seeking", yes)]
@@ -140,11 +140,11 @@ class Conversation:
 
     def withdraw(self, number: int) -> "Conversation":
         """Return the conversation after the end of a dialogue, and all inside it, whose matter is past."""
-        inner = [play.number for play in self.open_plays if play.parent == number]
         now = self._with(replace(self.play(number), end=DialogueEnd.WITHDRAWN))
-        for each in inner:
-            now = now.withdraw(each)
-        return now
+        for inner in self.open_plays:
+            if inner.parent == number:
+                now = now.withdraw(inner.number)
+        return now._settled()
 
     def begun_anew(self, is_past: Callable[[Literal], bool]) -> "Conversation":
         """Return the conversation in a new situation, in which replies that were used up may be used again.
@@ -165,7 +165,7 @@ class Conversation:
 
     def with_agent(self, agent: Agent) -> "Conversation":
         """Return the conversation with a side that has sensed something new."""
-        return replace(self, agents={**self.agents, agent.side: agent})
+        return replace(self, agents={**self.agents, agent.side: agent})._settled()
 
     def _legal(self, play: GamePlay) -> tuple[LegalMove, ...]:
         if self.waits(play.number):
@@ -178,6 +178,8 @@ class Conversation:
             outer = self.play(parent)
             if outer.end is not None or outer.speaker is not side or self.waits(parent):
                 return ()
+        if self.rulebook.games[game].about != kind_of_content(topic):
+            return ()
         if any(play.topic == topic and play.game.name == game for play in self.open_plays):
             return ()
         fresh = self._new(game, topic, side, parent)
@@ -185,12 +187,13 @@ class Conversation:
         return tuple(Opening(game, topic, legal.move) for legal in moves if self._has_answer(fresh, legal))
 
     def _new(self, game: str, topic: Belief, side: Side, parent: int | None) -> GamePlay:
-        former = [
+        failed = [
             play
             for play in self.plays[self.since :]
-            if (play.game.name, play.topic, play.initiator) == (game, topic, side) and play.end is not None
+            if (play.game.name, play.topic, play.initiator) == (game, topic, side)
+            and play.end not in {None, DialogueEnd.AGREEMENT}
         ]
-        used = frozenset(play.moves[1][1] for play in former if len(play.moves) > 1)
+        used = frozenset(play.moves[1][1] for play in failed if len(play.moves) > 1)
         number = len(self.plays) + 1
         return GamePlay(number, self.rulebook.games[game], topic, side, parent, barred=used)
 
@@ -207,18 +210,15 @@ class Conversation:
         if legal is None:
             raise IllegalMoveError(f"{move} is not legal in dialogue {play.number} ({play.game.name}, {play.stage})")
         play, agents, said = say(play, self.agents, self.rulebook, legal, at)
-        now = replace(self, agents=agents, record=(*self.record, *said))._with(play)
-        if play.end is None and not now._legal(play):
-            now = now._with(replace(play, end=DialogueEnd.STALEMATE))
-        return now
+        return replace(self, agents=agents, record=(*self.record, *said))._with(play)._settled()
+
+    def _settled(self) -> "Conversation":
+        """End each dialogue in which nothing is left to be said, as may come of what was said or sensed elsewhere."""
+        for play in self.open_plays:
+            if not self.waits(play.number) and not self._legal(play):
+                # Another that waited for it may have nothing left either.
+                return self._with(replace(play, end=DialogueEnd.STALEMATE))._settled()
+        return self
 
     def _with(self, play: GamePlay) -> "Conversation":
         return replace(self, plays=(*self.plays[: play.number - 1], play, *self.plays[play.number :]))
-
-
-def _stance(agent: Agent, proposition: Proposition) -> Stance:
-    """An agent's opinion; what its other beliefs exclude counts as disbelieved."""
-    own = agent.beliefs.stance(proposition)
-    if own is Stance.UNKNOWN and any(opposed(Literal(proposition), held) for held in agent.beliefs.origins):
-        return Stance.DISBELIEVES
-    return own

@@ -93,7 +93,7 @@ def legal_replies(play: GamePlay, agents: Agents, rulebook: Rulebook, able: Able
         return ()
     speaker = agents[play.speaker]
     at = Utterer(speaker, agents[other_side(play.speaker)], able, rulebook.committing)
-    said = {move for side, move in play.moves if side is play.speaker and not speaker.is_person}
+    said = {move for side, move in play.moves if side is play.speaker}
     return tuple(
         LegalMove(move, reply)
         for reply in play.state.replies
@@ -155,9 +155,8 @@ def say(
         play = replace(play, offered=(*play.offered, move.content))
     if reply.slot is Slot.ARGUMENT and isinstance(move.content, Argument):
         play = replace(play, argument=move.content)
-    is_last = is_last_support(play, agents) if reply.last is not None else False
-    after = reply.leads_to(is_last=is_last)
     agents = _after(agents, rulebook, side, move, at)
+    after = reply.leads_to(is_last=reply.last is not None and is_last_support(play, agents))
     if (
         locution is not None
         and locution.makes_claim
@@ -213,7 +212,8 @@ def _contents(play: GamePlay, slot: Slot, agents: Agents) -> Iterable[Content]:
 def _cases_made(play: GamePlay, agents: Agents) -> list[tuple[Argument, tuple[Belief, ...]]]:
     """Arguments for the claim that what was offered belongs to, each with the support that is still due.
 
-    Due is what the listener is not taken to hold, of the argument and of arguments for the parts of its conclusion.
+    Due is what the listener is not taken to hold, of the argument and of arguments for the parts of its conclusion;
+    the claim itself, on which an observation rests, has been said.
     """
     if play.claim is None or play.defender is None:
         return []
@@ -224,7 +224,8 @@ def _cases_made(play: GamePlay, agents: Agents) -> list[tuple[Argument, tuple[Be
             continue
         whole = _with_parts(defender, argument)
         if all(support in whole for support in play.offered):
-            due = tuple(each for each in whole if each not in play.offered and each not in defender.picture)
+            said = {*play.offered, play.claim}
+            due = tuple(each for each in whole if each not in said and each not in defender.picture)
             made.append((argument, due))
     return made
 
@@ -244,5 +245,6 @@ def _with_parts(defender: Agent, argument: Argument) -> tuple[Belief, ...]:
     if len(parts := argument.conclusion.parts) > 1:
         for part in parts:
             supports |= next((each.support for each in defender.beliefs.arguments(part)), frozenset())
-    held: list[Belief] = [*defender.beliefs.origins, *defender.beliefs.rules]
-    return tuple(each for each in held if each in supports)
+    # A person may rest a rule on what nobody knows her to hold.
+    ordered: list[Belief] = [*defender.beliefs.origins, *defender.beliefs.rules, *sorted(supports, key=str)]
+    return tuple(dict.fromkeys(each for each in ordered if each in supports))

@@ -104,17 +104,13 @@ def after_saying(
     return speaker, listener
 
 
-def _stance(agent: Agent, content: Content) -> Stance:
-    if isinstance(content, Unknown):
-        return agent.beliefs.stance(content.proposition)
-    return agent.beliefs.stance(content.proposition) if isinstance(content, Literal) else Stance.UNKNOWN
+def _undecided(at: Utterer, content: Content) -> bool:
+    return isinstance(content, Literal | Unknown) and at.speaker.beliefs.is_undecided(content.proposition)
 
 
 def _held(at: Utterer, content: Content) -> bool:
     if isinstance(content, Argument):
         return content.conclusion in at.speaker.beliefs and content.support <= _all_of(at.speaker)
-    if isinstance(content, Literal) and len(content.parts) > 1:
-        return all(part in at.speaker.beliefs for part in content.parts)
     return isinstance(content, Literal | Rule) and content in at.speaker.beliefs
 
 
@@ -132,8 +128,15 @@ def _said(at: Utterer, content: Content) -> bool:
     return any(move.content == content and move.locution in at.committing for move in at.listener.store)
 
 
+def _news(at: Utterer, content: Content) -> bool:
+    if isinstance(content, Argument) and content.conclusion in at.speaker.picture:
+        return False
+    return content not in at.speaker.picture
+
+
 def _thought_to_argue(at: Utterer, content: Content) -> bool:
-    return isinstance(content, Literal | Rule) and at.speaker.picture.has_argument(content, at.speaker.beliefs.rules)
+    language = (rule for rule in at.speaker.beliefs.rules if not rule.is_said)
+    return isinstance(content, Literal | Rule) and at.speaker.picture.has_argument(content, language)
 
 
 def _answerable(at: Utterer, content: Content) -> bool:
@@ -173,11 +176,9 @@ CONDITIONS: Mapping[str, Precondition] = {
     ),
     "undecided": Precondition(
         "the speaker believes neither the content nor its opposite",
-        lambda at, content: _stance(at.speaker, content) is Stance.UNKNOWN,
+        _undecided,
     ),
-    "news": Precondition(
-        "the listener is not taken to hold the content", lambda at, content: content not in at.speaker.picture
-    ),
+    "news": Precondition("the listener is not taken to hold the content, nor the conclusion of an argument", _news),
     "attributed": Precondition(
         "the listener is taken to hold the content", lambda at, content: content in at.speaker.picture
     ),
