@@ -53,6 +53,7 @@ class _GrammarYaml:
     one_room: str
     many_rooms: str
     between: str
+    between_clauses: str
     last_and: str
     last_or: str
     rule: str
@@ -185,6 +186,7 @@ def _grammar(written: _GrammarYaml) -> Grammar:
         one_room=written.one_room,
         many_rooms=written.many_rooms,
         between=written.between,
+        between_clauses=written.between_clauses,
         last_and=written.last_and,
         last_or=written.last_or,
         rule=written.rule,
@@ -331,7 +333,7 @@ def _wrong_in(wording: str, allowed: Mapping[str, str], *ways: Collection[str]) 
     if missing and all(missing):
         least = min(missing, key=len)
         words = " and ".join(f"£{value}£" for value in least)
-        yield f"{words} is missing, so that the sentence would not carry it", f"Write {words} into it"
+        yield f"a sentence has to carry {words}, which this one does not", f"Write {words} into it"
 
 
 def _no_wording(loaded: Loaded[_WordsYaml], key: str) -> BadFile:

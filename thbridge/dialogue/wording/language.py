@@ -30,6 +30,7 @@ class Grammar:
         one_room: a single room that is counted.
         many_rooms: any other number of rooms.
         between: what stands between two things of a list.
+        between_clauses: the same between clauses, which may have commas.
         last_and: what stands before the last one, where all hold.
         last_or: what stands before the last one, where one does.
         rule: that something follows, with the words `£premises£` and `£conclusion£`.
@@ -46,6 +47,7 @@ class Grammar:
     one_room: str
     many_rooms: str
     between: str
+    between_clauses: str
     last_and: str
     last_or: str
     rule: str
@@ -54,10 +56,22 @@ class Grammar:
     negations: frozenset[str]
     names: Mapping[str, str] = field(default_factory=dict)
 
-    def listed(self, items: Iterable[str], last: str) -> str:
-        """Return items as a list, with these words before the last one."""
-        *first, final = items
-        return f"{self.between.join(first)}{last}{final}" if first else final
+    def named(self, names: Iterable[str]) -> str:
+        """Return a list of names, of which one is right."""
+        return _listed(names, self.between, self.last_or)
+
+    def all_of(self, clauses: Iterable[str]) -> str:
+        """Return a list of clauses that all hold."""
+        return _listed(clauses, self.between_clauses, self.last_and)
+
+    def one_of(self, clauses: Iterable[str]) -> str:
+        """Return a list of clauses of which one holds."""
+        return _listed(clauses, self.between_clauses, self.last_or)
+
+
+def _listed(items: Iterable[str], between: str, last: str) -> str:
+    *first, final = items
+    return f"{between.join(first)}{last}{final}" if first else final
 
 
 @dataclass(frozen=True, slots=True)

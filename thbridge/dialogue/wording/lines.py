@@ -30,6 +30,10 @@ class LineKey(StrEnum):
     BACK = "back"
     WHY_THIS = "why_this"
     WHY_NOT = "why_not"
+    WHY_PICTURE = "why_picture"
+    WHY_NO_PICTURE = "why_no_picture"
+    WHY_NAME = "why_name"
+    WHY_NO_NAME = "why_no_name"
     WHY_ROBOT = "why_robot"
     WHY_NOW = "why_now"
     KNOWN = "known"
@@ -81,6 +85,10 @@ LINES: Mapping[LineKey, LineMeaning] = {
     LineKey.BACK: LineMeaning(Side.HUMAN, "asks nothing after all"),
     LineKey.WHY_THIS: LineMeaning(Side.HUMAN, "asks for the reasons for a room", _ROOM),
     LineKey.WHY_NOT: LineMeaning(Side.HUMAN, "asks for the reasons against another room", _ROOM),
+    LineKey.WHY_PICTURE: LineMeaning(Side.HUMAN, "asks for the reasons for a picture"),
+    LineKey.WHY_NO_PICTURE: LineMeaning(Side.HUMAN, "asks for the reasons against a picture"),
+    LineKey.WHY_NAME: LineMeaning(Side.HUMAN, "asks for the reasons to name the treasure now"),
+    LineKey.WHY_NO_NAME: LineMeaning(Side.HUMAN, "asks for the reasons not to name the treasure now"),
     LineKey.WHY_ROBOT: LineMeaning(Side.HUMAN, "asks why this robot, and not another one"),
     LineKey.WHY_NOW: LineMeaning(Side.HUMAN, "asks why now"),
     LineKey.KNOWN: LineMeaning(Side.HUMAN, "asks for all that the robot knows of it"),
@@ -88,7 +96,9 @@ LINES: Mapping[LineKey, LineMeaning] = {
     LineKey.SIMPLER: LineMeaning(Side.HUMAN, "asks the robot to say it again in simpler words"),
     LineKey.BECAUSE: LineMeaning(Side.ROBOT, "answers a question with what it believes", _BECAUSE),
     LineKey.BECAUSE_NOT_KNOWN: LineMeaning(Side.ROBOT, "has no answer"),
-    LineKey.CHANGED_BY: LineMeaning(Side.ROBOT, "tells what would change its mind, if it were otherwise", _BECAUSE),
+    LineKey.CHANGED_BY: LineMeaning(
+        Side.ROBOT, "tells what would each change its mind", {"because": ValueKind.ALTERNATIVES}
+    ),
     LineKey.CHANGED_BY_NOTHING: LineMeaning(Side.ROBOT, "knows of nothing that would change its mind"),
 }
 """Lines that every language has."""

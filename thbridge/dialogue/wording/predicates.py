@@ -54,7 +54,9 @@ class ValueKind(StrEnum):
     CLAUSE = "clause"
     """Something that holds or does not."""
     CLAUSES = "clauses"
-    """All of which hold or do not."""
+    """Several of them, all at once."""
+    ALTERNATIVES = "alternatives"
+    """Several of them, of which one is enough."""
 
 
 PREPOSITIONS = ("to", "from", "in")

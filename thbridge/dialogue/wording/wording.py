@@ -133,8 +133,7 @@ class _Clauses:
 
     def all_of(self, literals: Iterable[Literal]) -> str:
         """Clauses for literals that all hold."""
-        grammar = self.wording.language.grammar
-        return grammar.listed(map(self.of, literals), grammar.last_and)
+        return self.wording.language.grammar.all_of(map(self.of, literals))
 
     def words_of(self, content: Content) -> dict[str, str]:
         """The words for a content as a whole, and its parts."""
@@ -148,9 +147,8 @@ class _Clauses:
             case Argument(support, conclusion):
                 # A set has no order of its own.
                 parts = sorted(support, key=str)
-                grammar = self.wording.language.grammar
                 said = [self.rule(part) if isinstance(part, Rule) else self.of(part) for part in parts]
-                return {"support": grammar.listed(said, grammar.last_and), "conclusion": self.of(conclusion)}
+                return {"support": self.wording.language.grammar.all_of(said), "conclusion": self.of(conclusion)}
 
     def rule(self, rule: Rule) -> str:
         """Clause for a rule."""
@@ -186,11 +184,13 @@ class _Clauses:
             case ValueKind.NAME, str():
                 return {name: self.name(value)}
             case ValueKind.NAMES, tuple():
-                return {name: grammar.listed(map(self.name, map(str, value)), grammar.last_or)}
+                return {name: grammar.named(map(self.name, map(str, value)))}
             case ValueKind.CLAUSE, Literal():
                 return {name: self.of(value)}
             case ValueKind.CLAUSES, tuple():
                 return {name: self.all_of(part for part in value if isinstance(part, Literal))}
+            case ValueKind.ALTERNATIVES, tuple():
+                return {name: grammar.one_of(self.of(part) for part in value if isinstance(part, Literal))}
             case _:
                 raise TypeError(f"{name}: {value!r} is no {kind}")
 

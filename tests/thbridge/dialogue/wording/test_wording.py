@@ -66,7 +66,13 @@ def test_what_does_not_hold_is_said_otherwise(
 
 @pytest.mark.parametrize("name", sorted(WORDINGS))
 def test_every_line_has_words(name: str) -> None:
-    values = {ValueKind.ROOM: Room(3), ValueKind.NUMBER: 30, ValueKind.CLAUSE: ROOM_3, ValueKind.CLAUSES: (ROOM_3,)}
+    values = {
+        ValueKind.ROOM: Room(3),
+        ValueKind.NUMBER: 30,
+        ValueKind.CLAUSE: ROOM_3,
+        ValueKind.CLAUSES: (ROOM_3, ~ROOM_3),
+        ValueKind.ALTERNATIVES: (ROOM_3, ~ROOM_3),
+    }
     for key, line in LINES.items():
         text = WORDINGS[name].line(key, **{word: values[kind] for word, kind in line.values.items()})
         assert text and "£" not in text
