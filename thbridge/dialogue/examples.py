@@ -5,7 +5,7 @@ the costs of the later ones.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from thbridge.argumentation.beliefs import Beliefs, Origin, Source
 from thbridge.argumentation.cases import Side
@@ -47,22 +47,95 @@ class Exchange:
         title: for people.
         topics: propositions it is about, in the order in which they are talked over.
         start: the conversation before anything is said.
+        course: moves in order, each with its side; several where the example leaves open which it is.
     """
 
     title: str
     topics: tuple[Proposition, ...]
     start: Conversation
+    course: tuple[tuple[Side, tuple[str, ...]], ...] = ()
 
 
 def jhri2015(rulebook: Rulebook) -> tuple[Exchange, ...]:
     """Return the five exchanges."""
-    return (
+    exchanges = (
         Exchange("Which rooms: they agree on one of two", _rooms_of(1, 3), _where(rulebook, 100.0)),
         Exchange("Which rooms: the person asks for reasons", _rooms_of(3), _where(rulebook, 250.0)),
         Exchange("Which rooms: the person says the opposite", _rooms_of(3), _where(rulebook, 250.0)),
         Exchange("In which order", (order(1, 3),), _how(rulebook)),
         Exchange("What was found", (BOTTLE_IN_5, BOTTLE_IN_2, BLUE_BOTTLE), _what(rulebook)),
     )
+    return tuple(replace(each, course=_course(text)) for each, text in zip(exchanges, _COURSES, strict=True))
+
+
+def _course(text: str) -> tuple[tuple[Side, tuple[str, ...]], ...]:
+    lines = [line.strip().split(": ", 1) for line in text.strip().splitlines()]
+    return tuple((Side(side), tuple(moves.split(" | "))) for side, moves in lines)
+
+
+_COURSES = (
+    # The person is shown her three answers; two of them are the next exchanges.
+    """
+    robot: assert(selected(Room3))
+    """,
+    """
+    robot: assert(selected(Room3))
+    human: challenge(selected(Room3))
+    robot: assert({current_energy_level(1000), energy_cost(Room4, Room3, 250), less_than(250, 1000)}, selected(Room3))
+    robot: assert(current_energy_level(1000))
+    human: accept(current_energy_level(1000))
+    robot: assert(energy_cost(Room4, Room3, 250))
+    human: accept(energy_cost(Room4, Room3, 250))
+    robot: assert(less_than(250, 1000))
+    human: accept(less_than(250, 1000))
+    """,
+    """
+    robot: assert(selected(Room3))
+    human: assert(not selected(Room3))
+    robot: accept(not selected(Room3)) | challenge(not selected(Room3))
+    human: assert(wanted(not selected(Room3))) | assert(too_far(Room3)) | assert(visited(Room3))
+    robot: accept(wanted(not selected(Room3))) | accept(too_far(Room3)) | accept(visited(Room3)) \
+| reject(not selected(Room3))
+    """,
+    """
+    robot: assert(order(1, Room1) and order(2, Room3))
+    human: assert(not order(1, Room1) and not order(2, Room3))
+    robot: challenge(not order(1, Room1) and not order(2, Room3))
+    human: assert(wanted(order(1, Room3) and order(2, Room1)))
+    robot: reject(not order(1, Room1) and not order(2, Room3))
+    robot: assert(order(1, Room1) and order(2, Room3))
+    human: challenge(order(1, Room1) and order(2, Room3))
+    robot: assert({current_energy_level(1000), energy_cost(Room1, Room3, 250), energy_cost(Room4, Room1, 100), \
+energy_cost(Room4, Room3, 250), less_than(100 + 250, 1000), less_than(100, 250)}, \
+order(1, Room1) and order(2, Room3))
+    robot: assert(current_energy_level(1000))
+    human: accept(current_energy_level(1000))
+    robot: assert(energy_cost(Room4, Room1, 100))
+    human: accept(energy_cost(Room4, Room1, 100))
+    robot: assert(energy_cost(Room4, Room3, 250))
+    human: accept(energy_cost(Room4, Room3, 250))
+    robot: assert(less_than(100, 250))
+    human: accept(less_than(100, 250))
+    robot: assert(less_than(100, 1000))
+    human: accept(less_than(100, 1000))
+    robot: assert(order(1, Room1))
+    human: accept(order(1, Room1))
+    robot: assert(energy_cost(Room1, Room3, 250))
+    human: accept(energy_cost(Room1, Room3, 250))
+    robot: assert(less_than(100 + 250, 1000))
+    human: accept(less_than(100 + 250, 1000))
+    """,
+    """
+    robot: question(in_image(bottle, image5))
+    human: assert(U(in_image(bottle, image5)))
+    robot: question(in_image(bottle, image2))
+    human: assert(in_image(bottle, image2))
+    robot: accept(in_image(bottle, image2))
+    human: propose(in_image(bottle, image2) and color_found(image2, blue) -> treasure_in(blue bottle, Room1))
+    robot: accept(in_image(bottle, image2) and color_found(image2, blue) -> treasure_in(blue bottle, Room1))
+    """,
+)
+"""The courses of the exchanges, a move a line, with a bar between those of which the example takes any."""
 
 
 def order(*rooms: int) -> Conjunction:

@@ -1,19 +1,84 @@
-"""`thbridge talk`: dialogue games, checked and explained."""
+"""`thbridge talk`: dialogue games, played in the terminal, checked and explained."""
 
+from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from ui.commands.group import CommandGroup
-from ui.options import AsJson
-from ui.terminal import BAD_INPUT, print_json, say
+from ui.options import AsJson, Seed
+from ui.terminal import BAD_INPUT, bad_input, fail, note, print_json, say
 
 talk_app = typer.Typer(
     cls=CommandGroup,
     help="Dialogue games between a robot and a person: who may say what, when, and how it ends.",
     no_args_is_help=True,
 )
+
+
+class TalkExample(StrEnum):
+    """Example of a conversation."""
+
+    JHRI2015 = "jhri2015"
+
+
+class TalkPlayer(StrEnum):
+    """Player of a side."""
+
+    PROGRAM = "program"
+    PERSON = "person"
+
+
+@talk_app.callback(invoke_without_command=True)
+def talk(
+    context: typer.Context,
+    example: Annotated[
+        TalkExample | None, typer.Option(help="What to talk about: the worked example of Sklar and Azhar (2015).")
+    ] = None,
+    exchange: Annotated[int | None, typer.Option(help="Only this exchange of the example.", min=1)] = None,
+    robot: Annotated[TalkPlayer, typer.Option(help="Who plays the robot.")] = TalkPlayer.PROGRAM,
+    human: Annotated[TalkPlayer, typer.Option(help="Who plays the person.")] = TalkPlayer.PERSON,
+    games: Annotated[Path | None, typer.Option(help="A folder of games of yours, beside the shipped ones.")] = None,
+    game: Annotated[
+        str | None, typer.Option(help="Play this game about the example's topics, whatever the example says.")
+    ] = None,
+    seed: Seed = 0,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object a move on standard output, nothing else.")
+    ] = False,
+) -> None:
+    """Play the exchanges of an example in the terminal: a person chooses among legal moves, a program follows it."""
+    if context.invoked_subcommand is not None:
+        return
+    if example is None:
+        fail(BAD_INPUT, f"--example: nothing to talk about. Write --example {TalkExample.JHRI2015}, or see --help.")
+    from thbridge.argumentation.cases import Side
+    from thbridge.dialogue.examples import jhri2015
+    from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
+    from ui.actions.talk import Quit, TerminalTalk, print_utterance
+
+    with bad_input():
+        rulebook = read_rulebook((SHIPPED_GAMES,) if games is None else (SHIPPED_GAMES, games))
+    if game is not None and game not in rulebook.games:
+        fail(BAD_INPUT, f"--game: there is no game {game}. There are: {', '.join(sorted(rulebook.games))}.")
+    exchanges = jhri2015(rulebook)
+    if exchange is not None and exchange > len(exchanges):
+        fail(BAD_INPUT, f"--exchange: {exchange} is not there. The example has 1 to {len(exchanges)}.")
+    show = note if as_json else say
+    people = frozenset(
+        side for side, player in ((Side.ROBOT, robot), (Side.HUMAN, human)) if player is TalkPlayer.PERSON
+    )
+    for number, each in enumerate(exchanges, start=1):
+        if exchange in {None, number}:
+            show(f"Exchange {number}. {each.title}")
+            heard = partial(print_utterance, number) if as_json else lambda _said: None
+            try:
+                TerminalTalk(each, people, game, seed or 0, show, heard).play()
+            except Quit:
+                return
+            show("")
 
 
 @talk_app.command("check")

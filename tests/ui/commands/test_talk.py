@@ -4,8 +4,12 @@ import json
 import shutil
 from pathlib import Path
 
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from typer.testing import CliRunner
 
+from thbridge.dialogue.examples import jhri2015
 from thbridge.dialogue.games.locutions import CONDITIONS, EFFECTS
 from thbridge.dialogue.games.tables import DialogueEnd, GameRole, Slot
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
@@ -16,6 +20,86 @@ def talk(*arguments: object, code: int = 0, typed: str | None = None) -> str:
     done = CliRunner().invoke(app, ["talk", *map(str, arguments)], input=typed)
     assert done.exit_code == code, done.output
     return done.stdout
+
+
+EXAMPLE = ("--example", "jhri2015")
+EXCHANGES = jhri2015(read_rulebook())
+
+
+def said(exchange: int, *more: object, typed: str | None = None) -> list[dict[str, object]]:
+    told = talk(*EXAMPLE, "--exchange", exchange, "--json", *more, typed=typed)
+    return [json.loads(line) for line in told.splitlines()]
+
+
+@pytest.mark.parametrize("number", [1, 2, 4, 5])
+def test_two_programs_say_just_what_the_example_says(number: int) -> None:
+    told = said(number, "--human", "program")
+    moves = [(each["side"], each["locution"]) for each in told if not each["booked"]]
+    course = EXCHANGES[number - 1].course
+    assert moves == [(side, text.partition("(")[0]) for side, (text,) in course]
+    for each, (_, (text,)) in zip([each for each in told if not each["booked"]], course, strict=True):
+        assert each["content"] in text
+
+
+def test_the_fourth_exchange_has_a_dialogue_inside_another_and_one_acceptance_follows_by_itself() -> None:
+    told = said(4, "--human", "program")
+    assert [each["dialogue"] for each in told if each["dialogue"] != 2] == [1] * 5 + [3] * 2
+    assert {each["parent"] for each in told if each["dialogue"] == 3} == {2}
+    (booked,) = [each for each in told if each["booked"]]
+    assert (booked["locution"], booked["after"]) == ("accept", "agreement")
+    assert told[-1] == booked
+    shown = talk(*EXAMPLE, "--exchange", 4, "--human", "program")
+    assert "    Dialogue 3 opens: persuasion about order(1, Room1), inside dialogue 2, which waits" in shown
+    assert "      human: accept(order(1, Room1))" in shown
+
+
+def test_a_seed_chooses_among_the_ways_that_the_third_exchange_leaves_open() -> None:
+    ways = {
+        tuple((each["locution"], each["content"]) for each in said(3, "--human", "program", "--seed", seed))
+        for seed in range(60)
+    }
+    # She persuades at once, or by each of three reasons, or by none of them.
+    assert len(ways) == 7
+    assert said(3, "--human", "program", "--seed", 5) == said(3, "--human", "program", "--seed", 5)
+
+
+def test_a_person_chooses_by_numbers_and_is_told_openings_and_ends() -> None:
+    told = talk(*EXAMPLE, "--exchange", 2, typed="2\n1\n1\n2\nn\n")
+    assert "Dialogue 1 opens: persuasion about selected(Room3)" in told
+    assert "  2  challenge(selected(Room3))" in told
+    assert "  human: reject(selected(Room3))\nDialogue 1 ends: disagreement" in told
+    told = talk(*EXAMPLE, "--exchange", 1, typed="1\n")
+    assert "  human: accept(selected(Room3))\nDialogue 1 ends: agreement" in told
+
+
+def test_a_person_may_be_the_robot_and_sees_stores_and_beliefs() -> None:
+    told = talk(*EXAMPLE, "--exchange", 5, "--robot", "person", "--human", "program", typed="1\ns\nb\nq\n")
+    assert "1  question(in_image(bottle, image5))   (opens information-seeking)" in told
+    assert "said by the robot: question(in_image(bottle, image5))" in told
+    assert "said by the human: assert(U(in_image(bottle, image5)))" in told
+    assert "takes the other not to know: in_image(bottle, image5)" in told
+
+
+@settings(max_examples=30)
+@given(st.lists(st.one_of(st.integers(0, 6).map(str), st.sampled_from(["n", "s", "b", "?", "", "²", "1 2", "\x00"]))))
+def test_any_typing_is_taken_and_the_end_of_it_is_no_fault(lines: list[str]) -> None:
+    people = ("--robot", "person", "--human", "person")
+    talk(*EXAMPLE, *people, "--exchange", 4, typed="".join(f"{line}\n" for line in lines))
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--seed", 1), "--example: nothing to talk about."),
+        ((*EXAMPLE, "--exchange", 6), "--exchange: 6 is not there. The example has 1 to 5."),
+        ((*EXAMPLE, "--game", "chess"), "--game: there is no game chess. There are: "),
+        ((*EXAMPLE, "--games", "nowhere"), "nowhere: there is no such folder."),
+    ],
+)
+def test_what_cannot_be_talked_about_is_told(options: tuple[object, ...], told: str) -> None:
+    done = CliRunner().invoke(app, ["talk", *map(str, options)])
+    assert done.exit_code == 2
+    assert told in done.stderr
 
 
 def test_the_shipped_games_are_told_with_their_ends() -> None:

@@ -1,0 +1,121 @@
+"""An exchange of an example being played: what a side may do, and programs that follow its course."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from sim.common import noise
+from thbridge.argumentation.arguments import Belief
+from thbridge.argumentation.cases import Side
+from thbridge.argumentation.propositions import Literal, Proposition, Rule
+from thbridge.dialogue.examples import Exchange
+from thbridge.dialogue.games.contents import DialogueMove
+from thbridge.dialogue.games.control import Conversation, Opening
+from thbridge.dialogue.games.strategies import GameStrategy
+
+
+@dataclass(frozen=True, slots=True)
+class ExchangeAct:
+    """Act of a side: a move in a dialogue, or the opening of another one.
+
+    Attributes:
+        move: what is said.
+        number: of the dialogue in which it is said, or which waits for the new one; None where there is none.
+        opening: of a new dialogue; None for a move.
+    """
+
+    move: DialogueMove
+    number: int | None
+    opening: Opening | None = None
+
+    def done(self, conversation: Conversation, side: Side) -> Conversation:
+        """Return the conversation after a side has done this."""
+        if self.opening is not None:
+            return conversation.open(side, self.opening, parent=self.number)
+        return conversation if self.number is None else conversation.say(self.number, self.move)
+
+
+def turn_in(conversation: Conversation) -> tuple[int, Side] | None:
+    """Return the dialogue that goes on, of several the inmost one, and whose turn it is; None between dialogues."""
+    going = [play for play in conversation.open_plays if not conversation.waits(play.number)]
+    return (going[-1].number, going[-1].speaker) if going else None
+
+
+def acts(
+    exchange: Exchange, conversation: Conversation, side: Side, game: str | None = None
+) -> tuple[ExchangeAct, ...]:
+    """Return all that a side may do now: moves in the dialogue that goes on, then openings of others.
+
+    Args:
+        exchange: its topics, and what these are made of, are talked over.
+        conversation: as things are.
+        side: whose turn it is in that dialogue, or either between dialogues.
+        game: the only one that may be opened; None: those that the nine cases call for.
+    """
+    number = turn[0] if (turn := turn_in(conversation)) is not None else None
+    moves = () if number is None else conversation.legal(number)
+    said = tuple(ExchangeAct(move, number) for move in moves)
+    found = (
+        ExchangeAct(opening.move, number, opening)
+        for matter in _matters(exchange, conversation)
+        for opening in _openings(conversation, side, matter, number, game)
+    )
+    return (*said, *dict.fromkeys(found))
+
+
+def _openings(
+    conversation: Conversation, side: Side, matter: Proposition, parent: int | None, game: str | None
+) -> Iterator[Opening]:
+    if game is None:
+        yield from conversation.openings(side, matter, parent)
+        return
+    beliefs = conversation.agents[side].beliefs
+    topics: list[Belief] = [Literal(matter), Literal(matter, holds=False)]
+    if conversation.rulebook.games[game].about == "rule":
+        topics = [rule for rule in beliefs.rules if rule.conclusion.proposition == matter]
+    for topic in topics:
+        yield from conversation.opening(side, game, topic, parent)
+
+
+def _matters(exchange: Exchange, conversation: Conversation) -> list[Proposition]:
+    """Return what a dialogue may be opened about: topics and their parts, but for what is being talked over."""
+    parts = [part.proposition for topic in exchange.topics for part in topic.parts]
+    topics = [play.topic.conclusion if isinstance(play.topic, Rule) else play.topic for play in conversation.open_plays]
+    open_ones = {topic.proposition for topic in topics}
+    return [each for each in dict.fromkeys([*exchange.topics, *parts]) if each not in open_ones]
+
+
+@dataclass(slots=True)
+class CourseFollower:
+    """Program that plays a side as the course of an exchange has it.
+
+    Attributes:
+        exchange: the exchange.
+        side: the side that it plays.
+        seed: of the choice among moves that the example leaves open.
+        strategy: chooses moves where the course has none; of an exchange without a course, a dialogue is opened with
+            the first thing that can be said. None: nothing is done then.
+    """
+
+    exchange: Exchange
+    side: Side
+    seed: int
+    strategy: GameStrategy | None = None
+    _next: int = 0
+
+    def choose(self, conversation: Conversation, possible: tuple[ExchangeAct, ...]) -> ExchangeAct | None:
+        """Return one of the possible acts, or None for none of them."""
+        # Where a move and an opening read alike, the move is meant.
+        by_text = {str(act.move): act for act in reversed(possible)}
+        course = self.exchange.course
+        for at in range(self._next, len(course)):
+            side, texts = course[at]
+            found = [by_text[text] for text in texts if text in by_text]
+            if side is self.side and found:
+                self._next = at + 1
+                stream = noise.key(self.seed, "course", str(self.side))
+                return found[int(noise.uniform(stream, at, 0) * len(found))]
+        if self.strategy is None:
+            return None
+        if (turn := turn_in(conversation)) is not None:
+            return ExchangeAct(self.strategy.choose(conversation, turn[0]), turn[0])
+        return possible[0] if possible and not course and not conversation.plays else None
