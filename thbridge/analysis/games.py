@@ -44,5 +44,5 @@ def game_starts(bag: Path) -> tuple[GameStart, ...]:
     return tuple(start for message in messages(bag, topics) if (start := game_start(message)) is not None)
 
 
-OF_A_GAME = frozenset({types.GAME_EVENT, types.SCORE, types.UTTERANCE})
+OF_A_GAME = frozenset({types.GAME_EVENT, types.SCORE, types.UTTERANCE, types.DIALOGUE_MOVE, types.DIALOGUE_STATE})
 """Types of messages that are of a game from the stamp of its beginning on; see `GameStart`."""

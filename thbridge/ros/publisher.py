@@ -28,6 +28,8 @@ from thbridge.ros.messages.records import (
     VelocityCommand,
 )
 from thbridge.ros.messages.session_records import (
+    DialogueMoveRecord,
+    DialogueStateRecord,
     GameEvent,
     HeldTurns,
     InputRecord,
@@ -41,6 +43,8 @@ from thbridge.ros.one_robot import RobotPublisher
 from thbridge.ros.topics import (
     CLOCK,
     DIAGNOSTICS,
+    DIALOGUE_MOVES,
+    DIALOGUE_STATES,
     GAME_EVENTS,
     INPUTS,
     MAP,
@@ -228,6 +232,10 @@ def messages_of(stamp: int, tick: int, record: Record) -> Iterator[RosMessage]:
             yield RosMessage(SCORE, stamp, pack.score(tick, record))
         case UtteranceRecord():
             yield RosMessage(UTTERANCES, stamp, pack.utterance(tick, record))
+        case DialogueMoveRecord():
+            yield RosMessage(DIALOGUE_MOVES, stamp, pack.dialogue_move(tick, record))
+        case DialogueStateRecord():
+            yield RosMessage(DIALOGUE_STATES, stamp, pack.dialogue_state(tick, record))
         case HeldTurns(text):
             yield RosMessage(WIZARD, stamp, pack.string(text))
         case SendRobots(line):

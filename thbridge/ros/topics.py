@@ -46,6 +46,8 @@ GAME_EVENTS = Topic(names.GAME_EVENTS, types.GAME_EVENT)
 SCORE = Topic(names.SCORE, types.SCORE, latched=True)
 ROOMS = Topic(names.ROOMS, types.MARKER_ARRAY, latched=True)
 UTTERANCES = Topic(names.UTTERANCES, types.UTTERANCE)
+DIALOGUE_MOVES = Topic(names.DIALOGUE_MOVES, types.DIALOGUE_MOVE)
+DIALOGUE_STATES = Topic(names.DIALOGUE_STATES, types.DIALOGUE_STATE)
 WIZARD = Topic(names.WIZARD, types.STRING, latched=True)
 INPUTS = Topic(names.INPUTS, types.INPUT)
 THINGS = Topic(names.THINGS, types.MARKER_ARRAY, latched=True)
@@ -64,6 +66,8 @@ TEAM_TOPICS = (
     SCORE,
     ROOMS,
     UTTERANCES,
+    DIALOGUE_MOVES,
+    DIALOGUE_STATES,
     WIZARD,
     INPUTS,
     THINGS,

@@ -232,6 +232,8 @@ TOPICS: Mapping[str, str] = {
     "/things": "outlines of things in the way",
     "/hunt/rooms": "the names of rooms, each where robots go in it",
     "/dialogue/utterances": "everything said in a dialogue",
+    "/dialogue/moves": "moves in dialogue games, where robots argue",
+    "/dialogue/states": "what a robot that argues believes and makes of it, at each change",
     "/inputs": "every line that people and foreign programs sent",
     "/clock": "simulated time",
     "/rosout": "what nodes log",

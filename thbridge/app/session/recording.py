@@ -1,7 +1,7 @@
 """Recorders of a session: its bag and its telemetry log."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -14,6 +14,9 @@ from thbridge.app.session.inputs import ClientRequest
 from thbridge.app.session.mavros import frame_record, state_record
 from thbridge.app.session.session import TickRecord
 from thbridge.dialogue import moves
+from thbridge.dialogue.games.contents import DialogueMove
+from thbridge.dialogue.games.tables import DialogueEnd
+from thbridge.dialogue.portrait import portray
 from thbridge.hunt import events
 from thbridge.hunt.codec import kind_of, to_json
 from thbridge.hunt.game import GameState
@@ -25,7 +28,14 @@ from thbridge.recording.tlog import TlogFile
 from thbridge.roles.keeper.dialogues import MATTERS
 from thbridge.roles.keeper.wizard import WizardState
 from thbridge.ros.messages.records import GraphRequest, Record, SendRobots, Success
-from thbridge.ros.messages.session_records import GameEvent, HeldTurns, ScoreRecord, UtteranceRecord
+from thbridge.ros.messages.session_records import (
+    DialogueMoveRecord,
+    DialogueStateRecord,
+    GameEvent,
+    HeldTurns,
+    ScoreRecord,
+    UtteranceRecord,
+)
 from thbridge.ros.messages.stamps import stamp_ns
 
 JUMP = 0.2
@@ -35,8 +45,18 @@ STATE_PERIOD = TICKS_PER_SECOND
 """Ticks after which the state of a vehicle is recorded again when it has not changed."""
 
 
-MOVES: dict[type[moves.Move], str] = {moves.Ask: "ask", moves.Continue: "continue", moves.Stop: "stop"}
-"""Moves of dialogues by their names in recordings."""
+MOVES: dict[type[moves.Move], str] = {
+    moves.Ask: "ask",
+    moves.Continue: "continue",
+    moves.Stop: "stop",
+    moves.OpenQuestions: "open-questions",
+    moves.CloseQuestions: "close-questions",
+    moves.Enquire: "enquire",
+    moves.Explain: "explain",
+    moves.Override: "override",
+    moves.Leave: "leave",
+}
+"""Moves of dialogues by their names in recordings; moves of dialogue games go by their locutions."""
 
 
 class TickPublisher(Protocol):
@@ -56,6 +76,7 @@ class BagRecorder:
     def __init__(self, publisher: TickPublisher) -> None:
         self._publisher = publisher
         self._score: ScoreRecord | None = None
+        self._portraits: dict[int, DialogueStateRecord] = {}
         self._wizard = WizardState()
         self._collisions: tuple[int, ...] = ()
         self._things: tuple[str, ...] = ()
@@ -79,6 +100,8 @@ class BagRecorder:
             yield _event(event)
         for utterance in record.utterances:
             yield _utterance(utterance)
+            yield from _formal_moves(utterance)
+        yield from self._states_of_dialogues(record.utterances)
         if record.wizard != self._wizard:
             self._wizard = record.wizard
             yield HeldTurns(record.wizard.json())
@@ -91,6 +114,17 @@ class BagRecorder:
         if score is not None and score != self._score:
             self._score = score
             yield score
+
+    def _states_of_dialogues(self, utterances: Sequence[moves.DialogueUtterance]) -> Iterator[DialogueStateRecord]:
+        """Yield what robots make of what was said in this tick, where that has changed."""
+        for utterance in {utterance.topic.robot: utterance for utterance in utterances}.values():
+            if utterance.conversation is None:
+                continue
+            robot = utterance.topic.robot
+            state = DialogueStateRecord(utterance.dialogue, robot, portray(utterance.conversation).json())
+            if self._portraits.get(robot) != state:
+                self._portraits[robot] = state
+                yield state
 
     def _asked(self, record: TickRecord, request: GraphRequest) -> Iterator[Record]:
         """Yield the request of a ROS client, if its robot exists."""
@@ -176,8 +210,34 @@ def _utterance(utterance: moves.DialogueUtterance) -> UtteranceRecord:
         scenario=MATTERS[utterance.topic.scenario],
         text=utterance.text,
         author=utterance.author,
-        move=MOVES[type(utterance.move)],
+        move=utterance.move.locution if isinstance(utterance.move, DialogueMove) else MOVES[type(utterance.move)],
     )
+
+
+def _formal_moves(utterance: moves.DialogueUtterance) -> Iterator[DialogueMoveRecord]:
+    if utterance.conversation is None:
+        return
+    for formal in utterance.formal:
+        play = utterance.conversation.play(formal.dialogue)
+        # That nothing more could be said shows only after the last move.
+        is_stalemate = play.end is DialogueEnd.STALEMATE and formal.index == len(play.moves) - 1
+        yield DialogueMoveRecord(
+            talk=utterance.dialogue,
+            dialogue=formal.dialogue,
+            parent=formal.parent,
+            index=formal.index,
+            robot=utterance.topic.robot,
+            speaker=formal.side,
+            author=utterance.author,
+            game=play.game.name,
+            locution=formal.move.locution,
+            content=str(formal.move.content),
+            before=formal.before,
+            after=DialogueEnd.STALEMATE if is_stalemate else formal.after,
+            is_booked=formal.is_booked,
+            text="" if formal.is_booked else utterance.text,
+            heard="" if formal.is_booked else utterance.heard,
+        )
 
 
 def _score(game: GameState) -> ScoreRecord:

@@ -41,7 +41,7 @@ class _Package:
     texts: Mapping[str, str]
 
 
-_OWN = _Package("thbridge_msgs", "Messages of the treasure hunt: session, game events, score, talk, inputs", OWN_TEXTS)
+_OWN = _Package("thbridge_msgs", "Messages of the treasure hunt: session, events, score, dialogues, inputs", OWN_TEXTS)
 _MAVROS = _Package(
     "mavros_msgs",
     "Those two messages of mavros that thbridge records, for a ROS without mavros",

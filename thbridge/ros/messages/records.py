@@ -10,7 +10,15 @@ from enum import IntEnum
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import Twist
 from thbridge.ros.goal_owners import GoalOwner
-from thbridge.ros.messages.session_records import GameEvent, HeldTurns, InputRecord, ScoreRecord, UtteranceRecord
+from thbridge.ros.messages.session_records import (
+    DialogueMoveRecord,
+    DialogueStateRecord,
+    GameEvent,
+    HeldTurns,
+    InputRecord,
+    ScoreRecord,
+    UtteranceRecord,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,6 +207,8 @@ Record = (
     GameEvent
     | ScoreRecord
     | UtteranceRecord
+    | DialogueMoveRecord
+    | DialogueStateRecord
     | HeldTurns
     | InputRecord
     | SendRobots

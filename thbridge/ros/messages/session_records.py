@@ -84,6 +84,60 @@ class UtteranceRecord:
 
 
 @dataclass(frozen=True, slots=True)
+class DialogueMoveRecord:
+    """One move in a dialogue game, where robots argue.
+
+    Attributes:
+        talk: number of the dialogue of utterances that it belongs to.
+        dialogue: number of the dialogue game, from 1, unique among those of its robot.
+        parent: number of the game that waits for this one, or None.
+        index: place of the move in its game, from 0.
+        robot: the robot that speaks or is addressed.
+        speaker: "robot" or "human".
+        author: as in `UtteranceRecord`.
+        game: name of the game, for example "persuasion".
+        locution: for example "challenge".
+        content: what it is about, written as in Sklar and Azhar (2015).
+        before: state of the game in which it was made.
+        after: state, or end, that followed.
+        is_booked: True when it followed by itself from the move before it.
+        text: the sentence; empty for a move that followed by itself.
+        heard: sentence of the move that the robot took it for; empty where it heard right.
+    """
+
+    talk: int
+    dialogue: int
+    parent: int | None
+    index: int
+    robot: int
+    speaker: str
+    author: str
+    game: str
+    locution: str
+    content: str
+    before: str
+    after: str
+    is_booked: bool
+    text: str
+    heard: str
+
+
+@dataclass(frozen=True, slots=True)
+class DialogueStateRecord:
+    """Beliefs and arguments of a robot that argues; recorded whenever they change.
+
+    Attributes:
+        talk: number of the dialogue of utterances.
+        robot: the robot.
+        json: portrait of its conversation with the participant.
+    """
+
+    talk: int
+    robot: int
+    json: str
+
+
+@dataclass(frozen=True, slots=True)
 class HeldTurns:
     """Robots' turns that wait for the wizard, a person in their place; recorded whenever they change.
 

@@ -49,10 +49,12 @@ SESSION = "thbridge_msgs/Session"
 GAME_EVENT = "thbridge_msgs/GameEvent"
 SCORE = "thbridge_msgs/Score"
 UTTERANCE = "thbridge_msgs/Utterance"
+DIALOGUE_MOVE = "thbridge_msgs/DialogueMove"
+DIALOGUE_STATE = "thbridge_msgs/DialogueState"
 INPUT = "thbridge_msgs/Input"
 
 MAVROS_TYPES = (MAVLINK, MAVROS_STATE)
-OWN_TYPES = (SESSION, GAME_EVENT, SCORE, UTTERANCE, INPUT)
+OWN_TYPES = (SESSION, GAME_EVENT, SCORE, UTTERANCE, DIALOGUE_MOVE, DIALOGUE_STATE, INPUT)
 
 OWN_TEXTS = {
     SESSION: """\
@@ -92,6 +94,32 @@ string scenario  # for example "select-room"
 string text      # the sentence
 string move      # what it does, for example "continue"
 string author    # who decided on it: "robot" (its strategy), "person", or "wizard" (somebody in the robot's place)
+""",
+    DIALOGUE_MOVE: """\
+# One move in a dialogue game, where robots argue.
+std_msgs/Header header
+int64 talk       # number of the dialogue of utterances that it belongs to, from 1
+int32 dialogue   # number of the dialogue game, from 1, unique among those of its robot
+int32 parent     # number of the game that waits for this one; 0: none
+int32 index      # place of the move in its game, from 0
+int32 robot      # counts from 1
+string speaker   # "robot" or "human"
+string author    # who decided on it, as in Utterance
+string game      # name of the game, for example "persuasion"
+string locution  # for example "challenge"
+string content   # what it is about, for example "next(Robot1, Room3)"
+string before    # state of the game in which it was made
+string after     # state, or end, that followed
+bool booked      # it followed by itself from the move before it
+string text      # the sentence; of a move that followed by itself none
+string heard     # sentence of the move that the robot took it for; empty: it heard right
+""",
+    DIALOGUE_STATE: """\
+# What a robot that argues believes, takes the participant to believe, and makes of both; said whenever it changes.
+std_msgs/Header header
+int64 talk   # number of the dialogue of utterances
+int32 robot  # counts from 1
+string json  # games, sigma, rules, gamma, stores, arguments, attacks, grounded
 """,
     INPUT: """\
 # What came into a session from outside, exactly as it came; said before what follows from it.

@@ -5,9 +5,20 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from thbridge.ros.messages import unpack
-from thbridge.ros.topics import GAME_EVENTS, INPUTS, ROSOUT, SEND_ROBOTS, SUCCESS, UTTERANCES, RosMessage, Topic
+from thbridge.ros.topics import (
+    DIALOGUE_MOVES,
+    DIALOGUE_STATES,
+    GAME_EVENTS,
+    INPUTS,
+    ROSOUT,
+    SEND_ROBOTS,
+    SUCCESS,
+    UTTERANCES,
+    RosMessage,
+    Topic,
+)
 
-LISTED = frozenset({GAME_EVENTS, UTTERANCES, SEND_ROBOTS, SUCCESS, INPUTS, ROSOUT})
+LISTED = frozenset({GAME_EVENTS, UTTERANCES, DIALOGUE_MOVES, DIALOGUE_STATES, SEND_ROBOTS, SUCCESS, INPUTS, ROSOUT})
 """Topics whose messages add up; of all others the newest message tells how things are."""
 
 MAX_MESSAGES = 1000

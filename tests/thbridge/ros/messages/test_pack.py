@@ -16,7 +16,14 @@ from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.goal_status import GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.messages.pack import DiagnosticLevel, DiagnosticStatus, RoomLabel, Transform
 from thbridge.ros.messages.records import LogLevel, LogLine
-from thbridge.ros.messages.session_records import GameEvent, InputRecord, ScoreRecord, UtteranceRecord
+from thbridge.ros.messages.session_records import (
+    DialogueMoveRecord,
+    DialogueStateRecord,
+    GameEvent,
+    InputRecord,
+    ScoreRecord,
+    UtteranceRecord,
+)
 
 TICKS = st.integers(0, 50 * 86400)
 REALS = st.floats(-1e6, 1e6)
@@ -327,6 +334,36 @@ def test_utterance(tick: int, dialogue: int, speaker: str, text: str, room: int 
     assert unpack.utterance(data) == record
 
 
+DIALOGUE_MOVES = st.builds(
+    DialogueMoveRecord,
+    talk=st.integers(-(2**63), 2**63 - 1),
+    dialogue=st.integers(0, 2**31 - 1),
+    parent=st.none() | st.integers(1, 2**31 - 1),
+    index=st.integers(0, 2**31 - 1),
+    robot=st.integers(0, 99),
+    is_booked=st.booleans(),
+    **dict.fromkeys(("speaker", "author", "game", "locution", "content", "before", "after", "text", "heard"), TEXTS),
+)
+
+
+@given(TICKS, DIALOGUE_MOVES)
+def test_dialogue_move(tick: int, record: DialogueMoveRecord) -> None:
+    data = pack.dialogue_move(tick, record)
+    numbers = (record.talk, record.dialogue, record.parent or 0, record.index, record.robot + 1)
+    words = (record.speaker, record.author, record.game, record.locution, record.content, record.before, record.after)
+    fields = (*numbers, *words, record.is_booked, record.text, record.heard)
+    assert data == serialised(types.DIALOGUE_MOVE, message(types.DIALOGUE_MOVE, ros_header(tick), *fields))
+    assert unpack.dialogue_move(data) == record
+
+
+@given(TICKS, st.integers(-(2**63), 2**63 - 1), st.integers(0, 99), TEXTS)
+def test_dialogue_state(tick: int, talk: int, robot: int, json: str) -> None:
+    data = pack.dialogue_state(tick, DialogueStateRecord(talk, robot, json))
+    expected = message(types.DIALOGUE_STATE, ros_header(tick), talk, robot + 1, json)
+    assert data == serialised(types.DIALOGUE_STATE, expected)
+    assert unpack.dialogue_state(data) == DialogueStateRecord(talk, robot, json)
+
+
 @given(TICKS, TEXTS, TEXTS, TEXTS)
 def test_outside_input(tick: int, sender: str, line: str, json: str) -> None:
     record = InputRecord("received", sender, line, json)
@@ -345,6 +382,8 @@ def test_cut_messages_are_value_errors(data: st.DataObject) -> None:
         unpack.session: pack.session(0, SESSION),
         unpack.score: pack.score(1, ScoreRecord(1, 2, 3, (4.0,))),
         unpack.utterance: pack.utterance(1, UtteranceRecord(1, "robot", 0, 1, "s", "t", "m", "robot")),
+        unpack.dialogue_move: pack.dialogue_move(1, DialogueMoveRecord(1, 2, None, 0, 0, *"abcdefg", True, "h", "i")),
+        unpack.dialogue_state: pack.dialogue_state(1, DialogueStateRecord(1, 0, "{}")),
     }
     read = data.draw(st.sampled_from(list(samples)))
     sample = samples[read]

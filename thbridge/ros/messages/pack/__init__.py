@@ -15,7 +15,15 @@ from thbridge.ros.messages.pack.actions import (
     move_base_result,
 )
 from thbridge.ros.messages.pack.fields import boolean, float64, header, string
-from thbridge.ros.messages.pack.game import game_event, outside_input, score, session, utterance
+from thbridge.ros.messages.pack.game import (
+    dialogue_move,
+    dialogue_state,
+    game_event,
+    outside_input,
+    score,
+    session,
+    utterance,
+)
 from thbridge.ros.messages.pack.logs import DiagnosticLevel, DiagnosticStatus, clock, diagnostic_array, log
 from thbridge.ros.messages.pack.maps import (
     ADD,

@@ -1,4 +1,4 @@
-"""Our own message types: session, game events, score, utterances, inputs."""
+"""Our own message types: session, game events, score, utterances, moves and states of dialogues, inputs."""
 
 import json
 from struct import Struct
@@ -6,13 +6,23 @@ from struct import Struct
 import numpy as np
 
 from sim.common.robot_numbers import number_of
-from thbridge.ros.messages.pack.fields import UINT32, header, string
-from thbridge.ros.messages.session_records import GameEvent, InputRecord, ScoreRecord, SessionRecord, UtteranceRecord
+from thbridge.ros.messages.pack.fields import UINT32, boolean, header, string
+from thbridge.ros.messages.session_records import (
+    DialogueMoveRecord,
+    DialogueStateRecord,
+    GameEvent,
+    InputRecord,
+    ScoreRecord,
+    SessionRecord,
+    UtteranceRecord,
+)
 
 _GAME_EVENT = Struct("<ii")
 _SCORE = Struct("<iII")
 _UINT64 = Struct("<Q")
 _INT64 = Struct("<q")
+_DIALOGUE_MOVE = Struct("<qiiii")
+_DIALOGUE_STATE = Struct("<qi")
 
 
 def session(tick: int, record: SessionRecord) -> bytes:
@@ -59,6 +69,27 @@ def utterance(tick: int, record: UtteranceRecord) -> bytes:
             string(record.author),
         )
     )
+
+
+def dialogue_move(tick: int, record: DialogueMoveRecord) -> bytes:
+    """thbridge_msgs/DialogueMove; parent 0 means none."""
+    numbers = (record.talk, record.dialogue, record.parent or 0, record.index, number_of(record.robot))
+    before = (record.speaker, record.author, record.game, record.locution, record.content, record.before, record.after)
+    return b"".join(
+        (
+            header(tick),
+            _DIALOGUE_MOVE.pack(*numbers),
+            *map(string, before),
+            boolean(record.is_booked),
+            string(record.text),
+            string(record.heard),
+        )
+    )
+
+
+def dialogue_state(tick: int, record: DialogueStateRecord) -> bytes:
+    """thbridge_msgs/DialogueState."""
+    return header(tick) + _DIALOGUE_STATE.pack(record.talk, number_of(record.robot)) + string(record.json)
 
 
 def outside_input(tick: int, record: InputRecord) -> bytes:

@@ -14,7 +14,14 @@ from thbridge.ros.messages.unpack.actions import (
     move_base_goal,
     move_base_result,
 )
-from thbridge.ros.messages.unpack.game import game_event, outside_input, score, utterance
+from thbridge.ros.messages.unpack.game import (
+    dialogue_move,
+    dialogue_state,
+    game_event,
+    outside_input,
+    score,
+    utterance,
+)
 from thbridge.ros.messages.unpack.logs import diagnostic_array, log, string
 from thbridge.ros.messages.unpack.robots import (
     BatteryCharge,

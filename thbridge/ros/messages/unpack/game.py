@@ -1,10 +1,17 @@
-"""Our own message types: game events, score, utterances, inputs."""
+"""Our own message types: game events, score, utterances, moves and states of dialogues, inputs."""
 
 import numpy as np
 
 from sim.common.robot_numbers import index_of
-from thbridge.ros.messages.cursor import INT32, INT64, UINT32, Cursor
-from thbridge.ros.messages.session_records import GameEvent, InputRecord, ScoreRecord, UtteranceRecord
+from thbridge.ros.messages.cursor import INT32, INT64, UINT8, UINT32, Cursor
+from thbridge.ros.messages.session_records import (
+    DialogueMoveRecord,
+    DialogueStateRecord,
+    GameEvent,
+    InputRecord,
+    ScoreRecord,
+    UtteranceRecord,
+)
 
 
 def game_event(data: bytes) -> GameEvent:
@@ -31,6 +38,38 @@ def utterance(data: bytes) -> UtteranceRecord:
     scenario, text, move = cursor.string(), cursor.string(), cursor.string()
     author = cursor.string() if cursor.has_more else "robot" if speaker == "robot" else "person"
     return UtteranceRecord(dialogue, speaker, robot, room, scenario, text, move, author)
+
+
+def dialogue_move(data: bytes) -> DialogueMoveRecord:
+    """thbridge_msgs/DialogueMove."""
+    cursor = Cursor.behind_header(data)
+    talk = cursor.integer(INT64)
+    dialogue, parent, index, robot = (cursor.integer(INT32) for _ in range(4))
+    speaker, author, game, locution, content, before, after = (cursor.string() for _ in range(7))
+    return DialogueMoveRecord(
+        talk=talk,
+        dialogue=dialogue,
+        parent=parent or None,
+        index=index,
+        robot=index_of(robot),
+        speaker=speaker,
+        author=author,
+        game=game,
+        locution=locution,
+        content=content,
+        before=before,
+        after=after,
+        is_booked=cursor.integer(UINT8) != 0,
+        text=cursor.string(),
+        heard=cursor.string(),
+    )
+
+
+def dialogue_state(data: bytes) -> DialogueStateRecord:
+    """thbridge_msgs/DialogueState."""
+    cursor = Cursor.behind_header(data)
+    talk, robot = cursor.integer(INT64), index_of(cursor.integer(INT32))
+    return DialogueStateRecord(talk, robot, cursor.string())
 
 
 def outside_input(data: bytes) -> InputRecord:

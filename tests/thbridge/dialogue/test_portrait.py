@@ -1,0 +1,87 @@
+"""Portraits of conversations: what researchers see of a robot's mind."""
+
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.thbridge.dialogue.test_arguing import FACTS, engine, manners, said, topics
+from thbridge.argumentation.cases import Side
+from thbridge.dialogue.arguing import ArguingEngine
+from thbridge.dialogue.conditions import Manner
+from thbridge.dialogue.engine import DialogueStep
+from thbridge.dialogue.games.control import Conversation
+from thbridge.dialogue.moves import DialogueTopic, Scenario
+from thbridge.dialogue.portrait import MOST_ARGUMENTS, DialoguePortrait, portray, read_portrait
+from thbridge.hunt.rooms import Room
+
+WANTED = "wanted(next(Robot1, Room1))"
+COMPARED = ("less_than(250, 300)", "plan(Robot1, Room1, 3, 300)", "plan(Robot1, Room2, 3, 250)")
+
+
+def conversation_of(step: DialogueStep) -> Conversation:
+    assert step.dialogue.conversation is not None
+    return step.dialogue.conversation
+
+
+@given(topics(), manners, st.data())
+def test_a_portrait_tells_what_is_believed_and_said_and_can_be_read_again(
+    topic: DialogueTopic, manner: Manner, draw: st.DataObject
+) -> None:
+    talker: ArguingEngine = engine(manner)
+    step = talker.open(1, topic)
+    for _ in range(draw.draw(st.integers(0, 6))):
+        if step.outcome is None:
+            step = talker.move(step.dialogue, draw.draw(st.sampled_from(talker.choices(step.dialogue))).move)
+    conversation = conversation_of(step)
+    portrait = portray(conversation)
+    assert read_portrait(portrait.json()) == portrait
+    robot, person = conversation.agents[Side.ROBOT], conversation.agents[Side.HUMAN]
+    assert {belief.literal for belief in portrait.sigma} == set(map(str, robot.beliefs.origins))
+    assert portrait.held == tuple(sorted(map(str, robot.picture.held)))
+    assert portrait.robot_store == tuple(map(str, robot.store))
+    assert portrait.human_store == tuple(map(str, person.store))
+    assert [game.number for game in portrait.games] == [play.number for play in conversation.plays]
+    assert len(portrait.arguments) <= MOST_ARGUMENTS
+    # What stands is attacked by nothing that stands.
+    assert not {(one, other) for one, other in portrait.attacks if {one, other} <= set(portrait.grounded)}
+
+
+def test_a_wish_is_an_argument_of_the_person_that_does_not_stand_against_a_better_one() -> None:
+    talker = engine(Manner())
+    step = talker.open(1, DialogueTopic(Scenario.SPECIFIC_ROOM, 0, Room(1), 50.0, 500.0, facts=FACTS))
+    for text in (
+        "challenge(not next(Robot1, Room1))",
+        "reject(not next(Robot1, Room1))",
+        "assert(next(Robot1, Room1))",
+        f"assert({WANTED})",
+    ):
+        step = said(talker, step, text)
+    portrait = portray(conversation_of(step))
+    held = {(each.support, each.conclusion): each.sides for each in portrait.arguments}
+    wish, better = ((WANTED,), "next(Robot1, Room1)"), (COMPARED, "not next(Robot1, Room1)")
+    assert held[wish] == ("human",) and held[better] == ("robot",)
+    places = [(each.support, each.conclusion) for each in portrait.arguments]
+    assert (places.index(better), places.index(wish)) in portrait.attacks
+    assert places.index(better) in portrait.grounded and places.index(wish) not in portrait.grounded
+    assert [(game.topic, game.opener, game.end) for game in portrait.games] == [
+        ("next(Robot1, Room1)", "human", "disagreement")
+    ] * 2
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "[]",
+        "{}",
+        "nothing",
+        json.dumps({**json.loads(DialoguePortrait().json()), "attacks": [[0, 1]]}),
+        json.dumps({**json.loads(DialoguePortrait().json()), "sigma": [["a", "sensed"]]}),
+        json.dumps({**json.loads(DialoguePortrait().json()), "games": [{"number": 1e400}]}),
+    ],
+)
+def test_other_texts_are_no_portraits(text: str) -> None:
+    with pytest.raises(ValueError, match="no portrait of a conversation"):
+        read_portrait(text)

@@ -1,0 +1,252 @@
+"""Portrait of a conversation: what a robot believes, takes the person to believe, and makes of both, as plain text.
+
+It is what recordings keep of a conversation, and what researchers see of it.
+"""
+
+import json
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from itertools import islice
+
+from thbridge.argumentation.arguments import Argument, framework_of
+from thbridge.argumentation.beliefs import Beliefs, Source
+from thbridge.argumentation.cases import Side
+from thbridge.argumentation.propositions import Literal, Rule, opposed
+from thbridge.argumentation.semantics import grounded
+from thbridge.dialogue.games.agents import Agent
+from thbridge.dialogue.games.control import Conversation
+from thbridge.dialogue.games.locutions import origin_of_hearsay
+
+MOST_ARGUMENTS = 40
+"""Greatest number of arguments in a portrait."""
+MOST_KEPT = 400
+"""Greatest number of beliefs, moves of a store, or games in a portrait; of more, the latest are kept."""
+
+
+@dataclass(frozen=True, slots=True)
+class PortrayedBelief:
+    """Belief of a robot.
+
+    Attributes:
+        literal: what is believed.
+        source: kind of place that it comes from.
+        at: simulated time at which it was so, s.
+        confidence: of whoever sensed or computed it, 0 to 1.
+    """
+
+    literal: str
+    source: str
+    at: float
+    confidence: float
+
+
+@dataclass(frozen=True, slots=True)
+class PortrayedGame:
+    """Dialogue game of a conversation.
+
+    Attributes:
+        number: from 1, unique among the games of one robot.
+        parent: number of the game that waits for this one; 0 without one.
+        game: its name.
+        topic: what it is about.
+        opener: the side that opened it.
+        end: its end; empty while it goes on.
+    """
+
+    number: int
+    parent: int
+    game: str
+    topic: str
+    opener: str
+    end: str
+
+
+@dataclass(frozen=True, slots=True)
+class PortrayedArgument:
+    """Argument about what the conversation is about.
+
+    Attributes:
+        support: what it rests on.
+        conclusion: what follows.
+        sides: who holds all that it rests on: "robot", "human", as far as the robot can tell.
+    """
+
+    support: tuple[str, ...]
+    conclusion: str
+    sides: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class DialoguePortrait:
+    """Portrait of a conversation, as the robot sees it.
+
+    Attributes:
+        games: dialogue games of the present situation, in order of opening.
+        sigma: beliefs of the robot: Sigma.
+        rules: that it holds, those of the language left out.
+        held: what it takes the person to hold: Gamma(H).
+        unknown: propositions of which it takes her to know nothing.
+        argued: conclusions for which it takes her to have an argument.
+        robot_store: moves in its commitment store, oldest first.
+        human_store: moves in hers.
+        arguments: about the topics of the games, and about what it would do; of what it believes and was told.
+        attacks: places of attacker and attacked among the arguments; those that the robot's preferences leave.
+        grounded: places of the arguments in the grounded extension.
+    """
+
+    games: tuple[PortrayedGame, ...] = ()
+    sigma: tuple[PortrayedBelief, ...] = ()
+    rules: tuple[str, ...] = ()
+    held: tuple[str, ...] = ()
+    unknown: tuple[str, ...] = ()
+    argued: tuple[str, ...] = ()
+    robot_store: tuple[str, ...] = ()
+    human_store: tuple[str, ...] = ()
+    arguments: tuple[PortrayedArgument, ...] = ()
+    attacks: tuple[tuple[int, int], ...] = ()
+    grounded: tuple[int, ...] = ()
+
+    def json(self) -> str:
+        """Return the text that recordings keep of it."""
+        return json.dumps(
+            {
+                "games": [asdict(game) for game in self.games],
+                "sigma": [[each.literal, each.source, each.at, each.confidence] for each in self.sigma],
+                "rules": self.rules,
+                "gamma": {"held": self.held, "unknown": self.unknown, "argued": self.argued},
+                "stores": {"robot": self.robot_store, "human": self.human_store},
+                "arguments": [asdict(argument) for argument in self.arguments],
+                "attacks": self.attacks,
+                "grounded": self.grounded,
+            },
+            ensure_ascii=False,
+        )
+
+
+def read_portrait(text: str) -> DialoguePortrait:
+    """Return the portrait that was written as this text. Raises ValueError for any other text."""
+    try:
+        values = json.loads(text)
+        gamma, stores, arguments = values["gamma"], values["stores"], values["arguments"]
+        portrait = DialoguePortrait(
+            games=tuple(
+                PortrayedGame(
+                    int(game["number"]),
+                    int(game["parent"]),
+                    *(str(game[key]) for key in ("game", "topic", "opener", "end")),
+                )
+                for game in values["games"]
+            ),
+            sigma=tuple(
+                PortrayedBelief(str(literal), str(source), float(at), float(confidence))
+                for literal, source, at, confidence in values["sigma"]
+            ),
+            rules=_texts(values["rules"]),
+            held=_texts(gamma["held"]),
+            unknown=_texts(gamma["unknown"]),
+            argued=_texts(gamma["argued"]),
+            robot_store=_texts(stores["robot"]),
+            human_store=_texts(stores["human"]),
+            arguments=tuple(
+                PortrayedArgument(_texts(each["support"]), str(each["conclusion"]), _texts(each["sides"]))
+                for each in arguments
+            ),
+            attacks=tuple((int(one), int(other)) for one, other in values["attacks"]),
+            grounded=tuple(map(int, values["grounded"])),
+        )
+    except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
+        raise ValueError(f"no portrait of a conversation: {error}") from None
+    places = range(len(portrait.arguments))
+    if any(place not in places for pair in (*portrait.attacks, portrait.grounded) for place in pair):
+        raise ValueError("no portrait of a conversation: it tells of an argument that is not there")
+    return portrait
+
+
+def portray(conversation: Conversation) -> DialoguePortrait:
+    """Return the portrait of a conversation."""
+    robot, person = conversation.agents[Side.ROBOT], conversation.agents[Side.HUMAN]
+    beliefs, picture = _put_forward(robot, person), robot.picture
+    arguments = tuple(islice(_arguments(conversation, beliefs), MOST_ARGUMENTS))
+    framework = framework_of(arguments, beliefs.prefers)
+    standing = grounded(framework)
+    return DialoguePortrait(
+        games=tuple(
+            PortrayedGame(
+                play.number, play.parent or 0, play.game.name, str(play.topic), play.initiator, play.end or ""
+            )
+            for play in conversation.plays[conversation.since :][-MOST_KEPT:]
+        ),
+        sigma=tuple(
+            PortrayedBelief(str(literal), origin.source, origin.at, origin.confidence)
+            for literal, origin in [*robot.beliefs.origins.items()][-MOST_KEPT:]
+        ),
+        rules=tuple(str(rule) for rule in robot.beliefs.rules if rule.is_said)[-MOST_KEPT:],
+        held=_sorted((*picture.held, *picture.rules)),
+        unknown=_sorted(picture.unknown),
+        argued=_sorted(picture.argued),
+        robot_store=tuple(map(str, robot.store[-MOST_KEPT:])),
+        human_store=tuple(map(str, person.store[-MOST_KEPT:])),
+        arguments=tuple(
+            PortrayedArgument(
+                tuple(sorted(map(str, argument.support))), str(argument.conclusion), tuple(_sides(argument, robot))
+            )
+            for argument in arguments
+        ),
+        attacks=tuple(sorted((framework.index[one], framework.index[other]) for one, other in framework.attacks)),
+        grounded=tuple(sorted(framework.index[name] for name in standing)),
+    )
+
+
+def _put_forward(robot: Agent, person: Agent) -> Beliefs:
+    """Beliefs of the robot, with what the person has shown to hold, and the rules by which she argues from that."""
+    picture = robot.picture
+    hers = [rule for rule in person.beliefs.rules if all(premise in picture.held for premise in rule.premises)]
+    rules = tuple(dict.fromkeys((*robot.beliefs.rules, *hers)))
+    concluded = {rule.conclusion for rule in rules}
+    # What she claims is no reason for itself.
+    shown = {
+        literal: origin_of_hearsay(literal, 0.0)
+        for literal in sorted(picture.held, key=str)
+        if literal not in concluded and len(literal.parts) == 1
+    }
+    return Beliefs({**shown, **robot.beliefs.origins}, rules)
+
+
+def _arguments(conversation: Conversation, beliefs: Beliefs) -> Iterable[Argument]:
+    """Arguments for and against topics and decisions, then those against what these rest on; each once."""
+    robot = conversation.agents[Side.ROBOT]
+    topics = [play.topic for play in conversation.plays[conversation.since :]]
+    issues = dict.fromkeys(topic.conclusion if isinstance(topic, Rule) else topic for topic in reversed(topics))
+    issues |= dict.fromkeys(
+        literal
+        for literal, origin in robot.beliefs.origins.items()
+        if origin.source is Source.DECIDED and literal.holds
+    )
+    conclusions = dict.fromkeys((*issues, *(~issue for issue in issues), *(rule.conclusion for rule in beliefs.rules)))
+    found = dict.fromkeys(sorted(robot.picture.arguments, key=str))
+    found |= _about(conclusions, issues, beliefs)
+    premises = dict.fromkeys(premise for argument in found for premise in sorted(argument.premises, key=str))
+    against = [*conclusions, *(~premise for premise in premises)]
+    return found | _about(dict.fromkeys(against), premises, beliefs)
+
+
+def _about(conclusions: Iterable[Literal], issues: Iterable[Literal], beliefs: Beliefs) -> dict[Argument, None]:
+    """Arguments for those conclusions that are issues, or opposed to one."""
+    at_issue = [*issues]
+    wanted = [each for each in conclusions if each in at_issue or any(opposed(each, issue) for issue in at_issue)]
+    return dict.fromkeys(argument for conclusion in wanted for argument in beliefs.arguments(conclusion))
+
+
+def _sides(argument: Argument, robot: Agent) -> Iterable[str]:
+    if argument in robot.beliefs.arguments(argument.conclusion):
+        yield Side.ROBOT
+    if argument in robot.picture.arguments or all(support in robot.picture for support in argument.support):
+        yield Side.HUMAN
+
+
+def _texts(values: Iterable[object]) -> tuple[str, ...]:
+    return tuple(map(str, values))
+
+
+def _sorted(values: Iterable[object]) -> tuple[str, ...]:
+    return tuple(sorted(map(str, values))[-MOST_KEPT:])
