@@ -60,6 +60,7 @@ class _GrammarYaml:
     decimal: str
     capital_after_colon: bool
     negations: tuple[str, ...]
+    bound: tuple[str, ...]
     names: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
 
@@ -192,7 +193,8 @@ def _grammar(written: _GrammarYaml) -> Grammar:
         rule=written.rule,
         decimal=written.decimal,
         capital_after_colon=written.capital_after_colon,
-        negations=frozenset(written.negations),
+        negations=frozenset(word.casefold() for word in written.negations),
+        bound=frozenset(word.casefold() for word in written.bound),
         names=written.names,
     )
 

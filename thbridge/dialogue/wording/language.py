@@ -36,7 +36,8 @@ class Grammar:
         rule: that something follows, with the words `£premises£` and `£conclusion£`.
         decimal: sign before the decimals of a number.
         capital_after_colon: True where a sentence after a colon begins with a capital.
-        negations: words that deny what a sentence says.
+        negations: words that deny what a sentence says; `*n't` stands for all words that end so.
+        bound: words whose place between values gives these their meaning, such as `less`, and numbers in words.
         names: values such as colours, as the language says them.
     """
 
@@ -54,11 +55,16 @@ class Grammar:
     decimal: str
     capital_after_colon: bool
     negations: frozenset[str]
+    bound: frozenset[str]
     names: Mapping[str, str] = field(default_factory=dict)
+
+    def name(self, name: str) -> str:
+        """Return a name, in the words of the language if it has some for it."""
+        return self.names.get(name, name)
 
     def named(self, names: Iterable[str]) -> str:
         """Return a list of names, of which one is right."""
-        return _listed(names, self.between, self.last_or)
+        return _listed(map(self.name, names), self.between, self.last_or)
 
     def all_of(self, clauses: Iterable[str]) -> str:
         """Return a list of clauses that all hold."""

@@ -28,12 +28,6 @@ class LineKey(StrEnum):
     MISHEARD = "misheard"
     HAVE_QUESTION = "have_question"
     BACK = "back"
-    WHY_THIS = "why_this"
-    WHY_NOT = "why_not"
-    WHY_PICTURE = "why_picture"
-    WHY_NO_PICTURE = "why_no_picture"
-    WHY_NAME = "why_name"
-    WHY_NO_NAME = "why_no_name"
     WHY_ROBOT = "why_robot"
     WHY_NOW = "why_now"
     KNOWN = "known"
@@ -83,12 +77,6 @@ LINES: Mapping[LineKey, LineMeaning] = {
     LineKey.MISHEARD: LineMeaning(Side.ROBOT, "when it has understood something else"),
     LineKey.HAVE_QUESTION: LineMeaning(Side.HUMAN, "wants to ask something"),
     LineKey.BACK: LineMeaning(Side.HUMAN, "asks nothing after all"),
-    LineKey.WHY_THIS: LineMeaning(Side.HUMAN, "asks for the reasons for a room", _ROOM),
-    LineKey.WHY_NOT: LineMeaning(Side.HUMAN, "asks for the reasons against another room", _ROOM),
-    LineKey.WHY_PICTURE: LineMeaning(Side.HUMAN, "asks for the reasons for a picture"),
-    LineKey.WHY_NO_PICTURE: LineMeaning(Side.HUMAN, "asks for the reasons against a picture"),
-    LineKey.WHY_NAME: LineMeaning(Side.HUMAN, "asks for the reasons to name the treasure now"),
-    LineKey.WHY_NO_NAME: LineMeaning(Side.HUMAN, "asks for the reasons not to name the treasure now"),
     LineKey.WHY_ROBOT: LineMeaning(Side.HUMAN, "asks why this robot, and not another one"),
     LineKey.WHY_NOW: LineMeaning(Side.HUMAN, "asks why now"),
     LineKey.KNOWN: LineMeaning(Side.HUMAN, "asks for all that the robot knows of it"),

@@ -97,6 +97,14 @@ class Wording:
             words |= say.value(name, LINES[key].values[name], value)
         return say.filled(_drawn(self.language.line(key), chance), words)
 
+    def values(self, proposition: Proposition, speaker: Side = Side.ROBOT) -> dict[str, str]:
+        """Return the values of a proposition as they are said, by name; of a conjunction none."""
+        predicate = predicate_of(proposition)
+        if predicate is None:
+            return {}
+        said = _Clauses(self, speaker, 0.0, simply=False).values(proposition, predicate)
+        return {name: said[name] for name in predicate.values}
+
     def about(self, proposition: Proposition) -> AboutRobot | None:
         """Return whether a proposition is about the robot that takes part or another one; None: about no robot."""
         predicate = predicate_of(proposition)
@@ -180,11 +188,11 @@ class _Clauses:
                 return {name: " + ".join(self.number(term) for term in value if isinstance(term, int | float))}
             case ValueKind.PICTURE, str():
                 found = _PICTURE.fullmatch(value)
-                return {name: fill(grammar.picture, {"number": found.group(1)}) if found else self.name(value)}
+                return {name: fill(grammar.picture, {"number": found.group(1)}) if found else grammar.name(value)}
             case ValueKind.NAME, str():
-                return {name: self.name(value)}
+                return {name: grammar.name(value)}
             case ValueKind.NAMES, tuple():
-                return {name: grammar.named(map(self.name, map(str, value)))}
+                return {name: grammar.named(map(str, value))}
             case ValueKind.CLAUSE, Literal():
                 return {name: self.of(value)}
             case ValueKind.CLAUSES, tuple():
@@ -204,10 +212,6 @@ class _Clauses:
     def number(self, number: float) -> str:
         """A number, with the decimal sign of the language."""
         return energy_text(number).replace(".", self.wording.language.grammar.decimal)
-
-    def name(self, name: str) -> str:
-        """A name, in the words of the language if it has some for it."""
-        return self.wording.language.grammar.names.get(name, name)
 
     def filled(self, wording: str, words: Mapping[str, str], *, begins_sentence: bool = True) -> str:
         """A wording with its words, and capitals where sentences begin."""

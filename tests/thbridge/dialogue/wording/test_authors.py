@@ -1,0 +1,179 @@
+"""Other authors of sentences: what they offer is said only if it carries the values of the move, and no others."""
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.thbridge.dialogue.wording.propositions import MOVES, NAMES
+from thbridge.argumentation.cases import Side
+from thbridge.argumentation.propositions import Literal
+from thbridge.dialogue.conditions import DialogueCondition
+from thbridge.dialogue.games.contents import DialogueMove
+from thbridge.dialogue.propositions import CouldBe, EnergyCost, InTheWay, LessThan, NextRoom, PictureTaken, UnderWay
+from thbridge.dialogue.wording.authors import (
+    RefusalReason,
+    WordingRequest,
+    ask_author,
+    judge_sentence,
+    longest_sentence,
+    request_of,
+)
+from thbridge.dialogue.wording.wording import Wording
+from thbridge.files.word_files import read_language
+from thbridge.hunt.rooms import Room
+
+ENGLISH, GERMAN = (Wording(read_language(name=name), 0, NAMES) for name in ("en", "de"))
+KNOWN = ("teddy", "toy block", "red")
+ROOM_3 = Literal(NextRoom(0, Room(3)))
+WAY = Literal(EnergyCost(Room(4), Room(3), 12.5))
+LESS = Literal(LessThan((100.0, 250.0), 1000.0))
+
+
+def request(literal: Literal, wording: Wording = ENGLISH, locution: str = "assert") -> WordingRequest:
+    return request_of(wording, DialogueMove(locution, literal), known=KNOWN)
+
+
+@pytest.mark.parametrize(
+    ("literal", "sentence"),
+    [
+        (ROOM_3, "Room 3 would be my choice."),
+        (~ROOM_3, "Honestly, I'd rather not go to room 3!"),
+        (~ROOM_3, "I wouldn't go to room 3."),
+        (WAY, "Going from room 4 to room 3 would cost me 12.5 energy!"),
+        (LESS, "Since 100 + 250 is less than 1000, fine."),
+        (Literal(UnderWay(1, Room(2))), "Look: robot 2 is driving to room 2, the Kitchen."),
+        (Literal(CouldBe(Room(3), ("ball", "teddy"))), "What lies in room 3 might be ball or teddy."),
+    ],
+)
+def test_a_sentence_with_the_same_values_is_taken(literal: Literal, sentence: str) -> None:
+    asked = request(literal)
+    outcome = ask_author(lambda _: sentence, asked)
+    assert (outcome.text, outcome.refusal) == (sentence, None), outcome.refusal
+
+
+LIES = {
+    "another number": (WAY, "The way from room 4 to room 3 costs 10 energy."),
+    "a number more": (WAY, "The way from room 4 to room 3 costs 12.5 energy, not 20."),
+    "a number less": (WAY, "The way from room 4 to room 3 costs energy."),
+    "a number in words": (ROOM_3, "I would go to room 3 in two minutes."),
+    "a fraction": (ROOM_3, "I would go to room 3, ½ of the way."),
+    "a number of another script": (ROOM_3, "I would go to room ٣."),
+    "a sign": (WAY, "The way from room 4 to room 3 costs -12.5 energy."),
+    "another unit": (WAY, "The way from room 4 to room 3 costs 12.5 seconds."),
+    "a room more": (ROOM_3, "I would go to room 3, then to room 4."),
+    "a name more": (ROOM_3, "I would go to room 3, past the Kitchen."),
+    "another thing": (ROOM_3, "I would go to robot 3."),
+    "a treasure": (ROOM_3, "I would go to room 3 for the Toy Block."),
+    "a colour": (ROOM_3, "I would go to room 3, where something red lies."),
+    "a name less": (Literal(NextRoom(0, Room(2))), "I would go to room 2."),
+    "a name less of several": (Literal(CouldBe(Room(3), ("ball", "teddy"))), "In room 3 there could be teddy."),
+    "no negation": (~ROOM_3, "I would go to room 3."),
+    "a negation": (ROOM_3, "I would not go to room 3."),
+    "a contraction": (ROOM_3, "I wouldn't go to room 3."),
+    "a typographic contraction": (ROOM_3, "I wouldn’t go to room 3."),
+    "a negation too many": (~ROOM_3, "I would not go to room 3, never."),
+    "a negation elsewhere": (~ROOM_3, "I would go to room 3, would I not."),
+    "nothing becomes something": (~Literal(InTheWay(Room(3))), "Something is in the way to room 3."),
+    "no becomes a": (~Literal(PictureTaken(Room(3))), "There is a picture of the treasure in room 3."),
+    "numbers that change places": (LESS, "1000 is less than 100 + 250."),
+    "more for less": (LESS, "100 + 250 is more than 1000."),
+    "minus for plus": (LESS, "100 - 250 is less than 1000."),
+    "rooms that change places": (WAY, "The way to room 4 from room 3 costs 12.5 energy."),
+    "a condition": (ROOM_3, "I would go to room 3, if you insist."),
+    "a question": (ROOM_3, "I would go to room 3?"),
+}
+
+
+@pytest.mark.parametrize("lie", LIES)
+def test_a_sentence_that_says_something_else_is_refused(lie: str) -> None:
+    literal, sentence = LIES[lie]
+    asked = request(literal)
+    outcome = ask_author(lambda _: sentence, asked)
+    assert outcome.refusal is not None and outcome.refusal.reason is RefusalReason.OTHER_VALUES
+    assert outcome.text == asked.sentence
+    assert outcome.offered == sentence
+
+
+@pytest.mark.parametrize(
+    ("offered", "reason"),
+    [
+        (7, RefusalReason.NO_TEXT),
+        (b"room 3", RefusalReason.NO_TEXT),
+        ("  ", RefusalReason.NO_TEXT),
+        ("I would go\nto room 3.", RefusalReason.NOT_PRINTABLE),
+        ("I would go to room 3.\x1b[2J", RefusalReason.NOT_PRINTABLE),
+        ("I would go to \u202eroom 3.", RefusalReason.NOT_PRINTABLE),
+        ("I would go to room 3" + " please" * 100, RefusalReason.TOO_LONG),
+    ],
+)
+def test_what_is_no_sentence_is_refused(offered: object, reason: RefusalReason) -> None:
+    refusal = judge_sentence(offered, request(ROOM_3))
+    assert refusal is not None and refusal.reason is reason
+
+
+def test_a_sentence_may_be_as_long_as_its_bound() -> None:
+    asked = request(ROOM_3)
+    longest = longest_sentence(asked.sentence)
+    assert judge_sentence("I go to room 3".ljust(longest, "."), asked) is None
+    assert judge_sentence("I go to room 3".ljust(longest + 1, "."), asked) is not None
+
+
+def test_an_author_that_fails_or_has_nothing_leaves_the_files_sentence() -> None:
+    def fails(asked: WordingRequest) -> str:
+        raise KeyError(asked.language)
+
+    asked = request(ROOM_3)
+    failed = ask_author(fails, asked)
+    assert failed.refusal is not None and failed.refusal.reason is RefusalReason.AUTHOR_FAILED
+    assert "KeyError" in failed.refusal.why
+    nothing = ask_author(lambda _: None, asked)
+    assert (nothing.offered, nothing.refusal) == (None, None)
+    assert failed.text == nothing.text == asked.sentence
+
+
+def test_an_author_is_told_all_that_the_files_say() -> None:
+    move = DialogueMove("assert", Literal(NextRoom(1, Room(2)), holds=False))
+    asked = request_of(GERMAN, move, Side.HUMAN, condition=DialogueCondition.ADVISER, known=KNOWN)
+    assert (asked.language, asked.speaker, asked.condition) == ("de", Side.HUMAN, DialogueCondition.ADVISER)
+    (literal,) = asked.literals
+    assert (literal.predicate, literal.holds) == ("next", False)
+    assert literal.values == {"robot": "Roboter 2", "room": "Raum 2 (Kitchen)"}
+    assert literal.phrase == "Roboter 2 fährt als Nächstes nicht zu Raum 2 (Kitchen)"
+
+
+@pytest.mark.parametrize(
+    ("literal", "sentence", "is_taken"),
+    [
+        (~ROOM_3, "Zu Raum 3 würde ich lieber nicht fahren.", False),
+        (~ROOM_3, "Ich würde lieber nicht zu Raum 3 fahren.", True),
+        (~ROOM_3, "Ich würde gern zu Raum 3 fahren.", False),
+        (WAY, "Die Fahrt von Raum 4 zu Raum 3 kostet 12,5 Energie.", True),
+        (WAY, "Die Fahrt von Raum 4 zu Raum 3 kostet 12.5 Energie.", False),
+        (LESS, "100 + 250 sind mehr als 1000.", False),
+    ],
+)
+def test_german_sentences_are_judged_likewise(literal: Literal, sentence: str, is_taken: bool) -> None:
+    assert (judge_sentence(sentence, request(literal, GERMAN)) is None) is is_taken
+
+
+@settings(max_examples=150)
+@given(st.sampled_from([ENGLISH, GERMAN]), MOVES, st.sampled_from(Side))
+def test_the_files_own_sentence_is_taken_and_a_number_more_never(
+    wording: Wording, move: DialogueMove, side: Side
+) -> None:
+    asked = request_of(wording, move, side, known=KNOWN)
+    assert judge_sentence(asked.sentence, asked) is None
+    assert judge_sentence(f"{asked.sentence} 99", asked) is not None
+
+
+@settings(max_examples=150)
+@given(
+    st.sampled_from([ENGLISH, GERMAN]),
+    MOVES.filter(lambda move: isinstance(move.content, Literal)),
+    st.sampled_from(Side),
+)
+def test_the_opposite_is_never_taken(wording: Wording, move: DialogueMove, side: Side) -> None:
+    assert isinstance(move.content, Literal)
+    opposite = DialogueMove(move.locution, ~move.content)
+    asked = request_of(wording, move, side)
+    assert judge_sentence(wording.sentence(opposite, side), asked) is not None

@@ -1,0 +1,255 @@
+"""Other authors of sentences: programs that word moves, each sentence judged against the one of the language's files.
+
+A sentence is taken if it says the same values in the same order, denies what is denied, and says no other value. So
+robots and people never hear what nobody believes; what cannot be judged is refused, and the files' sentence is said.
+"""
+
+import re
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Protocol
+
+from thbridge.argumentation.arguments import Argument
+from thbridge.argumentation.cases import Side
+from thbridge.argumentation.propositions import Literal, Rule
+from thbridge.dialogue.conditions import DialogueCondition
+from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown
+from thbridge.dialogue.wording.language import Grammar
+from thbridge.dialogue.wording.predicates import ValueKind, predicate_of
+from thbridge.dialogue.wording.wording import Wording
+
+_TOKEN = re.compile(r"\d+(?:[.,]\d+)*|-(?=\s*\d)|[+−*/%=<>≤≥×÷±?]|\w+(?:['’]\w+)*")
+_DENIED = "not"
+
+
+@dataclass(frozen=True, slots=True)
+class WordedLiteral:
+    """Literal that a move speaks of, as an author reads it.
+
+    Attributes:
+        predicate: its name.
+        holds: False where it is denied.
+        values: as they are said, by name.
+        phrase: of the files.
+    """
+
+    predicate: str
+    holds: bool
+    values: Mapping[str, str]
+    phrase: str
+
+
+@dataclass(frozen=True, slots=True)
+class WordingRequest:
+    """Request for a sentence.
+
+    Attributes:
+        move: what is said.
+        speaker: who says it.
+        condition: of the study.
+        language: name of the language.
+        grammar: of the language.
+        literals: that the move speaks of.
+        sentence: of the files, which is said where nothing better is offered.
+        known: names of rooms, treasures and the like, which a sentence may name only where that of the files does.
+    """
+
+    move: DialogueMove
+    speaker: Side
+    condition: DialogueCondition | None
+    language: str
+    grammar: Grammar = field(repr=False)
+    literals: tuple[WordedLiteral, ...]
+    sentence: str
+    known: frozenset[str] = frozenset()
+
+
+class WordingAuthor(Protocol):
+    """Author of sentences: a function."""
+
+    def __call__(self, request: WordingRequest, /) -> str | None:
+        """Return a sentence for a request, or None where there is no better one than that of the files."""
+        ...
+
+
+class RefusalReason(StrEnum):
+    """Reason for which a sentence is not taken."""
+
+    AUTHOR_FAILED = "author-failed"
+    NO_TEXT = "no-text"
+    NOT_PRINTABLE = "not-printable"
+    TOO_LONG = "too-long"
+    OTHER_VALUES = "other-values"
+
+
+@dataclass(frozen=True, slots=True)
+class SentenceRefusal:
+    """Refusal of a sentence: a reason for programs, a sentence for people."""
+
+    reason: RefusalReason
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class AuthoredSentence:
+    """Outcome of a request: all that is needed to record it.
+
+    Attributes:
+        request: what was asked.
+        offered: the author's sentence; None where it offered none.
+        refusal: why that was not taken; None where it was, or where none was offered.
+    """
+
+    request: WordingRequest
+    offered: str | None = None
+    refusal: SentenceRefusal | None = None
+
+    @property
+    def text(self) -> str:
+        """The sentence to be said."""
+        return self.request.sentence if self.offered is None or self.refusal is not None else self.offered
+
+
+def request_of(
+    wording: Wording,
+    move: DialogueMove,
+    speaker: Side = Side.ROBOT,
+    *,
+    condition: DialogueCondition | None = None,
+    chance: float = 0.0,
+    known: Collection[str] = (),
+) -> WordingRequest:
+    """Return the request for the sentence of a move.
+
+    Args:
+        wording: words of the files.
+        move: what is said.
+        speaker: who says it.
+        condition: of the study.
+        chance: chooses the wording of the files.
+        known: names that may not be said where the files' sentence does not; those of rooms are known in any case.
+    """
+    literals = tuple(_literals_in(move.content))
+    names = {*known, *wording.names.named.values(), *(name for each in literals for name in _names_in(wording, each))}
+    return WordingRequest(
+        move,
+        speaker,
+        condition,
+        wording.language.name,
+        wording.language.grammar,
+        tuple(_worded(wording, each, speaker, chance) for each in literals),
+        wording.sentence(move, speaker, condition=condition, chance=chance),
+        frozenset(names),
+    )
+
+
+def ask_author(author: WordingAuthor, request: WordingRequest) -> AuthoredSentence:
+    """Ask an author for a sentence, and judge what it offers; an author that raises an error is refused."""
+    try:
+        offered: object = author(request)
+    except Exception as error:
+        # Whatever a program of others does, the sentence of the files is said.
+        why = f"the author failed: {type(error).__name__}: {error}"
+        return AuthoredSentence(request, refusal=SentenceRefusal(RefusalReason.AUTHOR_FAILED, why))
+    if offered is None:
+        return AuthoredSentence(request)
+    return AuthoredSentence(request, str(offered), judge_sentence(offered, request))
+
+
+def judge_sentence(sentence: object, request: WordingRequest) -> SentenceRefusal | None:
+    """Return why a sentence is not taken for a move, or None when it is.
+
+    Its numbers, names, negations and the words that the language declares as bound have to be those of the files'
+    sentence, in the same order: `100 is less than 1000` is not `1000 is less than 100`. Beyond these, meaning is not
+    judged.
+    """
+    if not isinstance(sentence, str) or not sentence.strip():
+        return SentenceRefusal(RefusalReason.NO_TEXT, f"it is no text: {sentence!r}")
+    if not sentence.isprintable():
+        return SentenceRefusal(RefusalReason.NOT_PRINTABLE, "it has line breaks, or other signs that cannot be printed")
+    longest = longest_sentence(request.sentence)
+    if len(sentence) > longest:
+        return SentenceRefusal(RefusalReason.TOO_LONG, f"it has {len(sentence)} characters, and may have {longest}")
+    wanted, offered = (tuple(_bound(text, request)) for text in (request.sentence, sentence))
+    if wanted != offered:
+        why = f"it has to say, in this order: {', '.join(wanted)}; it says: {', '.join(offered) or 'nothing of it'}"
+        return SentenceRefusal(RefusalReason.OTHER_VALUES, why)
+    return None
+
+
+def longest_sentence(sentence: str) -> int:
+    """Return the greatest length that a sentence in place of another may have, in characters."""
+    return 2 * len(sentence) + 80
+
+
+def _bound(text: str, request: WordingRequest) -> Iterator[str]:
+    """The parts of a sentence that may not change: numbers, names, negations and words that are bound, in order."""
+    grammar, folded = request.grammar, text.casefold()
+    names = sorted({name.casefold() for name in request.known}, key=lambda name: (-len(name), name))
+    endings = tuple(word.removeprefix("*") for word in grammar.negations if word.startswith("*"))
+    at = 0
+    while at < len(folded):
+        name = next((each for each in names if _stands_at(each, folded, at)), None)
+        found = _TOKEN.match(folded, at)
+        if name is not None:
+            yield name
+            at += len(name)
+        elif found is not None:
+            word = found.group().replace("’", "'")
+            if word in grammar.negations or (endings and word.endswith(endings)):
+                yield _DENIED
+            elif word in grammar.bound or not word[0].isalpha() or any(map(str.isnumeric, word)):
+                yield word
+            at = found.end()
+        else:
+            at += 1
+
+
+def _stands_at(name: str, text: str, at: int) -> bool:
+    """True when a name stands as whole words at a place of a text."""
+    end = at + len(name)
+    starts = at == 0 or not (text[at - 1].isalnum() and name[0].isalnum())
+    ends = end >= len(text) or not (text[end].isalnum() and name[-1].isalnum())
+    return bool(name) and text.startswith(name, at) and starts and ends
+
+
+def _worded(wording: Wording, literal: Literal, speaker: Side, chance: float) -> WordedLiteral:
+    predicate = predicate_of(literal.proposition)
+    return WordedLiteral(
+        "" if predicate is None else predicate.name,
+        literal.holds,
+        wording.values(literal.proposition, speaker),
+        wording.phrase(literal, speaker, chance=chance),
+    )
+
+
+def _names_in(wording: Wording, literal: Literal) -> Iterator[str]:
+    """The names that a literal speaks of, as the language says them."""
+    predicate = predicate_of(literal.proposition)
+    for field_name, kind in () if predicate is None else predicate.values.items():
+        value = getattr(literal.proposition, field_name)
+        match kind:
+            case ValueKind.NAME | ValueKind.PICTURE:
+                yield wording.language.grammar.name(value)
+            case ValueKind.NAMES:
+                yield from map(wording.language.grammar.name, value)
+            case ValueKind.CLAUSE:
+                for part in value.parts:
+                    yield from _names_in(wording, part)
+            case _:
+                pass
+
+
+def _literals_in(content: Content) -> Iterator[Literal]:
+    match content:
+        case Literal():
+            yield from content.parts
+        case Unknown(proposition):
+            yield from proposition.parts
+        case Rule(premises, conclusion):
+            yield from (*premises, conclusion)
+        case Argument(support, conclusion):
+            yield from conclusion.parts
+            for part in sorted(support, key=str):
+                yield from _literals_in(part)
