@@ -8,9 +8,11 @@ from thbridge.argumentation.cases import DialogueKind, Side
 from thbridge.dialogue.examples import Exchange
 from thbridge.dialogue.exchange_play import CourseFollower, ExchangeAct, acts, turn_in
 from thbridge.dialogue.games.agents import Agent
+from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.games.dialogue_game import GamePlay, GameUtterance
 from thbridge.dialogue.games.strategies import ArguingStrategy
+from thbridge.dialogue.wording.wording import Wording
 from ui.terminal import print_json
 
 HELP = """\
@@ -38,6 +40,7 @@ class TerminalTalk:
         people: the sides that are played by a person.
         game: the only game that may be opened; None: those that the nine cases call for.
         seed: of programs' choices among moves that the example leaves open.
+        wording: says moves as sentences.
         show: puts a line in front of the person.
         heard: is given each utterance.
     """
@@ -46,6 +49,7 @@ class TerminalTalk:
     people: frozenset[Side]
     game: str | None
     seed: int
+    wording: Wording
     show: Callable[[str], None]
     heard: Callable[[GameUtterance], None] = lambda _utterance: None
     _now: Conversation = field(init=False)
@@ -89,9 +93,25 @@ class TerminalTalk:
             follows = " (follows from that)" if utterance.is_booked else ""
             indent = self._indent(self._now.play(utterance.dialogue))
             self.show(f"{indent}  {utterance.side}: {utterance.move}{follows}")
+            if sentence := self._sentence(utterance.move, utterance.side):
+                self.show(f"{indent}    {sentence}")
         for play in self._now.plays:
             if play.end is not None and (play.number > len(before.plays) or before.play(play.number).end is None):
                 self.show(f"{self._indent(play)}Dialogue {play.number} ends: {play.end}, {play.end.meaning}")
+
+    def _sentence(self, move: DialogueMove, side: Side) -> str:
+        try:
+            return f'"{self.wording.sentence(move, side)}"'
+        except ValueError:
+            # A lab's own locution may have no words yet.
+            return ""
+
+    def _choice_lines(self, side: Side, possible: tuple[ExchangeAct, ...], *, between: bool) -> Iterator[str]:
+        yield f"{side}, choose:"
+        for number, act in enumerate(possible, start=1):
+            opens = "" if act.opening is None else f"   (opens {act.opening.game})"
+            yield f"  {number}  {act.move}   {self._sentence(act.move, side)}{opens}".rstrip()
+        yield "  n  nothing more   ?  help" if between else "  ?  help"
 
     def _indent(self, play: GamePlay) -> str:
         return "" if play.parent is None else f"{self._indent(self._now.play(play.parent))}    "
@@ -99,7 +119,7 @@ class TerminalTalk:
     def _ask(self, side: Side) -> Chooser:
         def choose(conversation: Conversation, possible: tuple[ExchangeAct, ...]) -> ExchangeAct | None:
             between = turn_in(conversation) is None
-            choices = list(_choice_lines(side, possible, between=between))
+            choices = list(self._choice_lines(side, possible, between=between))
             for line in choices:
                 self.show(line)
             while True:
@@ -160,14 +180,6 @@ def _case_lines(exchange: Exchange) -> Iterator[str]:
         ]
         agreement = "agreement, no dialogue" if case.kind is DialogueKind.AGREEMENT else "no dialogue"
         yield f"{topic}: case {case.number}; {', '.join(ways) or agreement}"
-
-
-def _choice_lines(side: Side, possible: tuple[ExchangeAct, ...], *, between: bool) -> Iterator[str]:
-    yield f"{side}, choose:"
-    for number, act in enumerate(possible, start=1):
-        opens = "" if act.opening is None else f"   (opens {act.opening.game})"
-        yield f"  {number}  {act.move}{opens}"
-    yield "  n  nothing more   ?  help" if between else "  ?  help"
 
 
 def _store_lines(conversation: Conversation) -> Iterator[str]:

@@ -7,8 +7,10 @@ from pathlib import Path
 from thbridge.dialogue.games.contents import ContentKind, TableWord
 from thbridge.dialogue.games.locutions import CONDITIONS, EFFECTS, Postcondition, Precondition
 from thbridge.dialogue.games.tables import DialogueEnd, GameRole, GameTable, Reply, Slot
-from thbridge.files.errors import BadFile, BadFiles
+from thbridge.dialogue.wording.language import Language
+from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
+from thbridge.files.word_files import check_words, languages_in
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,12 +19,14 @@ class TalkCheck:
 
     Attributes:
         folder: the folder.
-        games: those that it adds or replaces; none where there are faults.
+        games: those that it adds or replaces; none where they have faults.
+        languages: those that it adds words to; likewise.
         faults: of its files.
     """
 
     folder: Path
     games: tuple[GameTable, ...] = ()
+    languages: tuple[Language, ...] = ()
     faults: tuple[BadFile, ...] = ()
 
     def lines(self) -> Iterator[str]:
@@ -30,7 +34,9 @@ class TalkCheck:
         yield from map(str, self.faults)
         for game in self.games:
             yield from _game_lines(game)
-        found = f"{len(self.faults)} faults" if self.faults else f"{len(self.games)} games, no faults"
+        if self.languages:
+            yield f"languages: {', '.join(f'{each.name} ({each.title})' for each in self.languages)}"
+        found = f"{len(self.games)} games, {len(self.languages)} languages, {len(self.faults) or 'no'} faults"
         yield f"{self.folder}: {found}"
 
     def as_json(self) -> Mapping[str, object]:
@@ -38,6 +44,7 @@ class TalkCheck:
         return {
             "folder": str(self.folder),
             "games": [_game_as_json(game) for game in self.games],
+            "languages": [language.name for language in self.languages],
             "faults": [
                 {
                     "file": str(fault.path),
@@ -57,21 +64,20 @@ def shipped_folder() -> Path:
 
 
 def check_folder(folder: Path) -> TalkCheck:
-    """Check all that a folder holds about dialogues, beside what comes with the project."""
-    try:
-        return TalkCheck(folder, _games_of(folder))
-    except BadFiles as several:
-        return TalkCheck(folder, faults=several.faults)
-    except BadFile as fault:
-        return TalkCheck(folder, faults=(fault,))
-
-
-def _games_of(folder: Path) -> tuple[GameTable, ...]:
-    shipped = read_rulebook()
-    if folder.resolve() == SHIPPED_GAMES:
-        return tuple(shipped.games.values())
-    games = read_rulebook((SHIPPED_GAMES, folder)).games
-    return tuple(game for name, game in games.items() if shipped.games.get(name) != game)
+    """Check all that a folder holds about dialogues, beside what comes with the project: games, and words for them."""
+    faults, rulebook = FaultCollection(), read_rulebook()
+    games, languages = rulebook.games, tuple[Language, ...]()
+    with_words = bool(languages_in(folder))
+    if folder.resolve() != SHIPPED_GAMES:
+        shipped, games = games, {}
+        with faults.kept():
+            if any(folder.glob("*.yaml")) or not with_words:
+                rulebook = read_rulebook((SHIPPED_GAMES, folder))
+                games = {name: game for name, game in rulebook.games.items() if shipped.get(name) != game}
+    with faults.kept():
+        if with_words:
+            languages = check_words(folder, locutions=rulebook.locutions)
+    return TalkCheck(folder, tuple(games.values()), languages, tuple(faults.found))
 
 
 def _game_lines(game: GameTable) -> Iterator[str]:

@@ -44,6 +44,8 @@ def talk(
     game: Annotated[
         str | None, typer.Option(help="Play this game about the example's topics, whatever the example says.")
     ] = None,
+    language: Annotated[str, typer.Option(help="Of the sentences: en, de, or one of yours.")] = "en",
+    words: Annotated[Path | None, typer.Option(help="A folder of words of yours, beside the shipped ones.")] = None,
     seed: Seed = 0,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object a move on standard output, nothing else.")
@@ -56,11 +58,18 @@ def talk(
         fail(BAD_INPUT, f"--example: nothing to talk about. Write --example {TalkExample.JHRI2015}, or see --help.")
     from thbridge.argumentation.cases import Side
     from thbridge.dialogue.examples import jhri2015
+    from thbridge.dialogue.wording.wording import Wording
     from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
+    from thbridge.files.word_files import SHIPPED_LANGUAGES, read_language
     from ui.actions.talk import Quit, TerminalTalk, print_utterance
 
     with bad_input():
         rulebook = read_rulebook((SHIPPED_GAMES,) if games is None else (SHIPPED_GAMES, games))
+        spoken = (
+            read_language(name=language)
+            if words is None
+            else read_language((SHIPPED_LANGUAGES, words), language, locutions=rulebook.locutions)
+        )
     if game is not None and game not in rulebook.games:
         fail(BAD_INPUT, f"--game: there is no game {game}. There are: {', '.join(sorted(rulebook.games))}.")
     exchanges = jhri2015(rulebook)
@@ -75,7 +84,7 @@ def talk(
             show(f"Exchange {number}. {each.title}")
             heard = partial(print_utterance, number) if as_json else lambda _said: None
             try:
-                TerminalTalk(each, people, game, seed or 0, show, heard).play()
+                TerminalTalk(each, people, game, seed or 0, Wording(spoken, 0), show, heard).play()
             except Quit:
                 return
             show("")
@@ -85,11 +94,11 @@ def talk(
 def talk_check(
     folders: Annotated[
         list[Path] | None,
-        typer.Argument(help="Folders of games of yours; by default those that come with the project."),
+        typer.Argument(help="Folders of yours with games, or languages; by default the shipped games."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Check files of dialogue games, and tell which games there are, who may say what in them, and how they end."""
+    """Check files of dialogue games and of words, and tell which games there are: who may say what, how they end."""
     from ui.actions.talk_check import check_folder, shipped_folder
 
     checked = [check_folder(folder) for folder in folders or [shipped_folder()]]

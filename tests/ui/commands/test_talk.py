@@ -67,14 +67,15 @@ def test_a_person_chooses_by_numbers_and_is_told_openings_and_ends() -> None:
     told = talk(*EXAMPLE, "--exchange", 2, typed="2\n1\n1\n2\nn\n")
     assert "Dialogue 1 opens: persuasion about selected(Room3)" in told
     assert "  2  challenge(selected(Room3))" in told
-    assert "  human: reject(selected(Room3))\nDialogue 1 ends: disagreement" in told
+    assert "  human: reject(selected(Room3))\n" in told
+    assert "Dialogue 1 ends: disagreement" in told
     told = talk(*EXAMPLE, "--exchange", 1, typed="1\n")
-    assert "  human: accept(selected(Room3))\nDialogue 1 ends: agreement" in told
+    assert '  human: accept(selected(Room3))\n    "All right, room 3."\nDialogue 1 ends: agreement' in told
 
 
 def test_a_person_may_be_the_robot_and_sees_stores_and_beliefs() -> None:
     told = talk(*EXAMPLE, "--exchange", 5, "--robot", "person", "--human", "program", typed="1\ns\nb\nq\n")
-    assert "1  question(in_image(bottle, image5))   (opens information-seeking)" in told
+    assert '1  question(in_image(bottle, image5))   "Does picture 5 show a bottle?"   (opens information' in told
     assert "said by the robot: question(in_image(bottle, image5))" in told
     assert "said by the human: assert(U(in_image(bottle, image5)))" in told
     assert "takes the other not to know: in_image(bottle, image5)" in told
@@ -94,6 +95,7 @@ def test_any_typing_is_taken_and_the_end_of_it_is_no_fault(lines: list[str]) -> 
         ((*EXAMPLE, "--exchange", 6), "--exchange: 6 is not there. The example has 1 to 5."),
         ((*EXAMPLE, "--game", "chess"), "--game: there is no game chess. There are: "),
         ((*EXAMPLE, "--games", "nowhere"), "nowhere: there is no such folder."),
+        ((*EXAMPLE, "--language", "tlh"), "there is no language tlh."),
     ],
 )
 def test_what_cannot_be_talked_about_is_told(options: tuple[object, ...], told: str) -> None:
@@ -106,7 +108,21 @@ def test_the_shipped_games_are_told_with_their_ends() -> None:
     told = talk("check")
     assert "persuasion, about a literal; it ends after 60 moves at the latest" in told
     assert "ends: agreement, disagreement, unknown; stalemate," in told
-    assert f"{len(read_rulebook().games)} games, no faults" in told
+    assert f"{len(read_rulebook().games)} games, 0 languages, no faults" in told
+
+
+def test_moves_are_said_in_a_language(tmp_path: Path) -> None:
+    told = talk(*EXAMPLE, "--exchange", 5, "--human", "program", "--language", "de")
+    assert '  robot: question(in_image(bottle, image5))\n    "Ist auf Bild 5 eine Flasche zu sehen?"' in told
+    (tmp_path / "en").mkdir()
+    (tmp_path / "en" / "moves.yaml").write_text(
+        "moves: [{move: challenge, speaker: human, of: selected, holds: true, say: [Why £content£?]}]\n"
+    )
+    told = talk(*EXAMPLE, "--exchange", 2, "--human", "program", "--words", tmp_path)
+    assert '  human: challenge(selected(Room3))\n    "Why we search room 3?"' in told
+    assert "languages: en (English)" in talk("check", tmp_path)
+    (tmp_path / "en" / "moves.yaml").write_text("moves: [{move: chalenge, speaker: human, say: [Why £content£?]}]\n")
+    assert "moves.yaml, line 1," in talk("check", tmp_path, code=2)
 
 
 def test_of_a_folder_only_its_own_games_are_told(tmp_path: Path) -> None:
