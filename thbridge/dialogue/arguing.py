@@ -69,6 +69,11 @@ class ArguingEngine:
     seed: int = 0
     strategy: GameStrategy | None = None
 
+    @property
+    def argues(self) -> bool:
+        """True."""
+        return True
+
     def manner(self, robot: int) -> Manner:
         """Return the manner of a robot."""
         return self.manners.get(robot) or self.manners[None]
@@ -76,16 +81,11 @@ class ArguingEngine:
     def open(
         self, number: int, topic: DialogueTopic, *, held: bool = False, former: Conversation | None = None
     ) -> DialogueStep:
-        """Open a dialogue; see `DialogueEngine`.
-
-        Args:
-            number: of the dialogue.
-            topic: of the dialogue, with the robot's facts.
-            held: a person speaks in the robot's place.
-            former: all that this robot and the participant have said and believed before.
-        """
+        """Open a dialogue; see `DialogueEngine`."""
         sides = (Agent(Side.ROBOT, Beliefs()), Agent(Side.HUMAN, Beliefs(), is_person=True))
         fresh = Conversation(self.rulebook, {agent.side: agent for agent in sides})
+        for play in () if former is None else former.open_plays:
+            former = former and former.withdraw(play.number)
         evidence, claim = _evidence(topic, former), _claim(topic)
         dialogue = Dialogue(number, topic, conversation=_sensed(topic, former or fresh))
         if topic.opener is Speaker.ROBOT:
@@ -307,6 +307,13 @@ class ArguingEngine:
         )
 
 
+def decision_of(facts: WhereFacts | WhatFacts, former: Conversation | None) -> Literal | None:
+    """Return what a robot would do by itself, with what it was told before and has accepted; None: nothing."""
+    if isinstance(facts, WhereFacts):
+        return where(facts, _told(former)).decision
+    return what(facts, _told(former)).decision
+
+
 def _check(is_legal: bool, move: Move, speaker: Speaker) -> None:
     if not is_legal:
         raise ValueError(f"{move} of the {speaker} is not among the legal moves")
@@ -325,22 +332,24 @@ def _claim(topic: DialogueTopic) -> Literal:
 
 def _evidence(topic: DialogueTopic, conversation: Conversation | None) -> Evidence:
     """Evidence of the robot, with what it was told and has accepted."""
-    told = Beliefs()
-    if conversation is not None:
-        beliefs = conversation.agents[Side.ROBOT].beliefs
-        kept = {
-            literal: origin
-            for literal, origin in beliefs.origins.items()
-            if origin.source in {Source.TOLD, Source.WISHED} and is_hearsay(literal)
-        }
-        told = Beliefs(kept)
     match topic.facts:
         case WhereFacts():
-            return where(topic.facts, told, topic.room)
+            return where(topic.facts, _told(conversation), topic.room)
         case WhatFacts():
-            return what(topic.facts, told)
+            return what(topic.facts, _told(conversation))
         case None:
-            return Evidence(told, None)
+            return Evidence(Beliefs(), None)
+
+
+def _told(conversation: Conversation | None) -> Beliefs:
+    """What a robot was told by a person, and has accepted."""
+    if conversation is None:
+        return Beliefs()
+    origins = conversation.agents[Side.ROBOT].beliefs.origins
+    people = {Source.TOLD, Source.WISHED}
+    return Beliefs(
+        {literal: origin for literal, origin in origins.items() if origin.source in people and is_hearsay(literal)}
+    )
 
 
 def _sensed(topic: DialogueTopic, conversation: Conversation) -> Conversation:

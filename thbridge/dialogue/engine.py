@@ -7,6 +7,7 @@ its move or `release` lets the robot itself do so.
 from dataclasses import dataclass
 from typing import Protocol
 
+from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.moves import (
     Dialogue,
     DialogueOutcome,
@@ -54,8 +55,22 @@ class DialogueEngine(Protocol):
     All methods raise ValueError if somebody, or the strategy, makes a move that is not legal.
     """
 
-    def open(self, number: int, topic: DialogueTopic, *, held: bool = False) -> DialogueStep:
-        """Open a dialogue, and unless held let the robot speak until it is the person's turn or the dialogue ends."""
+    @property
+    def argues(self) -> bool:
+        """True when topics need the robot's facts."""
+        ...
+
+    def open(
+        self, number: int, topic: DialogueTopic, *, held: bool = False, former: Conversation | None = None
+    ) -> DialogueStep:
+        """Open a dialogue, and unless held let the robot speak until it is the person's turn or the dialogue ends.
+
+        Args:
+            number: of the dialogue.
+            topic: of the dialogue.
+            held: a wizard speaks in the robot's place.
+            former: all that this robot and the participant have said and believed before, where robots argue.
+        """
         ...
 
     def move(self, dialogue: Dialogue, move: Move, *, held: bool = False) -> DialogueStep:

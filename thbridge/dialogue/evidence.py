@@ -50,6 +50,7 @@ class WhereFacts:
         failed: rooms that it did not reach when it was sent there, or has no way to.
         team_costs: costs of the other robots to rooms, by their indices.
         team_values: what a room as the next one of another robot is worth to the team, by that robot's index.
+        advised: the room that its planner has chosen; None: the one of most value.
         confidence: of its localisation, 0 to 1.
         at: simulated time, s.
     """
@@ -65,6 +66,7 @@ class WhereFacts:
     failed: frozenset[Room] = frozenset()
     team_costs: Mapping[int, Mapping[Room, float]] = field(default_factory=dict)
     team_values: Mapping[int, Mapping[Room, PlanValue]] = field(default_factory=dict)
+    advised: Room | None = None
     confidence: float = 1.0
     at: float = 0.0
 
@@ -264,7 +266,7 @@ def _affordable(case: _Case, facts: WhereFacts, room: Room, level: Literal) -> t
 
 
 def _best(facts: WhereFacts, case: _Case) -> Room | None:
-    """The room that the plan values most, of those against which nothing stands."""
+    """The room that its planner has chosen, or else the one that the plan values most, if nothing stands against it."""
     wanted = [room for room in facts.left if case.was_told(Literal(NextRoom(facts.robot, room)))]
     if wanted:
         return wanted[0]
@@ -273,6 +275,8 @@ def _best(facts: WhereFacts, case: _Case) -> Room | None:
         for room in facts.left
         if room in facts.values and not case.is_against(Literal(NextRoom(facts.robot, room)))
     ]
+    if facts.advised in open_ones:
+        return facts.advised
     return min(open_ones, key=lambda room: (-facts.values[room].rooms, facts.values[room].cost, room), default=None)
 
 

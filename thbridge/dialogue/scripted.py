@@ -7,6 +7,7 @@ it; the person gets the legal moves as sentences and can make no other.
 from dataclasses import dataclass, replace
 
 from thbridge.dialogue.engine import Choice, DialogueStep, Phrasing
+from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.moves import Author, Dialogue, DialogueTopic, DialogueUtterance, Move, Speaker, Turn
 from thbridge.dialogue.protocols import DialogueProtocol
 from thbridge.dialogue.strategies import Strategy
@@ -28,8 +29,15 @@ class ScriptedEngine:
     strategy: Strategy
     phrasing: Phrasing
 
-    def open(self, number: int, topic: DialogueTopic, *, held: bool = False) -> DialogueStep:
-        """Open a dialogue, and unless held let the robot speak until it is the person's turn or the dialogue ends."""
+    @property
+    def argues(self) -> bool:
+        """False: scripts know no facts."""
+        return False
+
+    def open(
+        self, number: int, topic: DialogueTopic, *, held: bool = False, former: Conversation | None = None
+    ) -> DialogueStep:
+        """Open a dialogue; see `DialogueEngine`."""
         return self._run(Dialogue(number, topic), (), held)
 
     def move(self, dialogue: Dialogue, move: Move, *, held: bool = False) -> DialogueStep:

@@ -10,6 +10,7 @@ from thbridge.dialogue.strategies import TemplateStrategy
 from thbridge.dialogue.templates import TemplatePhrasing
 from thbridge.files.template_files import TemplateSet
 from thbridge.hunt.events import Event
+from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.hider import Hider
 from thbridge.roles.keeper.advice import Adviser
 from thbridge.roles.keeper.briefing import Briefing
@@ -56,6 +57,7 @@ def build_briefing(setting: StudySetting) -> Briefing:
         answers=shows.answers,
         farewell=setting.farewell,
         sound=setting.study.participant.sound,
+        kinds=known_treasures(setting.templates),
     )
 
 
@@ -78,6 +80,11 @@ def treasure_names(setting: StudySetting) -> tuple[str, ...]:
     return tuple(sorted((kind.name for kind in setting.templates.kinds), key=str.casefold))
 
 
+def known_treasures(templates: TemplateSet) -> tuple[TreasureKind, ...]:
+    """Return the treasures that there are, as everybody's list has them: without their pictures."""
+    return tuple(replace(kind, image=None) for kind in templates.kinds)
+
+
 def build_hider(templates: TemplateSet, seed: int) -> Hider:
     """Return the treasures' role."""
     return Hider(templates.kinds, seed, templates.rooms, templates.properties)
@@ -85,7 +92,6 @@ def build_hider(templates: TemplateSet, seed: int) -> Hider:
 
 def build_bot(templates: TemplateSet, strategy: BotStrategy, seed: int) -> Bot:
     """Return a simulated participant."""
-    # The participant's copy of the list has no images; the bot recognises pictures as a person does.
-    known = tuple(replace(kind, image=None) for kind in templates.kinds)
+    # The bot recognises pictures as a person does.
     shown_by = {kind.image: kind.name for kind in templates.kinds if kind.image is not None}
-    return Bot(strategy, TreasureKnowledge(known, shown_by), seed)
+    return Bot(strategy, TreasureKnowledge(known_treasures(templates), shown_by), seed)

@@ -98,7 +98,7 @@ class Adviser:
             return refused
         starts = {robot: TourStart(state.costs_from(robot), adviser.energy)}
         if self._plans_for_all(len(free)):
-            others = {other: _start(state, discussed, other) for other in range(len(state.robots)) if other != robot}
+            others = {other: start_of(state, discussed, other) for other in range(len(state.robots)) if other != robot}
             starts |= {other: start for other, start in others.items() if start is not None}
         tours = _tours(self.planner, costs, tuple(starts.values()), free, state.started.identify_cost)
         planned = tours[0].rooms[0]
@@ -166,7 +166,7 @@ def _reason_by_cost(cost: float) -> str:
     return f"it costs me {energy_text(cost)}"
 
 
-def _start(state: GameState, discussed: Sequence[Discussed], number: int) -> TourStart | None:
+def start_of(state: GameState, discussed: Sequence[Discussed], number: int) -> TourStart | None:
     """Return where another robot will be sent from next, or None if the participant cannot send it."""
     robot, costs, visit = state.robots[number], state.started.costs, state.started.identify_cost
     if rules.unable(state, number) or rules.commanded_by_other(state, number, Commander.PARTICIPANT):

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from thbridge.hunt.properties import OF_2016, TreasureProperty
 from thbridge.hunt.rooms import RoomNames
+from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.notices import FloorPlan
 
 
@@ -22,6 +23,7 @@ class Briefing:
         farewell: thanks, and what comes next; may be empty.
         sound: True when their window may sound.
         properties: of the treasures.
+        kinds: treasures that there are, without their pictures; participants have the same list.
     """
 
     floor_plan: FloorPlan | None = None
@@ -33,6 +35,7 @@ class Briefing:
     farewell: str = ""
     sound: bool = True
     properties: tuple[TreasureProperty, ...] = OF_2016
+    kinds: tuple[TreasureKind, ...] = ()
 
     @property
     def room_names(self) -> RoomNames:

@@ -3,8 +3,12 @@
 import math
 from dataclasses import dataclass, replace
 
+from thbridge.dialogue.arguing import decision_of
 from thbridge.dialogue.engine import DialogueEngine, DialogueStep
+from thbridge.dialogue.evidence import WhatFacts, WhereFacts, is_decision
+from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.moves import Dialogue, DialogueOutcome, DialogueTopic, DialogueUtterance, Scenario, Speaker
+from thbridge.dialogue.propositions import NextRoom
 from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room, RoomNames
@@ -64,6 +68,8 @@ class GameDialogues:
         self._room_names = room_names or RoomNames()
         self.asked_for_advice: tuple[int, ...] = ()
         self._engine = engine
+        # By robot: the situation it was in when it last talked, and all that was said and believed.
+        self._memories: dict[int, tuple[WhereFacts | WhatFacts, Conversation]] = {}
         # By robot, in the order of opening.
         self._open: dict[int, Dialogue] = {}
         self._opened = 0
@@ -75,6 +81,11 @@ class GameDialogues:
         utterances, self._utterances = self._utterances, []
         return utterances
 
+    @property
+    def argues(self) -> bool:
+        """True when dialogues need the facts of robots."""
+        return self._engine.argues
+
     def open(
         self,
         state: GameState,
@@ -83,6 +94,9 @@ class GameDialogues:
         room: Room,
         reason: str = "",
         confidence: float | None = None,
+        *,
+        facts: WhereFacts | WhatFacts | None = None,
+        opener: Speaker = Speaker.PERSON,
     ) -> None:
         """Open a dialogue; an earlier one with this robot is withdrawn, and an agreement on the same matter too.
 
@@ -93,12 +107,29 @@ class GameDialogues:
             room: the room that it is about.
             reason: of a suggestion, as part of a sentence.
             confidence: to be stated in a suggestion, 0 to 1, or None.
+            facts: of a robot that argues.
+            opener: the side that brings it up.
         """
         self._forget(robot, MATTERS[scenario])
         name = self._room_names.name(room.people) or str(room)
         topic = replace(_topic(state, scenario, robot, room, name), reason=reason, confidence=confidence)
+        topic = replace(topic, facts=facts, opener=opener)
+        former = None if facts is None else self._remembered(robot, facts)
         self._opened += 1
-        self._follow(self._engine.open(self._opened, topic, held=robot in self.puppets))
+        self._follow(self._engine.open(self._opened, topic, held=robot in self.puppets, former=former))
+
+    def decision(self, facts: WhereFacts) -> Room | None:
+        """Return the room that a robot would go to by itself, in the light of what it was told; None: none."""
+        decision = decision_of(facts, self._remembered(facts.robot, facts))
+        goes = None if decision is None else decision.proposition
+        return goes.room if isinstance(goes, NextRoom) else None
+
+    def _remembered(self, robot: int, facts: WhereFacts | WhatFacts) -> Conversation | None:
+        """Return what was said before; where the situation is another one, without what was decided in the last."""
+        if robot not in self._memories:
+            return None
+        situation, conversation = self._memories[robot]
+        return conversation if situation == replace(facts, at=0.0) else conversation.begun_anew(is_decision)
 
     def await_advice(self, robot: int) -> None:
         """Note that the participant asked a puppet where to go; earlier dialogue and agreement are withdrawn.
@@ -220,6 +251,8 @@ class GameDialogues:
 
     def _follow(self, step: DialogueStep) -> None:
         topic = step.dialogue.topic
+        if step.dialogue.conversation is not None and topic.facts is not None:
+            self._memories[topic.robot] = (replace(topic.facts, at=0.0), step.dialogue.conversation)
         self._utterances += step.utterances
         if step.outcome is None:
             self._open[topic.robot] = step.dialogue

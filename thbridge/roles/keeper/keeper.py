@@ -165,7 +165,8 @@ class Keeper:
         self._refusals: list[ProgramRefusal] = []
         self._rules = rules
         self._briefing = briefing or Briefing()
-        self._game = OpenGame(engine, last_game, self._briefing.room_names, adviser or Adviser())
+        kinds = self._briefing.kinds
+        self._game = OpenGame(engine, last_game, self._briefing.room_names, adviser or Adviser(), kinds)
         self._game.restore(history)
         return_robots(self._game)
         self._legacy_lines = LegacyLines(self._game)

@@ -1,10 +1,12 @@
 """The open game: its state, the events of this step, the dialogues, the last refusal."""
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.engine import DialogueEngine
-from thbridge.dialogue.moves import Scenario
+from thbridge.dialogue.evidence import WhatFacts, WhereFacts
+from thbridge.dialogue.moves import Scenario, Speaker
 from thbridge.hunt import game, rules
 from thbridge.hunt.events import (
     CommanderChanged,
@@ -17,12 +19,16 @@ from thbridge.hunt.events import (
 )
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
-from thbridge.hunt.rooms import RoomNames
+from thbridge.hunt.rooms import Room, RoomNames
+from thbridge.hunt.tour import NoTour
+from thbridge.hunt.treasures import TreasureKind
+from thbridge.protocols.text.notice import kind_of
 from thbridge.roles.failure_reasons import CALLED_BACK
 from thbridge.roles.keeper.advice import Advice, Adviser
-from thbridge.roles.keeper.dialogues import GameDialogues
+from thbridge.roles.keeper.dialogues import MATTERS, GameDialogues
+from thbridge.roles.keeper.robot_facts import what_facts, where_facts
 from thbridge.roles.notices import MoveOrder
-from thbridge.roles.view import RefusalView
+from thbridge.roles.view import RefusalView, RequestSuggestion
 
 _ASK_AGAIN = 10 * TICKS_PER_SECOND
 """Ticks after which the participant may ask for the same robot again."""
@@ -36,14 +42,23 @@ class OpenGame:
         last_game: number of the last game so far.
         room_names: names of the map's rooms.
         adviser: suggests rooms in the place of robots.
+        kinds: treasures that there are, as everybody knows them.
     """
 
     def __init__(
-        self, engine: Callable[[int], DialogueEngine], last_game: int, room_names: RoomNames, adviser: Adviser
+        self,
+        engine: Callable[[int], DialogueEngine],
+        last_game: int,
+        room_names: RoomNames,
+        adviser: Adviser,
+        kinds: tuple[TreasureKind, ...] = (),
     ) -> None:
         self._engine = engine
         self._adviser = adviser
         self._room_names = room_names
+        self._kinds = kinds
+        # By robot, the rooms that it could not reach since it last reached one.
+        self._unreached: dict[int, frozenset[Room]] = {}
         self.last_game = last_game
         self.state: GameState | None = None
         self.dialogues = GameDialogues(engine(last_game), room_names=room_names)
@@ -103,10 +118,38 @@ class OpenGame:
         number = state.robots[robot].advice + (0 if stands else 1)
         return self._adviser.advise(state, self.dialogues.discussed, robot, number)
 
-    def suggest(self, state: GameState, robot: int, advice: Advice) -> None:
+    def suggest(self, state: GameState, robot: int, advice: Advice, *, unasked: bool = False) -> None:
         """Record an advice, and let the robot open the dialogue about it."""
+        facts, room = None, advice.room
+        if self.dialogues.argues:
+            facts = self.where_facts(state, robot, advice)
+            chosen = self.dialogues.decision(facts)
+            if chosen is None:
+                sentence = "I know of no room that I should go to, after all that you have told me."
+                self.refuse(kind_of(RequestSuggestion), RequestRefused(NoTour.NOTHING_LEFT, sentence))
+                return
+            room = chosen
         self.record((advice.event(robot),))
-        self.dialogues.open(state, Scenario.DONT_KNOW, robot, advice.room, advice.reason, advice.confidence)
+        opener = Speaker.ROBOT if unasked else Speaker.PERSON
+        self.dialogues.open(
+            state, Scenario.DONT_KNOW, robot, room, advice.reason, advice.confidence, facts=facts, opener=opener
+        )
+
+    def discuss(self, state: GameState, scenario: Scenario, robot: int, room: Room) -> None:
+        """Open the dialogue about what the participant wants."""
+        facts: WhereFacts | WhatFacts | None = None
+        if self.dialogues.argues and MATTERS[scenario] == "select-room":
+            advice = self.advice(state, robot)
+            facts = self.where_facts(state, robot, None if isinstance(advice, RequestRefused) else advice)
+        elif self.dialogues.argues:
+            facts = what_facts(state, robot, room, self._kinds, self._tick)
+        self.dialogues.open(state, scenario, robot, room, facts=facts)
+
+    def where_facts(self, state: GameState, robot: int, advice: Advice | None) -> WhereFacts:
+        """Return what a robot that argues knows about where to go, and which room its planner has chosen."""
+        unreached = self._unreached.get(robot, frozenset())
+        facts = where_facts(state, self.dialogues.discussed, robot, unreached, self._tick)
+        return facts if advice is None else replace(facts, advised=advice.room)
 
     def recall(self, robot: int) -> None:
         """Call a moving robot back; its move ends when SimR reports how far it came, or now if it was never ordered."""
@@ -145,6 +188,7 @@ class OpenGame:
         return events
 
     def _apply(self, event: Event) -> None:
+        self._note_end_of_move(event)
         if isinstance(event, GameStarted):
             self.state = game.begin(event)
             self.last_game = event.game
@@ -154,6 +198,7 @@ class OpenGame:
             self._moves, self._ordered = [0] * event.robots, [0] * event.robots
             self._departures = 0
             self._recalled.clear()
+            self._unreached.clear()
         elif self.state is not None:
             self.state = game.apply(self.state, event)
         if isinstance(event, RobotDeparted):
@@ -165,3 +210,12 @@ class OpenGame:
             self._asked_back.pop(event.robot, None)
         if isinstance(event, RobotArrived | MoveFailed):
             self._recalled.discard(event.robot)
+
+    def _note_end_of_move(self, event: Event) -> None:
+        """Note a room that a robot could not reach; after reaching one it thinks about all of them anew."""
+        if isinstance(event, RobotArrived):
+            self._unreached.pop(event.robot, None)
+        elif isinstance(event, MoveFailed) and self.state is not None and not self.is_recalled(event.robot):
+            room = self.state.robots[event.robot].bound_for
+            if room is not None:
+                self._unreached[event.robot] = self._unreached.get(event.robot, frozenset()) | {room}

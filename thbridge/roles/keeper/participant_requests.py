@@ -75,7 +75,7 @@ def _open(game: OpenGame, state: GameState, ruling: rules.Ruling, scenario: Scen
     if isinstance(ruling, RequestRefused):
         game.refuse(MATTERS[scenario], ruling)
     else:
-        game.dialogues.open(state, scenario, robot, room)
+        game.discuss(state, scenario, robot, room)
 
 
 def _decode_request(notice: Notice) -> ParticipantRequest | None:

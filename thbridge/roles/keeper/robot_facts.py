@@ -1,0 +1,101 @@
+"""Facts of robots for their arguments, gathered from the game: what each knows itself, or hears from its team."""
+
+import math
+from collections.abc import Collection, Sequence
+from functools import lru_cache
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.dialogue.evidence import WhatFacts, WhereFacts
+from thbridge.hunt.costs import CostMatrix
+from thbridge.hunt.events import Condition
+from thbridge.hunt.game import GameState
+from thbridge.hunt.rooms import Room
+from thbridge.hunt.team_tour import PlanValue, TourStart, alternatives, best_team_tours
+from thbridge.hunt.tour import Tour
+from thbridge.hunt.treasures import TreasureKind
+from thbridge.roles.keeper.advice import MOST_ROOMS_ADVISED, start_of
+from thbridge.roles.participant_rules import Discussed, other_candidate
+
+_SURE, _LOST = 1.0, 0.3
+"""How far a robot trusts costs from where it believes to be, and when it does not know where it is."""
+
+
+def where_facts(
+    state: GameState, discussed: Sequence[Discussed], robot: int, failed: Collection[Room], tick: int
+) -> WhereFacts:
+    """Return what a robot knows about where to go.
+
+    With more than `MOST_ROOMS_ADVISED` rooms left, it looks at those that cost it least, and plans for itself alone.
+
+    Args:
+        state: of the game.
+        discussed: matters of open dialogues and agreements.
+        robot: index in the team.
+        failed: rooms that it did not reach lately.
+        tick: present tick.
+    """
+    here, row = state.robots[robot], state.costs_from(robot)
+    taken = {room: other for room in state.free_rooms if (other := other_candidate(discussed, room, robot)) is not None}
+    free = tuple(room for room in state.free_rooms if room not in taken)
+    near = sorted(free, key=lambda room: (row[room.people], room))[:MOST_ROOMS_ADVISED]
+    starts = {robot: TourStart(row, here.energy)}
+    if len(free) <= MOST_ROOMS_ADVISED:
+        others = {number: start_of(state, discussed, number) for number in range(len(state.robots)) if number != robot}
+        starts |= {number: start for number, start in others.items() if start is not None}
+    planned = tuple(sorted(near))
+    values, tours = _plans(state.started.costs, tuple(starts.values()), planned, state.started.identify_cost)
+    by_robot = dict(zip(starts, values, strict=True))
+    first = {tour.rooms[0]: number for number, tour in zip(starts, tours, strict=True) if tour.rooms}
+    return WhereFacts(
+        robot=robot,
+        here=here.at,
+        energy=here.energy,
+        costs={room: row[room.people] for room in free if math.isfinite(row[room.people])},
+        left=tuple(state.free_rooms),
+        under_way=taken,
+        values=by_robot[robot],
+        others={room: (number, starts[number].costs[room.people]) for room, number in first.items() if number != robot},
+        failed=frozenset(failed),
+        team_costs={
+            number: {room: start.costs[room.people] for room in free if math.isfinite(start.costs[room.people])}
+            for number, start in starts.items()
+            if number != robot
+        },
+        team_values={number: of_robot for number, of_robot in by_robot.items() if number != robot},
+        confidence=_LOST if here.condition is Condition.LOST else _SURE,
+        at=tick / TICKS_PER_SECOND,
+    )
+
+
+def what_facts(state: GameState, robot: int, room: Room, kinds: Sequence[TreasureKind], tick: int) -> WhatFacts:
+    """Return what a robot knows about a treasure that was found; the list of treasures is known to everybody.
+
+    Args:
+        state: of the game.
+        robot: index in the team.
+        room: where the treasure is.
+        kinds: treasures that there are.
+        tick: present tick.
+    """
+    found = state.room(room)
+    fitting = {
+        kind.name for kind in kinds if all(kind.properties.get(name) == value for name, value in found.known.items())
+    }
+    return WhatFacts(
+        room=room,
+        energy=state.robots[robot].energy,
+        picture_cost=state.started.picture_cost,
+        naming_cost=state.started.identify_cost,
+        names=tuple(sorted(fitting, key=str.casefold)),
+        has_picture=found.image is not None,
+        at=tick / TICKS_PER_SECOND,
+    )
+
+
+@lru_cache(maxsize=64)
+def _plans(
+    costs: CostMatrix, starts: tuple[TourStart, ...], rooms: tuple[Room, ...], visit: float
+) -> tuple[tuple[dict[Room, PlanValue], ...], tuple[Tour, ...]]:
+    if not rooms:
+        return tuple({} for _ in starts), tuple(Tour((), 0.0) for _ in starts)
+    return alternatives(costs, starts, rooms, visit), best_team_tours(costs, starts, rooms, visit, sent=0)
