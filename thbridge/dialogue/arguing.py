@@ -120,7 +120,9 @@ class ArguingEngine:
 
     def choices(self, dialogue: Dialogue, speaker: Speaker = Speaker.PERSON) -> tuple[Choice, ...]:
         """Return the speaker's legal moves; see `DialogueEngine`."""
-        return tuple(Choice(move, self.phrasing.say(dialogue, move)) for move in self._legal(dialogue, speaker))
+        return tuple(
+            Choice(move, self.phrasing.say(dialogue, move, speaker)) for move in self._legal(dialogue, speaker)
+        )
 
     def utterances(self, dialogue: Dialogue) -> tuple[DialogueUtterance, ...]:
         """Return all utterances of a dialogue so far."""
@@ -293,8 +295,8 @@ class ArguingEngine:
         return replace(dialogue, turns=(*dialogue.turns, turn), conversation=conversation), utterance
 
     def _utterance(self, dialogue: Dialogue, turn: Turn) -> DialogueUtterance:
-        text = turn.text or self.phrasing.say(dialogue, turn.said or turn.move)
-        heard = "" if turn.said is None else self.phrasing.say(dialogue, turn.move)
+        text = turn.text or self.phrasing.say(dialogue, turn.said or turn.move, turn.speaker)
+        heard = "" if turn.said is None else self.phrasing.say(dialogue, turn.move, turn.speaker)
         return DialogueUtterance(
             dialogue.number,
             len(dialogue.turns),

@@ -21,7 +21,7 @@ from thbridge.dialogue.moves import (
 class Phrasing(Protocol):
     """Wording of moves as sentences."""
 
-    def say(self, dialogue: Dialogue, move: Move) -> str:
+    def say(self, dialogue: Dialogue, move: Move, speaker: Speaker) -> str:
         """Return the sentence for a move that is, or may be, the next in this dialogue."""
         ...
 

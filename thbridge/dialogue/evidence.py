@@ -51,6 +51,7 @@ class WhereFacts:
         team_costs: costs of the other robots to rooms, by their indices.
         team_values: what a room as the next one of another robot is worth to the team, by that robot's index.
         advised: the room that its planner has chosen; None: the one of most value.
+        compares: False: it gives no reason but what a room costs, as an adviser does that may err.
         confidence: of its localisation, 0 to 1.
         at: simulated time, s.
     """
@@ -67,6 +68,7 @@ class WhereFacts:
     team_costs: Mapping[int, Mapping[Room, float]] = field(default_factory=dict)
     team_values: Mapping[int, Mapping[Room, PlanValue]] = field(default_factory=dict)
     advised: Room | None = None
+    compares: bool = True
     confidence: float = 1.0
     at: float = 0.0
 
@@ -122,7 +124,7 @@ def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = N
     if best is None:
         return case.evidence(None, ())
     others = [room for room in facts.left if room != best]
-    compared = {room: _compared(case, facts, best, room) for room in others if room in facts.values}
+    compared = {room: _compared(case, facts, best, room) for room in others if facts.compares and room in facts.values}
     nearest = min(compared, key=lambda room: (facts.costs.get(room, math.inf), room), default=None)
     reasons = compared.get(rival if rival in compared and rival is not None else nearest or best) or enough[best]
     goes = Literal(NextRoom(facts.robot, best))

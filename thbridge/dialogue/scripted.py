@@ -58,7 +58,7 @@ class ScriptedEngine:
         """Return the speaker's legal moves in an open dialogue, most agreeable first; none if it is not their turn."""
         if self.protocol.speaker(dialogue) is not speaker:
             return ()
-        return tuple(Choice(move, self.phrasing.say(dialogue, move)) for move in self.protocol.legal(dialogue))
+        return tuple(Choice(move, self.phrasing.say(dialogue, move, speaker)) for move in self.protocol.legal(dialogue))
 
     def utterances(self, dialogue: Dialogue) -> tuple[DialogueUtterance, ...]:
         """Return all utterances of a dialogue so far."""
@@ -82,7 +82,7 @@ class ScriptedEngine:
         legal = self.protocol.legal(dialogue) if self.protocol.speaker(dialogue) is turn.speaker else ()
         if turn.move not in legal:
             raise ValueError(f"{turn.move} of the {turn.speaker} is not among the legal moves {legal}")
-        text = turn.text or self.phrasing.say(dialogue, turn.move)
+        text = turn.text or self.phrasing.say(dialogue, turn.move, turn.speaker)
         index, topic = len(dialogue.turns), dialogue.topic
         utterance = DialogueUtterance(dialogue.number, index, turn.speaker, turn.author, turn.move, text, topic)
         return replace(dialogue, turns=(*dialogue.turns, turn)), utterance

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from sim.common import noise
-from thbridge.dialogue.moves import Ask, Continue, Dialogue, Move, Scenario, Stop
+from thbridge.dialogue.moves import Ask, Continue, Dialogue, Move, Scenario, Speaker, Stop
 from thbridge.dialogue.words import fill, is_filled, words_of
 
 _CONFIDENCE = "£confidence£"
@@ -50,7 +50,7 @@ class TemplatePhrasing:
     template: Template
     seed: int
 
-    def say(self, dialogue: Dialogue, move: Move) -> str:
+    def say(self, dialogue: Dialogue, move: Move, speaker: Speaker = Speaker.ROBOT) -> str:
         """Return the sentence for a move in this dialogue; for the person's moves, the text of the button."""
         match move:
             case Ask(question):

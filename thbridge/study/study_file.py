@@ -15,6 +15,8 @@ from typing import Never, cast
 from sim.common.observations import TICKS_PER_SECOND
 from sim.common.robot_numbers import RobotNumber
 from sim.parameters import MIN_MAX_PAIRS, RobotParameters, WorldParameters, param
+from thbridge.dialogue.conditions import DialogueCondition
+from thbridge.dialogue.games.strategies import Attitude
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.ros.parameters import read_ros_parameters
 from thbridge.files.yaml.load import Loaded, load_tree
@@ -99,6 +101,25 @@ class ParticipantSection:
     )
 
 
+@dataclass(frozen=True, slots=True)
+class MannerSection:
+    """Manner in which a robot argues; of no effect where robots do not argue."""
+
+    attitude: Attitude = param(
+        Attitude.CAUTIOUS,
+        "what a robot accepts: credulous, whatever has a reason; cautious, what nothing it knows speaks against; "
+        "sceptical, what it has an argument for itself",
+    )
+    persistence: int = param(
+        2, "number of dialogues about the same matter in which a robot holds out; 0 gives in at once", "", 0, 10
+    )
+    talkative: bool = param(
+        False, "whether a robot gives its arguments part by part, each to be accepted; else each as a whole"
+    )
+    gives_reasons: bool = param(True, "whether a robot answers questions for its reasons")
+    misheard: float = param(0.0, "share of the participant's moves that a robot takes for another legal one", "", 0, 1)
+
+
 class DialogueStrategy(StrEnum):
     """Strategy by which robots choose their moves in dialogues."""
 
@@ -109,6 +130,18 @@ class DialogueStrategy(StrEnum):
 class DialogueSection:
     """Dialogues of robots and participant."""
 
+    condition: DialogueCondition = param(
+        DialogueCondition.SCRIPT,
+        "who decides: supervisor, robots do what they are told; script, they ask the questions of the templates; "
+        "collaborator, robots argue and nothing happens before both agree; adviser, they argue and the participant has "
+        "the last word; autonomous, they argue and have the last word",
+    )
+    manner: MannerSection = param(MannerSection(), "how robots argue")
+    each: Mapping[int, MannerSection] = dataclasses.field(
+        default_factory=dict,
+        metadata={"help": "robots with another manner, by number: {2: {persistence: 0}}", "like": "manner"},
+    )
+    language: str = param("en", "name of the language in which robots argue")
     strategy: DialogueStrategy = param(DialogueStrategy.TEMPLATE, "how robots choose what to say")
     planner: TeamPlanner = param(
         TeamPlanner.JOINT,

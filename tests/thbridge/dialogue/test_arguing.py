@@ -41,7 +41,7 @@ ARGUING = [DialogueCondition.COLLABORATOR, DialogueCondition.ADVISER, DialogueCo
 class FormalPhrasing:
     """Moves as the paper writes them."""
 
-    def say(self, dialogue: Dialogue, move: Move) -> str:
+    def say(self, dialogue: Dialogue, move: Move, speaker: Speaker) -> str:
         return str(move)
 
 

@@ -3,11 +3,16 @@
 from dataclasses import replace
 
 from sim.common import noise
+from sim.common.robot_numbers import index_of
 from thbridge.app.compose.setting import StudySetting
+from thbridge.dialogue.arguing import ArguingEngine
+from thbridge.dialogue.conditions import DialogueCondition, Manner
+from thbridge.dialogue.engine import DialogueEngine
 from thbridge.dialogue.protocols import TemplateProtocol
 from thbridge.dialogue.scripted import ScriptedEngine
 from thbridge.dialogue.strategies import TemplateStrategy
 from thbridge.dialogue.templates import TemplatePhrasing
+from thbridge.dialogue.worded import WordedPhrasing
 from thbridge.files.template_files import TemplateSet
 from thbridge.hunt.events import Event
 from thbridge.hunt.treasures import TreasureKind
@@ -19,6 +24,7 @@ from thbridge.roles.keeper.keeper import GameRules, Keeper
 from thbridge.roles.notices import FloorPlan, RoomOutline
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.bots import Bot, TreasureKnowledge
+from thbridge.study.study_file import DialogueSection, MannerSection
 
 
 def build_keeper(setting: StudySetting, history: tuple[Event, ...] = (), last_game: int = 0) -> Keeper:
@@ -27,8 +33,12 @@ def build_keeper(setting: StudySetting, history: tuple[Event, ...] = (), last_ga
     game = study.game
     rules = GameRules(study.seed, game.energy, game.picture_cost, game.identify_cost, game.wrong_share)
 
-    def engine(number: int) -> ScriptedEngine:
+    def engine(number: int) -> DialogueEngine:
         seed = int(noise.key(study.seed, "dialogue", str(number)))
+        if study.dialogue.condition is not DialogueCondition.SCRIPT:
+            names = setting.map.room_names
+            phrasing = WordedPhrasing(setting.language, study.dialogue.condition, seed, names)
+            return ArguingEngine(setting.rulebook, manners_of(study.dialogue), phrasing, seed)
         return ScriptedEngine(TemplateProtocol(template), TemplateStrategy(), TemplatePhrasing(template, seed))
 
     talk = study.dialogue
@@ -41,6 +51,15 @@ def build_keeper(setting: StudySetting, history: tuple[Event, ...] = (), last_ga
         Adviser(talk.planner, talk.adviser_error_rate, talk.says_confidence, talk.confidence_bias),
         tells_refusals=study.server.tell_refusals,
     )
+
+
+def manners_of(section: DialogueSection) -> dict[int | None, Manner]:
+    """Return the manner of each robot that has one of its own, by its index, and under None that of the others."""
+
+    def manner(of: MannerSection) -> Manner:
+        return Manner(section.condition, of.attitude, of.persistence, of.talkative, of.gives_reasons, of.misheard)
+
+    return {None: manner(section.manner), **{index_of(number): manner(own) for number, own in section.each.items()}}
 
 
 def build_briefing(setting: StudySetting) -> Briefing:

@@ -11,12 +11,15 @@ import numpy as np
 from sim.common.geometry import Pose2
 from sim.common.traversability import TraversabilityMap
 from sim.robot.costmap.footprint import radii
+from thbridge.dialogue.games.tables import Rulebook
+from thbridge.dialogue.wording.language import Language
 from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 from thbridge.files.map_files import Map, read_map
 from thbridge.files.map_times import MAP_TIMES, read_map_times
 from thbridge.files.resources import Resources, shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
+from thbridge.files.word_files import SHIPPED_LANGUAGES, languages_in, read_language
 from thbridge.files.yaml.load import Loaded
 from thbridge.files.yaml.tree import read_text
 from thbridge.hunt.costs import CostMatrix
@@ -36,6 +39,8 @@ class StudySetting:
         templates: its set of templates.
         costs: energy of every move between places of the game.
         by_position: moves from elsewhere are priced by where the robot stands; else they cost what `costs` says.
+        rulebook: of the dialogue games.
+        language: in which robots argue.
         consent: text that participants have to agree to; None: nothing.
         farewell: text for the end of a game; may be empty.
     """
@@ -45,6 +50,8 @@ class StudySetting:
     templates: TemplateSet
     costs: CostMatrix
     by_position: bool
+    rulebook: Rulebook
+    language: Language
     consent: str | None = None
     farewell: str = ""
 
@@ -73,6 +80,8 @@ def read_setting(
     templates: TemplateSet | None = None
     costs: CostMatrix | None = None
     by_position, consent, farewell = False, None, ""
+    rulebook: Rulebook | None = None
+    language: Language | None = None
     with faults.kept():
         place = read_map_of(study, beside, resources, written=written)
     with faults.kept():
@@ -86,18 +95,20 @@ def read_setting(
                 costs = _costs(path, place)
             model = study.game.cost_model
             by_position = path == place.costs if model is None else model is CostModel.POSITION
-    if study.dialogue.games is not None:
-        games = beside / study.dialogue.games
-        # Told before a session starts, and of a folder that is there with the lines of its own files.
-        with faults.kept(), keys.naming("dialogue.games", not games.is_dir()):
-            read_rulebook((SHIPPED_GAMES, games))
+    talk = study.dialogue
+    games = () if talk.games is None else (beside / talk.games,)
+    # Told before a session starts, and of a folder that is there with the lines of its own files.
+    with faults.kept(), keys.naming("dialogue.games", not all(folder.is_dir() for folder in games)):
+        rulebook = read_rulebook((SHIPPED_GAMES, *games))
+        with faults.kept(), keys.naming("dialogue.language", talk.language not in languages_in(SHIPPED_LANGUAGES)):
+            language = read_language(name=talk.language, locutions=rulebook.locutions)
     with faults.kept(), keys.naming("participant.consent"):
         consent = _consent(study, beside)
     with faults.kept(), keys.naming("participant.farewell"):
         farewell = _farewell(study, beside)
-    if faults.found or place is None or templates is None or costs is None:
+    if faults.found or place is None or templates is None or costs is None or rulebook is None or language is None:
         raise faults.together()
-    return StudySetting(study, place, templates, costs, by_position, consent, farewell)
+    return StudySetting(study, place, templates, costs, by_position, rulebook, language, consent, farewell)
 
 
 class StudyKeys:

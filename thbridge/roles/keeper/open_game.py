@@ -149,6 +149,7 @@ class OpenGame:
         """Return what a robot that argues knows about where to go, and which room its planner has chosen."""
         unreached = self._unreached.get(robot, frozenset())
         facts = where_facts(state, self.dialogues.discussed, robot, unreached, self._tick)
+        facts = replace(facts, compares=self._adviser.error_rate <= 0.0)
         return facts if advice is None else replace(facts, advised=advice.room)
 
     def recall(self, robot: int) -> None:

@@ -1,0 +1,106 @@
+"""Sentences of dialogues in which robots argue, in a language."""
+
+from dataclasses import dataclass, field
+
+from sim.common import noise
+from thbridge.argumentation.cases import Side
+from thbridge.argumentation.propositions import Literal
+from thbridge.dialogue.conditions import DialogueCondition
+from thbridge.dialogue.games.contents import DialogueMove
+from thbridge.dialogue.moves import (
+    CloseQuestions,
+    Dialogue,
+    Enquire,
+    Explain,
+    Leave,
+    Move,
+    OpenQuestions,
+    Override,
+    Question,
+    Scenario,
+    Speaker,
+)
+from thbridge.dialogue.propositions import NextRoom
+from thbridge.dialogue.wording.language import Language
+from thbridge.dialogue.wording.lines import LineKey
+from thbridge.dialogue.wording.wording import Wording
+from thbridge.hunt.rooms import RoomNames
+
+_ASKED = {
+    Question.WHY_ROBOT: LineKey.WHY_ROBOT,
+    Question.WHY_NOW: LineKey.WHY_NOW,
+    Question.KNOWN: LineKey.KNOWN,
+    Question.CHANGE: LineKey.CHANGE,
+    Question.SIMPLER: LineKey.SIMPLER,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class WordedPhrasing:
+    """Sentences for moves, from a language; see `Phrasing`.
+
+    The wording depends on the seed, the dialogue and the place of the move in it alone.
+
+    Attributes:
+        language: the language.
+        condition: of the study.
+        seed: of the game.
+        names: of the rooms.
+    """
+
+    language: Language
+    condition: DialogueCondition
+    seed: int
+    names: RoomNames = field(default_factory=RoomNames)
+
+    def say(self, dialogue: Dialogue, move: Move, speaker: Speaker) -> str:
+        """Return the sentence for a move that is, or may be, the next in this dialogue."""
+        words = Wording(self.language, dialogue.topic.robot, self.names)
+        chance = noise.uniform(noise.key(self.seed, "wording"), dialogue.number, len(dialogue.turns))
+        side = Side.ROBOT if speaker is Speaker.ROBOT else Side.HUMAN
+        match move:
+            case DialogueMove("question", Literal()) if side is Side.HUMAN:
+                key = LineKey.WHERE_THEN if _is_about_a_room(move) else LineKey.WHAT_THEN
+                return words.line(key, chance=chance)
+            case DialogueMove():
+                return words.sentence(move, side, condition=self.condition, chance=chance)
+            case Enquire(Question.WHY_THIS, Literal() as about):
+                return words.sentence(DialogueMove("challenge", about), side, condition=self.condition, chance=chance)
+            case Enquire(Question.WHY_NOT, Literal() as about):
+                return words.sentence(DialogueMove("challenge", ~about), side, condition=self.condition, chance=chance)
+            case Enquire(question):
+                return words.line(_ASKED[question], chance=chance)
+            case Explain():
+                return _explanation(words, move, chance)
+            case OpenQuestions():
+                return words.line(LineKey.HAVE_QUESTION, chance=chance)
+            case CloseQuestions():
+                return words.line(LineKey.BACK, chance=chance)
+            case Leave():
+                return words.line(LineKey.LEAVE_IT, chance=chance)
+            case Override():
+                return _override(words, dialogue, chance)
+            case _:
+                raise ValueError(f"robots that argue do not say {move}")
+
+
+def _is_about_a_room(move: DialogueMove) -> bool:
+    return isinstance(move.content, Literal) and isinstance(move.content.proposition, NextRoom)
+
+
+def _explanation(words: Wording, move: Explain, chance: float) -> str:
+    changes = move.question is Question.CHANGE
+    if not move.because:
+        return words.line(LineKey.CHANGED_BY_NOTHING if changes else LineKey.BECAUSE_NOT_KNOWN, chance=chance)
+    key = LineKey.CHANGED_BY if changes else LineKey.BECAUSE
+    return words.line(key, chance=chance, simply=move.question is Question.SIMPLER, because=move.because)
+
+
+def _override(words: Wording, dialogue: Dialogue, chance: float) -> str:
+    match dialogue.topic.scenario:
+        case Scenario.TAKE_PICTURE:
+            return words.line(LineKey.OVERRIDE_PICTURE, chance=chance)
+        case Scenario.TAKE_TREASURE:
+            return words.line(LineKey.OVERRIDE_NAME, chance=chance)
+        case _:
+            return words.line(LineKey.OVERRIDE, chance=chance, room=dialogue.topic.room)
