@@ -192,7 +192,7 @@ def test_another_way_of_talking_fits_without_changing_the_engine():
             return max(legal, key=lambda move: move.question)
 
     class Figures:
-        def say(self, dialogue, move):
+        def say(self, dialogue, move, speaker):
             return f"{move.question}"
 
     talk = ScriptedEngine(Haggle(), Dearest(), Figures())
