@@ -344,7 +344,7 @@ def _evidence(topic: DialogueTopic, conversation: Conversation | None) -> Eviden
 
 
 def _told(conversation: Conversation | None) -> Beliefs:
-    """What a robot was told by a person, and has accepted."""
+    """Beliefs that a robot was told by a person, and has accepted."""
     if conversation is None:
         return Beliefs()
     origins = conversation.agents[Side.ROBOT].beliefs.origins
