@@ -15,6 +15,7 @@ from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
 from sim.common.robot_numbers import namespace_of, robot_name
 from thbridge.analysis.games import OF_A_GAME, game_start
+from thbridge.analysis.report.dialogues import DialogueGatherer
 from thbridge.analysis.report.tracks import PoseSeries, SeriesByTopic, deviations
 from thbridge.analysis.report.values import GoalAttempt, ObstacleTrack, Report, TimelineEntry, Track
 from thbridge.hunt.event_words import event_in_words, kind_in_words
@@ -88,6 +89,7 @@ class _ReportBuilder:
         self._inputs = 0
         self._outlines: defaultdict[str, list[FloatArray]] = defaultdict(list)
         self._rooms = RoomNames()
+        self._dialogues = DialogueGatherer()
         self._unread: dict[str, str] = {}
         self._handlers: dict[str, Callable[[float, str, bytes], None]] = {
             types.ODOMETRY: self._odometry,
@@ -104,6 +106,8 @@ class _ReportBuilder:
             types.MARKER_ARRAY: self._things,
             types.GAME_EVENT: self._event,
             types.UTTERANCE: self._utterance,
+            types.DIALOGUE_MOVE: self._dialogue_move,
+            types.DIALOGUE_STATE: self._dialogue_state,
             types.INPUT: self._input,
             types.DIAGNOSTIC_ARRAY: self._diagnoses,
         }
@@ -159,6 +163,7 @@ class _ReportBuilder:
             self.game,
             self._begins,
             self._rooms,
+            self._dialogues.dialogues(),
         )
 
     def _missing(self, tracks: tuple[Track, ...], grid: OccupancyGrid | None) -> Iterable[str]:
@@ -252,10 +257,20 @@ class _ReportBuilder:
 
     def _utterance(self, time: float, topic: str, data: bytes) -> None:
         message: UtteranceRecord = unpack.utterance(data)
+        self._dialogues.take_utterance(message)
         robot = robot_name(message.robot)
         who = robot if message.speaker == "robot" else f"participant to {robot}"
         who += " (by a wizard)" if message.author == "wizard" else ""
         self._timeline.append(TimelineEntry(time, "said", who, message.room, message.text or message.move))
+
+    def _dialogue_move(self, time: float, topic: str, data: bytes) -> None:
+        move = unpack.dialogue_move(data)
+        self._dialogues.take_move(move)
+        if move.heard:
+            self._timeline.append(TimelineEntry(time, "misheard", robot_name(move.robot), None, f"“{move.heard}”"))
+
+    def _dialogue_state(self, time: float, topic: str, data: bytes) -> None:
+        self._dialogues.take_state(unpack.dialogue_state(data))
 
     def _diagnoses(self, time: float, topic: str, data: bytes) -> None:
         self._series.ways_made.take(time, unpack.diagnostic_array(data))

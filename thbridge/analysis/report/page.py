@@ -13,6 +13,7 @@ from sim.common.grid import OccupancyGrid
 from thbridge.analysis.plot.figures import energy, error, timeline
 from thbridge.analysis.plot.paths import paths
 from thbridge.analysis.plot.style import PAGE, FigureFormat, FigureStyle, clock, colour
+from thbridge.analysis.report.dialogues import ENDS, RecordedDialogues, RecordedGame
 from thbridge.analysis.report.gathering import read_games
 from thbridge.analysis.report.values import Report, Track, label_of
 from thbridge.recording.bag.reader import messages
@@ -70,6 +71,7 @@ def _part(report: Report, title: str) -> dict[str, object]:
                 key=lambda pair: (pair[0].start, pair[1].name),
             )
         ],
+        "dialogues": _dialogues(report.dialogues),
         "points": [entry for entry in report.timeline if entry.points is not None],
     }
 
@@ -132,6 +134,39 @@ def _robot_row(index: int, track: Track) -> dict[str, str]:
         "turn": f"{np.degrees(_rms(errors[:, 2])):.2f}" if len(errors) else unknown,
         "energy": f"{energy[0, 1]:.0f} → {energy[-1, 1]:.0f}" if len(energy) else unknown,
         "makes_way": f"{sum(made.end - made.start for made in track.ways_made):.1f}" if track.ways_made else unknown,
+    }
+
+
+def _dialogues(recorded: RecordedDialogues) -> dict[str, object] | None:
+    """The part on dialogues in which robots argued: games by kind and opener, moves by locution; None without any."""
+    if not recorded.games:
+        return None
+    kinds = sorted({(game.kind, game.opener) for game in recorded.games})
+    groups = [(kind, [game for game in recorded.games if (game.kind, game.opener) == kind]) for kind in kinds]
+    locutions = dict.fromkeys(locution for _, locution in sorted(recorded.moves))
+    asides = {
+        "Questions asked": recorded.questions,
+        "Advice overridden": recorded.overrides,
+        "Misheard": recorded.misheard,
+    }
+    return {
+        "ends": [end for end in ENDS if any(game.end == end for game in recorded.games)],
+        "games": [(*kind, _games_row(games)) for kind, games in groups],
+        "moves": [
+            (locution, *(recorded.moves.get((speaker, locution), 0) for speaker in ("robot", "human")))
+            for locution in locutions
+        ],
+        "asides": asides,
+    }
+
+
+def _games_row(games: Sequence[RecordedGame]) -> dict[str, object]:
+    return {
+        "count": len(games),
+        "ends": {end: sum(game.end == end for game in games) for end in ENDS},
+        "moves": sum(game.moves for game in games) / len(games),
+        "challenges": max(game.challenges for game in games),
+        "gave_in": {side: sum(game.gave_in == side for game in games) for side in ("robot", "human")},
     }
 
 

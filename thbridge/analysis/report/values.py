@@ -8,6 +8,7 @@ import numpy as np
 from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
 from sim.common.robot_numbers import index_of, robot_name
+from thbridge.analysis.report.dialogues import RecordedDialogues
 from thbridge.hunt.rooms import RoomNames
 from thbridge.ros.messages.session_records import ScoreRecord, SessionRecord
 
@@ -157,6 +158,7 @@ class Report:
         game: number of the game; None where no game begins in what was read.
         rooms: names of the map's rooms.
         begins: seconds from the recording's first message to the beginning of this game, from which its times count.
+        dialogues: those in which robots argued.
     """
 
     duration: float
@@ -171,3 +173,4 @@ class Report:
     game: int | None = None
     begins: float = 0.0
     rooms: RoomNames = field(default_factory=RoomNames)
+    dialogues: RecordedDialogues = field(default_factory=RecordedDialogues)

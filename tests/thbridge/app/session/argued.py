@@ -30,17 +30,14 @@ PERSISTENT = Manner(persistence=1)
 def utterances(
     choices: tuple[str, ...] = STUBBORN, manner: Manner = PERSISTENT, robot: int = 0
 ) -> tuple[tuple[DialogueUtterance, ...], ...]:
-    """What is said at the opening of a dialogue about room 1, and after each choice of the participant."""
+    """What is said at the opening of a dialogue about room 1, and after each choice, told by how its text begins."""
     talker = engine(manner)
     facts = replace(FACTS, robot=robot)
     step = talker.open(1, replace(TOPIC, robot=robot, facts=facts))
     said = [step.utterances]
     for choice in choices:
-        move = next(
-            each.move
-            for each in talker.choices(step.dialogue)
-            if each.text == choice.replace("Robot1", f"Robot{robot + 1}")
-        )
+        text = choice.replace("Robot1", f"Robot{robot + 1}")
+        move = next(each.move for each in talker.choices(step.dialogue) if each.text.startswith(text))
         step = talker.move(step.dialogue, move)
         said.append(step.utterances)
         if step.outcome is not None:

@@ -1,0 +1,74 @@
+"""Dialogues in which robots argue, in reports."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import pytest
+
+from tests.thbridge.analysis.test_report import Recorded, recorded
+from tests.thbridge.app.session import argued
+from thbridge.analysis.report.dialogues import RecordedGame, count_ends
+from thbridge.analysis.report.gathering import read_report
+from thbridge.analysis.report.page import render
+from thbridge.analysis.report.values import Report
+from thbridge.dialogue.conditions import DialogueCondition, Manner
+from thbridge.ros.messages.records import Record
+from thbridge.ros.publisher import messages_of
+
+
+def of(ticks: Iterable[Iterable[Record]]) -> Report:
+    messages: list[Recorded] = [
+        recorded(made.topic.name, made.topic.msgtype, second, made.data)
+        for second, records in enumerate(ticks)
+        for record in records
+        for made in messages_of(0, 0, record)
+    ]
+    return read_report(messages)
+
+
+@pytest.fixture(scope="module")
+def stubborn() -> Report:
+    return of(argued.recorded(*argued.utterances()))
+
+
+def test_games_are_told_with_their_ends_and_with_who_gave_in(stubborn: Report) -> None:
+    assert stubborn.missing and not [each for each in stubborn.missing if "dialogue" in each]
+    first, *_, last = stubborn.dialogues.games
+    kind = "persuasion-in-brief"
+    assert first == RecordedGame(0, 1, kind, "human", "disagreement", 5, 1, "")
+    assert (last.kind, last.opener, last.end, last.gave_in) == (kind, "human", "agreement", "robot")
+    assert count_ends(stubborn.dialogues.games) == {"agreement": 1, "disagreement": len(stubborn.dialogues.games) - 1}
+
+
+def test_moves_are_counted_by_speaker_and_locution(stubborn: Report) -> None:
+    said = [each for tick in argued.utterances() for each in tick]
+    assert sum(stubborn.dialogues.moves.values()) == sum(bool(each.formal) for each in said)
+    assert stubborn.dialogues.moves["human", "reject"] == 1
+    assert stubborn.dialogues.moves["robot", "accept"] >= 1
+
+
+def test_a_game_that_is_left_is_withdrawn_and_one_that_goes_on_unfinished() -> None:
+    left = of(argued.recorded(*argued.utterances(argued.LEAVES)))
+    assert [game.end for game in left.dialogues.games] == ["withdrawn"]
+    goes_on = of(argued.recorded(*argued.utterances(argued.LEAVES[:1])))
+    assert [game.end for game in goes_on.dialogues.games] == ["unfinished"]
+
+
+def test_questions_overrides_and_what_is_misheard_are_counted() -> None:
+    adviser = Manner(DialogueCondition.ADVISER, persistence=1)
+    dialogues = of(argued.recorded(*argued.utterances(("Override()",), adviser))).dialogues
+    assert (dialogues.questions, dialogues.overrides, dialogues.misheard) == (0, 1, 0)
+    asked = of(argued.recorded(*argued.utterances(("OpenQuestions()", "Enquire("), adviser)))
+    assert asked.dialogues.questions == 1
+    misheard = of(argued.recorded(*argued.utterances(argued.STUBBORN[:1], Manner(misheard=1.0))))
+    assert misheard.dialogues.misheard == 1
+    (entry,) = [entry for entry in misheard.timeline if entry.kind == "misheard"]
+    assert entry.who == "robot 1" and entry.text
+
+
+def test_the_page_has_a_part_on_dialogues_only_where_robots_argued(stubborn: Report) -> None:
+    page = render([stubborn], "a.bag")
+    assert "<h2>Dialogues</h2>" in page
+    assert "<td>persuasion-in-brief</td><td>participant</td>" in page
+    assert "Questions asked: 0. Advice overridden: 0. Misheard: 0." in page
+    assert "<h2>Dialogues</h2>" not in render([replace(stubborn, dialogues=of(()).dialogues)], "a.bag")

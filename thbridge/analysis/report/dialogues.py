@@ -1,0 +1,139 @@
+"""Gathers from a recording how robots and participant argued: games, ends, moves, and who gave in."""
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+from thbridge.dialogue.games.tables import DialogueEnd
+from thbridge.dialogue.portrait import read_portrait
+from thbridge.ros.messages.session_records import DialogueMoveRecord, DialogueStateRecord, UtteranceRecord
+
+ENDS = (*DialogueEnd, "unfinished")
+"""Ends of dialogue games in recordings; unfinished ones go on when the recording ends, or were dropped."""
+_HOLDS_OUT = frozenset({"challenge", "reject"})
+"""Locutions by which somebody does not agree."""
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedGame:
+    """Dialogue game in a recording.
+
+    Attributes:
+        robot: index of the robot.
+        number: of the game, unique among those of its robot.
+        kind: its name.
+        opener: "robot" or "human".
+        end: one of `ENDS`.
+        moves: number of its moves, without those that followed by themselves.
+        challenges: number of challenges in it and in the games that wait for it.
+        gave_in: "robot" or "human", who accepted in the end what she had challenged, rejected or denied before in the
+            same talk; empty: nobody.
+    """
+
+    robot: int
+    number: int
+    kind: str
+    opener: str
+    end: str
+    moves: int
+    challenges: int
+    gave_in: str
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedDialogues:
+    """Dialogues in a recording in which robots argued.
+
+    Attributes:
+        games: all dialogue games, robot by robot.
+        moves: number of moves by speaker and locution, without those that followed by themselves.
+        questions: number of questions that the participant put beside the games.
+        overrides: number of decisions against a robot's advice.
+        misheard: number of moves that a robot took for others.
+    """
+
+    games: tuple[RecordedGame, ...] = ()
+    moves: dict[tuple[str, str], int] = field(default_factory=dict)
+    questions: int = 0
+    overrides: int = 0
+    misheard: int = 0
+
+
+class DialogueGatherer:
+    """Gathers dialogues from what was recorded of them, in order of time."""
+
+    def __init__(self) -> None:
+        self._courses: defaultdict[tuple[int, int], list[DialogueMoveRecord]] = defaultdict(list)
+        self._ends: dict[tuple[int, int], str] = {}
+        self._words: Counter[str] = Counter()
+
+    def take_utterance(self, utterance: UtteranceRecord) -> None:
+        """Take in an utterance."""
+        self._words[utterance.move] += 1
+
+    def take_move(self, move: DialogueMoveRecord) -> None:
+        """Take in a move of a dialogue game."""
+        self._courses[move.robot, move.dialogue].append(move)
+
+    def take_state(self, state: DialogueStateRecord) -> None:
+        """Take in what a robot makes of a dialogue. Raises ValueError when that cannot be read."""
+        for game in read_portrait(state.json).games:
+            self._ends[state.robot, game.number] = game.end
+
+    def dialogues(self) -> RecordedDialogues:
+        """Return what was gathered."""
+        said = [move for course in self._courses.values() for move in course if not move.is_booked]
+        return RecordedDialogues(
+            games=tuple(self._game(*key) for key in sorted(self._courses)),
+            moves=dict(sorted(Counter((move.speaker, move.locution) for move in said).items())),
+            questions=self._words["enquire"],
+            overrides=self._words["override"],
+            misheard=sum(bool(move.heard) for move in said),
+        )
+
+    def _game(self, robot: int, number: int) -> RecordedGame:
+        course = self._courses[robot, number]
+        last = course[-1]
+        told = last.after if last.after in ENDS else self._ends.get((robot, number), "")
+        return RecordedGame(
+            robot=robot,
+            number=number,
+            kind=last.game,
+            opener=course[0].speaker,
+            end=told if told in ENDS else "unfinished",
+            moves=sum(not move.is_booked for move in course),
+            challenges=sum(move.locution == "challenge" for move in self._with_outer(course)),
+            gave_in=last.speaker if told == DialogueEnd.AGREEMENT and self._held_out(last) else "",
+        )
+
+    def _with_outer(self, course: list[DialogueMoveRecord]) -> Iterator[DialogueMoveRecord]:
+        """Yield the moves of a game and of those that wait for it; a game waits for later ones only."""
+        yield from course
+        robot, number, parent = course[0].robot, course[0].dialogue, course[0].parent
+        if parent is not None and parent < number and (robot, parent) in self._courses:
+            yield from self._with_outer(self._courses[robot, parent])
+
+    def _held_out(self, accepted: DialogueMoveRecord) -> bool:
+        """Return True when whoever accepted this has denied it before in the same talk, or would not accept it."""
+        before = (
+            move
+            for (robot, number), course in self._courses.items()
+            if robot == accepted.robot and number <= accepted.dialogue
+            for move in course
+            if move.talk == accepted.talk and move.speaker == accepted.speaker
+        )
+        same = {accepted.content, _opposite(accepted.content)}
+        return any(
+            (move.locution in _HOLDS_OUT and move.content in same) or move.content == _opposite(accepted.content)
+            for move in before
+        )
+
+
+def count_ends(games: Iterable[RecordedGame]) -> dict[str, int]:
+    """Return the number of games that ended in each way, those that none did left out, in the order of `ENDS`."""
+    counts = Counter(game.end for game in games)
+    return {str(end): counts[end] for end in ENDS if counts[end]}
+
+
+def _opposite(content: str) -> str:
+    return content.removeprefix("not ") if content.startswith("not ") else f"not {content}"
