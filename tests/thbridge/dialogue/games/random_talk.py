@@ -89,5 +89,6 @@ def talk(seed: int, rulebook: Rulebook) -> None:
 
 
 if __name__ == "__main__":
+    SHIPPED = read_rulebook()
     for number in range(int(sys.argv[1])):
-        talk(number, read_rulebook())
+        talk(number, SHIPPED)

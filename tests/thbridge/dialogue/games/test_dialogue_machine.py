@@ -241,9 +241,44 @@ def keeps_promises(now: Conversation, number: int) -> None:
         assert now.legal(number) == ()
 
 
-QUICK = settings(max_examples=60, stateful_step_count=25, deadline=None, suppress_health_check=list(HealthCheck))
+QUICK = settings(max_examples=40, stateful_step_count=25, deadline=None, suppress_health_check=list(HealthCheck))
 TestTalking = Talking.TestCase
 TestTalking.settings = QUICK
+
+
+def talk(seed: int) -> None:
+    """A conversation that a seed decides: more varied than those that are made to be made simpler."""
+    rng, sides = random.Random(seed), Talking()
+    sides.meet(rng=rng)
+    for _ in range(25):
+        step = rng.choices(["like", "call for", "speak", "illegal", "sense", "withdraw"], [20, 20, 35, 10, 7, 3])[0]
+        if step == "like":
+            sides.open_what_a_side_likes(rng=rng)
+        elif step == "call for":
+            sides.open_what_the_nine_cases_call_for(rng=rng)
+        elif step == "sense":
+            sides.sense(rng=rng)
+        elif step == "illegal" and sides.now.plays:
+            sides.say_what_is_illegal(rng=rng)
+        elif step == "speak" and sides.now.open_plays:
+            sides.speak(rng=rng, count=rng.randint(1, 8), argues=rng.random() < 0.5)
+        elif step == "withdraw" and sides.now.open_plays:
+            sides.withdraw(rng=rng)
+        sides.what_the_paper_promises_of_every_dialogue()
+    sides.teardown()
+
+
+@pytest.mark.parametrize("hundred", [0, 1, 2])
+def test_talk_of_all_kinds(hundred: int) -> None:
+    for seed in range(100 * hundred, 100 * hundred + 100):
+        talk(seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("thousand", range(10))
+def test_much_talk(thousand: int) -> None:
+    for seed in range(1000 * thousand, 1000 * thousand + 1000):
+        talk(seed)
 
 
 @pytest.mark.slow
