@@ -93,10 +93,9 @@ def preferred(framework: ArgumentationFramework) -> Iterator[Extension]:
     The search finds larger ones first. So what it finds is preferred unless it is part of an earlier one, and it does
     not look where only such parts are left.
     """
-    everything = (1 << len(framework.arguments)) - 1
     others: list[int] = []
     for labels in _Search(framework).labellings(others):
-        others.append(everything & ~_mask(labels, IN))
+        others.append(_bits(place for place, label in enumerate(labels) if label != IN))
         yield _names(framework, (place for place, label in enumerate(labels) if label == IN))
 
 
@@ -104,9 +103,9 @@ def _names(framework: ArgumentationFramework, places: Iterable[int]) -> Extensio
     return frozenset(framework.arguments[place] for place in places)
 
 
-def _mask(labels: Iterable[int], label: int) -> int:
-    """The places that may have a label, as bits of a number."""
-    return sum(1 << place for place, each in enumerate(labels) if each & label)
+def _bits(places: Iterable[int]) -> int:
+    """A set of places as bits of a number."""
+    return sum(1 << place for place in places)
 
 
 class _Search:
@@ -130,12 +129,15 @@ class _Search:
             some_of: sets of places, as bits of numbers; one of each is in. Some may be added between two labellings.
         """
         start = list(self._start)
-        stack = [start] if self._conclude(start, range(len(start)), some_of) else []
+        open_ones = self._conclude(start, range(len(start)), some_of)
+        stack = [] if open_ones is None else [(start, open_ones, len(some_of))]
         while stack:
-            may_be = stack.pop()
-            # Sets may have been added since it was put there.
-            if some_of and not self._conclude(may_be, (), some_of):
-                continue
+            may_be, open_ones, known = stack.pop()
+            if known < len(some_of):
+                still_open = self._conclude(may_be, (), [*open_ones, *some_of[known:]])
+                if still_open is None:
+                    continue
+                open_ones = still_open
             place = self._undetermined(may_be)
             if place is None:
                 yield may_be
@@ -145,16 +147,17 @@ class _Search:
                 if may_be[place] & label:
                     guess = list(may_be)
                     guess[place] = label
-                    if self._conclude(guess, (place, *self._attacked[place]), some_of):
-                        stack.append(guess)
+                    still_open = self._conclude(guess, (place, *self._attacked[place]), open_ones)
+                    if still_open is not None:
+                        stack.append((guess, still_open, len(some_of)))
 
     def _undetermined(self, may_be: Sequence[int]) -> int | None:
         """The place of the argument that attacks most, of those whose label is not known."""
         places = (place for place, labels in enumerate(may_be) if labels & (labels - 1))
         return max(places, key=lambda place: len(self._attacked[place]), default=None)
 
-    def _conclude(self, may_be: list[int], changed: Iterable[int], some_of: Sequence[int]) -> bool:
-        """Draw all conclusions; return False where no labelling is left."""
+    def _conclude(self, may_be: list[int], changed: Iterable[int], some_of: Sequence[int]) -> Sequence[int] | None:
+        """Draw all conclusions; return the sets of which nothing is in yet, None where no labelling is left."""
         queue = deque(changed)
         waiting = set(queue)
 
@@ -172,16 +175,19 @@ class _Search:
                 waiting.discard(place)
                 self._restrict_around(place, may_be, restrict)
                 if not may_be[place]:
-                    return False
-            may_be_in = _mask(may_be, IN) if some_of else 0
-            for places in some_of:
-                open_ones = places & may_be_in
-                if not open_ones:
-                    return False
-                if not open_ones & (open_ones - 1):
-                    restrict(open_ones.bit_length() - 1, IN)
+                    return None
+            if some_of:
+                are_in = _bits(place for place, labels in enumerate(may_be) if labels == IN)
+                may_be_in = _bits(place for place, labels in enumerate(may_be) if labels & IN)
+                some_of = [places for places in some_of if not places & are_in]
+                for places in some_of:
+                    able = places & may_be_in
+                    if not able:
+                        return None
+                    if not able & (able - 1):
+                        restrict(able.bit_length() - 1, IN)
             if not queue:
-                return True
+                return some_of
 
     def _restrict_around(self, place: int, may_be: list[int], restrict: Callable[[int, int], None]) -> None:
         """Restrict the labels of an argument by those of its attackers, and theirs by its own."""
