@@ -6,6 +6,7 @@ outcome) is computed from the record; where robots argue, what both sides believ
 A new way of talking adds its moves to `Move`, and an engine for them.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -164,6 +165,23 @@ class Leave:
 
 
 Move = Ask | Continue | Stop | DialogueMove | OpenQuestions | CloseQuestions | Enquire | Explain | Override | Leave
+
+_WORDS: Mapping[type[Move], str] = {
+    Ask: "ask",
+    Continue: "continue",
+    Stop: "stop",
+    OpenQuestions: "open-questions",
+    CloseQuestions: "close-questions",
+    Enquire: "enquire",
+    Explain: "explain",
+    Override: "override",
+    Leave: "leave",
+}
+
+
+def word_of(move: Move) -> str:
+    """Return the word for a move in recordings and for programs; that of a move in a dialogue game is its locution."""
+    return move.locution if isinstance(move, DialogueMove) else _WORDS[type(move)]
 
 
 @dataclass(frozen=True, slots=True)

@@ -140,6 +140,8 @@ class DialogueView:
         room: the room it is about, as people count.
         said: all sentences so far, oldest first; the robot waits for an answer to the last.
         choices: possible answers of the participant, most agreeable first; none while it is the robot's turn.
+        acts: words for what each choice does, as recordings name moves, for programs; empty where nobody tells.
+        speakers: who said each sentence; empty likewise.
     """
 
     dialogue: int
@@ -149,6 +151,8 @@ class DialogueView:
     room: int
     said: tuple[str, ...]
     choices: tuple[str, ...]
+    acts: tuple[str, ...] = ()
+    speakers: tuple[Literal["robot", "person"], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -271,6 +275,8 @@ class View(NoticeValue, frozen=True, tag="View"):
             and all(item.robot in robots and item.room in rooms for item in matters)
             and all(dialogue.dialogue in COUNTED for dialogue in self.dialogues)
             and all(dialogue.said or not dialogue.choices for dialogue in self.dialogues)
+            and all(len(dialogue.acts) in (0, len(dialogue.choices)) for dialogue in self.dialogues)
+            and all(len(dialogue.speakers) in (0, len(dialogue.said)) for dialogue in self.dialogues)
         )
 
 

@@ -146,6 +146,20 @@ def test_a_view_with_a_dialogue_that_cannot_be_numbered_so_is_not_taken(number):
     assert (view.View.of_notice(parse_notice(line)) is None) == (number != 1)
 
 
+@pytest.mark.parametrize(
+    ("acts", "speakers", "is_taken"),
+    [((), (), True), (("continue", "stop"), ("robot",), True), (("continue",), (), False), ((), ("robot",) * 2, False)],
+)
+def test_a_view_names_all_acts_and_speakers_or_none_as_those_of_older_releases(acts, speakers, is_taken):
+    stage = Stage()
+    stage.run(8)
+    talk = view.DialogueView(
+        1, 1, 0, "select-room", 1, ("Shall I go?",), ("Continue", "Stop"), acts=acts, speakers=speakers
+    )
+    line = encode_notice(KEEPER, legacy.TABUI, structs.replace(stage.view(), dialogues=(talk,)))
+    assert (view.View.of_notice(parse_notice(line)) is not None) == is_taken
+
+
 @pytest.fixture(scope="module")
 def simr():
     return build_simr(read_setting(replace(Study(), robots=2), Path()))

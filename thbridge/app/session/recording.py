@@ -14,7 +14,6 @@ from thbridge.app.session.inputs import ClientRequest
 from thbridge.app.session.mavros import frame_record, state_record
 from thbridge.app.session.session import TickRecord
 from thbridge.dialogue import moves
-from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.games.tables import DialogueEnd
 from thbridge.dialogue.portrait import portray
 from thbridge.hunt import events
@@ -43,20 +42,6 @@ JUMP = 0.2
 
 STATE_PERIOD = TICKS_PER_SECOND
 """Ticks after which the state of a vehicle is recorded again when it has not changed."""
-
-
-MOVES: dict[type[moves.Move], str] = {
-    moves.Ask: "ask",
-    moves.Continue: "continue",
-    moves.Stop: "stop",
-    moves.OpenQuestions: "open-questions",
-    moves.CloseQuestions: "close-questions",
-    moves.Enquire: "enquire",
-    moves.Explain: "explain",
-    moves.Override: "override",
-    moves.Leave: "leave",
-}
-"""Moves of dialogues by their names in recordings; moves of dialogue games go by their locutions."""
 
 
 class TickPublisher(Protocol):
@@ -210,7 +195,7 @@ def _utterance(utterance: moves.DialogueUtterance) -> UtteranceRecord:
         scenario=MATTERS[utterance.topic.scenario],
         text=utterance.text,
         author=utterance.author,
-        move=utterance.move.locution if isinstance(utterance.move, DialogueMove) else MOVES[type(utterance.move)],
+        move=moves.word_of(utterance.move),
     )
 
 

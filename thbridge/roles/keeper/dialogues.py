@@ -7,7 +7,15 @@ from thbridge.dialogue.arguing import decision_of
 from thbridge.dialogue.engine import DialogueEngine, DialogueStep
 from thbridge.dialogue.evidence import WhatFacts, WhereFacts, is_decision
 from thbridge.dialogue.games.control import Conversation
-from thbridge.dialogue.moves import Dialogue, DialogueOutcome, DialogueTopic, DialogueUtterance, Scenario, Speaker
+from thbridge.dialogue.moves import (
+    Dialogue,
+    DialogueOutcome,
+    DialogueTopic,
+    DialogueUtterance,
+    Scenario,
+    Speaker,
+    word_of,
+)
 from thbridge.dialogue.propositions import NextRoom
 from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
@@ -231,17 +239,20 @@ class GameDialogues:
 
     def views(self) -> tuple[DialogueView, ...]:
         """Return the open dialogues as the participant sees them."""
-        return tuple(
-            DialogueView(
-                dialogue=dialogue.number,
-                turn=len(dialogue.turns),
-                robot=dialogue.topic.robot,
-                matter=MATTERS[dialogue.topic.scenario],
-                room=dialogue.topic.room.people,
-                said=tuple(utterance.text for utterance in self._engine.utterances(dialogue)),
-                choices=tuple(choice.text for choice in self._engine.choices(dialogue)),
-            )
-            for dialogue in self._open.values()
+        return tuple(map(self._view, self._open.values()))
+
+    def _view(self, dialogue: Dialogue) -> DialogueView:
+        said, choices = self._engine.utterances(dialogue), self._engine.choices(dialogue)
+        return DialogueView(
+            dialogue=dialogue.number,
+            turn=len(dialogue.turns),
+            robot=dialogue.topic.robot,
+            matter=MATTERS[dialogue.topic.scenario],
+            room=dialogue.topic.room.people,
+            said=tuple(utterance.text for utterance in said),
+            choices=tuple(choice.text for choice in choices),
+            acts=tuple(word_of(choice.move) for choice in choices),
+            speakers=tuple(utterance.speaker.value for utterance in said),
         )
 
     def _at_turn(self, number: int, turn: int) -> Dialogue | None:

@@ -1,17 +1,15 @@
 import json
 from dataclasses import replace
-from typing import get_args
 
 from sim.common.geometry import Pose2
 from sim.world.thing import Thing
 from sim.world.things import ThingState
 from tests.thbridge.app.session.argued import LEAVES, STUBBORN, TOPIC, recorded, utterances
 from tests.thbridge.ros.drive import snapshots
-from thbridge.app.session.recording import MOVES, BagRecorder
+from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import TickRecord
 from thbridge.dialogue.conditions import Manner
-from thbridge.dialogue.games.contents import DialogueMove
-from thbridge.dialogue.moves import Ask, Author, DialogueUtterance, Move, Speaker
+from thbridge.dialogue.moves import Ask, Author, DialogueUtterance, Speaker
 from thbridge.dialogue.portrait import read_portrait
 from thbridge.roles.keeper.wizard import WizardState
 from thbridge.ros.messages.session_records import (
@@ -107,7 +105,3 @@ def test_dialogues_that_are_left_or_misheard_show_it():
 def test_scripted_dialogues_are_recorded_as_ever():
     scripted = DialogueUtterance(1, 0, Speaker.ROBOT, Author.ROBOT, Ask(0), "Shall I?", replace(TOPIC, facts=None))
     assert recorded((scripted,)) == [(UtteranceRecord(1, "robot", 0, 1, "select-room", "Shall I?", "ask", "robot"),)]
-
-
-def test_every_move_has_a_word_in_recordings():
-    assert {*MOVES, DialogueMove} == set(get_args(Move))

@@ -407,3 +407,11 @@ def test_points_are_told_with_the_names_where_the_study_tells():
     played.go(0, 3)
     view = played.say(SenseTreasure(3))
     assert (view.names, view.worth, view.wrong_share) == (("a", "b"), (10, None), 1.0)
+
+
+def test_programs_are_told_what_each_choice_does_and_who_said_each_sentence():
+    played = Played(Briefing())
+    (dialogue,) = played.say(SelectRoom(0, 1)).dialogues
+    assert (dialogue.acts, dialogue.speakers) == (("continue", "stop"), ("robot",))
+    (dialogue,) = played.say(AnswerDialogue(dialogue.dialogue, dialogue.turn, 0)).dialogues
+    assert (dialogue.acts, dialogue.speakers) == (("continue", "stop"), ("robot", "person", "robot"))
