@@ -18,6 +18,12 @@ _MANY = 8
 """No sentence names more arguments of one kind."""
 
 
+def name_order(name: str) -> tuple[bool, int, str]:
+    """Return what names are sorted by: numbers by their size, then all others by their letters."""
+    is_number = name.isdecimal()
+    return not is_number, len(name) if is_number else 0, name
+
+
 def grounded_label(framework: ArgumentationFramework, name: str) -> str:
     """Return the label of an argument in the grounded labelling: in, out or undecided."""
     return _LABELS[grounded_labels(framework)[framework.index[name]]]
@@ -30,7 +36,7 @@ def membership_in_words(
     for is_in in (True, False):
         extension = next((each for each in found if (name in each) == is_in), None)
         if extension is not None:
-            which = f" {{{', '.join(_few(sorted(extension)))}}}" if len(found) > 1 else ""
+            which = f" {{{', '.join(_few(sorted(extension, key=name_order)))}}}" if len(found) > 1 else ""
             reason = _reason_in_words(framework, extension, name)
             yield f"{name} is {'' if is_in else 'not '}in the {_KINDS[semantics]} extension{which}: {reason}."
 

@@ -38,7 +38,7 @@ def argue(
     """Tell which arguments stand together: the extensions of an argumentation framework."""
     from thbridge.argumentation.discussion import discuss, is_won
     from thbridge.files.argument_files import read_framework
-    from ui.actions.argue import discussion_in_words, grounded_label, membership_in_words
+    from ui.actions.argue import discussion_in_words, grounded_label, membership_in_words, name_order
 
     if explain and query is None:
         fail(BAD_INPUT, "--explain: it needs to know of what. Name the argument by --query.")
@@ -56,7 +56,7 @@ def argue(
         of = ", ".join(near or framework.arguments[:12]) or "none at all"
         fail(BAD_INPUT, f"--query: there is no argument {query} in {file}. Its arguments are, for example: {of}.")
     found = extensions(framework, semantics)
-    names = sorted(sorted(each) for each in found)
+    names = sorted((sorted(each, key=name_order) for each in found), key=lambda each: [*map(name_order, each)])
     told: dict[str, object] = {"semantics": semantics.value, "extensions": names}
     lines = [f"{{{', '.join(each)}}}" for each in names] or ["There is no extension."]
     if query is not None:

@@ -28,6 +28,13 @@ def test_extensions_are_told_sorted(file: Path) -> None:
     assert told == {"semantics": "CO", "extensions": [[], ["a", "c"], ["b", "d"]]}
 
 
+def test_numbers_are_sorted_as_numbers(tmp_path: Path) -> None:
+    path = tmp_path / "case.af"
+    path.write_text("p af 11\n1 2\n2 1\n10 11\n11 10\n")
+    ends = ("3, 4, 5, 6, 7, 8, 9, 10", "3, 4, 5, 6, 7, 8, 9, 11")
+    assert argue(path, "--semantics", "ST") == "".join(f"{{{first}, {end}}}\n" for first in (1, 2) for end in ends)
+
+
 def test_an_argument_is_asked_about(file: Path) -> None:
     assert "a is in some extension." in argue(file, "--semantics", "ST", "--query", "a")
     told = json.loads(argue(file, "--query", "a", "--explain", "--json"))
