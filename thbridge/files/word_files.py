@@ -234,6 +234,11 @@ def _grammar_faults(loaded: Loaded[_WordsYaml], grammar: _GrammarYaml) -> Iterat
         "one_room": (grammar.one_room, {}),
         "many_rooms": (grammar.many_rooms, number),
         "rule": (grammar.rule, {"premises": "premises", "conclusion": "conclusion"}),
+        "between": (grammar.between, {}),
+        "between_clauses": (grammar.between_clauses, {}),
+        "last_and": (grammar.last_and, {}),
+        "last_or": (grammar.last_or, {}),
+        **{f"names.{name}": (said, {}) for name, said in grammar.names.items()},
     }
     for name, (form, words) in forms.items():
         for problem, remedy in _wrong_in(form, words, words.values()):

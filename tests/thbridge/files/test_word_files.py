@@ -99,6 +99,8 @@ GRAMMAR = (SHIPPED_LANGUAGES / "en" / "language.yaml").read_text(encoding="utf-8
         ("corridor: the corridor", "corridor: the £number£", "unknown reserved word £number£"),
         ("one_room: 1 room", "one_room: a room", "Write it with a 1"),
         ('decimal: "."', 'decimal: "x"', 'Write "." or ","'),
+        ('last_or: " or "', r'last_or: "\n"', "there are no words"),
+        ("{bottle: a bottle}", "{bottle: a £thing£}", "unknown reserved word £thing£"),
         ("£premises£; then", "so;", "has to carry £premises£"),
     ],
 )
