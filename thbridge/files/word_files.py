@@ -391,7 +391,7 @@ def _lacking(folder: Path, language: Language, locutions: Sequence[Locution]) ->
                 yield BadFile(folder, problem, f"Add to moves: {written}, {or_fall_back}", key="moves")
     for key, line in LINES.items():
         if not language.line(key):
-            problem = f"no line {key}: what the {line.speaker} says, {line.meaning}"
+            problem = f"no line {key} for the {line.speaker}: {line.meaning}"
             yield BadFile(folder, problem, f"Add to lines: {{key: {key}, say: [...]}}, {or_fall_back}", key="lines")
 
 

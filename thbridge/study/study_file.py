@@ -141,7 +141,11 @@ class DialogueSection:
         default_factory=dict,
         metadata={"help": "robots with another manner, by number: {2: {persistence: 0}}", "like": "manner"},
     )
-    language: str = param("en", "name of the language in which robots argue")
+    language: str = param("en", "name of the language in which robots argue: en, de, or one of the folder of words")
+    words: Path | None = param(
+        None,
+        "path of a folder of words for robots that argue, beside those that come with the project; null: those alone",
+    )
     strategy: DialogueStrategy = param(DialogueStrategy.TEMPLATE, "how robots choose what to say")
     planner: TeamPlanner = param(
         TeamPlanner.JOINT,

@@ -8,6 +8,8 @@ from thbridge.dialogue.games.contents import ContentKind, TableWord
 from thbridge.dialogue.games.locutions import CONDITIONS, EFFECTS, Postcondition, Precondition
 from thbridge.dialogue.games.tables import DialogueEnd, GameRole, GameTable, Reply, Slot
 from thbridge.dialogue.wording.language import Language
+from thbridge.dialogue.wording.lines import LINES
+from thbridge.dialogue.wording.predicates import PREDICATES, ValueKind
 from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 from thbridge.files.word_files import check_words, languages_in
@@ -121,7 +123,7 @@ def _game_as_json(game: GameTable) -> Mapping[str, object]:
 
 
 def words() -> Iterator[str]:
-    """Yield all words of files of games, with their meanings."""
+    """Yield all words of files of games and of words for them, with their meanings."""
     yield from _section("content: what a form of a locution is about", _meanings(ContentKind))
     yield from _section("before, before_person: what must hold before a locution is said", _rules(CONDITIONS))
     yield from _section(
@@ -130,6 +132,10 @@ def words() -> Iterator[str]:
     yield from _section("turn: whose turn it is in a stage", _meanings(GameRole))
     yield from _section("of: what a reply is about", _meanings(Slot))
     yield from _section("next, last: the stage that follows a reply, or an end", _meanings(DialogueEnd))
+    yield from _section(
+        "of: what a phrase says, with the reserved words for its values; of a room, £to_room£, too", _predicates()
+    )
+    yield from _section("key: lines that are said beside the moves of games, with their reserved words", _lines())
 
 
 def _meanings(words: Iterable[TableWord]) -> list[tuple[str, str]]:
@@ -138,6 +144,19 @@ def _meanings(words: Iterable[TableWord]) -> list[tuple[str, str]]:
 
 def _rules(rules: Mapping[str, Precondition] | Mapping[str, Postcondition]) -> list[tuple[str, str]]:
     return [(name, f"{rule.meaning}{_kinds(rule.kinds)}") for name, rule in rules.items()]
+
+
+def _predicates() -> list[tuple[str, str]]:
+    return [(name, _reserved(predicate.values)) for name, predicate in PREDICATES.items()]
+
+
+def _lines() -> list[tuple[str, str]]:
+    rows = [(key, f"the {line.speaker}: {line.meaning}", _reserved(line.values)) for key, line in LINES.items()]
+    return [(key, f"{meaning}; {words}" if words else meaning) for key, meaning, words in rows]
+
+
+def _reserved(values: Mapping[str, ValueKind]) -> str:
+    return " ".join(f"£{word}£" for word in values)
 
 
 def _kinds(kinds: frozenset[ContentKind]) -> str:

@@ -115,7 +115,7 @@ def talk_check(
 
 @talk_app.command("words")
 def talk_words() -> None:
-    """List the words of games' files with their meanings: conditions, effects, slots, turns and ends."""
+    """List the words of games' files, and those of files of wordings, with their meanings."""
     from ui.actions.talk_check import words
 
     for line in words():

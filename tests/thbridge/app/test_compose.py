@@ -8,6 +8,7 @@ from sim.team import Team
 from thbridge.app.compose.game import build_briefing
 from thbridge.app.compose.robots import REHEARSERS, build_simr, rehearse
 from thbridge.app.compose.setting import StudySetting, read_setting
+from thbridge.dialogue.wording.lines import LineKey
 from thbridge.files.errors import BadFile
 from thbridge.files.game_files import SHIPPED_GAMES
 from thbridge.files.resources import shipped
@@ -136,6 +137,31 @@ def test_dialogue_games_of_a_study_are_checked_before_anything_starts(tmp_path: 
     game = tmp_path / "games" / "persuasion.yaml"
     game.write_text(game.read_text().replace("next: countered", "next: counterd"))
     with pytest.raises(BadFile, match=r"games/persuasion\.yaml, line 15, .*The nearest is countered"):
+        read_setting(written.value, tmp_path, written=written)
+
+
+def test_words_of_a_study_are_checked_before_anything_starts(tmp_path: Path) -> None:
+    written = load_study_text(tmp_path, "dialogue: {language: nl, words: words}\n")
+    with pytest.raises(BadFile, match=r"study\.yaml, line 1, dialogue\.words: .*there is no such folder"):
+        read_setting(written.value, tmp_path, written=written)
+    language = tmp_path / "words" / "nl" / "ours.yaml"
+    language.parent.mkdir(parents=True)
+    language.write_text("language: {title: Nederlands, falls_back_on: en}\nlines: [{key: back, say: [Terug.]}]\n")
+    setting = read_setting(written.value, tmp_path, written=written)
+    assert setting.language.line(LineKey.BACK) == ("Terug.",)
+    language.write_text(language.read_text().replace("key: back", "key: bakc"))
+    with pytest.raises(BadFile, match=r"words/nl/ours\.yaml, line 2, lines\[0\]\.key: .*The nearest is back"):
+        read_setting(written.value, tmp_path, written=written)
+    language.write_text("lines: []\n")
+    language.rename(language.parent.parent / "ours.yaml")
+    with pytest.raises(BadFile, match=r"dialogue\.words: .*there is no language in this folder"):
+        read_setting(written.value, tmp_path, written=written)
+
+
+def test_a_language_that_is_not_there_is_told_with_the_line_of_the_study(tmp_path: Path) -> None:
+    written = load_study_text(tmp_path, "dialogue:\n  language: dee\n")
+    told = r"study\.yaml, line 2, dialogue\.language: .*no language dee\. The nearest is de"
+    with pytest.raises(BadFile, match=told):
         read_setting(written.value, tmp_path, written=written)
 
 

@@ -12,6 +12,8 @@ from typer.testing import CliRunner
 from thbridge.dialogue.examples import jhri2015
 from thbridge.dialogue.games.locutions import CONDITIONS, EFFECTS
 from thbridge.dialogue.games.tables import DialogueEnd, GameRole, Slot
+from thbridge.dialogue.wording.lines import LineKey
+from thbridge.dialogue.wording.predicates import PREDICATES
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 from ui.cli import app
 
@@ -151,4 +153,4 @@ def test_faults_of_all_folders_are_told_with_their_lines(tmp_path: Path) -> None
 
 def test_every_word_of_the_files_is_explained() -> None:
     told = {line.strip().split("  ")[0] for line in talk("words").splitlines()}
-    assert told >= {*CONDITIONS, *EFFECTS, *Slot, *GameRole, *DialogueEnd}
+    assert told >= {*CONDITIONS, *EFFECTS, *Slot, *GameRole, *DialogueEnd, *PREDICATES, *LineKey}

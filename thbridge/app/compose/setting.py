@@ -19,11 +19,11 @@ from thbridge.files.map_files import Map, read_map
 from thbridge.files.map_times import MAP_TIMES, read_map_times
 from thbridge.files.resources import Resources, shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
-from thbridge.files.word_files import SHIPPED_LANGUAGES, languages_in, read_language
+from thbridge.files.word_files import SHIPPED_LANGUAGES, check_words, languages_in, read_language
 from thbridge.files.yaml.load import Loaded
 from thbridge.files.yaml.tree import read_text
 from thbridge.hunt.costs import CostMatrix
-from thbridge.study.study_file import CostModel, Study
+from thbridge.study.study_file import CostModel, DialogueSection, Study
 
 LARGEST_CONSENT = 8000
 """Bytes of the text that participants agree to, and of the farewell: they must fit into one line with a view's rest."""
@@ -100,8 +100,8 @@ def read_setting(
     # Told before a session starts, and of a folder that is there with the lines of its own files.
     with faults.kept(), keys.naming("dialogue.games", not all(folder.is_dir() for folder in games)):
         rulebook = read_rulebook((SHIPPED_GAMES, *games))
-        with faults.kept(), keys.naming("dialogue.language", talk.language not in languages_in(SHIPPED_LANGUAGES)):
-            language = read_language(name=talk.language, locutions=rulebook.locutions)
+        with faults.kept():
+            language = _language(talk, beside, keys, rulebook)
     with faults.kept(), keys.naming("participant.consent"):
         consent = _consent(study, beside)
     with faults.kept(), keys.naming("participant.farewell"):
@@ -109,6 +109,18 @@ def read_setting(
     if faults.found or place is None or templates is None or costs is None or rulebook is None or language is None:
         raise faults.together()
     return StudySetting(study, place, templates, costs, by_position, rulebook, language, consent, farewell)
+
+
+def _language(talk: DialogueSection, beside: Path, keys: "StudyKeys", rulebook: Rulebook) -> Language:
+    """Return the language in which robots argue, with the words of the study's own folder, if it names one."""
+    folders = [SHIPPED_LANGUAGES]
+    if talk.words is not None:
+        folders.append(beside / talk.words)
+        with keys.naming("dialogue.words", not languages_in(folders[-1])):
+            check_words(folders[-1], locutions=rulebook.locutions)
+    known = {name for folder in folders for name in languages_in(folder)}
+    with keys.naming("dialogue.language", talk.language not in known):
+        return read_language(folders, talk.language, locutions=rulebook.locutions)
 
 
 class StudyKeys:

@@ -68,9 +68,9 @@ LINES: Mapping[LineKey, LineMeaning] = {
     LineKey.WHERE_THEN: LineMeaning(Side.HUMAN, "asks where the robot would go"),
     LineKey.WHAT_THEN: LineMeaning(Side.HUMAN, "asks what the robot would do about a treasure"),
     LineKey.LEAVE_IT: LineMeaning(Side.HUMAN, "ends the dialogue"),
-    LineKey.OVERRIDE: LineMeaning(Side.HUMAN, "who has the last word, sends the robot to a room", _ROOM),
-    LineKey.OVERRIDE_PICTURE: LineMeaning(Side.HUMAN, "who has the last word, wants a picture"),
-    LineKey.OVERRIDE_NAME: LineMeaning(Side.HUMAN, "who has the last word, names the treasure"),
+    LineKey.OVERRIDE: LineMeaning(Side.HUMAN, "has the last word, and sends the robot to a room", _ROOM),
+    LineKey.OVERRIDE_PICTURE: LineMeaning(Side.HUMAN, "has the last word, and wants a picture"),
+    LineKey.OVERRIDE_NAME: LineMeaning(Side.HUMAN, "has the last word, and names the treasure"),
     LineKey.NEGLECTED: LineMeaning(
         Side.ROBOT, "when it was told nothing for a while", {"seconds": ValueKind.NUMBER, **_ROOM}
     ),
@@ -85,7 +85,7 @@ LINES: Mapping[LineKey, LineMeaning] = {
     LineKey.BECAUSE: LineMeaning(Side.ROBOT, "answers a question with what it believes", _BECAUSE),
     LineKey.BECAUSE_NOT_KNOWN: LineMeaning(Side.ROBOT, "has no answer"),
     LineKey.CHANGED_BY: LineMeaning(
-        Side.ROBOT, "tells what would each change its mind", {"because": ValueKind.ALTERNATIVES}
+        Side.ROBOT, "tells what would change its mind, each by itself", {"because": ValueKind.ALTERNATIVES}
     ),
     LineKey.CHANGED_BY_NOTHING: LineMeaning(Side.ROBOT, "knows of nothing that would change its mind"),
 }
