@@ -19,8 +19,11 @@ from thbridge.dialogue.wording.language import Grammar
 from thbridge.dialogue.wording.predicates import ValueKind, predicate_of
 from thbridge.dialogue.wording.wording import Wording
 
-_TOKEN = re.compile(r"\d+(?:[.,]\d+)*|-(?=\s*\d)|[+−*/%=<>≤≥×÷±?]|\w+(?:['’]\w+)*")
+_TOKEN = re.compile(r"\d+(?:[.,]\d+)*|-(?=\s*\d)|[+−*/%=<>≤≥×÷±?]|[,;:.!…–—]|\w+(?:['’]\w+)*")
 _DENIED = "not"
+_BREAK = ","
+_BREAKS = frozenset(",;:.!…–—")
+"""Signs that part clauses: what is denied before one is not what is denied after it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,8 +164,8 @@ def judge_sentence(sentence: object, request: WordingRequest) -> SentenceRefusal
     """Return why a sentence is not taken for a move, or None when it is.
 
     Its numbers, names, negations and the words that the language declares as bound have to be those of the files'
-    sentence, in the same order: `100 is less than 1000` is not `1000 is less than 100`. Beyond these, meaning is not
-    judged.
+    sentence, in the same order: `100 is less than 1000` is not `1000 is less than 100`. Clauses have to be parted by
+    signs where theirs are. Beyond these, meaning is not judged.
     """
     if not isinstance(sentence, str) or not sentence.strip():
         return SentenceRefusal(RefusalReason.NO_TEXT, f"it is no text: {sentence!r}")
@@ -171,9 +174,9 @@ def judge_sentence(sentence: object, request: WordingRequest) -> SentenceRefusal
     longest = longest_sentence(request.sentence)
     if len(sentence) > longest:
         return SentenceRefusal(RefusalReason.TOO_LONG, f"it has {len(sentence)} characters, and may have {longest}")
-    wanted, offered = (tuple(_bound(text, request)) for text in (request.sentence, sentence))
+    wanted, offered = (_bound(text, request) for text in (request.sentence, sentence))
     if wanted != offered:
-        why = f"it has to say, in this order: {', '.join(wanted)}; it says: {', '.join(offered) or 'nothing of it'}"
+        why = f"it has to say, in this order: {' '.join(wanted)}; it says: {' '.join(offered) or 'nothing of it'}"
         return SentenceRefusal(RefusalReason.OTHER_VALUES, why)
     return None
 
@@ -183,8 +186,20 @@ def longest_sentence(sentence: str) -> int:
     return 2 * len(sentence) + 80
 
 
-def _bound(text: str, request: WordingRequest) -> Iterator[str]:
-    """The parts of a sentence that may not change: numbers, names, negations and words that are bound, in order."""
+def _bound(text: str, request: WordingRequest) -> tuple[str, ...]:
+    """The parts of a sentence that may not change, in order, with a break between those of different clauses."""
+    parts: list[str] = []
+    for part in _parts(text, request):
+        if part == _BREAK and (not parts or parts[-1] == _BREAK):
+            continue
+        if part == "?" and parts and parts[-1] == _BREAK:
+            parts.pop()
+        parts.append(part)
+    return tuple(parts[:-1] if parts and parts[-1] == _BREAK else parts)
+
+
+def _parts(text: str, request: WordingRequest) -> Iterator[str]:
+    """Numbers, names, negations, words that are bound, and all signs between clauses."""
     grammar, folded = request.grammar, text.casefold()
     names = sorted({name.casefold() for name in request.known}, key=lambda name: (-len(name), name))
     endings = tuple(word.removeprefix("*") for word in grammar.negations if word.startswith("*"))
@@ -197,7 +212,9 @@ def _bound(text: str, request: WordingRequest) -> Iterator[str]:
             at += len(name)
         elif found is not None:
             word = found.group().replace("’", "'")
-            if word in grammar.negations or (endings and word.endswith(endings)):
+            if word in _BREAKS:
+                yield _BREAK
+            elif word in grammar.negations or (endings and word.endswith(endings)):
                 yield _DENIED
             elif word in grammar.bound or not word[0].isalpha() or any(map(str.isnumeric, word)):
                 yield word

@@ -6,10 +6,21 @@ from hypothesis import strategies as st
 
 from tests.thbridge.dialogue.wording.propositions import MOVES, NAMES
 from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Literal
+from thbridge.argumentation.propositions import Conjunction, Literal
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import DialogueMove
-from thbridge.dialogue.propositions import CouldBe, EnergyCost, InTheWay, LessThan, NextRoom, PictureTaken, UnderWay
+from thbridge.dialogue.propositions import (
+    ColourFound,
+    CouldBe,
+    EnergyCost,
+    InTheWay,
+    LessThan,
+    NextRoom,
+    PictureTaken,
+    Selected,
+    UnderWay,
+    Wanted,
+)
 from thbridge.dialogue.wording.authors import (
     RefusalReason,
     WordingRequest,
@@ -41,7 +52,7 @@ def request(literal: Literal, wording: Wording = ENGLISH, locution: str = "asser
         (~ROOM_3, "I wouldn't go to room 3."),
         (WAY, "Going from room 4 to room 3 would cost me 12.5 energy!"),
         (LESS, "Since 100 + 250 is less than 1000, fine."),
-        (Literal(UnderWay(1, Room(2))), "Look: robot 2 is driving to room 2, the Kitchen."),
+        (Literal(UnderWay(1, Room(2))), "Look: robot 2 is driving to room 2 (Kitchen), happily."),
         (Literal(CouldBe(Room(3), ("ball", "teddy"))), "What lies in room 3 might be ball or teddy."),
     ],
 )
@@ -141,9 +152,22 @@ def test_an_author_is_told_all_that_the_files_say() -> None:
     assert literal.phrase == "Roboter 2 fährt als Nächstes nicht zu Raum 2 (Kitchen)"
 
 
+def test_what_is_denied_stays_in_its_clause() -> None:
+    blue = Literal(ColourFound("image2", "blue"))
+    search = Literal(Selected(Room(1)))
+    for asked_of, said in [((~blue, search), (blue, ~search)), ((blue, ~search), (~blue, search))]:
+        for wording in (ENGLISH, GERMAN):
+            asked = request(Literal(Conjunction(asked_of)), wording)
+            assert judge_sentence(request(Literal(Conjunction(said)), wording).sentence, asked) is not None
+    asked = request(Literal(Wanted(~ROOM_3)), GERMAN)
+    assert judge_sentence(request(~Literal(Wanted(ROOM_3)), GERMAN).sentence, asked) is not None
+
+
 @pytest.mark.parametrize(
     ("literal", "sentence", "is_taken"),
     [
+        (~Literal(ColourFound("image2", "blue")), "Auf Bild 2 ist Blau nun einmal nicht zu sehen.", True),
+        (~Literal(ColourFound("image2", "blue")), "Auf Bild 2 ist Blau zu sehen, was nicht schlecht ist.", False),
         (~ROOM_3, "Zu Raum 3 würde ich lieber nicht fahren.", False),
         (~ROOM_3, "Ich würde lieber nicht zu Raum 3 fahren.", True),
         (~ROOM_3, "Ich würde gern zu Raum 3 fahren.", False),
@@ -166,7 +190,7 @@ def test_the_files_own_sentence_is_taken_and_a_number_more_never(
     assert judge_sentence(f"{asked.sentence} 99", asked) is not None
 
 
-@settings(max_examples=150)
+@settings(max_examples=200)
 @given(
     st.sampled_from([ENGLISH, GERMAN]),
     MOVES.filter(lambda move: isinstance(move.content, Literal)),
