@@ -31,5 +31,12 @@ def asking(robot: int, room: int, number: int = 1, turn: int = 1) -> DialogueVie
     return DialogueView(number, turn, robot, "select-room", room, ("Shall I go?",), ("Continue", "Stop"))
 
 
+def arguing(*turns: str, acts: tuple[str, ...] = ("accept", "leave"), robot: int = 0, room: int = 2) -> DialogueView:
+    """A dialogue with these sentences; those of the participant begin with an angle bracket."""
+    said = tuple(turn.removeprefix(">") for turn in turns)
+    speakers = tuple("person" if turn.startswith(">") else "robot" for turn in turns)
+    return DialogueView(robot + 1, len(turns), robot, "select-room", room, said, acts, acts, speakers)
+
+
 def refusal(number: int, request: str) -> RefusalView:
     return RefusalView(number, request, "no", f"No {request}.")

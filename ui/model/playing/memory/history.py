@@ -15,6 +15,9 @@ from ui.model.screen import HistoryLine
 MAX_LINES = 500
 """Lines kept."""
 
+SpokenLine = tuple[Literal["robot", "you"], str]
+"""Speaker and sentence."""
+
 _CONDITIONS = {
     Condition.WELL: "is well again.",
     Condition.LOST: "is lost: it does not know where it is.",
@@ -30,6 +33,8 @@ class GameHistory:
         # Number of sentences of each open dialogue that are in the history.
         self._known_sentences: dict[int, int] = {}
         self._announcements: list[str] = []
+        # Robots to which the participant has said something that no view has answered yet.
+        self._requested: set[int] = set()
 
     @property
     def lines(self) -> tuple[HistoryLine, ...]:
@@ -54,6 +59,7 @@ class GameHistory:
     def add_request(self, robot: int, sentence: str) -> None:
         """Add the sentence with which the participant opened a dialogue."""
         self._append("you", robot, sentence)
+        self._requested.add(robot)
 
     def add_answer(self, dialogue: DialogueView, choice: int) -> None:
         """Add the participant's choice now: once the dialogue is over, no view shows it again."""
@@ -89,21 +95,30 @@ class GameHistory:
         )
 
     def _receive_dialogue(self, dialogue: DialogueView) -> None:
-        known = self._known_sentences.get(dialogue.dialogue, 0)
-        for index, sentence in enumerate(dialogue.said[known:], known):
-            speaker = speaker_of(index)
+        sentences = spoken(dialogue)
+        known = self._known_sentences.get(dialogue.dialogue)
+        if known is None:
+            # What the participant opened it with is in the history since they did so.
+            is_hers = dialogue.matter != "take-picture" and [who for who, _ in sentences[:1]] == ["you"]
+            known = 1 if is_hers and dialogue.robot in self._requested else 0
+        self._requested.discard(dialogue.robot)
+        for speaker, sentence in sentences[known:]:
             self._append(speaker, dialogue.robot, sentence)
             if speaker == "robot":
                 self._announcements.append(f"{titled(dialogue.robot)}: {sentence}")
-        self._known_sentences[dialogue.dialogue] = max(known, len(dialogue.said))
+        self._known_sentences[dialogue.dialogue] = max(known, len(sentences))
 
     def _append(self, speaker: Literal["robot", "you", "game"], robot: int | None, text: str) -> None:
         self._lines.append(HistoryLine(speaker, robot, text))
 
 
-def speaker_of(index: int) -> Literal["robot", "you"]:
-    """Speaker of the sentence of this index in a dialogue: the robot begins, then turns alternate."""
-    return "robot" if index % 2 == 0 else "you"
+def spoken(dialogue: DialogueView) -> tuple[SpokenLine, ...]:
+    """Return the sentences of a dialogue with their speakers; those that are not told alternate after the robot."""
+    told = dialogue.speakers or ["person" if index % 2 else "robot" for index in range(len(dialogue.said))]
+    return tuple(
+        ("robot" if speaker == "robot" else "you", sentence)
+        for speaker, sentence in zip(told, dialogue.said, strict=True)
+    )
 
 
 def stopped_words(was: RobotView, now: RobotView) -> str:

@@ -1,20 +1,15 @@
 """Pop-up of a dialogue between a robot and the participant."""
 
-from typing import Literal
-
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import DialogueView, SelectRoom
 from ui.model.keys import choice_keys, keyed
-from ui.model.playing.memory.history import speaker_of
+from ui.model.playing.memory.history import SpokenLine, spoken
 from ui.model.playing.memory.popup_queue import DestinationItem
 from ui.model.playing.memory.state import HuntMemory
 from ui.model.playing.possible import energy_warning
 from ui.model.playing.words import name_request, titled
 from ui.model.screen import Action, DialoguePopup, GiveAnswer, ShowNext
-
-SpokenLine = tuple[Literal["robot", "you"], str]
-"""Speaker and sentence."""
 
 
 def destination_popup(hunt: HuntMemory, item: DestinationItem) -> DialoguePopup | None:
@@ -34,12 +29,11 @@ def destination_popup(hunt: HuntMemory, item: DestinationItem) -> DialoguePopup 
 def dialogue_popup(hunt: HuntMemory, dialogue: DialogueView) -> DialoguePopup:
     """A dialogue that waits for the participant, or for the robot once they have answered."""
     answered = hunt.pending.answer(dialogue.dialogue, dialogue.turn)
-    sentences: list[SpokenLine] = [(speaker_of(index), sentence) for index, sentence in enumerate(dialogue.said)]
-    named = hunt.submitted_names.get(dialogue.room)
-    if dialogue.matter == "select-room":
-        sentences = [*_request(hunt, dialogue.robot), *sentences]
-    elif dialogue.matter == "take-treasure" and named:
-        sentences.insert(0, ("you", name_request(named)))
+    sentences = list(spoken(dialogue))
+    opening = _opening(hunt, dialogue)
+    if opening:
+        # Robots that argue repeat it as the first move.
+        sentences[:1] = [*opening, *(line for line in sentences[:1] if line[0] == "robot")]
     if answered is not None and answered < len(dialogue.choices):
         sentences.append(("you", dialogue.choices[answered]))
     choices = tuple(
@@ -64,6 +58,14 @@ def dialogue_title(hunt: HuntMemory, dialogue: DialogueView) -> str:
             named = hunt.submitted_names.get(dialogue.room)
             what = f"it {name_in_words(named)}" if named else f"what is in room {dialogue.room}"
             return f"{name}: name {what}?"
+
+
+def _opening(hunt: HuntMemory, dialogue: DialogueView) -> tuple[SpokenLine, ...]:
+    """The sentence with which the participant opened this dialogue, if they did so here."""
+    named = hunt.submitted_names.get(dialogue.room)
+    if dialogue.matter == "select-room":
+        return _request(hunt, dialogue.robot)
+    return (("you", name_request(named)),) if dialogue.matter == "take-treasure" and named else ()
 
 
 def _request(hunt: HuntMemory, robot: int) -> tuple[SpokenLine, ...]:
