@@ -13,7 +13,7 @@ from thbridge.argumentation.beliefs import Beliefs, Source
 from thbridge.argumentation.cases import Side
 from thbridge.argumentation.propositions import Literal
 from thbridge.dialogue.conditions import DialogueCondition, Manner
-from thbridge.dialogue.engine import Choice, DialogueStep, Phrasing
+from thbridge.dialogue.engine import Choice, DialogueStep, Phrasing, announcement
 from thbridge.dialogue.evidence import Evidence, WhatFacts, WhereFacts, is_hearsay, reasons_of_a_person, what, where
 from thbridge.dialogue.explanations import explain, questions
 from thbridge.dialogue.games.agents import Agent
@@ -98,6 +98,10 @@ class ArguingEngine:
             return DialogueStep(dialogue, (), DialogueOutcome.CONSENSUS)
         opening = self._opening(dialogue, Side.HUMAN, PERSUASION, claim)
         return self._opened(dialogue, Speaker.PERSON, opening, held)
+
+    def announce(self, number: int, topic: DialogueTopic, move: Move) -> DialogueStep:
+        """Let the robot say something that takes no answer."""
+        return announcement(self.phrasing, number, topic, move)
 
     def move(self, dialogue: Dialogue, move: Move, *, held: bool = False) -> DialogueStep:
         """Make the person's move, or another one that the robot has heard; see `DialogueEngine`."""

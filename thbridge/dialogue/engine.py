@@ -9,12 +9,14 @@ from typing import Protocol
 
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.moves import (
+    Author,
     Dialogue,
     DialogueOutcome,
     DialogueTopic,
     DialogueUtterance,
     Move,
     Speaker,
+    Turn,
 )
 
 
@@ -73,6 +75,10 @@ class DialogueEngine(Protocol):
         """
         ...
 
+    def announce(self, number: int, topic: DialogueTopic, move: Move) -> DialogueStep:
+        """Let the robot say something that takes no answer; the dialogue ends with it."""
+        ...
+
     def move(self, dialogue: Dialogue, move: Move, *, held: bool = False) -> DialogueStep:
         """Make the person's move, and unless held let the robot answer."""
         ...
@@ -92,3 +98,11 @@ class DialogueEngine(Protocol):
     def utterances(self, dialogue: Dialogue) -> tuple[DialogueUtterance, ...]:
         """Return all utterances of a dialogue so far."""
         ...
+
+
+def announcement(phrasing: Phrasing, number: int, topic: DialogueTopic, move: Move) -> DialogueStep:
+    """Return the dialogue in which a robot says one thing that takes no answer."""
+    turn = Turn(Speaker.ROBOT, move, Author.ROBOT)
+    text = phrasing.say(Dialogue(number, topic), move, Speaker.ROBOT)
+    utterance = DialogueUtterance(number, 0, Speaker.ROBOT, Author.ROBOT, move, text, topic)
+    return DialogueStep(Dialogue(number, topic, (turn,)), (utterance,), DialogueOutcome.NO_CONSENSUS)

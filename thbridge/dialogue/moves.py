@@ -155,6 +155,13 @@ class Explain:
 
 
 @dataclass(frozen=True, slots=True)
+class DecideAlone:
+    """The robot, which nobody has attended to for so many seconds, tells that it decides by itself."""
+
+    waited: float
+
+
+@dataclass(frozen=True, slots=True)
 class Override:
     """The person, who has the last word, wants it done all the same."""
 
@@ -164,7 +171,19 @@ class Leave:
     """The person leaves it at that; the dialogue ends."""
 
 
-Move = Ask | Continue | Stop | DialogueMove | OpenQuestions | CloseQuestions | Enquire | Explain | Override | Leave
+Move = (
+    Ask
+    | Continue
+    | Stop
+    | DialogueMove
+    | OpenQuestions
+    | CloseQuestions
+    | Enquire
+    | Explain
+    | DecideAlone
+    | Override
+    | Leave
+)
 
 _WORDS: Mapping[type[Move], str] = {
     Ask: "ask",
@@ -174,6 +193,7 @@ _WORDS: Mapping[type[Move], str] = {
     CloseQuestions: "close-questions",
     Enquire: "enquire",
     Explain: "explain",
+    DecideAlone: "decide-alone",
     Override: "override",
     Leave: "leave",
 }

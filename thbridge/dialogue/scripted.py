@@ -6,7 +6,7 @@ it; the person gets the legal moves as sentences and can make no other.
 
 from dataclasses import dataclass, replace
 
-from thbridge.dialogue.engine import Choice, DialogueStep, Phrasing
+from thbridge.dialogue.engine import Choice, DialogueStep, Phrasing, announcement
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.moves import Author, Dialogue, DialogueTopic, DialogueUtterance, Move, Speaker, Turn
 from thbridge.dialogue.protocols import DialogueProtocol
@@ -39,6 +39,10 @@ class ScriptedEngine:
     ) -> DialogueStep:
         """Open a dialogue; see `DialogueEngine`."""
         return self._run(Dialogue(number, topic), (), held)
+
+    def announce(self, number: int, topic: DialogueTopic, move: Move) -> DialogueStep:
+        """Let the robot say something that takes no answer."""
+        return announcement(self.phrasing, number, topic, move)
 
     def move(self, dialogue: Dialogue, move: Move, *, held: bool = False) -> DialogueStep:
         """Make the person's move, and unless held let the robot answer."""

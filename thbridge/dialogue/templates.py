@@ -4,8 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from sim.common import noise
-from thbridge.dialogue.moves import Ask, Continue, Dialogue, Move, Scenario, Speaker, Stop
+from thbridge.dialogue.moves import Ask, Continue, DecideAlone, Dialogue, Move, Scenario, Speaker, Stop
 from thbridge.dialogue.words import fill, is_filled, words_of
+from thbridge.hunt.costs import energy_text
 
 _CONFIDENCE = "£confidence£"
 
@@ -66,5 +67,8 @@ class TemplatePhrasing:
                 return "Continue"
             case Stop():
                 return "Stop"
+            case DecideAlone(waited):
+                room = dialogue.topic.room_name
+                return f"Nobody has told me what to do for {energy_text(waited)} s: I go to {room}."
             case _:
                 raise ValueError(f"there is no scripted sentence for {move}")

@@ -9,6 +9,7 @@ from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.moves import (
     CloseQuestions,
+    DecideAlone,
     Dialogue,
     Enquire,
     Explain,
@@ -72,6 +73,8 @@ class WordedPhrasing:
                 return words.line(_ASKED[question], chance=chance)
             case Explain():
                 return _explanation(words, move, chance)
+            case DecideAlone(waited):
+                return words.line(LineKey.NEGLECTED, chance=chance, seconds=waited, room=dialogue.topic.room)
             case OpenQuestions():
                 return words.line(LineKey.HAVE_QUESTION, chance=chance)
             case CloseQuestions():

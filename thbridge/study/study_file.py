@@ -141,6 +141,14 @@ class DialogueSection:
         default_factory=dict,
         metadata={"help": "robots with another manner, by number: {2: {persistence: 0}}", "like": "manner"},
     )
+    neglect: float | None = param(
+        None,
+        "time after which a robot that the participant does not attend to decides by itself; null: it waits, or in the "
+        "condition autonomous decides after 5 s",
+        "s",
+        1,
+        3600,
+    )
     language: str = param("en", "name of the language in which robots argue: en, de, or one of the folder of words")
     words: Path | None = param(
         None,
@@ -168,6 +176,11 @@ class DialogueSection:
     games: Path | None = param(
         None, "path of a folder of dialogue games, beside those that come with the project; null: those alone"
     )
+
+    @property
+    def patience(self) -> float | None:
+        """Time for which a robot waits for the participant, s; None: for ever."""
+        return 5.0 if self.neglect is None and self.condition is DialogueCondition.AUTONOMOUS else self.neglect
 
 
 @dataclass(frozen=True, slots=True)

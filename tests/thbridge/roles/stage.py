@@ -5,8 +5,9 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from thbridge.app.compose.game import build_bot, build_hider
+from thbridge.app.compose.game import build_bot, build_hider, known_treasures
 from thbridge.app.session.session import Session, TickRecord
+from thbridge.dialogue.engine import DialogueEngine
 from thbridge.dialogue.protocols import TemplateProtocol
 from thbridge.dialogue.scripted import ScriptedEngine
 from thbridge.dialogue.strategies import TemplateStrategy
@@ -137,6 +138,8 @@ class Stage:
         history: Sequence[Event] = (),
         tells_refusals: bool = False,
         adviser: Adviser | None = None,
+        talk: DialogueEngine | None = None,
+        patience: int | None = None,
     ) -> None:
         self.templates = templates(set_name)
         if kinds is not None:
@@ -144,15 +147,17 @@ class Stage:
         self.log = Log()
         self.log.append(history)
         names = tuple(sorted(kind.name for kind in self.templates.kinds))
-        self.briefing = briefing or Briefing(names=names, properties=self.templates.properties)
+        known = known_treasures(self.templates)
+        self.briefing = briefing or Briefing(names=names, properties=self.templates.properties, kinds=known)
         last_game = 1 if history else 0
         self.keeper = Keeper(
             rules,
-            lambda game: engine(self.templates, seed),
+            lambda game: talk or engine(self.templates, seed),
             history,
             last_game,
             self.briefing,
             adviser,
+            patience,
             tells_refusals=tells_refusals,
         )
         costs = self.templates.costs or templates("original-2016").costs

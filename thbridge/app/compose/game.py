@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from sim.common import noise
+from sim.common.observations import TICKS_PER_SECOND
 from sim.common.robot_numbers import index_of
 from thbridge.app.compose.setting import StudySetting
 from thbridge.dialogue.arguing import ArguingEngine
@@ -49,6 +50,7 @@ def build_keeper(setting: StudySetting, history: tuple[Event, ...] = (), last_ga
         last_game,
         build_briefing(setting),
         Adviser(talk.planner, talk.adviser_error_rate, talk.says_confidence, talk.confidence_bias),
+        None if talk.patience is None else round(talk.patience * TICKS_PER_SECOND),
         tells_refusals=study.server.tell_refusals,
     )
 

@@ -187,11 +187,13 @@ class Conversation:
         return tuple(Opening(game, topic, legal.move) for legal in moves if self._has_answer(fresh, legal))
 
     def _new(self, game: str, topic: Belief, side: Side, parent: int | None) -> GamePlay:
+        # A question may be put, and answered, again; and who was left alone with a claim has not used up an answer.
         failed = [
             play
             for play in self.plays[self.since :]
             if (play.game.name, play.topic, play.initiator) == (game, topic, side)
-            and play.end not in {None, DialogueEnd.AGREEMENT}
+            and play.end not in {None, DialogueEnd.AGREEMENT, DialogueEnd.WITHDRAWN}
+            and play.claims_at_once(self.rulebook)
         ]
         used = frozenset(play.moves[1][1] for play in failed if len(play.moves) > 1)
         number = len(self.plays) + 1

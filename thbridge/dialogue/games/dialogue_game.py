@@ -71,6 +71,12 @@ class GamePlay:
             case GameRole.CHALLENGER:
                 return other_side(self.defender or self.initiator)
 
+    def claims_at_once(self, rulebook: Rulebook) -> bool:
+        """Return True when the opening made a claim, rather than asked for one."""
+        opening = self.moves[0][1]
+        locution = rulebook.locution(opening.locution, opening.content)
+        return locution is not None and locution.makes_claim
+
 
 @dataclass(frozen=True, slots=True)
 class LegalMove:

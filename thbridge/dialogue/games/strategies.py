@@ -18,6 +18,7 @@ from thbridge.dialogue.games.contents import ContentKind, DialogueMove, kind_of_
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.games.dialogue_game import GamePlay
 from thbridge.dialogue.games.locutions import origin_of_hearsay
+from thbridge.dialogue.games.tables import DialogueEnd
 
 
 class GameStrategy(Protocol):
@@ -80,7 +81,9 @@ class ArguingStrategy:
         earlier = [
             other
             for other in conversation.plays[conversation.since :]
-            if other.end is not None and other.topic == play.topic and other.initiator is play.initiator
+            if other.end not in {None, DialogueEnd.WITHDRAWN}
+            and other.topic == play.topic
+            and other.initiator is play.initiator
         ]
         return len(earlier) >= self.persistence and play.initiator is not play.speaker
 

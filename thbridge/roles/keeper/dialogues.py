@@ -8,6 +8,7 @@ from thbridge.dialogue.engine import DialogueEngine, DialogueStep
 from thbridge.dialogue.evidence import WhatFacts, WhereFacts, is_decision
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.moves import (
+    DecideAlone,
     Dialogue,
     DialogueOutcome,
     DialogueTopic,
@@ -162,6 +163,14 @@ class GameDialogues:
             held = dialogue.topic.robot in self.puppets
             self._follow(self._engine.move(dialogue, choices[choice].move, held=held))
 
+    def decided_alone(self, state: GameState, robot: int, room: Room, waited: float) -> None:
+        """Let a robot say that it goes to a room by itself, after it has waited for so many seconds."""
+        self._forget(robot, "select-room")
+        name = self._room_names.name(room.people) or str(room)
+        topic = _topic(state, Scenario.DONT_KNOW, robot, room, name)
+        self._opened += 1
+        self._follow(self._engine.announce(self._opened, topic, DecideAlone(waited)))
+
     # In a robot's place
 
     def hold(self, robot: int) -> None:
@@ -254,6 +263,10 @@ class GameDialogues:
             acts=tuple(word_of(choice.move) for choice in choices),
             speakers=tuple(utterance.speaker.value for utterance in said),
         )
+
+    def robot_of(self, number: int) -> int | None:
+        """Return the robot of the open dialogue with this number, or None."""
+        return next((robot for robot, dialogue in self._open.items() if dialogue.number == number), None)
 
     def _at_turn(self, number: int, turn: int) -> Dialogue | None:
         """Return the open dialogue of this number if it is at this turn."""

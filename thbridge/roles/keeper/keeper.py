@@ -142,6 +142,7 @@ class Keeper:
         last_game: number of the last game so far; the next one gets the number after it.
         briefing: for participants, beside the state of the game.
         adviser: suggests rooms in the place of robots.
+        patience: ticks after which a robot that nobody attends to decides by itself; None: it waits for ever.
         tells_refusals: True: programs of 2016 are told what is refused to them, by `%%error`.
 
     Attributes:
@@ -158,6 +159,7 @@ class Keeper:
         last_game: int = 0,
         briefing: Briefing | None = None,
         adviser: Adviser | None = None,
+        patience: int | None = None,
         *,
         tells_refusals: bool = False,
     ) -> None:
@@ -166,7 +168,7 @@ class Keeper:
         self._rules = rules
         self._briefing = briefing or Briefing()
         kinds = self._briefing.kinds
-        self._game = OpenGame(engine, last_game, self._briefing.room_names, adviser or Adviser(), kinds)
+        self._game = OpenGame(engine, last_game, self._briefing.room_names, adviser or Adviser(), kinds, patience)
         self._game.restore(history)
         return_robots(self._game)
         self._legacy_lines = LegacyLines(self._game)
@@ -239,6 +241,8 @@ class Keeper:
         """Run one tick; see `Role`."""
         if self._game.advance(tick):
             self._has_input = True
+        if self.consent.recordable and not self._participants.is_empty and self._game.decide_alone():
+            self._has_input = True
         requests, self._requests = self._requests, []
         for request in requests:
             self._has_input = True
@@ -294,6 +298,8 @@ class Keeper:
             self._hide(hidden)
         elif (ready := decode_notice(notice, ParticipantReady)) is not None:
             self._consent.join(self.state, ready.run)
+            for robot in range(0 if self.state is None else len(self.state.robots)):
+                self._game.attend(robot)
             self._outgoing += self._participants.join(notice.sender, None if self._team is None else self._team.map)
         elif decode_notice(notice, ConsentQuery) is not None:
             self._permission = RecordingPermission(self.consent.recordable)
@@ -397,6 +403,7 @@ class Keeper:
         for robot, condition in enumerate(status.conditions):
             if self.state is not None:
                 self._game.apply_ruling("Reported", rules.report(self.state, robot, condition))
+        self._game.report_failures()
         for robot, researcher in enumerate(status.researchers):
             if self.state is not None:
                 self._game.apply_ruling("Commanded", rules.intervene(self.state, robot, researcher))

@@ -26,6 +26,7 @@ from thbridge.protocols.text.notice import kind_of
 from thbridge.roles.failure_reasons import CALLED_BACK
 from thbridge.roles.keeper.advice import Advice, Adviser
 from thbridge.roles.keeper.dialogues import MATTERS, GameDialogues
+from thbridge.roles.keeper.neglect import decide_about_treasure, decide_to_go, neglected
 from thbridge.roles.keeper.robot_facts import what_facts, where_facts
 from thbridge.roles.notices import MoveOrder
 from thbridge.roles.view import RefusalView, RequestSuggestion
@@ -43,6 +44,7 @@ class OpenGame:
         room_names: names of the map's rooms.
         adviser: suggests rooms in the place of robots.
         kinds: treasures that there are, as everybody knows them.
+        patience: ticks after which a robot that nobody attends to decides by itself; None: it waits for ever.
     """
 
     def __init__(
@@ -52,11 +54,17 @@ class OpenGame:
         room_names: RoomNames,
         adviser: Adviser,
         kinds: tuple[TreasureKind, ...] = (),
+        patience: int | None = None,
     ) -> None:
         self._engine = engine
         self._adviser = adviser
         self._room_names = room_names
         self._kinds = kinds
+        self._patience = patience
+        # By robot, the tick at which something last happened to it, or was asked of it.
+        self._attended: dict[int, int] = {}
+        # Robots that did not get where they were sent, and have not said so yet.
+        self._to_report: set[int] = set()
         # By robot, the rooms that it could not reach since it last reached one.
         self._unreached: dict[int, frozenset[Room]] = {}
         self.last_game = last_game
@@ -85,6 +93,51 @@ class OpenGame:
         before = len(self._asked_back)
         self._asked_back = {robot: asked for robot, asked in self._asked_back.items() if tick - asked < _ASK_AGAIN}
         return len(self._asked_back) < before
+
+    def attend(self, robot: int) -> None:
+        """Note that the participant attends to a robot."""
+        self._attended[robot] = self._tick
+
+    def decide_alone(self) -> bool:
+        """Let robots decide that nobody has attended to for too long; return True if any did."""
+        state = self.state
+        if state is None or self._patience is None:
+            return False
+        waiting = neglected(state, self._attended, self._tick, self._patience)
+        for robot in waiting:
+            self.attend(robot)
+            if self.state is not None:
+                self._decide_alone(self.state, robot)
+        return bool(waiting)
+
+    def _decide_alone(self, state: GameState, robot: int) -> None:
+        here = state.robots[robot].at
+        names = what_facts(state, robot, here, self._kinds, self._tick).names if state.has_room(here) else ()
+        decision = decide_about_treasure(state, robot, names)
+        if decision is None:
+            advice = self.advice(state, robot)
+            room = None if isinstance(advice, RequestRefused) else advice.room
+            if room is not None and self.dialogues.argues and not isinstance(advice, RequestRefused):
+                room = self.dialogues.decision(self.where_facts(state, robot, advice))
+            decision = None if room is None else decide_to_go(state, robot, room)
+        if decision is not None:
+            self.record(decision.events)
+            if decision.departs and self.state is not None:
+                waited = (self._patience or 0) / TICKS_PER_SECOND
+                self.dialogues.decided_alone(self.state, robot, decision.room, waited)
+
+    def report_failures(self) -> None:
+        """Let robots that argue say where they would go instead, when they did not get where they were sent."""
+        for robot in sorted(self._to_report):
+            state = self.state
+            if state is None or not self.dialogues.argues or robot in self.dialogues.puppets:
+                continue
+            advice = self.advice(state, robot)
+            if not isinstance(advice, RequestRefused) and not rules.unable(state, robot):
+                facts = self.where_facts(state, robot, advice)
+                if self.dialogues.decision(facts) is not None:
+                    self.suggest(state, robot, advice, unasked=True)
+        self._to_report.clear()
 
     def restore(self, history: Iterable[Event]) -> None:
         """Restore the state from the events of an unfinished game; they are not recorded again."""
@@ -200,6 +253,8 @@ class OpenGame:
             self._departures = 0
             self._recalled.clear()
             self._unreached.clear()
+            self._to_report.clear()
+            self._attended = dict.fromkeys(range(event.robots), self._tick)
         elif self.state is not None:
             self.state = game.apply(self.state, event)
         if isinstance(event, RobotDeparted):
@@ -211,6 +266,9 @@ class OpenGame:
             self._asked_back.pop(event.robot, None)
         if isinstance(event, RobotArrived | MoveFailed):
             self._recalled.discard(event.robot)
+        robot = getattr(event, "robot", None)
+        if isinstance(robot, int):
+            self.attend(robot)
 
     def _note_end_of_move(self, event: Event) -> None:
         """Note a room that a robot could not reach; after reaching one it thinks about all of them anew."""
@@ -220,3 +278,4 @@ class OpenGame:
             room = self.state.robots[event.robot].bound_for
             if room is not None:
                 self._unreached[event.robot] = self._unreached.get(event.robot, frozenset()) | {room}
+                self._to_report.add(event.robot)

@@ -37,7 +37,11 @@ def handle_participant_request(game: OpenGame, state: GameState, notice: Notice,
         awaits_treasures: Hider is about to hide them; until then no robot is sent.
     """
     now = Situation(state, game.dialogues.discussed, awaits_treasures)
-    match _decode_request(notice):
+    asked = _decode_request(notice)
+    robot = _robot_of(game, state, asked)
+    if robot is not None:
+        game.attend(robot)
+    match asked:
         case GiveUpTreasure() | TakeUpTreasure() | MeasureProperty() | TellProperty() as request:
             game.apply_ruling(notice.kind, judge(now, request))
         case GiveUp() as request if request.game == state.started.game:
@@ -57,6 +61,15 @@ def handle_participant_request(game: OpenGame, state: GameState, notice: Notice,
             _open(game, state, judge(now, request), scenario, request.robot, place(request.room))
         case AnswerDialogue() as request:
             game.dialogues.answer(request.dialogue, request.turn, request.choice)
+
+
+def _robot_of(game: OpenGame, state: GameState, request: ParticipantRequest | None) -> int | None:
+    """Return the robot that a request attends to, or None."""
+    if isinstance(request, AnswerDialogue):
+        return game.dialogues.robot_of(request.dialogue)
+    room: int | None = getattr(request, "room", None)
+    robot: int | None = getattr(request, "robot", None)
+    return state.decider(place(room)) if robot is None and room is not None else robot
 
 
 def suggest_or_await(game: OpenGame, state: GameState, number: int) -> None:

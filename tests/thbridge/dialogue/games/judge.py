@@ -424,7 +424,9 @@ class Judge:
         failed = [
             talk
             for talk in self.talks
-            if (talk.game, talk.topic, talk.opener) == (game, topic, side) and talk.end not in {None, "agreement"}
+            if (talk.game, talk.topic, talk.opener) == (game, topic, side)
+            and talk.end not in {None, "agreement", "withdrawn"}
+            and not game.startswith("information-seeking")
         ]
         used = frozenset(talk.lines[1][1] for talk in failed if len(talk.lines) > 1)
         talk = Talk(len(self.talks) + 1, game, topic, side, parent, used=used)

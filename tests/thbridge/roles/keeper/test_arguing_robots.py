@@ -1,0 +1,193 @@
+"""Robots that argue, in a game: what participants and robots agree upon is done, and nothing else."""
+
+import pytest
+
+from tests.thbridge.roles.stage import Stage
+from tests.thbridge.roles.test_hunt import Script
+from thbridge.dialogue.arguing import ArguingEngine
+from thbridge.dialogue.conditions import DialogueCondition, Manner
+from thbridge.dialogue.moves import Author, DecideAlone
+from thbridge.dialogue.worded import WordedPhrasing
+from thbridge.files.game_files import read_rulebook
+from thbridge.files.word_files import read_language
+from thbridge.hunt.events import RobotDeparted, TreasureLeft
+from thbridge.roles.participant.tabui import TabUI
+from thbridge.roles.robot_requests import WizardMode, WizardMove
+from thbridge.roles.view import (
+    AnswerDialogue,
+    Consent,
+    DialogueView,
+    ParticipantRequest,
+    RequestSuggestion,
+    SelectRoom,
+    SendRobot,
+    View,
+)
+
+RULEBOOK, LANGUAGE = read_rulebook(), read_language()
+COLLABORATOR = DialogueCondition.COLLABORATOR
+
+
+class Table:
+    """A stage with robots that argue and a participant who does what the test tells her."""
+
+    def __init__(self, condition: DialogueCondition = COLLABORATOR, patience: int | None = None) -> None:
+        self.player = Script()
+        phrasing = WordedPhrasing(LANGUAGE, condition, 7)
+        talk = ArguingEngine(RULEBOOK, {None: Manner(condition)}, phrasing, 7)
+        self.stage = Stage(participant=TabUI(self.player), talk=talk, patience=patience)
+        self.stage.run(10)
+
+    def wish(self, *wishes: ParticipantRequest, ticks: int = 5) -> View:
+        self.player.wish = wishes
+        self.stage.tabui.poll_player()
+        self.stage.run(ticks)
+        self.player.wish = ()
+        return self.view
+
+    @property
+    def view(self) -> View:
+        view = self.stage.view()
+        assert view is not None
+        return view
+
+    def dialogue(self, robot: int = 0) -> DialogueView:
+        return next(each for each in self.view.dialogues if each.robot == robot)
+
+    def say(self, text: str, robot: int = 0) -> View:
+        """Make the first choice that contains a text."""
+        talk = self.dialogue(robot)
+        choice = next(number for number, sentence in enumerate(talk.choices) if text in sentence)
+        return self.wish(AnswerDialogue(talk.dialogue, talk.turn, choice))
+
+    def suggested(self, robot: int = 0) -> int:
+        """The room that a robot would go to by itself."""
+        self.wish(RequestSuggestion(robot))
+        room = self.dialogue(robot).room
+        self.say("Let us leave it", robot)
+        return room
+
+    def another_room(self, robot: int = 0) -> int:
+        suggested = self.suggested(robot)
+        costs = self.view.costs_from(self.view.robots[robot])
+        return next(room for room in range(1, 9) if room != suggested and costs[room] is not None)
+
+
+def test_a_supervised_robot_does_what_it_is_told_without_a_word() -> None:
+    table = Table(DialogueCondition.SUPERVISOR)
+    view = table.wish(SelectRoom(0, 3))
+    assert view.dialogues == () and view.consents == (Consent(0, "select-room", 3),)
+
+
+def test_a_collaborator_goes_nowhere_before_both_agree() -> None:
+    table = Table()
+    room = table.another_room()
+    view = table.wish(SelectRoom(0, room))
+    assert view.consents == ()
+    assert table.wish(SendRobot(0, room)).robots[0].moving_to is None
+    table.say(f"All right, not room {room}")
+    table.say("Where would you go, then?")
+    view = table.say("All right, room ")
+    assert view.dialogues == ()
+    (agreed,) = view.consents
+    assert agreed.room != room
+    assert table.wish(SendRobot(0, agreed.room)).robots[0].moving_to == agreed.room
+
+
+def test_a_robot_that_was_persuaded_goes_there() -> None:
+    table = Table()
+    room = table.another_room()
+    table.wish(SelectRoom(0, room))
+    table.say("Why not")
+    table.say("No, I still want you to go")
+    table.say(f"Go to room {room} next")
+    view = table.say("I want")
+    if view.dialogues:
+        view = table.say(f"Go to room {room} next")
+    assert view.consents == (Consent(0, "select-room", room),)
+    assert table.wish(SendRobot(0, room)).robots[0].moving_to == room
+
+
+def test_two_robots_ask_at_once_and_are_answered_in_any_order() -> None:
+    table = Table()
+    table.wish(RequestSuggestion(0), RequestSuggestion(1))
+    assert {each.robot for each in table.view.dialogues} == {0, 1}
+    first, second = table.dialogue(0).room, table.dialogue(1).room
+    assert first != second
+    table.say("All right", robot=1)
+    view = table.say("All right", robot=0)
+    assert {(agreed.robot, agreed.room) for agreed in view.consents} == {(0, first), (1, second)}
+
+
+def test_a_robot_that_finds_no_way_says_where_it_would_go_instead() -> None:
+    table = Table()
+    room = table.suggested()
+    table.stage.puppets.stuck.add(0)
+    table.wish(SelectRoom(0, room))
+    view = table.wish(SendRobot(0, room), ticks=80)
+    assert view.robots[0].moving_to is None
+    talk = table.dialogue()
+    assert talk.room != room
+    assert "room" in talk.said[0]
+    # Asked about the room that it did not reach, it has a reason against it.
+    table.say("Let us leave it")
+    table.wish(SelectRoom(0, room))
+    table.say("Why not")
+    assert "no way" in table.dialogue().said[-1]
+
+
+def test_neglected_robots_decide_by_themselves_and_say_so() -> None:
+    table = Table(patience=100)
+    table.stage.run(90)
+    assert all(robot.moving_to is None for robot in table.view.robots)
+    table.stage.run(60)
+    said = [each for record in table.stage.tick_records for each in record.utterances]
+    assert {each.topic.robot for each in said if isinstance(each.move, DecideAlone)} == {0, 1}
+    assert all(each.text.startswith("Nobody has told me what to do for 2 s") for each in said)
+    table.stage.run(3000)
+    assert sum(room.state == "visited" for room in table.view.rooms) == 8
+    # It names what it is sure of, and gives nothing up in her place.
+    assert any(room.verdict is not None and room.verdict.points > 0 for room in table.view.rooms)
+    assert not any(isinstance(event, TreasureLeft) for event in table.stage.log.events)
+    assert all(room.verdict is None or room.verdict.points > 0 for room in table.view.rooms)
+
+
+def test_a_robot_that_is_attended_to_waits() -> None:
+    table = Table(patience=100)
+    table.wish(RequestSuggestion(0), RequestSuggestion(1))
+    for at in range(20):
+        for robot in (0, 1):
+            table.say("Back" if at % 2 else "I have a question", robot)
+        table.stage.run(30)
+    assert not any(isinstance(event, RobotDeparted) for event in table.stage.log.events)
+
+
+@pytest.mark.parametrize("condition", [DialogueCondition.ADVISER, DialogueCondition.AUTONOMOUS])
+def test_who_has_the_last_word(condition: DialogueCondition) -> None:
+    table = Table(condition)
+    room = table.another_room()
+    view = table.wish(SelectRoom(0, room))
+    if condition is DialogueCondition.ADVISER:
+        view = table.say("all the same")
+        assert view.consents == (Consent(0, "select-room", room),)
+    else:
+        table.say("Why not")
+        view = table.say("No, I still want")
+        (agreed,) = view.consents
+        assert agreed.room != room
+
+
+def test_a_wizard_is_offered_the_legal_moves_of_the_robot() -> None:
+    table = Table()
+    room = table.another_room()
+    table.stage.session.ask("wizard", WizardMode(0, on=True))
+    table.wish(SelectRoom(0, room))
+    assert table.dialogue().choices == ()
+    (turn,) = table.stage.tick_records[-1].wizard.turns
+    assert len(turn.sentences) >= 2
+    challenge = next(at for at, sentence in enumerate(turn.sentences) if sentence.startswith("Why"))
+    table.stage.session.ask("wizard", WizardMove(turn.dialogue, turn.turn, challenge, ""))
+    table.stage.run(5)
+    assert table.dialogue().said[-1].startswith("Why")
+    authors = [each.author for record in table.stage.tick_records for each in record.utterances]
+    assert Author.WIZARD in authors

@@ -1,0 +1,79 @@
+"""Robots that nobody attends to: after a while each decides by itself what to do next."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+from thbridge.hunt import rules
+from thbridge.hunt.events import Commander, Event, TreasureLeft
+from thbridge.hunt.game import GameState
+from thbridge.hunt.rooms import Room
+
+
+@dataclass(frozen=True, slots=True)
+class AloneDecision:
+    """Decision of a robot without the participant.
+
+    Attributes:
+        robot: index in the team.
+        room: where it goes, or stands.
+        events: of carrying it out.
+        departs: True when it goes to the room.
+    """
+
+    robot: int
+    room: Room
+    events: tuple[Event, ...]
+    departs: bool
+
+
+def neglected(state: GameState, attended: Mapping[int, int], tick: int, patience: int) -> tuple[int, ...]:
+    """Return the robots that could do something, and that nobody has attended to for too long.
+
+    Args:
+        state: of the game.
+        attended: tick at which something last happened to each robot, or was asked of it.
+        tick: present tick.
+        patience: ticks for which a robot waits.
+    """
+    if state.ended is not None or state.treasures is None:
+        return ()
+    return tuple(
+        number
+        for number, robot in enumerate(state.robots)
+        if robot.bound_for is None
+        and not rules.unable(state, number)
+        and not rules.commanded_by_other(state, number, Commander.PARTICIPANT)
+        and tick - attended.get(number, tick) >= patience
+    )
+
+
+def decide_about_treasure(state: GameState, robot: int, names: Collection[str]) -> AloneDecision | None:
+    """Return what a robot does about an undecided treasure where it stands; None: it goes on.
+
+    It senses it, and names it where only one name fits. All else needs the eyes of a person.
+
+    Args:
+        state: of the game.
+        robot: index in the team.
+        names: that fit what is known of the treasure.
+    """
+    here = state.robots[robot].at
+    if not state.has_room(here) or state.decider(here) != robot or state.room(here).is_decided:
+        return None
+    sensed = rules.sense(state, here) if state.room(here).sensed is None else ()
+    if isinstance(sensed, tuple) and sensed:
+        return AloneDecision(robot, here, sensed, departs=False)
+    if len(names) == 1:
+        named = rules.identify(state, here, next(iter(names)))
+        if isinstance(named, tuple):
+            return AloneDecision(robot, here, named, departs=False)
+    return None
+
+
+def decide_to_go(state: GameState, robot: int, room: Room) -> AloneDecision | None:
+    """Return a robot's departure for a room, or None if the rules do not allow it; no treasure is given up by it."""
+    ruling = rules.move(state, robot, room)
+    if not isinstance(ruling, tuple):
+        return None
+    events = tuple(event for event in ruling if not isinstance(event, TreasureLeft))
+    return AloneDecision(robot, room, events, departs=True)
