@@ -293,13 +293,13 @@ def _move_faults(
         if predicate is None:
             yield loaded.fault(f"{key}.of", f"there is no predicate {move.of}", _nearest(move.of, list(PREDICATES)))
             return
-        if move.content not in {ContentKind.LITERAL, ContentKind.UNKNOWN}:
-            yield loaded.fault(f"{key}.of", f"a wording for a {move.content} is one for all predicates", "Delete it")
+        if move.content is ContentKind.RULE:
+            yield loaded.fault(f"{key}.of", "a wording for a rule is one for all predicates", "Delete the key")
         if move.robot is not None and predicate.robot is None:
             yield loaded.fault(f"{key}.robot", f"{move.of} is about no robot", "Delete the key")
         allowed |= reserved_words(predicate.values)
         if move.holds is not None or move.content is ContentKind.UNKNOWN:
-            ways.append(_needed(predicate, move.robot))
+            ways.append(_needed(predicate, move.robot) | (set(whole) - {"content", "conclusion"}))
     if not move.say:
         yield _no_wording(loaded, f"{key}.say")
     yield from _wording_faults(loaded, f"{key}.say", move.say, allowed, ways)

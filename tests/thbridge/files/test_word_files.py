@@ -56,8 +56,11 @@ BROKEN = {
     ),
     "moves: [{move: assert, content: argument, speaker: human, say: ['£content£']}]": ("£content£", "£conclusion£"),
     "moves: [{move: assert, content: argument, speaker: human, say: ['£conclusion£']}]": ("has to carry £support£",),
-    "moves: [{move: assert, content: argument, of: next, speaker: human, say: ['£support£ £conclusion£']}]": (
+    "moves: [{move: challenge, content: rule, of: next, speaker: human, say: ['£content£']}]": (
         "one for all predicates",
+    ),
+    "moves: [{move: assert, content: argument, of: next, robot: self, holds: true, speaker: human, say: ['£room£']}]": (
+        "has to carry £support£",
     ),
     "moves: [{move: challenge, speaker: human, of: visited, robot: self, say: ['£content£']}]": ("about no robot",),
     "moves: [{move: accept, speaker: human, say: ['£content£']}, {move: accept, speaker: human, say: ['£content£']}]": (

@@ -17,7 +17,7 @@ from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown
 from thbridge.dialogue.wording.language import Grammar
 from thbridge.dialogue.wording.predicates import ValueKind, predicate_of
-from thbridge.dialogue.wording.wording import Wording
+from thbridge.dialogue.wording.wording import Wording, reasons
 
 _TOKEN = re.compile(r"\d+(?:[.,]\d+)*|-(?=\s*\d)|[+−*/%=<>≤≥×÷±?]|[,;:.!…–—]|\w+(?:['’]\w+)*")
 _DENIED = "not"
@@ -268,5 +268,5 @@ def _literals_in(content: Content) -> Iterator[Literal]:
             yield from (*premises, conclusion)
         case Argument(support, conclusion):
             yield from conclusion.parts
-            for part in sorted(support, key=str):
+            for part in reasons(support):
                 yield from _literals_in(part)

@@ -103,7 +103,6 @@ PREDICATES: Mapping[str, Predicate] = {
         ("order", VisitOrder, {"place": ValueKind.NUMBER, **_ROOM}),
         ("current_energy_level", EnergyLevel, _ENERGY),
         ("energy_cost", EnergyCost, {"start": ValueKind.ROOM, "goal": ValueKind.ROOM, **_ENERGY}),
-        ("less_than", LessThan, {"terms": ValueKind.SUM, "limit": ValueKind.ENERGY}),
         ("color_found", ColourFound, {"image": ValueKind.PICTURE, "colour": ValueKind.NAME}),
         ("in_image", InImage, {"thing": ValueKind.NAME, "image": ValueKind.PICTURE}),
         ("treasure_in", TreasureIn, {"name": ValueKind.NAME, **_ROOM}),
@@ -112,7 +111,6 @@ PREDICATES: Mapping[str, Predicate] = {
         ("too_far", TooFar, _ROOM),
         ("next", NextRoom, _ROBOT_TO_ROOM),
         ("plan", TeamPlan, {**_ROBOT_TO_ROOM, "rooms": ValueKind.ROOMS, **_ENERGY}),
-        ("fewer_rooms", FewerRooms, {"fewer": ValueKind.ROOMS, "more": ValueKind.ROOMS}),
         ("energy_cost_of", CostOfOther, {**_ROBOT_TO_ROOM, **_ENERGY}),
         ("under_way", UnderWay, _ROBOT_TO_ROOM),
         ("no_way", NoWay, _ROOM),
@@ -124,9 +122,11 @@ PREDICATES: Mapping[str, Predicate] = {
         ("picture_taken", PictureTaken, _ROOM),
         ("picture_cost", PictureCost, _ENERGY),
         ("naming_cost", NamingCost, _ENERGY),
+        ("less_than", LessThan, {"terms": ValueKind.SUM, "limit": ValueKind.ENERGY}),
+        ("fewer_rooms", FewerRooms, {"fewer": ValueKind.ROOMS, "more": ValueKind.ROOMS}),
     )
 }
-"""Predicates by name: one for each class of propositions of the hunt."""
+"""Predicates by name: one for each class of propositions of the hunt, in the order in which reasons are said."""
 
 _OF_CLASS = {predicate.proposition: predicate for predicate in PREDICATES.values()}
 

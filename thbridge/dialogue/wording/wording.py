@@ -5,14 +5,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from sim.common.robot_numbers import number_of
-from thbridge.argumentation.arguments import Argument
+from thbridge.argumentation.arguments import Argument, Belief
 from thbridge.argumentation.cases import Side
 from thbridge.argumentation.propositions import Literal, Proposition, Rule
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown, kind_of_content
 from thbridge.dialogue.wording.language import AboutRobot, Language
 from thbridge.dialogue.wording.lines import LINES, LineKey
-from thbridge.dialogue.wording.predicates import PREPOSITIONS, Predicate, ValueKind, predicate_of
+from thbridge.dialogue.wording.predicates import PREDICATES, PREPOSITIONS, Predicate, ValueKind, predicate_of
 from thbridge.dialogue.words import fill
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.rooms import Room, RoomNames
@@ -153,9 +153,7 @@ class _Clauses:
             case Rule():
                 return {"content": self.rule(content)}
             case Argument(support, conclusion):
-                # A set has no order of its own.
-                parts = sorted(support, key=str)
-                said = [self.rule(part) if isinstance(part, Rule) else self.of(part) for part in parts]
+                said = [self.rule(part) if isinstance(part, Rule) else self.of(part) for part in reasons(support)]
                 return {"support": self.wording.language.grammar.all_of(said), "conclusion": self.of(conclusion)}
 
     def rule(self, rule: Rule) -> str:
@@ -228,13 +226,28 @@ _BEGINNINGS = {
 """Text before a capital: where a sentence begins with it or not, with and without a capital after a colon."""
 
 
+def reasons(support: Iterable[Belief]) -> list[Belief]:
+    """Return what an argument rests on in the order in which it is said: as predicates are listed, rules last."""
+
+    def order(reason: Belief) -> tuple[int, str]:
+        predicate = predicate_of(reason.proposition) if isinstance(reason, Literal) else None
+        return len(_ORDER) if predicate is None else _ORDER[predicate.name], str(reason)
+
+    return sorted(support, key=order)
+
+
+_ORDER = {name: place for place, name in enumerate(PREDICATES)}
+
+
 def _subject(content: Content) -> Literal | None:
-    """The literal that a content is about; None for a rule and an argument."""
+    """The literal that a content is about, of an argument its conclusion; None for a rule."""
     match content:
         case Literal():
             return content
         case Unknown(proposition):
             return Literal(proposition)
+        case Argument(_, conclusion):
+            return conclusion
         case _:
             return None
 

@@ -7,12 +7,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.thbridge.dialogue.wording.propositions import MOVES, NAMES, PLAIN, PROPOSITIONS, values_in
+from thbridge.argumentation.arguments import Argument
 from thbridge.argumentation.cases import Side
 from thbridge.argumentation.propositions import Literal, Proposition
 from thbridge.dialogue import propositions
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import DialogueMove
-from thbridge.dialogue.propositions import EnergyLevel, NextRoom, TeamPlan, Wanted
+from thbridge.dialogue.propositions import EnergyLevel, FewerRooms, NextRoom, TeamPlan, Wanted
 from thbridge.dialogue.wording.lines import LINES, LineKey
 from thbridge.dialogue.wording.predicates import PREDICATES, ValueKind
 from thbridge.dialogue.wording.wording import Wording
@@ -114,6 +115,18 @@ def test_the_most_specific_wording_is_said() -> None:
 def test_one_room_is_counted_as_one() -> None:
     phrase = ENGLISH.phrase(Literal(TeamPlan(0, CORRIDOR, 1, 12.5)))
     assert phrase == "with me going to the corridor next, we reach 1 room for 12.5 energy in all"
+
+
+def test_reasons_come_before_what_compares_them() -> None:
+    support = frozenset(
+        map(Literal, (FewerRooms(4, 5), TeamPlan(0, Room(3), 5, 300.0), TeamPlan(0, Room(1), 4, 250.0)))
+    )
+    said = ENGLISH.sentence(DialogueMove("assert", Argument(support, ROOM_3)))
+    assert said == (
+        "I would go to room 3 next. My reasons: with me going to room 1 next, we reach 4 rooms for 250 energy in all; "
+        "with me going to room 3 next, we reach 5 rooms for 300 energy in all and reaching 5 rooms is better than "
+        "reaching 4 rooms."
+    )
 
 
 def test_chance_chooses_one_of_several_wordings() -> None:
