@@ -38,8 +38,8 @@ class TalkCheck:
             yield from _game_lines(game)
         if self.languages:
             yield f"languages: {', '.join(f'{each.name} ({each.title})' for each in self.languages)}"
-        found = f"{len(self.games)} games, {len(self.languages)} languages, {len(self.faults) or 'no'} faults"
-        yield f"{self.folder}: {found}"
+        found = (_counted("game", self.games), _counted("language", self.languages), _counted("fault", self.faults))
+        yield f"{self.folder}: {', '.join(found)}"
 
     def as_json(self) -> Mapping[str, object]:
         """Return what programs are told."""
@@ -80,6 +80,10 @@ def check_folder(folder: Path) -> TalkCheck:
         if with_words:
             languages = check_words(folder, locutions=rulebook.locutions)
     return TalkCheck(folder, tuple(games.values()), languages, tuple(faults.found))
+
+
+def _counted(what: str, things: Sequence[object]) -> str:
+    return f"{len(things) or 'no'} {what}{'' if len(things) == 1 else 's'}"
 
 
 def _game_lines(game: GameTable) -> Iterator[str]:
