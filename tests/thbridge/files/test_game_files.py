@@ -14,7 +14,7 @@ from thbridge.argumentation.arguments import Belief
 from thbridge.argumentation.cases import Side
 from thbridge.dialogue.examples import jhri2015
 from thbridge.dialogue.games.control import Conversation
-from thbridge.dialogue.games.tables import GameTable, Rulebook
+from thbridge.dialogue.games.tables import DialogueEnd, GameTable, Rulebook
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 
@@ -191,6 +191,15 @@ def test_a_later_folder_adds_games_and_replaces_those_of_the_same_name(tmp_path:
     games = read_rulebook((SHIPPED_GAMES, tmp_path)).games
     assert games.keys() == {*read_rulebook().games, "dispute"}
     assert games["persuasion"].most_turns == 9
+
+
+def test_the_page_on_dialogue_games_names_all_that_is_in_the_shipped_tables() -> None:
+    page = (Path(__file__).parents[3] / "docs" / "dialogue.md").read_text()
+    rulebook = read_rulebook()
+    named = {each.name for each in rulebook.locutions} | {*DialogueEnd} | {*rulebook.games["persuasion"].stages}
+    assert {name for name in named if not re.search(rf"\b{name}\b", page)} == set()
+    games = {name.replace("-in-brief", " in brief") for name in rulebook.games}
+    assert {name for name in games if f"**{name}**" not in page.lower()} == set()
 
 
 WORDS = sorted(
