@@ -40,7 +40,7 @@ from thbridge.dialogue.moves import (
     Speaker,
     Turn,
 )
-from thbridge.dialogue.propositions import NamesTreasure, NextRoom, TakesPicture
+from thbridge.dialogue.propositions import NamesTreasure, NextRoom, TakesPicture, VisitOrder
 from thbridge.hunt.rooms import Room
 
 PERSUASION, INFORMATION_SEEKING = "persuasion", "information-seeking"
@@ -222,10 +222,11 @@ class ArguingEngine:
 
     def _openings(self, dialogue: Dialogue, conversation: Conversation) -> list[Move]:
         """Ways in which the person may go on after a game that has ended without an agreement to do something."""
-        claim, decision = _claim(dialogue.topic), _evidence(dialogue.topic, conversation).decision
+        claim, evidence = _claim(dialogue.topic), _evidence(dialogue.topic, conversation)
         found = [
             self._opening(dialogue, Side.HUMAN, PERSUASION, claim),
-            self._opening(dialogue, Side.HUMAN, INFORMATION_SEEKING, decision),
+            # Of a room that it would go to later, the robot tells in which order.
+            self._opening(dialogue, Side.HUMAN, INFORMATION_SEEKING, evidence.order or evidence.decision),
         ]
         asked = [opening.move for opening in found if opening is not None]
         last = _last_play(dialogue)
@@ -367,7 +368,9 @@ def _sensed(topic: DialogueTopic, conversation: Conversation) -> Conversation:
     robot, person = conversation.agents[Side.ROBOT], conversation.agents[Side.HUMAN]
     if topic.facts is not None:
         origins, rules = dict(person.beliefs.origins), list(person.beliefs.rules)
-        for literal in dict.fromkeys([claim, *(each for each in (evidence.decision,) if each is not None)]):
+        for literal in dict.fromkeys(
+            [claim, *(each for each in (evidence.decision, evidence.order) if each is not None)]
+        ):
             for conclusion in (literal, ~literal):
                 own = reasons_of_a_person(conclusion, topic.facts)
                 origins |= own.origins
@@ -406,6 +409,9 @@ def _may_override(dialogue: Dialogue) -> bool:
 def _about(dialogue: Dialogue, agreed: Literal) -> Dialogue:
     """The dialogue, about what was agreed upon in the end."""
     room: Room = dialogue.topic.room
+    first = agreed.parts[0].proposition
+    if isinstance(first, VisitOrder):
+        room = first.room
     if isinstance(agreed.proposition, NextRoom | TakesPicture | NamesTreasure):
         room = agreed.proposition.room
     return replace(dialogue, topic=replace(dialogue.topic, room=room))

@@ -6,10 +6,10 @@ theirs, the joint plan made of these, its own failures, and what was found out a
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from thbridge.argumentation.beliefs import Beliefs, Origin, Source
-from thbridge.argumentation.propositions import Literal, Proposition, Rule
+from thbridge.argumentation.propositions import Conjunction, Literal, Proposition, Rule
 from thbridge.dialogue.propositions import (
     CostOfOther,
     CouldBe,
@@ -28,6 +28,7 @@ from thbridge.dialogue.propositions import (
     TakesPicture,
     TeamPlan,
     UnderWay,
+    VisitOrder,
     Wanted,
 )
 from thbridge.hunt.rooms import Room
@@ -50,6 +51,7 @@ class WhereFacts:
         failed: rooms that it did not reach when it was sent there, or has no way to.
         team_costs: costs of the other robots to rooms, by their indices.
         team_values: what a room as the next one of another robot is worth to the team, by that robot's index.
+        tour: rooms that the plan gives it, in their order.
         advised: the room that its planner has chosen; None: the one of most value.
         compares: False: it gives no reason but what a room costs, as an adviser does that may err.
         confidence: of its localisation, 0 to 1.
@@ -67,6 +69,7 @@ class WhereFacts:
     failed: frozenset[Room] = frozenset()
     team_costs: Mapping[int, Mapping[Room, float]] = field(default_factory=dict)
     team_values: Mapping[int, Mapping[Room, PlanValue]] = field(default_factory=dict)
+    tour: tuple[Room, ...] = ()
     advised: Room | None = None
     compares: bool = True
     confidence: float = 1.0
@@ -103,10 +106,12 @@ class Evidence:
     Attributes:
         beliefs: sensed and computed, with the rules of the language, and its decision.
         decision: what it would do; None where it sees nothing to do.
+        order: of its tour up to the room it is compared with; None where that room is not a later stop of it.
     """
 
     beliefs: Beliefs
     decision: Literal | None
+    order: Literal | None = None
 
 
 def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = None) -> Evidence:
@@ -130,12 +135,17 @@ def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = N
     goes = Literal(NextRoom(facts.robot, best))
     case.rule(reasons, goes)
     # Whoever chooses one room has decided against the others (Sklar and Azhar 2015).
-    return case.evidence(goes, tuple(Literal(NextRoom(facts.robot, room), holds=False) for room in others))
+    rest = tuple(Literal(NextRoom(facts.robot, room), holds=False) for room in others)
+    order = None if rival is None else _order(facts.tour, best, rival)
+    if order is None or not compared.get(rival or best):
+        return case.evidence(goes, rest)
+    case.rule(reasons, order)
+    return replace(case.evidence(goes, (*rest, order)), order=order)
 
 
 def is_decision(literal: Literal) -> bool:
     """Return True for what is decided, or wished, in one situation only."""
-    return isinstance(literal.proposition, NextRoom | TakesPicture | NamesTreasure | Wanted)
+    return isinstance(literal.proposition, NextRoom | VisitOrder | Conjunction | TakesPicture | NamesTreasure | Wanted)
 
 
 def is_hearsay(literal: Literal) -> bool:
@@ -280,6 +290,14 @@ def _best(facts: WhereFacts, case: _Case) -> Room | None:
     if facts.advised in open_ones:
         return facts.advised
     return min(open_ones, key=lambda room: (-facts.values[room].rooms, facts.values[room].cost, room), default=None)
+
+
+def _order(tour: tuple[Room, ...], first: Room, later: Room) -> Literal | None:
+    """Return the order of a tour up to a later room; None where the tour does not begin with the first one."""
+    if tour[:1] != (first,) or later not in tour[1:]:
+        return None
+    stops = tour[: tour.index(later) + 1]
+    return Literal(Conjunction(tuple(Literal(VisitOrder(place, room)) for place, room in enumerate(stops, start=1))))
 
 
 def _compared(case: _Case, facts: WhereFacts, best: Room, room: Room) -> tuple[Literal, ...]:

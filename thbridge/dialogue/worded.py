@@ -21,7 +21,7 @@ from thbridge.dialogue.moves import (
     Scenario,
     Speaker,
 )
-from thbridge.dialogue.propositions import NextRoom
+from thbridge.dialogue.propositions import NextRoom, VisitOrder
 from thbridge.dialogue.wording.language import Language
 from thbridge.dialogue.wording.lines import LineKey
 from thbridge.dialogue.wording.wording import Wording
@@ -88,7 +88,7 @@ class WordedPhrasing:
 
 
 def _is_about_a_room(move: DialogueMove) -> bool:
-    return isinstance(move.content, Literal) and isinstance(move.content.proposition, NextRoom)
+    return isinstance(move.content, Literal) and isinstance(move.content.parts[0].proposition, NextRoom | VisitOrder)
 
 
 def _explanation(words: Wording, move: Explain, chance: float) -> str:

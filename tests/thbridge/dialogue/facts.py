@@ -14,6 +14,7 @@ def where_facts(draw: st.DrawFn) -> WhereFacts:
     left = tuple(Room(number) for number in sorted(draw(st.sets(st.integers(1, 8), min_size=1))))
     costs = {room: draw(energies) for room in left if draw(st.booleans())}
     energy = draw(energies)
+    tour = draw(st.permutations(left))
     payable = [room for room, cost in costs.items() if cost <= energy]
     return WhereFacts(
         robot=0,
@@ -24,6 +25,7 @@ def where_facts(draw: st.DrawFn) -> WhereFacts:
         under_way={room: 1 for room in left if draw(st.booleans()) and draw(st.booleans())},
         values={room: PlanValue(draw(st.integers(1, 5)), draw(energies)) for room in payable},
         others={room: (1, draw(energies)) for room in left if draw(st.booleans())},
+        tour=tuple(tour[: draw(st.integers(0, len(tour)))]),
         failed=frozenset(room for room in left if draw(st.booleans()) and draw(st.booleans())),
     )
 

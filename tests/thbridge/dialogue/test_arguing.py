@@ -1,6 +1,6 @@
 """Dialogues in which a robot argues: whatever a person does, and whatever the robot knows."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import pytest
 from hypothesis import assume, given
@@ -191,6 +191,20 @@ def test_a_robot_believes_that_something_is_in_the_way_and_goes_elsewhere() -> N
     assert str(step.dialogue.turns[-1].move) == "assert(next(Robot1, Room1))"
     step = said(talker, step, "accept(next(Robot1, Room1))")
     assert step.outcome is DialogueOutcome.CONSENSUS and step.dialogue.topic.room == Room(1)
+
+
+def test_of_a_room_that_comes_later_in_its_tour_the_robot_argues_for_the_order() -> None:
+    talker = engine(Manner())
+    facts = replace(FACTS, tour=(Room(2), Room(3), Room(1)))
+    step = talker.open(1, DialogueTopic(Scenario.SPECIFIC_ROOM, 0, Room(1), 50.0, 500.0, facts=facts))
+    step = said(talker, step, "accept(not next(Robot1, Room1))")
+    order = "order(1, Room2) and order(2, Room3) and order(3, Room1)"
+    step = said(talker, step, f"question({order})")
+    assert str(step.dialogue.turns[-1].move) == f"assert({order})"
+    step = said(talker, step, f"challenge({order})")
+    assert "plan(Robot1, Room2, 3, 250)" in str(step.dialogue.turns[-1].move)
+    step = said(talker, step, f"accept({order})")
+    assert step.outcome is DialogueOutcome.CONSENSUS and step.dialogue.topic.room == Room(2)
 
 
 def test_a_dearer_way_by_what_it_says_would_change_its_mind() -> None:

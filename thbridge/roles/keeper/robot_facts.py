@@ -62,6 +62,7 @@ def where_facts(
             if number != robot
         },
         team_values={number: of_robot for number, of_robot in by_robot.items() if number != robot},
+        tour=tours[0].rooms,
         confidence=_LOST if here.condition is Condition.LOST else _SURE,
         at=tick / TICKS_PER_SECOND,
     )
