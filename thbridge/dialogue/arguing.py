@@ -29,6 +29,7 @@ from thbridge.dialogue.moves import (
     DialogueOutcome,
     DialogueTopic,
     DialogueUtterance,
+    Echo,
     Enquire,
     Explain,
     Leave,
@@ -107,10 +108,13 @@ class ArguingEngine:
         """Make the person's move, or another one that the robot has heard; see `DialogueEngine`."""
         _check(move in self._legal(dialogue, Speaker.PERSON), move, Speaker.PERSON)
         heard = self._heard(dialogue, move)
-        dialogue, utterance = self._with_turn(
-            dialogue, Turn(Speaker.PERSON, heard, Author.PERSON, said=None if heard == move else move)
-        )
-        return self._run(dialogue, (utterance,), held)
+        said = None if heard == move else move
+        dialogue, utterance = self._with_turn(dialogue, Turn(Speaker.PERSON, heard, Author.PERSON, said=said))
+        if said is None:
+            return self._run(dialogue, (utterance,), held)
+        echo = Turn(Speaker.ROBOT, Echo(utterance.heard), Author.ROBOT)
+        dialogue, repeated = self._with_turn(dialogue, echo)
+        return self._run(dialogue, (utterance, repeated), held)
 
     def speak(self, dialogue: Dialogue, move: Move, text: str = "") -> DialogueStep:
         """Make the move of a robot whose dialogue is held; see `DialogueEngine`."""
@@ -168,7 +172,7 @@ class ArguingEngine:
 
     def _outcome(self, dialogue: Dialogue) -> tuple[Dialogue, DialogueOutcome | None]:
         """Return the outcome, with the dialogue about what was agreed upon; None while it goes on."""
-        last = dialogue.turns[-1].move if dialogue.turns else None
+        last = _last_move(dialogue)
         conversation = dialogue.conversation
         if isinstance(last, Leave) or conversation is None:
             return dialogue, DialogueOutcome.NO_CONSENSUS
@@ -192,7 +196,7 @@ class ArguingEngine:
 
     def _legal(self, dialogue: Dialogue, speaker: Speaker) -> tuple[Move, ...]:
         conversation, play = dialogue.conversation, _current(dialogue)
-        last = dialogue.turns[-1].move if dialogue.turns else None
+        last = _last_move(dialogue)
         if conversation is None:
             return ()
         if isinstance(last, Enquire):
@@ -389,6 +393,11 @@ def _current(dialogue: Dialogue) -> GamePlay | None:
     if conversation is None:
         return None
     return next((play for play in reversed(conversation.open_plays) if not conversation.waits(play.number)), None)
+
+
+def _last_move(dialogue: Dialogue) -> Move | None:
+    """The last move that changes anything."""
+    return next((turn.move for turn in reversed(dialogue.turns) if not isinstance(turn.move, Echo)), None)
 
 
 def _last_play(dialogue: Dialogue) -> GamePlay | None:

@@ -155,6 +155,17 @@ class Explain:
 
 
 @dataclass(frozen=True, slots=True)
+class Echo:
+    """The robot says what it has understood, where that is not what she said.
+
+    Attributes:
+        heard: sentence of the move that it has understood.
+    """
+
+    heard: str
+
+
+@dataclass(frozen=True, slots=True)
 class DecideAlone:
     """The robot, which nobody has attended to for so many seconds, tells that it decides by itself."""
 
@@ -180,6 +191,7 @@ Move = (
     | CloseQuestions
     | Enquire
     | Explain
+    | Echo
     | DecideAlone
     | Override
     | Leave
@@ -193,6 +205,7 @@ _WORDS: Mapping[type[Move], str] = {
     CloseQuestions: "close-questions",
     Enquire: "enquire",
     Explain: "explain",
+    Echo: "echo",
     DecideAlone: "decide-alone",
     Override: "override",
     Leave: "leave",

@@ -11,6 +11,7 @@ from thbridge.dialogue.moves import (
     CloseQuestions,
     DecideAlone,
     Dialogue,
+    Echo,
     Enquire,
     Explain,
     Leave,
@@ -73,6 +74,8 @@ class WordedPhrasing:
                 return words.line(_ASKED[question], chance=chance)
             case Explain():
                 return _explanation(words, move, chance)
+            case Echo(heard):
+                return words.line(LineKey.MISHEARD, chance=chance, heard=heard)
             case DecideAlone(waited):
                 return words.line(LineKey.NEGLECTED, chance=chance, seconds=waited, room=dialogue.topic.room)
             case OpenQuestions():

@@ -19,6 +19,7 @@ from thbridge.dialogue.moves import (
     Dialogue,
     DialogueOutcome,
     DialogueTopic,
+    Echo,
     Explain,
     Leave,
     Move,
@@ -216,6 +217,17 @@ def test_a_dearer_way_by_what_it_says_would_change_its_mind() -> None:
     assert isinstance(answer, Explain)
     (dearer,) = (each.proposition for each in answer.because if isinstance(each.proposition, EnergyCost))
     assert dearer == EnergyCost(Room(0), Room(2), 130.0)
+
+
+def test_a_robot_that_has_misheard_says_what_it_has_understood() -> None:
+    talker = engine(Manner(misheard=1.0))
+    step = talker.open(1, DialogueTopic(Scenario.DONT_KNOW, 0, Room(2), 80.0, 500.0, facts=FACTS))
+    step = said(talker, step, "accept(next(Robot1, Room2))")
+    hers, echo = step.dialogue.turns[2:4]
+    assert (str(hers.said), str(hers.move)) == ("accept(next(Robot1, Room2))", "challenge(next(Robot1, Room2))")
+    assert echo.move == Echo("challenge(next(Robot1, Room2))")
+    assert step.utterances[0].text == "accept(next(Robot1, Room2))"
+    assert step.outcome is None
 
 
 def test_a_wish_is_no_reason_for_a_robot_that_has_better_ones() -> None:

@@ -74,7 +74,9 @@ LINES: Mapping[LineKey, LineMeaning] = {
     LineKey.NEGLECTED: LineMeaning(
         Side.ROBOT, "when it was told nothing for a while", {"seconds": ValueKind.NUMBER, **_ROOM}
     ),
-    LineKey.MISHEARD: LineMeaning(Side.ROBOT, "when it has understood something else"),
+    LineKey.MISHEARD: LineMeaning(
+        Side.ROBOT, "tells what it has understood, where that is not what was said", {"heard": ValueKind.NAME}
+    ),
     LineKey.HAVE_QUESTION: LineMeaning(Side.HUMAN, "wants to ask something"),
     LineKey.BACK: LineMeaning(Side.HUMAN, "asks nothing after all"),
     LineKey.WHY_ROBOT: LineMeaning(Side.HUMAN, "asks why this robot, and not another one"),

@@ -70,6 +70,7 @@ def test_every_line_has_words(name: str) -> None:
     values = {
         ValueKind.ROOM: Room(3),
         ValueKind.NUMBER: 30,
+        ValueKind.NAME: "Why room 3?",
         ValueKind.CLAUSE: ROOM_3,
         ValueKind.CLAUSES: (ROOM_3, ~ROOM_3),
         ValueKind.ALTERNATIVES: (ROOM_3, ~ROOM_3),
