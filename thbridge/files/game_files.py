@@ -94,6 +94,8 @@ def read_rulebook(folders: Iterable[Path] = (SHIPPED_GAMES,)) -> Rulebook:
 
 
 def _game_paths(folder: Path) -> list[Path]:
+    if folder.is_file():
+        raise BadFile(folder, "this is a file, not a folder", f"Name the folder that it is in: {folder.parent}")
     if not folder.is_dir():
         raise BadFile(folder, "there is no such folder", f"Make it, and put games or a {LOCUTIONS} into it")
     paths = sorted(path for path in folder.glob("*.yaml") if path.name != LOCUTIONS)

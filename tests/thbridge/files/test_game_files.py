@@ -172,6 +172,8 @@ def test_one_mistake_is_told_once(folder: Path) -> None:
 def test_a_folder_needs_games_or_locutions(tmp_path: Path) -> None:
     with pytest.raises(BadFile, match="there is no such folder"):
         read_rulebook((tmp_path / "games",))
+    with pytest.raises(BadFile, match="this is a file, not a folder"):
+        read_rulebook((SHIPPED_GAMES / PERSUASION,))
     with pytest.raises(BadFile, match="neither games"):
         read_rulebook((SHIPPED_GAMES, tmp_path))
 
