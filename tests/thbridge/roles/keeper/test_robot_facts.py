@@ -1,0 +1,159 @@
+"""Facts of robots: every number that a robot says is so, and none comes from what is hidden."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import pairwise, permutations, product
+
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from thbridge.argumentation.propositions import Literal
+from thbridge.dialogue.evidence import WhatFacts, WhereFacts, what, where
+from thbridge.dialogue.explanations import explain, questions
+from thbridge.dialogue.moves import Question
+from thbridge.dialogue.propositions import (
+    CostOfOther,
+    EnergyCost,
+    EnergyLevel,
+    FewerRooms,
+    LessThan,
+    NextRoom,
+    TeamPlan,
+)
+from thbridge.hunt import game
+from thbridge.hunt.costs import CostMatrix
+from thbridge.hunt.events import GameStarted
+from thbridge.hunt.game import GameState
+from thbridge.hunt.properties import OF_2016
+from thbridge.hunt.rooms import Room
+from thbridge.hunt.team_tour import PlanValue
+from thbridge.hunt.treasures import TreasureKind
+from thbridge.roles.keeper.robot_facts import what_facts, where_facts
+from thbridge.roles.participant_rules import Discussed
+
+ROOMS, VISIT = 4, 3.0
+costs_of_a_move = st.integers(5, 60).map(float)
+
+
+@st.composite
+def states(draw: st.DrawFn) -> GameState:
+    size = ROOMS + 1
+    rows = tuple(
+        tuple(math.inf if here in {0, at} else draw(costs_of_a_move) for here in range(size)) for at in range(size)
+    )
+    started = GameStarted(
+        seed=1,
+        game=1,
+        robots=2,
+        energy=float(draw(st.integers(20, 200))),
+        picture_cost=10.0,
+        identify_cost=VISIT,
+        wrong_share=1.0,
+        costs=CostMatrix(rows),
+        properties=OF_2016,
+    )
+    return replace(game.begin(started), agreed=True)
+
+
+def plans(state: GameState, rooms: tuple[int, ...]) -> Iterator[tuple[tuple[tuple[int, ...], ...], float]]:
+    """All plans of two robots: their tours, and the energy of all moves."""
+    for owners in product((None, 0, 1), repeat=len(rooms)):
+        shares = [[room for room, owner in zip(rooms, owners, strict=True) if owner == robot] for robot in (0, 1)]
+        for tours in product(*(permutations(share) for share in shares)):
+            spent = [cost_of(state, robot, tour) for robot, tour in enumerate(tours)]
+            used = [cost + VISIT * max(len(tour) - 1, 0) for cost, tour in zip(spent, tours, strict=True)]
+            if all(energy <= robot.energy for energy, robot in zip(used, state.robots, strict=True)):
+                yield tours, sum(spent)
+
+
+def cost_of(state: GameState, robot: int, tour: tuple[int, ...]) -> float:
+    places = (state.robots[robot].at.people, *tour)
+    return sum(state.started.costs.rows[a][b] for a, b in pairwise(places))
+
+
+def best_plan(state: GameState, robot: int, first: int) -> PlanValue:
+    """The most rooms, then the least energy, of all plans in which a robot goes to a room first."""
+    found = [
+        (-sum(map(len, tours)), cost)
+        for tours, cost in plans(state, tuple(range(1, ROOMS + 1)))
+        if tours[robot][:1] == (first,)
+    ]
+    rooms, cost = min(found)
+    return PlanValue(-rooms, cost)
+
+
+@settings(max_examples=25)
+@given(states(), st.integers(0, 1), st.data())
+def test_every_number_in_an_explanation_is_recomputed(state: GameState, robot: int, draw: st.DataObject) -> None:
+    facts = where_facts(state, (), robot, (), tick=50)
+    assume(facts.values)
+    wanted = draw.draw(st.sampled_from(sorted(facts.values)))
+    evidence = where(facts, rival=wanted)
+    asked = questions(facts, evidence, Literal(NextRoom(robot, wanted)))
+    assert asked
+    for enquiry in asked:
+        for literal in explain(enquiry, facts, evidence).because:
+            assert literal.holds
+            match literal.proposition:
+                case TeamPlan(other, room, rooms, energy):
+                    value = best_plan(state, other, room.people)
+                    assert (rooms, round(energy, 6)) == (value.rooms, round(value.cost, 6))
+                case EnergyCost(_, room, energy) if enquiry.question is not Question.CHANGE:
+                    assert energy == cost_of(state, robot, (room.people,))
+                case CostOfOther(other, room, energy):
+                    assert energy == cost_of(state, other, (room.people,))
+                case EnergyLevel(energy):
+                    assert energy == state.robots[robot].energy
+                case LessThan() | FewerRooms() as compared:
+                    assert compared.is_true
+
+
+@settings(max_examples=25)
+@given(states(), st.integers(0, 1))
+def test_what_would_change_its_mind_does(state: GameState, robot: int) -> None:
+    facts = where_facts(state, (), robot, (), tick=50)
+    evidence = where(facts)
+    assume(evidence.decision is not None)
+    for enquiry in questions(facts, evidence, Literal(NextRoom(robot, min(facts.values, default=Room(1))))):
+        if enquiry.question is not Question.CHANGE:
+            continue
+        for literal in explain(enquiry, facts, evidence).because:
+            if isinstance(literal.proposition, EnergyCost):
+                room = literal.proposition.goal
+                dearer = literal.proposition.energy - facts.costs[room] + 1e-6
+                value = facts.values[room]
+                values = {**facts.values, room: PlanValue(value.rooms, value.cost + dearer)}
+                assert where(replace(facts, values=values, advised=None)).decision != evidence.decision
+
+
+kinds = st.builds(
+    lambda colour, footprint, name, points: TreasureKind(
+        {"colour": colour, "footprint": footprint}, points, name, None
+    ),
+    st.sampled_from(["red", "blue"]),
+    st.sampled_from(["round", "square"]),
+    st.sampled_from(["cup", "hat", "key"]),
+    st.integers(1, 50),
+)
+
+
+@given(states(), st.lists(kinds, min_size=ROOMS, max_size=ROOMS), st.lists(kinds, min_size=ROOMS, max_size=ROOMS))
+def test_what_is_hidden_changes_nothing_that_a_robot_knows(
+    state: GameState, one: list[TreasureKind], other: list[TreasureKind]
+) -> None:
+    first, second = replace(state, treasures=tuple(one)), replace(state, treasures=tuple(other))
+    listed = (*one, *other)
+    for robot in (0, 1):
+        assert where_facts(first, (), robot, (), 50) == where_facts(second, (), robot, (), 50)
+        for room in state.started.costs.rooms:
+            known: list[WhatFacts] = [what_facts(each, robot, room, listed, 50) for each in (first, second)]
+            assert known[0] == known[1]
+            assert what(known[0]) == what(known[1])
+
+
+@given(states())
+def test_a_room_that_another_robot_is_about_to_go_to_is_known_as_such(state: GameState) -> None:
+    facts: WhereFacts = where_facts(state, (Discussed(1, "select-room", 2),), 0, (), 50)
+    assert facts.under_way == {Room(2): 1}
+    assert Room(2) not in facts.values
