@@ -36,7 +36,7 @@ def build_keeper(setting: StudySetting, history: tuple[Event, ...] = (), last_ga
 
     def engine(number: int) -> DialogueEngine:
         seed = int(noise.key(study.seed, "dialogue", str(number)))
-        if study.dialogue.condition is not DialogueCondition.SCRIPT:
+        if study.dialogue.condition is not DialogueCondition.SCRIPT and setting.language and setting.rulebook:
             names = setting.map.room_names
             phrasing = WordedPhrasing(setting.language, study.dialogue.condition, seed, names)
             return ArguingEngine(setting.rulebook, manners_of(study.dialogue), phrasing, seed)

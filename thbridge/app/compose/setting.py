@@ -11,6 +11,7 @@ import numpy as np
 from sim.common.geometry import Pose2
 from sim.common.traversability import TraversabilityMap
 from sim.robot.costmap.footprint import radii
+from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.tables import Rulebook
 from thbridge.dialogue.wording.language import Language
 from thbridge.files.errors import BadFile, BadFiles, FaultCollection
@@ -39,8 +40,8 @@ class StudySetting:
         templates: its set of templates.
         costs: energy of every move between places of the game.
         by_position: moves from elsewhere are priced by where the robot stands; else they cost what `costs` says.
-        rulebook: of the dialogue games.
-        language: in which robots argue.
+        rulebook: of the dialogue games; None where robots ask scripted questions.
+        language: in which robots argue; likewise.
         consent: text that participants have to agree to; None: nothing.
         farewell: text for the end of a game; may be empty.
     """
@@ -50,8 +51,8 @@ class StudySetting:
     templates: TemplateSet
     costs: CostMatrix
     by_position: bool
-    rulebook: Rulebook
-    language: Language
+    rulebook: Rulebook | None
+    language: Language | None
     consent: str | None = None
     farewell: str = ""
 
@@ -97,16 +98,18 @@ def read_setting(
             by_position = path == place.costs if model is None else model is CostModel.POSITION
     talk = study.dialogue
     games = () if talk.games is None else (beside / talk.games,)
-    # Told before a session starts, and of a folder that is there with the lines of its own files.
-    with faults.kept(), keys.naming("dialogue.games", not all(folder.is_dir() for folder in games)):
-        rulebook = read_rulebook((SHIPPED_GAMES, *games))
-        with faults.kept():
-            language = _language(talk, beside, keys, rulebook)
+    # Where nobody needs them, they are not read: that takes a fifth of a second.
+    if talk.condition is not DialogueCondition.SCRIPT or (talk.games, talk.words, talk.language) != (None, None, "en"):
+        # Told before a session starts, and of a folder that is there with the lines of its own files.
+        with faults.kept(), keys.naming("dialogue.games", not all(folder.is_dir() for folder in games)):
+            rulebook = read_rulebook((SHIPPED_GAMES, *games))
+            with faults.kept():
+                language = _language(talk, beside, keys, rulebook)
     with faults.kept(), keys.naming("participant.consent"):
         consent = _consent(study, beside)
     with faults.kept(), keys.naming("participant.farewell"):
         farewell = _farewell(study, beside)
-    if faults.found or place is None or templates is None or costs is None or rulebook is None or language is None:
+    if faults.found or place is None or templates is None or costs is None:
         raise faults.together()
     return StudySetting(study, place, templates, costs, by_position, rulebook, language, consent, farewell)
 
