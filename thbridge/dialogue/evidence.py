@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from thbridge.argumentation.beliefs import Beliefs, Origin, Source
-from thbridge.argumentation.propositions import Conjunction, Literal, Proposition, Rule
+from thbridge.argumentation.propositions import Conjunction, Literal, Proposition, Rule, opposed
 from thbridge.dialogue.propositions import (
     CostOfOther,
     CouldBe,
@@ -216,33 +216,40 @@ def reasons_of_a_person(claim: Literal, facts: WhereFacts | WhatFacts) -> Belief
 class _Case:
     """Beliefs as they are gathered; what is asked to be known is sensed or computed at this time."""
 
-    def __init__(self, at: float, told: Beliefs | None, confidence: float = 1.0) -> None:
-        self._at, self._confidence = at, confidence
-        self._beliefs = told or Beliefs()
-        self._rules: list[Rule] = []
+    def __init__(self, at: float, told: Beliefs | None) -> None:
+        self._at = at
+        self._told = told or Beliefs()
+        self._gathered: dict[Literal, Origin] = {}
+        self._rules: dict[Rule, None] = {}
 
     def knows(self, proposition: Proposition, *, confidence: float = 1.0) -> Literal:
         literal = Literal(proposition)
-        source = _SOURCES.get(type(proposition), Source.COMPUTED)
-        self._beliefs = self._beliefs.gaining(literal, Origin(source, self._at, confidence))
+        self._gathered[literal] = Origin(_SOURCES.get(type(proposition), Source.COMPUTED), self._at, confidence)
         return literal
 
     def rule(self, premises: tuple[Literal, ...], conclusion: Literal) -> None:
-        self._rules.append(Rule(premises, conclusion, is_said=False))
+        self._rules[Rule(premises, conclusion, is_said=False)] = None
 
     def was_told(self, conclusion: Literal) -> bool:
         """True for something that it was persuaded of."""
-        return conclusion in self._beliefs
+        return conclusion in self._told
 
     def is_against(self, conclusion: Literal) -> bool:
         """True when there is evidence, or something told, against a conclusion."""
-        return bool(
-            ~conclusion in self._beliefs or Beliefs(self._beliefs.origins, tuple(self._rules)).arguments(~conclusion)
-        )
+        known = self._told.origins.keys() | self._gathered.keys()
+        by_rule = (rule for rule in self._rules if rule.conclusion == ~conclusion)
+        return self.was_told(~conclusion) or any(known.issuperset(rule.premises) for rule in by_rule)
 
     def evidence(self, decision: Literal | None, rest: tuple[Literal, ...]) -> Evidence:
-        rules = (*(rule for rule in self._beliefs.rules if rule not in self._rules), *self._rules)
-        beliefs = Beliefs(self._beliefs.origins, rules)
+        """Beliefs with a decision; what was told gives way to evidence, and to the decision."""
+        gathered = tuple(self._gathered)
+        told = {
+            literal: origin
+            for literal, origin in self._told.origins.items()
+            if not any(opposed(literal, known) for known in gathered)
+        }
+        rules = dict.fromkeys((*self._told.rules, *self._rules))
+        beliefs = Beliefs({**told, **self._gathered}, tuple(rules))
         for decided in (*(each for each in (decision,) if each is not None), *rest):
             if decided not in beliefs:
                 beliefs = beliefs.gaining(decided, Origin(Source.DECIDED, self._at))
