@@ -156,6 +156,29 @@ class DialogueView:
 
 
 @dataclass(frozen=True, slots=True)
+class LastWords:
+    """A dialogue that has ended, until the participant turns to its robot again, or what was agreed is done.
+
+    Attributes:
+        dialogue: its number.
+        robot: index of the robot, from 0.
+        matter: of the dialogue.
+        room: the room that was agreed upon, or else the one it was about, as people count.
+        said: all sentences, oldest first; none where everything had been said before.
+        speakers: who said each sentence.
+        agreed: True when it is done, by whoever has the last word.
+    """
+
+    dialogue: int
+    robot: int
+    matter: DialogueMatter
+    room: int
+    said: tuple[str, ...]
+    speakers: tuple[Literal["robot", "person"], ...]
+    agreed: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Consent:
     """Agreement of participant and robot, which the participant may now act upon."""
 
@@ -206,6 +229,8 @@ class View(NoticeValue, frozen=True, tag="View"):
         wrong_share: share of a treasure's points that a wrong name costs; None where the study does not tell.
         sound: the window may sound.
         properties: that treasures have.
+        last_words: of robots that argue.
+        has_last_word: decides in the end where robots argue; None where they do not.
         by_position: moves from outside rooms are priced by where the robot stands: the row of the corridor holds
             nowhere.
     """
@@ -231,6 +256,8 @@ class View(NoticeValue, frozen=True, tag="View"):
     wrong_share: float | None = None
     sound: bool = True
     properties: tuple[TreasureProperty, ...] = OF_2016
+    last_words: tuple[LastWords, ...] = ()
+    has_last_word: Literal["both", "participant", "robot"] | None = None
 
     def room(self, number: int) -> RoomView:
         """Return the room with this number, from 1."""
@@ -254,7 +281,7 @@ class View(NoticeValue, frozen=True, tag="View"):
         """Return True when every robot and room named in the view is also part of it, and no cost is negative."""
         places, robots = range(len(self.rooms) + 1), range(len(self.robots))
         rooms = places[1:]
-        matters: list[DialogueView | Consent] = [*self.dialogues, *self.consents]
+        matters: list[DialogueView | Consent | LastWords] = [*self.dialogues, *self.consents, *self.last_words]
         return (
             len(rooms) > 0
             and [room.room for room in self.rooms] == list(rooms)
@@ -277,6 +304,7 @@ class View(NoticeValue, frozen=True, tag="View"):
             and all(dialogue.said or not dialogue.choices for dialogue in self.dialogues)
             and all(len(dialogue.acts) in (0, len(dialogue.choices)) for dialogue in self.dialogues)
             and all(len(dialogue.speakers) in (0, len(dialogue.said)) for dialogue in self.dialogues)
+            and all(len(words.speakers) == len(words.said) for words in self.last_words)
         )
 
 

@@ -89,10 +89,15 @@ QUESTION = (
 
 HELP = KeyBinding(("F1", "H"), ShowHelp(), "Open or close this sheet")
 
+WAITING_KEY = "W"
+"""The second key of `ShowNext`: for a button that shows what waits, "Esc" would be a riddle."""
+
 _TABLES = (PLAYING, CONSENT, OVER, QUESTION, (HELP,))
 _CTRL = "Ctrl+"
 _TAKEN = frozenset((*(key for binding in (*PLAYING, HELP) for key in binding.keys), "L", "N", "P"))
 """Keys that no answer gets: with Ctrl, L, N and P are keys of the pop-up that dialogues take the place of."""
+BACK = "close-questions"
+"""Word for the answer that leads from the questions back to the other answers."""
 _STEPS = ("Up", "Down", "Home", "End")
 
 
@@ -106,8 +111,15 @@ def keyed(act: Act, label: str, enabled: bool = True, hint: str = "", pending: b
     return Action(act, label, key_of(act), enabled, hint, pending)
 
 
-def choice_keys(choices: Sequence[str]) -> tuple[str, ...]:
-    """A key for each answer that may be given: a letter of its first word if one is free, C for Continue."""
+def choice_keys(choices: Sequence[str], acts: Sequence[str] = ()) -> tuple[str, ...]:
+    """A key for each answer that may be given.
+
+    Args:
+        choices: sentences. Each gets a letter of its first word if one is free: C for Continue.
+        acts: words for what the choices do, of robots that argue: their answers are numbered, and Esc leads back.
+    """
+    if acts:
+        return tuple("Esc" if act == BACK else str(number) for number, act in enumerate(acts, start=1))
     taken = set(_TAKEN)
     keys = []
     for text in choices:
@@ -158,12 +170,15 @@ def is_letter(key: str) -> bool:
     return len(key) == 1 and key.isalpha()
 
 
-def help_lines(rooms: int, silent: str = "", *, properties: bool = False) -> tuple[tuple[str, str], ...]:
+def help_lines(
+    rooms: int, silent: str = "", *, properties: bool = False, numbered: bool = False
+) -> tuple[tuple[str, str], ...]:
     """The help sheet: (keys, what they do).
 
     Args:
         rooms: number of rooms; 0 before there is a game.
         properties: True when robots can be asked to sense more, or the participant to tell it.
+        numbered: True when answers to robots are numbered.
         silent: why there can be no sound, which stands in place of what its key does; empty when there can be.
     """
     number = "Send the robot to this room" + (": both digits, or Enter after the first" if rooms > 9 else "")
@@ -171,7 +186,13 @@ def help_lines(rooms: int, silent: str = "", *, properties: bool = False) -> tup
     for binding in PLAYING:
         does = silent if silent and isinstance(binding.act, SwitchSound) else binding.does
         lines.append((" or ".join(binding.keys), does))
-    lines.append(("Enter", "The first of the answers to a robot; each answer's own letter is on its button"))
+    if numbered:
+        lines.append(("1 to 5", "While a robot waits for an answer: the answer with this number"))
+        lines.append(("Up, Down", "While a robot waits for an answer: from answer to answer; Enter gives it"))
+        lines.append(("PageUp, PageDown", "What was said before, and what was said last"))
+        lines.append(("Esc", "Among the questions to a robot: back to the other answers"))
+    else:
+        lines.append(("Enter", "The first of the answers to a robot; each answer's own letter is on its button"))
     lines.append(("Letters", "While a name is asked for: pick the name that begins so"))
     lines.append((", ".join(_STEPS), "While a name is asked for: pick the name before or after, the first or last"))
     if properties:
@@ -187,7 +208,7 @@ def _bound(key: str, table: Sequence[KeyBinding]) -> Act | None:
 
 def _playing(key: str, screen: Screen) -> Act | None:
     if len(key) == 1 and key in string.digits:
-        return TypeDigit(int(key))
+        return _digit(int(key), screen)
     if screen.typed and key in ("Enter", "Esc"):
         return FinishNumber() if key == "Enter" else Cancel()
     match screen.popup:
@@ -208,6 +229,14 @@ def _playing(key: str, screen: Screen) -> Act | None:
         case _:
             pass
     return _bound(key, PLAYING)
+
+
+def _digit(digit: int, screen: Screen) -> Act | None:
+    """A digit of a room's number; while answers are numbered, an answer, unless a number has been begun before."""
+    pop = screen.popup
+    if not isinstance(pop, DialoguePopup) or not pop.numbered or screen.typed:
+        return TypeDigit(digit)
+    return pop.choices[digit - 1].act if 0 < digit <= len(pop.choices) else None
 
 
 def _step(key: str, pop: TreasurePopup) -> Act | None:

@@ -1,6 +1,7 @@
 """Rules of the game in sentences, for the sheet that F1 opens and for players at a terminal."""
 
 from collections.abc import Iterator, Sequence
+from typing import Literal
 
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.properties import Teller, TreasureProperty
@@ -14,6 +15,12 @@ ENDS = (
     "The game ends when every room is visited, or no robot has the energy for another move, and nothing that was found "
     "waits for your decision. You may end it earlier, while no robot is under way."
 )
+DECIDES = {
+    "both": "Robots have reasons of their own; nothing is done before you both agree. You may ask them, and argue.",
+    "participant": "Robots advise you and tell their reasons if you ask. The decision is yours.",
+    "robot": "Robots decide themselves. You may ask for their reasons, and change their minds.",
+}
+"""Sentences on who has the last word, where robots argue."""
 
 
 def rules_of(view: View) -> tuple[str, ...]:
@@ -27,6 +34,7 @@ def rules_of(view: View) -> tuple[str, ...]:
         moves=(min(moves), max(moves)) if moves else None,
         by_position=view.by_position,
         properties=view.properties,
+        has_last_word=view.has_last_word,
     )
 
 
@@ -39,6 +47,7 @@ def rules_lines(
     moves: tuple[float, float] | None = None,
     by_position: bool = False,
     properties: Sequence[TreasureProperty] = (),
+    has_last_word: Literal["both", "participant", "robot"] | None = None,
 ) -> tuple[str, ...]:
     """The rules with the numbers of a study.
 
@@ -50,6 +59,7 @@ def rules_lines(
         moves: least and most energy of a move between two places; None where it is not known.
         by_position: those are moves between rooms; others cost by where the robot stands.
         properties: of treasures.
+        has_last_word: decides in the end where robots argue; None where they do not.
     """
     start = "" if energy is None else f"Each robot starts with {energy_text(energy)} energy. "
     between = ", from room to room" if by_position else ","
@@ -60,6 +70,7 @@ def rules_lines(
         f"{start}A move costs energy{move}, {work}.",
         *_more(properties),
         f"A right name wins the treasure's points. {_wrong(wrong_share)}",
+        *((DECIDES[has_last_word],) if has_last_word else ()),
         ONE_VISIT,
         CALLED_BACK,
         ENDS,

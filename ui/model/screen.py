@@ -370,6 +370,9 @@ class DialoguePopup:
         room: number of the room that it is about; None where the robot has not said one yet.
         facts: of the treasure that it is about; none where it is about none.
         picture: bytes of the treasure's image file; None without one.
+        note: a quiet remark: who decides in the end, or what there is to do when the robot has nothing to say.
+        numbered: digits are keys of the choices, in their order.
+        outcome: what came of it; empty while it goes on.
     """
 
     robot: int
@@ -381,6 +384,9 @@ class DialoguePopup:
     room: int | None = None
     facts: tuple[TreasureFact, ...] = ()
     picture: bytes | None = None
+    note: str = ""
+    numbered: bool = False
+    outcome: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -404,6 +410,7 @@ class TreasurePopup:
         aside: puts the pop-up aside, or closes it when all is decided.
         picture_note: text in the picture's place: that it is on its way, or why it cannot be shown.
         typed: the letters of a name typed so far.
+        talk: how a dialogue about it has ended without an agreement, in words; empty where none has.
     """
 
     robot: int
@@ -422,6 +429,7 @@ class TreasurePopup:
     picture_note: str = ""
     typed: str = ""
     worth: tuple[int | None, ...] = ()
+    talk: str = ""
 
     @property
     def acts(self) -> tuple[Action, ...]:

@@ -1,9 +1,24 @@
 """The screen while robots argue."""
 
-from tests.ui.model.views import arguing, view
-from thbridge.roles.view import View
+import pytest
+
+from tests.ui.model.views import arguing, asking, view, with_robot
+from thbridge.roles.view import AnswerDialogue, Consent, LastWords, SendRobot, View
+from ui.model.keys import act_for, help_lines
 from ui.model.participant import Participant
-from ui.model.screen import ChooseRoom
+from ui.model.screen import ChooseRobot, ChooseRoom, GiveAnswer, ShowNext, TypeDigit
+
+ANSWERS = ("accept", "challenge", "open-questions", "leave")
+QUESTIONS = ("enquire", "enquire", "close-questions")
+
+
+def argued(*dialogues, words=(), who="both", **changes) -> View:
+    """A view of a game in which robots argue."""
+    return view(dialogues=dialogues, last_words=words, has_last_word=who, **changes)
+
+
+def ended(*, agreed: bool, robot: int = 0, said=("No.", "Leave it."), number: int = 1) -> LastWords:
+    return LastWords(number, robot, "select-room", 2, said, ("robot", "person")[: len(said)], agreed)
 
 
 def model_of(seen: View) -> Participant:
@@ -30,3 +45,126 @@ def test_the_sentence_that_opened_a_dialogue_is_there_once():
     lines = [("you", "Go to room 2."), ("robot", "No.")]
     assert list(model.screen(0.0).popup.sentences) == lines
     assert [(line.speaker, line.text) for line in model.screen(0.0).history[1:]] == lines
+
+
+def test_answers_are_numbered_and_digits_give_them_and_no_robot_is_sent_by_them():
+    model = model_of(argued(arguing(">Go.", "No.", acts=ANSWERS)))
+    screen = model.screen(0.0)
+    assert [choice.key for choice in screen.popup.choices] == ["1", "2", "3", "4"]
+    assert [act_for(str(digit), screen) for digit in range(6)] == [None, *map(GiveAnswer, range(4)), None]
+    assert not any(tile.choose.key for tile in screen.tiles)
+    model.do(ShowNext(), 0.0)
+    aside = model.screen(0.0)
+    assert act_for("2", aside) == TypeDigit(2)
+    assert [tile.choose.key for tile in aside.tiles] == ["1", "2", "3"]
+
+
+def test_robots_that_do_not_argue_are_answered_by_letters_as_ever():
+    screen = model_of(view(dialogues=(asking(0, 2),))).screen(0.0)
+    assert [choice.key for choice in screen.popup.choices] == ["C", "S"]
+    assert act_for("1", screen) == TypeDigit(1)
+    assert screen.popup.note == ""
+
+
+def test_esc_leads_back_from_the_questions_and_puts_the_other_answers_aside():
+    screen = model_of(argued(arguing("No.", acts=ANSWERS))).screen(0.0)
+    assert act_for("Esc", screen) == act_for("W", screen) == ShowNext()
+    asking_it = model_of(argued(arguing("No.", acts=QUESTIONS))).screen(0.0)
+    assert act_for("Esc", asking_it) == GiveAnswer(2)
+    assert act_for("3", asking_it) == GiveAnswer(2)
+    assert (act_for("W", asking_it), asking_it.popup.aside.key) == (ShowNext(), "W")
+
+
+@pytest.mark.parametrize(
+    ("who", "words"), [("both", "both agree"), ("participant", "decision is yours"), ("robot", "Robot 1 decides")]
+)
+def test_who_has_the_last_word_is_said(who, words):
+    model = model_of(argued(arguing("No.", acts=("accept", "override")), who=who))
+    popup = model.screen(0.0).popup
+    assert words in popup.note
+    assert [choice.hint for choice in popup.choices] == ["", "This is your decision."]
+
+
+def test_a_robot_that_has_nothing_to_reply_is_seen_to_wait():
+    popup = model_of(argued(arguing("No.", ">Still."))).screen(0.0).popup
+    assert popup.note == "Robot 1 has nothing to add. It is your turn."
+
+
+def test_what_is_answered_is_said_at_once_but_a_look_at_the_questions_is_not():
+    for choice, said in ((1, [("robot", "No."), ("you", "challenge")]), (2, [("robot", "No.")])):
+        model = model_of(argued(arguing("No.", acts=ANSWERS)))
+        model.do(GiveAnswer(choice), 0.0)
+        assert list(model.screen(0.0).popup.sentences) == said
+        assert [(line.speaker, line.text) for line in model.screen(0.0).history[1:]] == said
+
+
+def test_two_robots_that_ask_are_answered_in_any_order_and_each_card_shows_its_own_dialogue():
+    talks = (arguing("One.", acts=ANSWERS), arguing("Two.", acts=ANSWERS, robot=1, room=3))
+    model = model_of(argued(*talks))
+    screen = model.screen(0.0)
+    assert [card.state for card in screen.cards] == ["waits for your answer"] * 2
+    for robot in (1, 0, 1):
+        model.do(ChooseRobot(robot), 0.0)
+        screen = model.screen(0.0)
+        assert screen.popup.robot == robot
+        assert [item.robot for item in screen.waiting] == [1 - robot]
+    model.do(GiveAnswer(0), 0.0)
+    assert model.requests() == (AnswerDialogue(2, 1, 0),)
+
+
+def test_the_end_of_a_dialogue_stays_before_the_next_one_until_it_is_closed():
+    two = arguing("Two.", acts=ANSWERS, robot=1, room=3)
+    model = model_of(argued(arguing("No.", acts=ANSWERS), two))
+    model.receive(argued(two, words=(ended(agreed=False),)), 0.0)
+    screen = model.screen(0.0)
+    assert screen.popup.outcome == "Robot 1 stays where it is."
+    assert [sentence for _, sentence in screen.popup.sentences] == ["No.", "Leave it."]
+    assert [line.text for line in screen.history[-2:]] == ["Leave it.", "Robot 1 stays where it is."]
+    assert "Robot 1 stays where it is." in screen.announcement
+    model.do(ShowNext(), 0.0)
+    screen = model.screen(0.0)
+    assert screen.popup.robot == 1
+    assert screen.waiting == ()
+
+
+def test_an_esc_that_was_meant_for_the_dialogue_does_not_close_its_end():
+    model = model_of(argued(arguing("No.", acts=ANSWERS)))
+    model.receive(argued(words=(ended(agreed=False),)), 0.0)
+    model.do(ShowNext(), 0.0)
+    assert model.screen(0.0).popup.outcome
+
+
+def test_what_was_agreed_is_done_at_once_and_can_be_read_until_it_is_done():
+    words = (ended(agreed=True),)
+    model = model_of(argued(arguing("There?", acts=ANSWERS)))
+    model.receive(argued(words=words, consents=(Consent(0, "select-room", 2),)), 0.0)
+    assert model.requests() == (SendRobot(0, 2),)
+    assert model.screen(0.0).popup.outcome == "Robot 1 goes to room 2."
+    model.receive(with_robot(argued(words=words), 0, moving_to=2), 0.0)
+    assert model.screen(0.0).popup.outcome == "Robot 1 goes to room 2."
+    model.receive(with_robot(argued(), 0, place=2), 0.0)
+    assert model.screen(0.0).popup is None
+
+
+def test_an_end_that_was_left_for_another_robot_comes_back_with_its_own():
+    model = model_of(argued())
+    model.receive(argued(words=(ended(agreed=False),)), 0.0)
+    model.screen(0.0)
+    model.do(ChooseRobot(1), 0.0)
+    model.do(ChooseRoom(3), 0.0)
+    assert model.screen(0.0).popup.robot == 1
+    assert model.screen(0.0).waiting == (), "it has been read"
+    model.do(ChooseRobot(0), 0.0)
+    assert model.screen(0.0).popup.outcome
+
+
+def test_a_robot_that_says_nothing_because_all_was_said_is_explained():
+    model = model_of(argued())
+    model.do(ChooseRoom(2), 0.0)
+    model.receive(argued(words=(ended(agreed=False, said=()),)), 0.0)
+    assert "talked about that before" in model.screen(0.0).popup.outcome
+
+
+def test_the_sheet_of_keys_has_those_of_numbered_answers():
+    assert "1 to 5" in dict(help_lines(8, numbered=True))
+    assert "1 to 5" not in dict(help_lines(8))

@@ -79,6 +79,7 @@ def build_briefing(setting: StudySetting) -> Briefing:
         farewell=setting.farewell,
         sound=setting.study.participant.sound,
         kinds=known_treasures(setting.templates),
+        condition=setting.study.dialogue.condition,
     )
 
 

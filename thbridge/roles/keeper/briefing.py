@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.hunt.properties import OF_2016, TreasureProperty
 from thbridge.hunt.rooms import RoomNames
 from thbridge.hunt.treasures import TreasureKind
@@ -24,6 +25,7 @@ class Briefing:
         sound: True when their window may sound.
         properties: of the treasures.
         kinds: treasures that there are, without their pictures; participants have the same list.
+        condition: how robots and participants decide together.
     """
 
     floor_plan: FloorPlan | None = None
@@ -36,6 +38,7 @@ class Briefing:
     sound: bool = True
     properties: tuple[TreasureProperty, ...] = OF_2016
     kinds: tuple[TreasureKind, ...] = ()
+    condition: DialogueCondition = DialogueCondition.SCRIPT
 
     @property
     def room_names(self) -> RoomNames:

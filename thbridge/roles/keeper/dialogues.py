@@ -2,17 +2,20 @@
 
 import math
 from dataclasses import dataclass, replace
+from typing import Literal
 
 from thbridge.dialogue.arguing import decision_of
 from thbridge.dialogue.engine import DialogueEngine, DialogueStep
 from thbridge.dialogue.evidence import WhatFacts, WhereFacts, is_decision
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.moves import (
+    CloseQuestions,
     DecideAlone,
     Dialogue,
     DialogueOutcome,
     DialogueTopic,
     DialogueUtterance,
+    OpenQuestions,
     Scenario,
     Speaker,
     word_of,
@@ -22,7 +25,7 @@ from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room, RoomNames
 from thbridge.roles.participant_rules import Discussed
-from thbridge.roles.view import Consent, DialogueMatter, DialogueView
+from thbridge.roles.view import Consent, DialogueMatter, DialogueView, LastWords
 
 MATTERS: dict[Scenario, DialogueMatter] = {
     Scenario.SPECIFIC_ROOM: "select-room",
@@ -65,6 +68,7 @@ class GameDialogues:
         puppets: the current ones.
         asked_for_advice: puppets that the participant has asked where to go, in the order of asking; no dialogue yet.
         consents: agreements not yet acted upon, oldest first.
+        last_words: of dialogues that have ended, at most one per robot, the newest last.
     """
 
     def __init__(
@@ -83,6 +87,7 @@ class GameDialogues:
         self._open: dict[int, Dialogue] = {}
         self._opened = 0
         self.consents: tuple[Consent, ...] = ()
+        self.last_words: tuple[LastWords, ...] = ()
         self._utterances: list[DialogueUtterance] = []
 
     def take_utterances(self) -> list[DialogueUtterance]:
@@ -169,7 +174,9 @@ class GameDialogues:
         name = self._room_names.name(room.people) or str(room)
         topic = _topic(state, Scenario.DONT_KNOW, robot, room, name)
         self._opened += 1
-        self._follow(self._engine.announce(self._opened, topic, DecideAlone(waited)))
+        step = self._engine.announce(self._opened, topic, DecideAlone(waited))
+        self._follow(step)
+        self._keep_last_words(step.dialogue, agreed=True)
 
     # In a robot's place
 
@@ -230,15 +237,19 @@ class GameDialogues:
 
     def drop_stale(self, state: GameState) -> None:
         """Withdraw dialogues without purpose: the robot left, the room is taken, or the treasure is decided."""
-        self._open = {
-            robot: dialogue
-            for robot, dialogue in self._open.items()
-            if _still_open(state, robot, MATTERS[dialogue.topic.scenario], dialogue.topic.room)
-        }
+        for robot, dialogue in list(self._open.items()):
+            if not _still_open(state, robot, MATTERS[dialogue.topic.scenario], dialogue.topic.room):
+                del self._open[robot]
+                self._keep_last_words(dialogue, agreed=False)
         self.consents = tuple(
             consent
             for consent in self.consents
             if _still_open(state, consent.robot, consent.matter, Room(consent.room))
+        )
+        self.last_words = tuple(
+            words
+            for words in self.last_words
+            if _still_matters(state, words) or Consent(words.robot, words.matter, words.room) in self.consents
         )
         self.asked_for_advice = tuple(
             robot
@@ -251,22 +262,31 @@ class GameDialogues:
         return tuple(map(self._view, self._open.values()))
 
     def _view(self, dialogue: Dialogue) -> DialogueView:
-        said, choices = self._engine.utterances(dialogue), self._engine.choices(dialogue)
+        choices, (said, speakers) = self._engine.choices(dialogue), self._sentences(dialogue)
         return DialogueView(
             dialogue=dialogue.number,
             turn=len(dialogue.turns),
             robot=dialogue.topic.robot,
             matter=MATTERS[dialogue.topic.scenario],
             room=dialogue.topic.room.people,
-            said=tuple(utterance.text for utterance in said),
+            said=said,
             choices=tuple(choice.text for choice in choices),
             acts=tuple(word_of(choice.move) for choice in choices),
-            speakers=tuple(utterance.speaker.value for utterance in said),
+            speakers=speakers,
         )
 
     def robot_of(self, number: int) -> int | None:
         """Return the robot of the open dialogue with this number, or None."""
         return next((robot for robot, dialogue in self._open.items() if dialogue.number == number), None)
+
+    def _sentences(self, dialogue: Dialogue) -> tuple[tuple[str, ...], tuple[Literal["robot", "person"], ...]]:
+        """Return what was said and by whom; to look for a question, and to ask none after all, says nothing."""
+        said = [
+            utterance
+            for utterance in self._engine.utterances(dialogue)
+            if not isinstance(utterance.move, OpenQuestions | CloseQuestions)
+        ]
+        return tuple(utterance.text for utterance in said), tuple(utterance.speaker.value for utterance in said)
 
     def _at_turn(self, number: int, turn: int) -> Dialogue | None:
         """Return the open dialogue of this number if it is at this turn."""
@@ -282,14 +302,25 @@ class GameDialogues:
             self._open[topic.robot] = step.dialogue
         else:
             self._open.pop(topic.robot, None)
+            self._keep_last_words(step.dialogue, agreed=step.outcome is DialogueOutcome.CONSENSUS)
         if step.outcome is DialogueOutcome.CONSENSUS:
             self.consents += (Consent(topic.robot, MATTERS[topic.scenario], topic.room.people),)
+
+    def _keep_last_words(self, dialogue: Dialogue, *, agreed: bool) -> None:
+        """Keep how a dialogue has ended; where robots do as they are told without a word, there is nothing to keep."""
+        if not self.argues or (agreed and not dialogue.turns):
+            return
+        topic, (said, speakers) = dialogue.topic, self._sentences(dialogue)
+        matter = MATTERS[topic.scenario]
+        words = LastWords(dialogue.number, topic.robot, matter, topic.room.people, said, speakers, agreed)
+        self.last_words = (*(each for each in self.last_words if each.robot != topic.robot), words)
 
     def _forget(self, robot: int, matter: DialogueMatter) -> None:
         """Withdraw a robot's dialogue, its request for advice, and its agreement on this matter."""
         self.withdraw_consent(robot, matter)
         self._forget_advice(robot)
         self._open.pop(robot, None)
+        self.last_words = tuple(words for words in self.last_words if words.robot != robot)
 
     def _forget_advice(self, robot: int) -> None:
         self.asked_for_advice = tuple(asked for asked in self.asked_for_advice if asked != robot)
@@ -333,3 +364,13 @@ def _still_open(state: GameState, robot: int, matter: DialogueMatter, room: Room
         return isinstance(rules.move(state, robot, room), tuple)
     worker = state.decider(room) if matter == "take-treasure" else state.standing_in(room)
     return worker == robot and not state.robots[robot].is_silent and not state.room(room).is_decided
+
+
+def _still_matters(state: GameState, words: LastWords) -> bool:
+    """Return True until what was agreed is done; without an agreement, until the robot or its treasure moves on."""
+    if state.ended is not None:
+        return False
+    robot, room = state.robots[words.robot], Room(words.room)
+    if words.matter == "select-room":
+        return robot.bound_for == (room if words.agreed else None)
+    return not words.agreed and _still_open(state, words.robot, words.matter, room)

@@ -1,8 +1,10 @@
 """The participant's view, made from the state of a game."""
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from typing import Literal
 
+from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Commander
 from thbridge.hunt.game import GameState
@@ -10,6 +12,12 @@ from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.dialogues import GameDialogues
 from thbridge.roles.view import Debrief, IdentificationVerdict, RefusalView, RobotView, RoomView, View
+
+_HAVE_LAST_WORD: Mapping[DialogueCondition, Literal["both", "participant", "robot"]] = {
+    DialogueCondition.COLLABORATOR: "both",
+    DialogueCondition.ADVISER: "participant",
+    DialogueCondition.AUTONOMOUS: "robot",
+}
 
 
 def view_of(
@@ -50,6 +58,8 @@ def view_of(
         wrong_share=state.started.wrong_share if briefing.worth else None,
         sound=briefing.sound,
         properties=state.started.properties,
+        last_words=dialogues.last_words,
+        has_last_word=_HAVE_LAST_WORD.get(briefing.condition),
     )
 
 

@@ -254,9 +254,20 @@ def _select(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> None:
         return
     memory.selected = robot
     memory.typed = ""
+    if hunt.view.has_last_word is not None:
+        _show_talk(hunt, robot)
     if memory.followed is not None:
         memory.followed = robot
     memory.history.announce(card_sentence(memory, hunt, robot))
+
+
+def _show_talk(hunt: HuntMemory, robot: int) -> None:
+    """Show the dialogue with a robot that argues, or how the last one has ended."""
+    words = hunt.last_words(robot)
+    if words is not None:
+        hunt.read.discard(words.dialogue)
+    if DestinationItem(robot) in hunt.popups.waiting or hunt.unread_words(robot) is not None:
+        hunt.popups.show(DestinationItem(robot))
 
 
 def _choose(memory: ParticipantMemory, hunt: HuntMemory, room: int, now: float) -> None:
@@ -364,6 +375,9 @@ def _put_aside(memory: ParticipantMemory, hunt: HuntMemory) -> None:
         hunt.verdicts.pop(item.room, None)
     if isinstance(item, DestinationItem) and hunt.pending.destination_request(item.robot) is not None:
         hunt.pending.forget_destination(item.robot)
+    elif hunt.reading is not None:
+        if memory.last_drawn.dialogue is None:  # else it was meant for the dialogue, which has ended since
+            hunt.read.add(hunt.reading)
     else:
         hunt.popups.put_aside()
 

@@ -164,7 +164,8 @@ def _resting(hunt: HuntMemory, robot: RobotView, motion: RobotMotion) -> str:
         return "is thinking about where to go"
     talk = hunt.destination_dialogue(number)
     if talk is not None:
-        return "asks you something" if talk.choices else "is thinking"
+        asks = "asks you something" if hunt.view.has_last_word is None else "waits for your answer"
+        return asks if talk.choices else "is thinking"
     goal = hunt.destination_considered(number)
     if goal is not None:
         return f"about to set out for {place_name(goal)}"

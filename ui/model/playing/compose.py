@@ -5,7 +5,7 @@ from dataclasses import replace
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import Condition
 from thbridge.roles.view import GiveConsent
-from ui.model.keys import HELP, help_lines, is_letter, keyed
+from ui.model.keys import HELP, WAITING_KEY, help_lines, is_letter, keyed
 from ui.model.playing.cards import cards, nothing_waits
 from ui.model.playing.memory.popup_queue import DestinationItem, PopupItem, TreasureItem
 from ui.model.playing.memory.state import HuntMemory, ParticipantMemory
@@ -15,7 +15,7 @@ from ui.model.playing.popups.game_over import game_over_page
 from ui.model.playing.popups.treasures import PICTURE_TIMEOUT, treasure_popup
 from ui.model.playing.sounds import why_silent
 from ui.model.playing.tiles import dont_know, end, tiles
-from ui.model.playing.words import titled, verdict_words
+from ui.model.playing.words import outcome_of, titled, verdict_words
 from ui.model.rules_sheet import rules_of
 from ui.model.screen import (
     Action,
@@ -35,9 +35,6 @@ from ui.model.screen import (
     TreasurePopup,
     WaitingItem,
 )
-
-WAITING_KEY = "W"
-"""The second key of `ShowNext`: for a button that shows what waits, "Esc" would be a riddle."""
 
 
 def compose(memory: ParticipantMemory, now: float) -> Screen:
@@ -72,8 +69,18 @@ def compose(memory: ParticipantMemory, now: float) -> Screen:
         rules=rules_of(hunt.view) if hunt is not None and memory.help_open else (),
         nothing_waits="" if playing is None else nothing_waits(team, answering=playing.popups.shown is not None),
     )
-    asks = isinstance(screen.popup, TreasurePopup) and screen.popup.asks_for_name
-    return _without_letters(screen) if asks else screen
+    match screen.popup:
+        case TreasurePopup(asks_for_name=True):
+            return _without_letters(screen)
+        case DialoguePopup(numbered=True):
+            return _without_digits(screen)
+        case _:
+            return screen
+
+
+def _without_digits(screen: Screen) -> Screen:
+    """The screen without the numbers of rooms printed as keys: its pop-up has the digits for its answers."""
+    return replace(screen, tiles=tuple(replace(tile, choose=replace(tile.choose, key="")) for tile in screen.tiles))
 
 
 def _without_letters(screen: Screen) -> Screen:
@@ -157,7 +164,8 @@ def _help(memory: ParticipantMemory, hunt: HuntMemory | None) -> tuple[tuple[str
     if hunt is None:
         return help_lines(0)
     properties = any(not each.is_found for each in hunt.view.properties)
-    return help_lines(len(hunt.view.rooms), why_silent(memory, hunt), properties=properties)
+    argues = hunt.view.has_last_word is not None
+    return help_lines(len(hunt.view.rooms), why_silent(memory, hunt), properties=properties, numbered=argues)
 
 
 def _sound(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[Action, ...]:
@@ -215,7 +223,10 @@ def _waits(hunt: HuntMemory, item: PopupItem) -> str:
     name = titled(item.robot)
     if isinstance(item, DestinationItem):
         dialogue = hunt.destination_dialogue(item.robot)
-        return f"{name} is being asked" if dialogue is None else dialogue_title(hunt, dialogue)
+        if dialogue is not None:
+            return dialogue_title(hunt, dialogue)
+        words = hunt.unread_words(item.robot)
+        return f"{name} is being asked" if words is None else outcome_of(words)
     about = hunt.treasure_dialogue(item)
     if about is not None:
         return dialogue_title(hunt, about)

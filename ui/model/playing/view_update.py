@@ -80,7 +80,9 @@ def settle(hunt: HuntMemory) -> None:
         for robot, sentence in hunt.opening_sentences.items()
         if hunt.destination_dialogue(robot) is not None or hunt.pending.destination_request(robot) is not None
     }
+    hunt.note_reading()
     hunt.popups.update(tuple(_items(hunt)) if view.over is None else ())
+    hunt.note_reading()
     if hunt.choice is not None and not _asks_for_name(hunt, hunt.choice.item):
         hunt.choice = None
 
@@ -299,6 +301,7 @@ def _items(hunt: HuntMemory) -> Iterator[PopupItem]:
         if (
             hunt.destination_dialogue(robot.robot) is not None
             or hunt.pending.destination_request(robot.robot) is not None
+            or hunt.unread_words(robot.robot) is not None
         ):
             yield DestinationItem(robot.robot)
     for room in view.rooms:

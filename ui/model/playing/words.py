@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from sim.common.robot_numbers import robot_name
 from thbridge.hunt.events import Commander
 from thbridge.hunt.treasures import name_in_words
+from thbridge.roles.view import LastWords
 
 
 def titled(robot: int) -> str:
@@ -61,6 +62,24 @@ def verdict_words(name: str, points: int) -> str:
     if points < 0:
         return f"{named} is wrong, {counted(-points, 'point')} lost."
     return f"{named} brings no points."
+
+
+def outcome_of(words: LastWords) -> str:
+    """The outcome of a dialogue, as a sentence."""
+    name = titled(words.robot)
+    match words.matter, words.agreed:
+        case "select-room", True:
+            return f"{name} goes to room {words.room}."
+        case "take-picture", True:
+            return f"{name} takes a picture in room {words.room}."
+        case "take-treasure", True:
+            return f"{name} names what is in room {words.room}."
+        case "select-room", False:
+            return f"{name} stays where it is."
+        case "take-picture", False:
+            return f"{name} takes no picture in room {words.room}."
+        case _:
+            return f"{name} does not name what is in room {words.room}."
 
 
 def as_sentence(text: str) -> str:

@@ -323,7 +323,9 @@ class ParticipantWindow(QWidget):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Take a letter that has no shortcut."""
+        """Take a letter that has no shortcut; in a dialogue, go to the answers by arrows, and turn pages."""
+        if self.dialogue.isVisible():
+            self.dialogue.go_to(event.key())
         self._keyboard.type(event)
 
     def focusNextPrevChild(self, forward: bool) -> bool:

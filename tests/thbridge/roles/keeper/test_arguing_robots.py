@@ -140,10 +140,15 @@ def test_neglected_robots_decide_by_themselves_and_say_so() -> None:
     table = Table(patience=100)
     table.stage.run(90)
     assert all(robot.moving_to is None for robot in table.view.robots)
-    table.stage.run(60)
+    seen = set()
+    for _ in range(60):
+        table.stage.run(1)
+        seen.update(table.view.last_words)
     said = [each for record in table.stage.tick_records for each in record.utterances]
     assert {each.topic.robot for each in said if isinstance(each.move, DecideAlone)} == {0, 1}
     assert all(each.text.startswith("Nobody has told me what to do for 2 s") for each in said)
+    assert {(words.robot, words.agreed) for words in seen} == {(0, True), (1, True)}
+    assert all(words.said[-1].startswith("Nobody has told me") for words in seen)
     table.stage.run(3000)
     assert sum(room.state == "visited" for room in table.view.rooms) == 8
     # It names what it is sure of, and gives nothing up in her place.
@@ -191,3 +196,45 @@ def test_a_wizard_is_offered_the_legal_moves_of_the_robot() -> None:
     assert table.dialogue().said[-1].startswith("Why")
     authors = [each.author for record in table.stage.tick_records for each in record.utterances]
     assert Author.WIZARD in authors
+
+
+def test_what_was_agreed_is_in_sight_until_the_robot_is_there() -> None:
+    table = Table()
+    table.wish(RequestSuggestion(0))
+    room = table.dialogue().room
+    (words,) = table.say("All right").last_words
+    assert (words.robot, words.room, words.agreed) == (0, room, True)
+    assert words.said[-1].startswith("All right")
+    assert words.speakers[-1] == "person"
+    assert table.wish(SendRobot(0, room)).last_words == (words,)
+    table.stage.run(30)
+    assert table.view.robots[0].place == room
+    assert table.view.last_words == ()
+
+
+def test_what_was_not_agreed_is_in_sight_until_the_robot_is_talked_with_again() -> None:
+    table = Table()
+    room = table.another_room()
+    table.wish(SelectRoom(0, room))
+    (words,) = table.say("Let us leave it").last_words
+    assert not words.agreed
+    table.wish(RequestSuggestion(1))
+    assert table.view.last_words == (words,), "the other robot"
+    table.wish(RequestSuggestion(0))
+    assert table.view.last_words == ()
+
+
+def test_a_look_at_the_questions_says_nothing() -> None:
+    table = Table()
+    table.wish(RequestSuggestion(0))
+    said = table.dialogue().said
+    table.say("I have a question")
+    assert table.dialogue().said == said
+    table.say("Back")
+    assert table.dialogue().said == said
+    assert "open-questions" in table.dialogue().acts
+
+
+def test_a_robot_that_is_supervised_has_no_last_words() -> None:
+    table = Table(DialogueCondition.SUPERVISOR)
+    assert table.wish(SelectRoom(0, 3)).last_words == ()

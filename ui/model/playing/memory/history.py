@@ -8,8 +8,8 @@ from sim.common.robot_numbers import robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
 from thbridge.hunt.properties import Teller, properties_in_words, value_in_words
-from thbridge.roles.view import DialogueView, RobotView, RoomView, View
-from ui.model.playing.words import counted, place_name, scored, titled, verdict_words
+from thbridge.roles.view import DialogueView, LastWords, RobotView, RoomView, View
+from ui.model.playing.words import counted, outcome_of, place_name, scored, titled, verdict_words
 from ui.model.screen import HistoryLine
 
 MAX_LINES = 500
@@ -63,8 +63,9 @@ class GameHistory:
 
     def add_answer(self, dialogue: DialogueView, choice: int) -> None:
         """Add the participant's choice now: once the dialogue is over, no view shows it again."""
-        self._append("you", dialogue.robot, dialogue.choices[choice])
-        self._known_sentences[dialogue.dialogue] = len(dialogue.said) + 1
+        if says(dialogue, choice):
+            self._append("you", dialogue.robot, dialogue.choices[choice])
+            self._known_sentences[dialogue.dialogue] = len(dialogue.said) + 1
 
     def receive(self, before: View | None, view: View) -> None:
         """Add the news of a view; `before` is None when the game is new to this program."""
@@ -78,7 +79,12 @@ class GameHistory:
                 for sentence in _room_changes(view, old, new):
                     self.add_event(sentence, new.robot)
         for dialogue in view.dialogues:
-            self._receive_dialogue(dialogue)
+            self._receive_sentences(dialogue)
+        ended = [words for words in view.last_words if before is not None and words not in before.last_words]
+        for words in ended:
+            self._receive_sentences(words)
+            if not words.agreed:
+                self.add_event(outcome_of(words), words.robot)
         self._known_sentences = {
             dialogue.dialogue: self._known_sentences[dialogue.dialogue] for dialogue in view.dialogues
         }
@@ -94,7 +100,7 @@ class GameHistory:
             else f"Game {view.game} is under way, with {team}; the score is {scored(view.score)}."
         )
 
-    def _receive_dialogue(self, dialogue: DialogueView) -> None:
+    def _receive_sentences(self, dialogue: DialogueView | LastWords) -> None:
         sentences = spoken(dialogue)
         known = self._known_sentences.get(dialogue.dialogue)
         if known is None:
@@ -112,7 +118,12 @@ class GameHistory:
         self._lines.append(HistoryLine(speaker, robot, text))
 
 
-def spoken(dialogue: DialogueView) -> tuple[SpokenLine, ...]:
+def says(dialogue: DialogueView, choice: int) -> bool:
+    """Return True when a choice says something; to look for a question, and to ask none after all, does not."""
+    return dialogue.acts[choice : choice + 1] not in {("open-questions",), ("close-questions",)}
+
+
+def spoken(dialogue: DialogueView | LastWords) -> tuple[SpokenLine, ...]:
     """Return the sentences of a dialogue with their speakers; those that are not told alternate after the robot."""
     told = dialogue.speakers or ["person" if index % 2 else "robot" for index in range(len(dialogue.said))]
     return tuple(

@@ -35,6 +35,8 @@ class PendingRequests:
     def __init__(self) -> None:
         # With each request for advice, its robot's dialogue at that time: the one requested is another.
         self._requests: dict[ParticipantRequest, int | None] = {}
+        # With each request for a dialogue, the last one with its robot that had ended at that time.
+        self._ended: dict[ParticipantRequest, int | None] = {}
 
     def __contains__(self, request: ParticipantRequest) -> bool:
         return request in self._requests
@@ -60,6 +62,7 @@ class PendingRequests:
         self._requests[request] = (
             _open_dialogue(view, request.robot) if isinstance(request, RequestSuggestion) else None
         )
+        self._ended[request] = _ended_dialogue(view, request)
 
     def forget_destination(self, robot: int) -> None:
         """Drop the requests to this robot to go somewhere."""
@@ -90,7 +93,10 @@ class PendingRequests:
         for request, before in list(self._requests.items()):
             if isinstance(request, RequestSuggestion) and _open_dialogue(view, request.robot) is None:
                 self._requests[request] = None
-            if _granted(request, view, known, before):
+            if _granted(request, view, known, before) or _ended_dialogue(view, request) not in (
+                None,
+                self._ended[request],
+            ):
                 del self._requests[request]
             elif (reason := _moot(request, view, known)) is not None:
                 del self._requests[request]
@@ -111,6 +117,13 @@ def _kinds(request: ParticipantRequest) -> tuple[str, ...]:
 
 def _open_dialogue(view: View, robot: int) -> int | None:
     return next((dialogue.dialogue for dialogue in view.dialogues if dialogue.robot == robot), None)
+
+
+def _ended_dialogue(view: View, request: ParticipantRequest) -> int | None:
+    """Return the number of the ended dialogue with the robot that a request is for a dialogue with, or None."""
+    if not isinstance(request, SelectRoom | RequestSuggestion | OpenDialogue):
+        return None
+    return next((words.dialogue for words in view.last_words if words.robot == request.robot), None)
 
 
 def _granted(request: ParticipantRequest, view: View, known: Situation, before: int | None) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from thbridge.hunt.rooms import Room
 from thbridge.roles.notices import FloorPlan, RobotMotion
 from thbridge.roles.participant_rules import Situation, revealed
-from thbridge.roles.view import DialogueView, RequestSuggestion, SelectRoom, View
+from thbridge.roles.view import DialogueView, LastWords, RequestSuggestion, SelectRoom, View
 from thbridge.timing.wall_clock import utc_now
 from ui.model.playing.memory.connection import ConnectionStatus
 from ui.model.playing.memory.history import GameHistory
@@ -74,6 +74,8 @@ class HuntMemory:
         picture_times: by room, when the view first showed its picture as taken.
         most_energy: the most energy that any robot had.
         pending_step: the step that waits for confirmation.
+        read: numbers of ended dialogues whose last words the participant has read.
+        reading: number of the ended dialogue in the pop-up shown; None where it is another one.
     """
 
     view: View
@@ -88,6 +90,8 @@ class HuntMemory:
     picture_times: dict[int, float] = field(default_factory=dict)
     most_energy: float = 0.0
     pending_step: PendingStep | None = None
+    read: set[int] = field(default_factory=set)
+    reading: int | None = None
 
     def __post_init__(self) -> None:
         self.receive(self.view)
@@ -127,6 +131,27 @@ class HuntMemory:
             ),
             None,
         )
+
+    def last_words(self, robot: int) -> LastWords | None:
+        """The end of the last dialogue with a robot, while it matters."""
+        return next((words for words in self.view.last_words if words.robot == robot), None)
+
+    def unread_words(self, robot: int) -> LastWords | None:
+        """The end of a dialogue about where a robot goes that the participant has not read; None where one is open."""
+        words = self.last_words(robot)
+        if words is None or words.matter != "select-room" or words.dialogue in self.read:
+            return None
+        is_open = self.destination_dialogue(robot) or self.pending.destination_request(robot)
+        return None if is_open else words
+
+    def note_reading(self) -> None:
+        """Note the ended dialogue in the pop-up shown; the one shown before has been read."""
+        shown = self.popups.shown
+        words = self.unread_words(shown.robot) if isinstance(shown, DestinationItem) else None
+        number = None if words is None else words.dialogue
+        if self.reading not in (None, number):
+            self.read.add(self.reading)
+        self.reading = number
 
     def destination_considered(self, robot: int) -> int | None:
         """The room that a robot is asked to go to, or that its dialogue is about."""

@@ -11,6 +11,7 @@ from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import name_in_words
 from thbridge.roles.view import GiveUpTreasure, MeasureProperty, OpenDialogue, RoomView, View
 from ui.model.keys import keyed
+from ui.model.playing.memory.history import spoken
 from ui.model.playing.memory.pictures import Pictures
 from ui.model.playing.memory.popup_queue import TreasureItem
 from ui.model.playing.memory.state import HuntMemory
@@ -23,7 +24,7 @@ from ui.model.playing.possible import (
     why_not_request,
     why_not_work,
 )
-from ui.model.playing.words import counted, percent, titled, verdict_words
+from ui.model.playing.words import counted, outcome_of, percent, titled, verdict_words
 from ui.model.screen import (
     Action,
     DialoguePopup,
@@ -75,7 +76,17 @@ def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: flo
         picture_note=_picture_note(hunt, room, now) if picture is None else "",
         typed="" if hunt.choice is None else hunt.choice.typed(now),
         worth=view.worth,
+        talk=_talk(hunt, item),
     )
+
+
+def _talk(hunt: HuntMemory, item: TreasureItem) -> str:
+    """The end of a dialogue about this without an agreement, with what the robot said last."""
+    words = hunt.last_words(item.robot)
+    if words is None or words.agreed or words.matter == "select-room" or words.room != item.room:
+        return ""
+    said = [sentence for speaker, sentence in spoken(words) if speaker == "robot"]
+    return f"{outcome_of(words)} It said: {said[-1]}" if said else outcome_of(words)
 
 
 def _facts(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> tuple[TreasureFact, ...]:

@@ -1,5 +1,6 @@
 """The pop-up in which a robot talks with the participant."""
 
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
 from sim.common.robot_numbers import robot_name
@@ -30,20 +31,24 @@ class DialoguePanel(TitledPanel):
         find.addWidget(self.facts, 3)
         self.transcript = Transcript()
         self.rows.addWidget(self.transcript, 1)
-        self._thinking = look.label(muted=True)
-        self.rows.addWidget(self._thinking)
+        self._state = look.label(muted=True)
+        self.rows.addWidget(self._state)
+        self._outcome = look.label(bold=True)
+        self.rows.addWidget(self._outcome)
         self._warning = look.label()
         self.rows.addWidget(self._warning)
         answers = spaced(QVBoxLayout(), GAP)
         self.rows.addLayout(answers)
         # All alike: the window must not make one answer look better than another.
         self.choices = ActionRow(answers, self.requested, hints=True)
+        # The answer that led to the questions, which lead back to it.
+        self._left_from = 0
 
     def show_pop(self, pop: DialoguePopup) -> None:
         """Show this; does nothing when it is shown already."""
         if pop == self._pop:
             return
-        self._pop = pop
+        before, self._pop = self._pop, pop
         self.entitle(pop.title, pop.robot)
         self.aside.show_action(pop.aside)
         self.facts.show_facts(pop.facts)
@@ -51,8 +56,51 @@ class DialoguePanel(TitledPanel):
         self.picture.show_picture(pop.picture, "")
         self.picture.setVisible(pop.picture is not None)
         self.transcript.show_sentences(pop.sentences, pop.robot)
-        self._thinking.setText(f"{robot_name(pop.robot).capitalize()} is thinking …")
-        self._thinking.setVisible(not pop.choices)
+        self._state.setText(pop.note if pop.choices else f"{robot_name(pop.robot).capitalize()} is thinking …")
+        self._state.setVisible(not pop.outcome and bool(pop.note or not pop.choices))
+        self._outcome.setText(pop.outcome)
+        self._outcome.setVisible(bool(pop.outcome))
         self._warning.setText(f"⚠ {pop.warning}")
         self._warning.setVisible(bool(pop.warning))
+        focused = self._focused()
         self.choices.show_actions(pop.choices)
+        if focused is not None and pop.choices:
+            self._keep_focus(focused, before, pop)
+
+    def go_to(self, key: int) -> None:
+        """Go to the first answer by Down, to the last by Up; turn pages of what was said."""
+        match key:
+            case Qt.Key.Key_Down:
+                self._focus_choice(0)
+            case Qt.Key.Key_Up:
+                self._focus_choice(-1)
+            case Qt.Key.Key_PageUp:
+                self.transcript.turn_page(-1)
+            case Qt.Key.Key_PageDown:
+                self.transcript.turn_page(1)
+
+    def _focus_choice(self, at: int) -> None:
+        """Give the focus to an answer, counted from 0, or from the end as -1."""
+        shown = [button for button in self.choices.buttons if not button.isHidden()]
+        if shown:
+            shown[at].setFocus(Qt.FocusReason.OtherFocusReason)
+
+    def _focused(self) -> int | None:
+        """Return which of the answers has the focus, if any."""
+        return next((at for at, button in enumerate(self.choices.buttons) if button.hasFocus()), None)
+
+    def _keep_focus(self, focused: int, before: DialoguePopup | None, pop: DialoguePopup) -> None:
+        """Give the focus to the first of new answers; after a look at the questions, to where it was before."""
+        turned = before is not None and (before.robot, before.sentences) == (pop.robot, pop.sentences)
+        if _asks(pop) and not (before is not None and _asks(before)):
+            self._left_from = focused
+            self._focus_choice(0)
+        elif before is not None and _asks(before):
+            self._focus_choice(min(self._left_from, len(pop.choices) - 1))
+        elif not turned:
+            self._focus_choice(0)
+
+
+def _asks(pop: DialoguePopup) -> bool:
+    """Return True while the answers are questions to the robot, which Esc leads back from."""
+    return any(choice.key == "Esc" for choice in pop.choices)

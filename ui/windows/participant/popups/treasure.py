@@ -23,6 +23,8 @@ class TreasurePanel(TitledPanel):
         self._pop: TreasurePopup | None = None
         self.aside = ActionButton("quiet")
         self.top.addWidget(self.aside)
+        self.talk = look.label(muted=True)
+        self.rows.addWidget(self.talk)
         self.more = FactActs()
         self.more.requested.connect(self.requested)
         self.rows.addWidget(self.more)
@@ -71,6 +73,8 @@ class TreasurePanel(TitledPanel):
         self._pop = pop
         self.entitle(pop.title, pop.robot)
         self.aside.show_action(pop.aside)
+        set_text(self.talk, pop.talk)
+        self.talk.setVisible(bool(pop.talk))
         self.facts.show_facts(pop.facts)
         self.more.show_facts(pop.facts or ())
         unseen = "No picture was taken" if pop.verdict is not None else "No picture yet"

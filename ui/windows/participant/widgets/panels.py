@@ -22,6 +22,9 @@ from ui.windows.look import GAP, colours, follow_text, font, px, smooth_painter,
 from ui.windows.participant.widgets.focus import go_round, make_region
 from ui.windows.participant.widgets.painting import WRAPPED, chip, chip_size, write
 
+PROMINENT = 2
+"""Newest sentences of a dialogue that are not dimmed: what was said last, and the reply."""
+
 OVERLAY_COLOUR = "#0b0f14"
 """Colour of the overlay that dims the window, in light and dark."""
 
@@ -162,11 +165,18 @@ class SpeechBubble(QWidget):
         self._speaker = speaker
         self._text = text
         self._robot = robot
+        self._older = False
         who = robot_name(robot).capitalize() if speaker == "robot" else "You"
         self.setAccessibleName(f"{who}: {text}")
         policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
         policy.setHeightForWidth(True)
         self.setSizePolicy(policy)
+
+    def show_older(self, older: bool) -> None:
+        """Dim it once newer sentences are what matters."""
+        if older != self._older:
+            self._older = older
+            self.update()
 
     def sizeHint(self) -> QSize:
         """Return the size with lines of a readable length."""
@@ -195,7 +205,7 @@ class SpeechBubble(QWidget):
         at = bubble.left() if robot else bubble.right() - 4.0
         painter.drawRoundedRect(QRectF(at, 7.0, 4.0, bubble.height() - 14.0), 2, 2)
         area = bubble.adjusted(1.5 * GAP, GAP, -1.5 * GAP, -GAP)
-        write(painter, area, self._text, font(), palette.text, WRAPPED)
+        write(painter, area, self._text, font(), palette.muted if self._older else palette.text, WRAPPED)
 
     def _words(self, width: int) -> QRectF:
         """Return the space of the words; bubbles leave a share of the width free, so that the sides differ."""
@@ -219,6 +229,7 @@ class Transcript(QScrollArea):
         self.setWidget(inside)
         self.setAccessibleName("What was said")
         self._sentences: tuple[tuple[Literal["robot", "you"], str], ...] = ()
+        self._bubbles: list[SpeechBubble] = []
         self._robot: int | None = None
         self.verticalScrollBar().rangeChanged.connect(self._to_end)
 
@@ -229,15 +240,22 @@ class Transcript(QScrollArea):
         shown = len(self._sentences)
         keep = shown if robot == self._robot and sentences[:shown] == self._sentences else 0
         self._sentences, self._robot = sentences, robot
-        while self._lines.count() - 1 > keep:
-            item = self._lines.takeAt(self._lines.count() - 2)
-            gone = item.widget() if item is not None else None
-            if gone is not None:
-                gone.hide()
-                gone.deleteLater()
+        while len(self._bubbles) > keep:
+            gone = self._bubbles.pop()
+            self._lines.removeWidget(gone)
+            gone.hide()
+            gone.deleteLater()
         for speaker, text in sentences[keep:]:
-            self._lines.insertWidget(self._lines.count() - 1, SpeechBubble(speaker, text, robot))
+            self._bubbles.append(SpeechBubble(speaker, text, robot))
+            self._lines.insertWidget(self._lines.count() - 1, self._bubbles[-1])
+        for at, bubble in enumerate(reversed(self._bubbles)):
+            bubble.show_older(at >= PROMINENT)
         self.updateGeometry()
+
+    def turn_page(self, pages: int) -> None:
+        """Scroll back (-1) or on (1) by what is in sight."""
+        bar = self.verticalScrollBar()
+        bar.setValue(bar.value() + pages * bar.pageStep())
 
     def heightForWidth(self, width: int) -> int:
         """Return the height of all sentences."""
@@ -267,8 +285,9 @@ class Transcript(QScrollArea):
         return super().eventFilter(watched, event)
 
     def _to_end(self) -> None:
+        """Show the newest sentence, from its beginning."""
         bar = self.verticalScrollBar()
-        bar.setValue(bar.maximum())
+        bar.setValue(min([bar.maximum(), *(bubble.y() for bubble in self._bubbles[-1:])]))
 
 
 class ModalOverlay(QWidget):
