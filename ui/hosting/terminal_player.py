@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from sim.common.robot_numbers import index_of, robot_name
+from sim.common.robot_numbers import index_of, number_of, robot_name
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
 from thbridge.hunt.properties import Teller, TreasureProperty, properties_in_words
@@ -19,6 +19,7 @@ from thbridge.roles.view import (
     GiveUp,
     GiveUpTreasure,
     IdentifyTreasure,
+    LastWords,
     MeasureProperty,
     OpenDialogue,
     ParticipantRequest,
@@ -36,7 +37,9 @@ from thbridge.roles.view import (
 )
 from thbridge.timing.wall_clock import utc_now
 from ui.model.consent_words import QUESTION, answer_in
-from ui.model.playing.words import verdict_words
+from ui.model.playing.memory.history import spoken
+from ui.model.playing.popups.dialogues import OVERRIDE
+from ui.model.playing.words import outcome_of, verdict_words
 from ui.model.rules_sheet import rules_of
 from ui.story import CONDITIONS
 
@@ -44,6 +47,7 @@ HELP = """\
   1 4        talk with robot 1 about going to room 4
   1 ?        don't know: ask robot 1 where to go
   c   s      Continue, or Stop, in the dialogue that waits
+  2   1:2    the second answer in the dialogue that waits; to robot 1, where several wait
   p 4        take a picture of what is in room 4; a terminal cannot show it
   m 4 WHAT   let the robot sense one more property of what is in room 4, where the game has such
   t 4 WHAT VALUE   tell what you see on the picture of room 4, where the game asks for it
@@ -57,6 +61,8 @@ HELP = """\
   rules      the rules of the game
   ?          how things stand"""
 
+YOURS = "  This is your decision."
+"""Mark of the answer by which a person decides against a robot's advice."""
 NO_NAMES = "No treasure has been found yet."
 
 
@@ -112,6 +118,10 @@ class TerminalPlayer:
                 self._wanted = (GiveUp(view.game),)
             case ["c" | "s" as answer]:
                 self._answer(view, first=answer == "c")
+            case [answer] if _is_number(answer):
+                self._answer_by_number(view, None, int(answer))
+            case [answer] if all(map(_is_number, parts := answer.split(":"))) and len(parts) == 2:
+                self._answer_by_number(view, index_of(int(parts[0])), int(parts[1]))
             case ["p", room] if _is_number(room):
                 self._discuss(view, int(room), "take-picture")
             case ["n", room, *words] if _is_number(room) and words:
@@ -150,6 +160,17 @@ class TerminalPlayer:
             self.show("No robot waits for an answer.")
             return
         self._wanted = (AnswerDialogue(dialogue.dialogue, dialogue.turn, 0 if first else len(dialogue.choices) - 1),)
+
+    def _answer_by_number(self, view: View, robot: int | None, number: int) -> None:
+        waiting = [each for each in view.dialogues if each.choices and robot in (None, each.robot)]
+        if not waiting:
+            self.show("No robot waits for an answer." if robot is None else "This robot waits for no answer.")
+        elif len(waiting) > 1:
+            self.show(f"Several robots wait: type {number_of(waiting[0].robot)}:{number} to answer the first.")
+        elif not 0 < number <= len(waiting[0].choices):
+            self.show(f"The answers are 1 to {len(waiting[0].choices)}.")
+        else:
+            self._wanted = (AnswerDialogue(waiting[0].dialogue, waiting[0].turn, number - 1),)
 
     def _name(self, view: View, room: int, typed: str) -> None:
         words = name_in_words(typed).casefold()
@@ -228,7 +249,13 @@ def _changes(before: View | None, view: View, rooms: RoomNames) -> list[str]:
     for old, new in zip(before.rooms, view.rooms, strict=True):
         lines += _room_changes(view, old, new, rooms)
     known = {(dialogue.dialogue, dialogue.turn) for dialogue in before.dialogues}
-    lines += [_asked(dialogue) for dialogue in view.dialogues if (dialogue.dialogue, dialogue.turn) not in known]
+    told = {dialogue.dialogue: len(dialogue.said) for dialogue in before.dialogues}
+    for dialogue in view.dialogues:
+        if (dialogue.dialogue, dialogue.turn) not in known:
+            lines += _asked(view, dialogue, told.get(dialogue.dialogue, 0))
+    for words in view.last_words:
+        if words not in before.last_words:
+            lines += [*_told(words, told.get(words.dialogue, 0)), outcome_of(words)]
     if view.refusal is not None and view.refusal != before.refusal:
         lines.append(view.refusal.sentence)
     if view.over is not None and before.over is None:
@@ -286,11 +313,28 @@ def _found(view: View, room: RoomView, rooms: RoomNames) -> str:
     return f"Room {rooms.numbered(room.room)}: {seen}.{''.join(more)} n {room.room} NAME names it."
 
 
-def _asked(dialogue: DialogueView) -> str:
+def _asked(view: View, dialogue: DialogueView, told: int = 0) -> list[str]:
+    """Lines on what waits for an answer; where robots argue, those from sentence number `told` on, and the choices."""
+    name = robot_name(dialogue.robot).capitalize()
     if not dialogue.choices:
-        return f"{robot_name(dialogue.robot).capitalize()} is thinking."
-    answers = ", ".join(f"{choice[0].lower()} {choice}" for choice in dialogue.choices)
-    return f"{robot_name(dialogue.robot).capitalize()}: {dialogue.said[-1]}   [{answers}]"
+        return [f"{name} is thinking."]
+    if view.has_last_word is None:
+        answers = ", ".join(f"{choice[0].lower()} {choice}" for choice in dialogue.choices)
+        return [f"{name}: {dialogue.said[-1]}   [{answers}]"]
+    several = sum(bool(each.choices) for each in view.dialogues) > 1
+    to = f"{number_of(dialogue.robot)}:" if several else ""
+    acts = dialogue.acts or ("",) * len(dialogue.choices)
+    numbered = enumerate(zip(dialogue.choices, acts, strict=True), start=1)
+    return [
+        *_told(dialogue, told),
+        *(f"  {to}{number}  {text}{YOURS if act == OVERRIDE else ''}" for number, (text, act) in numbered),
+    ]
+
+
+def _told(dialogue: DialogueView | LastWords, told: int) -> list[str]:
+    """Sentences of a dialogue from number `told` on."""
+    name = robot_name(dialogue.robot).capitalize()
+    return [f"{name if speaker == 'robot' else 'You'}: {sentence}" for speaker, sentence in spoken(dialogue)[told:]]
 
 
 def _state_lines(view: View, rooms: RoomNames) -> list[str]:
@@ -307,5 +351,5 @@ def _state_lines(view: View, rooms: RoomNames) -> list[str]:
     lines += [f"  {_found(view, room, rooms)}" for room in view.rooms if room.found and room.undecided]
     free = [rooms.numbered(room.room) for room in view.rooms if room.state == "unvisited"]
     lines.append(f"  Rooms not visited: {' '.join(free) or 'none'}. Score {view.score}.")
-    lines += [f"  {_asked(dialogue)}" for dialogue in view.dialogues]
+    lines += [f"  {line}" for dialogue in view.dialogues for line in _asked(view, dialogue, len(dialogue.said) - 1)]
     return lines

@@ -2,7 +2,10 @@
 
 import pytest
 
+from tests.thbridge.roles.keeper.test_arguing_robots import arguing_engine
 from tests.thbridge.roles.stage import Stage
+from thbridge.dialogue.conditions import DialogueCondition
+from thbridge.dialogue.engine import DialogueEngine
 from thbridge.hunt.events import Condition, ConsentGiven, RobotDeparted, TreasureIdentified, TreasuresHidden
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.notices import FloorPlan, RoomOutline
@@ -14,10 +17,15 @@ from ui.model.rules_sheet import rules_of
 
 
 class Seat:
-    def __init__(self, briefing: Briefing | None = None, set_name: str = "original-2016") -> None:
+    def __init__(
+        self,
+        briefing: Briefing | None = None,
+        set_name: str = "original-2016",
+        talk: DialogueEngine | None = None,
+    ) -> None:
         self.shown: list[str] = []
         self.person = TerminalPlayer(self.shown.append, lambda: self.stage.tabui.room_names)
-        self.stage = Stage(participant=TabUI(self.person), briefing=briefing, set_name=set_name)
+        self.stage = Stage(participant=TabUI(self.person), briefing=briefing, set_name=set_name, talk=talk)
         self.stage.run(6)
 
     def type(self, line: str, ticks: int = 8) -> list[str]:
@@ -195,3 +203,46 @@ def test_a_person_has_more_sensed_and_tells_what_they_see():
     assert seat.type("t 3 age old") == ["People tell nothing of that name here."]
     (line,) = seat.type("t 3 material Wood")
     assert "made of wood" in line
+
+
+def arguing(condition: DialogueCondition = DialogueCondition.COLLABORATOR) -> Seat:
+    return Seat(Briefing(condition=condition), talk=arguing_engine(condition))
+
+
+def test_a_person_argues_by_numbers():
+    seat = arguing()
+    (wish, against, *answers) = seat.type("1 6")
+    assert wish.startswith("You: Go to room 6")
+    assert against.startswith("Robot 1: ")
+    assert answers[1].startswith("  2  Why not room 6")
+    asked, reasons, *_ = seat.type("2")
+    assert asked.startswith("You: Why not room 6")
+    assert reasons.startswith("Robot 1: ")
+    assert not any(line.startswith(("You", "Robot")) for line in seat.type("3")), "a look at the questions"
+    assert seat.type("9") == ["The answers are 1 to 5."]
+    seat.type("5")
+    left = seat.shown[-1].split()[0]
+    assert seat.type(left)[-1] == "Robot 1 stays where it is."
+
+
+def test_what_is_agreed_in_the_terminal_is_done_at_once():
+    seat = arguing()
+    seat.type("1 ?")
+    said, *_ = seat.type("1")
+    assert said.startswith("You: All right")
+    assert any(isinstance(event, RobotDeparted) for event in seat.stage.log.events)
+
+
+def test_robots_that_wait_at_once_are_answered_in_any_order():
+    seat = arguing()
+    seat.type("1 ?")
+    assert seat.type("2 ?")[-1].startswith("  2:4  ")
+    assert seat.type("1") == ["Several robots wait: type 1:1 to answer the first."]
+    assert seat.type("2:1")[-1].startswith("Robot 2 sets out")
+    assert seat.type("2:1") == ["This robot waits for no answer."]
+    assert seat.type("1:1")[-1].startswith("Robot 1 sets out")
+    assert seat.type("1:1:1")[0].startswith("  1 4 ")
+
+
+def test_what_is_a_persons_own_decision_is_marked():
+    assert any(line.endswith("This is your decision.") for line in arguing(DialogueCondition.ADVISER).type("1 6"))

@@ -28,14 +28,16 @@ RULEBOOK, LANGUAGE = read_rulebook(), read_language()
 COLLABORATOR = DialogueCondition.COLLABORATOR
 
 
+def arguing_engine(condition: DialogueCondition) -> ArguingEngine:
+    return ArguingEngine(RULEBOOK, {None: Manner(condition)}, WordedPhrasing(LANGUAGE, condition, 7), 7)
+
+
 class Table:
     """A stage with robots that argue and a participant who does what the test tells her."""
 
     def __init__(self, condition: DialogueCondition = COLLABORATOR, patience: int | None = None) -> None:
         self.player = Script()
-        phrasing = WordedPhrasing(LANGUAGE, condition, 7)
-        talk = ArguingEngine(RULEBOOK, {None: Manner(condition)}, phrasing, 7)
-        self.stage = Stage(participant=TabUI(self.player), talk=talk, patience=patience)
+        self.stage = Stage(participant=TabUI(self.player), talk=arguing_engine(condition), patience=patience)
         self.stage.run(10)
 
     def wish(self, *wishes: ParticipantRequest, ticks: int = 5) -> View:
