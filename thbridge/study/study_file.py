@@ -86,6 +86,11 @@ class ParticipantSection:
     """The participant: what they see and decide, and the strategy of a simulated one."""
 
     strategy: BotStrategy = param(BotStrategy.SUGGESTION, "how a simulated participant chooses rooms")
+    attitude: Attitude = param(
+        Attitude.CREDULOUS,
+        "how a simulated participant replies to robots: credulous, makes the most agreeable choice; cautious, asks for "
+        "reasons and accepts them; sceptical, holds to its own choice, and gives in late or not at all",
+    )
     consent: Path | None = param(None, "path of a text that participants agree to before they play; null asks nothing")
     robots: tuple[int, int] | None = param(
         None,

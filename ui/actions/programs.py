@@ -24,7 +24,7 @@ def seat_of(who: ParticipantKind, study_file: Path | None, templates: str | None
         return seat_of_person()
     study = study_of(study_file, {"templates": templates, "seed": seed})
     beside = Path() if study_file is None or templates is not None else study_file.parent
-    return seat_of_bot(who, read_templates(study.templates, beside), study.seed)
+    return seat_of_bot(who, read_templates(study.templates, beside), study)
 
 
 def read_templates(wanted: str, beside: Path) -> TemplateSet:

@@ -150,7 +150,7 @@ def play(
         text = None if legacy.TABUI in others else setting.consent
         seat = seat_of_person(None if text is None else ask_for_consent(text))
     else:
-        seat = seat_of_bot(who, setting.templates, study.seed)
+        seat = seat_of_bot(who, setting.templates, study)
     path = bag or usual_bag(setting)
     make_ready(path)
 

@@ -8,6 +8,7 @@ from thbridge.files.template_files import TemplateSet
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.view import GiveConsent
+from thbridge.study.study_file import Study
 from ui.hosting.terminal_player import TerminalPlayer
 from ui.options import ParticipantKind
 from ui.terminal import show
@@ -26,9 +27,9 @@ class Seat:
     typed: Callable[[str], None] | None
 
 
-def seat_of_bot(who: ParticipantKind, templates: TemplateSet, seed: int) -> Seat:
-    """Seat a simulated participant, who knows the treasures; its chance is keyed by the seed."""
-    return Seat(TabUI(build_bot(templates, BotStrategy(who), seed)), None)
+def seat_of_bot(who: ParticipantKind, templates: TemplateSet, study: Study) -> Seat:
+    """Seat a simulated participant with the study's seed and attitude, who knows the treasures."""
+    return Seat(TabUI(build_bot(templates, BotStrategy(who), study.seed, study.participant.attitude)), None)
 
 
 def seat_of_person(consent: GiveConsent | None = None) -> Seat:

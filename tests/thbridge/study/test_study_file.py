@@ -97,7 +97,7 @@ class TestValues:
         assert read_study_text(STUDY, text).world.footprint == ((0.3, 0.0), (-0.2, 0.2), (-0.2, -0.2))
 
     def test_what_participants_see_and_choose(self) -> None:
-        assert Study().participant == ParticipantSection(BotStrategy.SUGGESTION, None, None, ShowsSection(way=True))
+        assert Study().participant == ParticipantSection(BotStrategy.SUGGESTION, shows=ShowsSection(way=True))
         text = "participant: {consent: terms.txt, robots: [1, 4], shows: {way: false, uncertainty: true, truth: true}}"
         participant = read_study_text(STUDY, text).participant
         assert (participant.consent, participant.robots) == (Path("terms.txt"), (1, 4))

@@ -9,6 +9,7 @@ from thbridge.app.compose.setting import StudySetting
 from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.engine import DialogueEngine
+from thbridge.dialogue.games.strategies import Attitude
 from thbridge.dialogue.protocols import TemplateProtocol
 from thbridge.dialogue.scripted import ScriptedEngine
 from thbridge.dialogue.strategies import TemplateStrategy
@@ -112,8 +113,8 @@ def build_hider(templates: TemplateSet, seed: int) -> Hider:
     return Hider(templates.kinds, seed, templates.rooms, templates.properties)
 
 
-def build_bot(templates: TemplateSet, strategy: BotStrategy, seed: int) -> Bot:
+def build_bot(templates: TemplateSet, strategy: BotStrategy, seed: int, attitude: Attitude = Attitude.CREDULOUS) -> Bot:
     """Return a simulated participant."""
     # The bot recognises pictures as a person does.
     shown_by = {kind.image: kind.name for kind in templates.kinds if kind.image is not None}
-    return Bot(strategy, TreasureKnowledge(known_treasures(templates), shown_by), seed)
+    return Bot(strategy, TreasureKnowledge(known_treasures(templates), shown_by), seed, attitude)

@@ -237,17 +237,17 @@ def _replayed_session(
     setting: StudySetting, record: SessionRecord, participant: BotStrategy | None, recorders: Sequence[TickRecorder]
 ) -> tuple[Session | SimrSession, Callable[[inputs.Input], None]]:
     """Return the recorded session anew, and what takes its inputs; messages of its participant are among these."""
-    simr = build_simr(setting)
+    simr, study = build_simr(setting), setting.study
     if record.program == SIMR:
         alone = SimrSession(simr, recorders)
         return alone, partial(_give_to_simr, alone)
     roles: list[Role] = [simr]
     if legacy.HIDER in record.roles:
-        roles.append(build_hider(setting.templates, setting.study.seed))
+        roles.append(build_hider(setting.templates, study.seed))
     recorded_participant = _RecordedParticipant() if legacy.TABUI in record.roles and participant is None else None
     player: Role | None = recorded_participant
     if participant is not None:
-        player = TabUI(build_bot(setting.templates, participant, setting.study.seed))
+        player = TabUI(build_bot(setting.templates, participant, study.seed, study.participant.attitude))
     session = Session(build_keeper(setting), roles, recorders, player, vehicle_factory(setting, simr))
     return session, partial(_give, session, recorded_participant)
 

@@ -3,12 +3,15 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 from sim.common import noise
+from thbridge.dialogue.games.strategies import Attitude
 from thbridge.hunt.events import Condition
 from thbridge.hunt.properties import Teller
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.reply_policy import Opinion, ReplyPolicy
 from thbridge.roles.view import (
     AnswerDialogue,
     Consent,
@@ -34,7 +37,14 @@ from thbridge.roles.view import (
 STOP_PROBABILITY = 0.1
 """Probability that the `random` participant answers Stop."""
 MAX_ATTEMPTS = 3
-"""Times that a robot is sent to a room that it does not reach."""
+"""Times that a robot is sent to a room that it does not reach, and that a treasure there is talked about in vain."""
+TALKS_AS_USUAL, TALKS_ABOUT_ROOMS, MOST_TALKS = 2, 4, 6
+"""Talks with a robot in vain after which its advice is asked no more, rooms are named no more, and it is left alone.
+
+In between, when rooms are named no more, the participant takes whatever the robot advises.
+"""
+DEAR = 2.0
+"""Energy, as a multiple of the cheapest room's, beyond which a room costs too much for somebody cautious."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,14 +70,26 @@ class Bot:
     did not reach is left for last, whatever the strategy, and after three attempts for good. A lost robot is sent once,
     because it may localise itself while it drives. When nothing is left to request, the bot ends the game.
 
+    Talks that end without an agreement are counted until the robot drives again: after two about one room the bot
+    names another one, after some more it takes the robot's advice, and in the end it leaves that robot alone.
+
     Args:
         strategy: chooses rooms.
         knowledge: of treasures.
-        seed: of its random numbers; only `random` draws any.
+        seed: of its random numbers; only `random` and the sceptical draw any.
+        attitude: towards what robots say.
     """
 
-    def __init__(self, strategy: BotStrategy, knowledge: TreasureKnowledge, seed: int) -> None:
+    def __init__(
+        self,
+        strategy: BotStrategy,
+        knowledge: TreasureKnowledge,
+        seed: int,
+        attitude: Attitude = Attitude.CREDULOUS,
+    ) -> None:
         self._strategy = strategy
+        self._replies = ReplyPolicy(attitude, seed)
+        self._taken_advice = ReplyPolicy(Attitude.CREDULOUS, seed)
         self._knowledge = knowledge
         self._choices = noise.key(seed, "participant", "choices")
         self._doubts = noise.key(seed, "participant", "doubts")
@@ -75,6 +97,13 @@ class Bot:
         self._destinations: dict[int, int] = {}
         self._failed_moves: Counter[tuple[int, int]] = Counter()
         self._lost: set[int] = set()
+        # By robot: the last request to talk, and what became of it as far as the views have shown.
+        self._asked: dict[int, _TalkRequest] = {}
+        self._talking: set[int] = set()
+        self._refusals = 0
+        # By robot, since it last drove: rooms talked about in vain, and None for advice.
+        self._vain: dict[int, list[int | None]] = {}
+        self._vain_matters: Counter[tuple[str, int]] = Counter()
 
     def requests(self, view: View) -> Sequence[ParticipantRequest]:
         """Return the next requests; see `Player`."""
@@ -83,12 +112,17 @@ class Bot:
         if view.consent is not None:
             return (GiveConsent(),)
         self._count_failures(view)
-        requests: list[ParticipantRequest] = [self._answer(dialogue) for dialogue in view.dialogues if dialogue.choices]
+        self._count_talks_in_vain(view)
+        requests: list[ParticipantRequest] = [
+            self._answer(view, dialogue) for dialogue in view.dialogues if dialogue.choices
+        ]
         open_matters: Sequence[DialogueView | Consent] = (*view.dialogues, *view.consents)
         taken = {item.room for item in open_matters if item.matter == "select-room"}
         for robot in view.robots:
             for request in self._for_robot(view, robot, taken):
                 requests.append(request)
+                if isinstance(request, SelectRoom | RequestSuggestion | OpenDialogue):
+                    self._asked[robot.robot] = request
                 if isinstance(request, SelectRoom):
                     taken.add(request.room)
         busy = any(robot.moving_to is not None or robot.other_commander for robot in view.robots)
@@ -109,6 +143,31 @@ class Bot:
                     self._lost.add(robot.robot)
             if robot.moving_to is not None:
                 self._destinations[robot.robot] = robot.moving_to
+
+    def _count_talks_in_vain(self, view: View) -> None:
+        """Count the talks that ended without an agreement, or to which the robot was not ready at all."""
+        is_refused = view.refusal is not None and view.refusal.number > self._refusals
+        self._refusals = self._refusals if view.refusal is None else view.refusal.number
+        talking = {*view.thinking, *(dialogue.robot for dialogue in view.dialogues)}
+        agreed = {consent.robot for consent in view.consents}
+        for robot in view.robots:
+            if robot.moving_to is not None:
+                self._vain.pop(robot.robot, None)
+                self._asked.pop(robot.robot, None)
+            elif robot.robot not in talking | agreed and (is_refused or robot.robot in self._talking):
+                self._note_vain(self._asked.pop(robot.robot, None), robot.robot)
+        self._talking = talking
+
+    def _note_vain(self, asked: "_TalkRequest | None", robot: int) -> None:
+        match asked:
+            case SelectRoom(room=room):
+                self._vain.setdefault(robot, []).append(room)
+            case OpenDialogue(matter=matter, room=room):
+                self._vain_matters[matter, room] += 1
+            case RequestSuggestion():
+                self._vain.setdefault(robot, []).append(None)
+            case None:
+                pass
 
     def _for_robot(self, view: View, robot: RobotView, taken: set[int]) -> Iterator[ParticipantRequest]:
         agreed = [consent for consent in view.consents if consent.robot == robot.robot]
@@ -131,13 +190,16 @@ class Bot:
         rooms = self._affordable(view, robot, taken)
         fresh = [room for room in rooms if not self._failed_moves[robot.robot, room]]
         open_to_it = fresh or [room for room in rooms if self._failed_moves[robot.robot, room] < MAX_ATTEMPTS]
-        if not open_to_it:
+        vain = self._vain.get(robot.robot, [])
+        if not open_to_it or len(vain) >= MOST_TALKS:
             return
-        if self._strategy is BotStrategy.SUGGESTION and fresh == rooms:
+        # Elsewhere the robot would suggest the room that it missed, again and again.
+        is_advised = self._strategy is BotStrategy.SUGGESTION and fresh == rooms and len(vain) < TALKS_AS_USUAL
+        if is_advised or len(vain) >= TALKS_ABOUT_ROOMS:
             yield RequestSuggestion(robot.robot)
         else:
-            # The robot would suggest the room that it missed, again and again.
-            yield SelectRoom(robot.robot, self._choice(view, robot, open_to_it))
+            untold = [room for room in open_to_it if vain.count(room) < TALKS_AS_USUAL]
+            yield SelectRoom(robot.robot, self._choice(view, robot, untold or open_to_it))
 
     def _affordable(self, view: View, robot: RobotView, taken: set[int]) -> list[int]:
         row = view.costs_from(robot)
@@ -152,12 +214,31 @@ class Bot:
         costs = view.costs_from(robot)
         return min(rooms, key=lambda room: (costs[room] or 0.0, room))
 
-    def _answer(self, dialogue: DialogueView) -> ParticipantRequest:
+    def _answer(self, view: View, dialogue: DialogueView) -> ParticipantRequest:
         doubts = self._strategy is BotStrategy.RANDOM and dialogue.matter == "select-room"
         if doubts and noise.uniform(self._doubts, dialogue.dialogue, 0) < STOP_PROBABILITY:
             self._stopped.add(dialogue.dialogue)
             return AnswerDialogue(dialogue.dialogue, dialogue.turn, len(dialogue.choices) - 1)
-        return AnswerDialogue(dialogue.dialogue, dialogue.turn, 0)
+        takes_advice = len(self._vain.get(dialogue.robot, ())) >= TALKS_ABOUT_ROOMS
+        policy = self._taken_advice if takes_advice else self._replies
+        return AnswerDialogue(dialogue.dialogue, dialogue.turn, policy.reply(dialogue, self._opinion(view, dialogue)))
+
+    def _opinion(self, view: View, dialogue: DialogueView) -> Opinion:
+        """Return what the participant makes of a dialogue's matter, by the costs that the view shows."""
+        if dialogue.matter != "select-room":
+            return Opinion(is_own=True)
+        robot = view.robots[dialogue.robot]
+        matters: Sequence[DialogueView | Consent] = (*view.dialogues, *view.consents)
+        others = {item.room for item in matters if item.robot != dialogue.robot}
+        costs = view.costs_from(robot)
+        cost = costs[dialogue.room]
+        cheapest = min((costs[room] or 0.0 for room in self._affordable(view, robot, others)), default=0.0)
+        asked = self._asked.get(dialogue.robot)
+        return Opinion(
+            is_own=asked == SelectRoom(dialogue.robot, dialogue.room),
+            is_liked=cost is not None and cost <= cheapest,
+            is_dear=cost is None or cost > DEAR * cheapest,
+        )
 
     def _treasure(self, view: View, robot: RobotView, room: RoomView, agreed: set[str]) -> ParticipantRequest:
         if not room.found:
@@ -169,19 +250,22 @@ class Bot:
             return (
                 IdentifyTreasure(room.room, name)
                 if "take-treasure" in agreed
-                else OpenDialogue(robot.robot, "take-treasure", room.room)
+                else self._talk(robot, "take-treasure", room)
             )
         beside = robot.place == room.room and robot.moving_to is None
         can_look = beside and room.picture is None and robot.energy >= view.picture_cost + view.identify_cost
         if name is None and beside and (asked := self._measured(view, robot, room)) is not None:
             return asked
         if name is None and can_look:
-            return (
-                TakePicture(room.room)
-                if "take-picture" in agreed
-                else OpenDialogue(robot.robot, "take-picture", room.room)
-            )
+            return TakePicture(room.room) if "take-picture" in agreed else self._talk(robot, "take-picture", room)
         return GiveUpTreasure(room.room)
+
+    def _talk(
+        self, robot: RobotView, matter: Literal["take-picture", "take-treasure"], room: RoomView
+    ) -> ParticipantRequest:
+        if self._vain_matters[matter, room.room] >= MAX_ATTEMPTS:
+            return GiveUpTreasure(room.room)
+        return OpenDialogue(robot.robot, matter, room.room)
 
     def _name(self, room: RoomView) -> str | None:
         """Return the name of the treasure in a room, or None while several names fit."""
@@ -219,6 +303,10 @@ class Bot:
         return (
             None if each is None or shown is None else TellProperty(room.room, each.name, shown.properties[each.name])
         )
+
+
+_TalkRequest: TypeAlias = SelectRoom | RequestSuggestion | OpenDialogue
+"""Request that opens a dialogue."""
 
 
 def _waits_for(robot: RobotView, room: RoomView) -> bool:

@@ -5,8 +5,17 @@ from msgspec import structs
 
 from thbridge.hunt.events import Condition
 from thbridge.roles.participant.bot_strategy import BotStrategy
-from thbridge.roles.participant.bots import Bot, TreasureKnowledge
-from thbridge.roles.view import GiveUp, RequestSuggestion, RobotView, RoomView, SelectRoom, View
+from thbridge.roles.participant.bots import MOST_TALKS, Bot, TreasureKnowledge
+from thbridge.roles.view import (
+    DialogueView,
+    GiveUp,
+    RefusalView,
+    RequestSuggestion,
+    RobotView,
+    RoomView,
+    SelectRoom,
+    View,
+)
 
 COSTS = ((None, 5.0, 9.0, 7.0), (None, None, 5.0, 5.0), (None, 5.0, None, 5.0), (None, 5.0, 5.0, None))
 
@@ -82,3 +91,37 @@ def test_a_robot_that_stays_lost_is_sent_once_and_again_when_it_is_found():
     player.requests(in_condition(view_of(1), Condition.LOST))
     assert list(player.requests(lost)) == [GiveUp(1)]
     assert list(player.requests(view_of(None))) == [SelectRoom(0, 3)]
+
+
+def talk_of(view: View, room: int, number: int) -> View:
+    talk = DialogueView(number, 1, 0, "select-room", room, ("No.",), ("Leave it.",), ("leave",), ("robot",))
+    return structs.replace(view, dialogues=(talk,))
+
+
+def test_after_talks_in_vain_another_room_is_named_then_advice_is_taken_and_at_last_the_robot_is_left_alone():
+    player, still = bot(BotStrategy.NEAREST), view_of(None)
+    asked = []
+    for number in range(1, MOST_TALKS + 1):
+        (request,) = player.requests(still)
+        asked.append(request)
+        player.requests(talk_of(still, 1, number))
+    advice = RequestSuggestion(0)
+    assert asked == [SelectRoom(0, 1), SelectRoom(0, 1), SelectRoom(0, 3), SelectRoom(0, 3), advice, advice]
+    assert list(player.requests(still)) == [GiveUp(1)]
+
+
+def test_a_robot_that_has_driven_is_talked_to_as_before():
+    player, still = bot(BotStrategy.NEAREST), view_of(None)
+    for number in range(1, MOST_TALKS + 1):
+        player.requests(still)
+        player.requests(talk_of(still, 1, number))
+    player.requests(view_of(2))
+    assert list(player.requests(still)) == [SelectRoom(0, 1)]
+
+
+def test_a_refused_talk_counts_as_one_in_vain():
+    player, still = bot(BotStrategy.NEAREST), view_of(None)
+    for number in (1, 2):
+        assert list(player.requests(still)) == [SelectRoom(0, 1)]
+        still = structs.replace(still, refusal=RefusalView(number, "select-room", "no-consensus", "All is said."))
+    assert list(player.requests(still)) == [SelectRoom(0, 3)]

@@ -1,0 +1,93 @@
+"""Whole hunts in each condition of a study, without a simulator: participants of every attitude come to an end."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tests.thbridge.roles.stage import Log, Puppets
+from thbridge.app.compose.game import build_bot, build_hider, build_keeper
+from thbridge.app.compose.setting import read_setting
+from thbridge.app.session.session import Session
+from thbridge.dialogue.conditions import DialogueCondition
+from thbridge.dialogue.games.strategies import Attitude
+from thbridge.dialogue.moves import DialogueUtterance, Speaker, word_of
+from thbridge.hunt import rules
+from thbridge.hunt.events import EndReason
+from thbridge.roles.keeper.disclosure import plain_costs
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.tabui import TabUI
+from thbridge.study.study_file import DialogueSection, GameSection, MannerSection, ParticipantSection, Study
+
+MOST_TICKS = 5_000
+
+
+class Hunting:
+    """A hunt of a study with puppets for robots."""
+
+    def __init__(self, study: Study) -> None:
+        setting, who = read_setting(study, Path()), study.participant
+        self.puppets = Puppets(study.robots, plain_costs(setting.costs))
+        self.tabui = TabUI(build_bot(setting.templates, who.strategy, study.seed, who.attitude))
+        self.log = Log()
+        roles = [self.puppets, self.tabui, build_hider(setting.templates, study.seed)]
+        self.session = Session(build_keeper(setting), roles, log=self.log)
+        self.said: list[DialogueUtterance] = []
+
+    def run(self, ticks: int) -> None:
+        for _ in range(ticks):
+            self.said += self.session.step().utterances
+
+    def finish(self) -> None:
+        for _ in range(MOST_TICKS):
+            if self.session.game is not None and self.session.game.ended is not None:
+                return
+            self.run(1)
+        raise TimeoutError("the hunt does not end")
+
+
+def study_of(condition: DialogueCondition, who: Attitude, *, robots: int = 2, **manner) -> Study:
+    return Study(
+        robots=robots,
+        game=GameSection(energy=35.0),
+        dialogue=DialogueSection(condition=condition, manner=MannerSection(**manner)),
+        participant=ParticipantSection(attitude=who),
+    )
+
+
+@pytest.mark.parametrize("attitude", [Attitude.CAUTIOUS, Attitude.SCEPTICAL])
+@pytest.mark.parametrize("condition", DialogueCondition)
+def test_a_hunt_ends_when_nothing_more_can_be_done(condition, attitude):
+    played = Hunting(study_of(condition, attitude))
+    played.finish()
+    game = played.session.game
+    if game.ended.reason is EndReason.ALL_VISITED:
+        assert all(room.visited for room in game.rooms)
+    else:
+        assert not any(rules.affordable(game, robot) for robot in range(2))
+
+
+ARGUING = [condition for condition in DialogueCondition if condition.argues]
+
+
+@pytest.mark.parametrize(("condition", "strategy"), list(zip(ARGUING, BotStrategy, strict=True)))
+def test_a_hunt_ends_though_stubborn_robots_mishear_a_sceptic(condition, strategy):
+    study = study_of(condition, Attitude.SCEPTICAL, attitude=Attitude.SCEPTICAL, misheard=0.3, talkative=True)
+    study = replace(study, seed=5, participant=replace(study.participant, strategy=strategy))
+    played = Hunting(study)
+    played.finish()
+    assert max(said.index for said in played.said) < 60
+
+
+def test_the_same_seed_gives_the_same_words_and_another_attitude_others():
+    cautious, again, sceptical = (
+        Hunting(study_of(DialogueCondition.COLLABORATOR, attitude, robots=1))
+        for attitude in (Attitude.CAUTIOUS, Attitude.CAUTIOUS, Attitude.SCEPTICAL)
+    )
+    for played in (cautious, again, sceptical):
+        played.finish()
+    assert cautious.said == again.said
+    words = [
+        {word_of(said.move) for said in each.said if said.speaker is Speaker.PERSON} for each in (again, sceptical)
+    ]
+    assert "reject" in words[1] - words[0]
