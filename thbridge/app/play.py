@@ -13,11 +13,11 @@ from thbridge.app.compose.robots import build_simr, build_team, rehearse, vehicl
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.consent import ConsentDesk, ParticipantDeclined, introduction
 from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress, listeners
-from thbridge.app.refusal_log import RefusalLog
 from thbridge.app.run_statistics import RobotStatistics, RunStatistics
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.recording import BagRecorder, TlogRecorder
 from thbridge.app.session.session import EventLog, Session, TickRecord, TickRecorder
+from thbridge.app.trouble_log import TroubleLog
 from thbridge.hunt.game import GameState
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.text import legacy
@@ -222,14 +222,15 @@ async def play(
             await opened.enter_async_context(kept_alive(session, pacer))
         ending = EndCondition(options.max_seconds, options.left)
 
-        refusals, statistics = RefusalLog(), RunStatistics()
+        troubles, statistics = TroubleLog(), RunStatistics()
 
         def tick() -> bool:
             now = session.step()
             if now.snapshot is not None:
                 statistics.add(now.snapshot)
             # A participant in this process is told by window or terminal.
-            refusals.note(each for each in now.refusals if inside is None or each.program != inside.name)
+            refusals = (each for each in now.refusals if inside is None or each.program != inside.name)
+            troubles.note(refusals, now.utterances)
             progress(now)
             return not ending.reached(session)
 

@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 
 from thbridge.app.compose.game import build_keeper
 from thbridge.app.compose.setting import StudySetting
-from thbridge.app.refusal_log import RefusalLog
 from thbridge.app.session.session import Session
+from thbridge.app.trouble_log import TroubleLog
 from thbridge.hunt.events import Event, GameStarted
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.roles.keeper.consent import CONSENT_SENTENCES, ConsentStatus
@@ -83,11 +83,12 @@ async def serve(
             return
 
         told = ConsentStatus.NOT_NEEDED
-        refusals = RefusalLog()
+        troubles = TroubleLog()
 
         def tick() -> bool:
             nonlocal told
-            refusals.note(session.step().refusals)
+            now = session.step()
+            troubles.note(now.refusals, now.utterances)
             before, told = told, keeper.consent
             if told is not before and told in CONSENT_SENTENCES:
                 _log.warning(CONSENT_SENTENCES[told])

@@ -6,7 +6,7 @@ open the next one. Beside the games she may ask for explanations, which change n
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from sim.common import noise
 from thbridge.argumentation.beliefs import Beliefs, Source
@@ -20,7 +20,6 @@ from thbridge.dialogue.games.agents import Agent
 from thbridge.dialogue.games.contents import ContentKind, DialogueMove, kind_of_content
 from thbridge.dialogue.games.control import Conversation, Opening
 from thbridge.dialogue.games.dialogue_game import GamePlay
-from thbridge.dialogue.games.strategies import ArguingStrategy, GameStrategy
 from thbridge.dialogue.games.tables import DialogueEnd, Rulebook
 from thbridge.dialogue.moves import (
     Author,
@@ -42,6 +41,7 @@ from thbridge.dialogue.moves import (
     Turn,
 )
 from thbridge.dialogue.propositions import NamesTreasure, NextRoom, TakesPicture, VisitOrder
+from thbridge.dialogue.robot_strategies import StrategyFactory, choose_by, own_strategy
 from thbridge.hunt.rooms import Room
 
 PERSUASION, INFORMATION_SEEKING = "persuasion", "information-seeking"
@@ -61,14 +61,14 @@ class ArguingEngine:
         manner: of each robot, by its index; those that are not there have the one of `None`.
         phrasing: words moves.
         seed: of the game, for what is misheard.
-        strategy: chooses robots' moves; None: by their manner.
+        strategies: programs of others that choose moves, by robot as `manners`; None for a robot's own.
     """
 
     rulebook: Rulebook
     manners: Mapping[int | None, Manner]
     phrasing: Phrasing
     seed: int = 0
-    strategy: GameStrategy | None = None
+    strategies: Mapping[int | None, StrategyFactory | None] = field(default_factory=dict)
 
     @property
     def argues(self) -> bool:
@@ -157,18 +157,22 @@ class ArguingEngine:
             legal = () if outcome is not None or held else self._legal(dialogue, Speaker.ROBOT)
             if not legal:
                 return DialogueStep(dialogue, utterances, outcome)
-            dialogue, utterance = self._with_turn(
-                dialogue, Turn(Speaker.ROBOT, self._chosen(dialogue, legal), Author.ROBOT)
-            )
+            move, fault = self._chosen(dialogue, legal)
+            dialogue, utterance = self._with_turn(dialogue, Turn(Speaker.ROBOT, move, Author.ROBOT, fault=fault))
             utterances = (*utterances, utterance)
 
-    def _chosen(self, dialogue: Dialogue, legal: tuple[Move, ...]) -> Move:
+    def _chosen(self, dialogue: Dialogue, legal: tuple[Move, ...]) -> tuple[Move, str]:
+        """Return the robot's move, and the fault of the program that was to choose it, if it failed."""
         conversation, play = dialogue.conversation, _current(dialogue)
         if conversation is None or play is None or not isinstance(legal[0], DialogueMove):
-            return legal[0]
-        manner = self.manner(dialogue.topic.robot)
-        own = ArguingStrategy(manner.attitude, manner.persistence)
-        return (self.strategy or own).choose(conversation, play.number)
+            return legal[0], ""
+        robot = dialogue.topic.robot
+        manner, factory = self.manner(robot), self.strategies.get(robot, self.strategies.get(None))
+        if factory is None:
+            return own_strategy(manner).choose(conversation, play.number), ""
+        seed = int(noise.key(self.seed, "strategy", str(robot)))
+        chosen = choose_by(factory, manner, seed, conversation, play.number)
+        return chosen.move, chosen.fault
 
     def _outcome(self, dialogue: Dialogue) -> tuple[Dialogue, DialogueOutcome | None]:
         """Return the outcome, with the dialogue about what was agreed upon; None while it goes on."""
@@ -315,6 +319,7 @@ class ArguingEngine:
             text,
             dialogue.topic,
             heard=heard,
+            fault=turn.fault,
         )
 
 

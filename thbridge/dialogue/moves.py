@@ -227,6 +227,7 @@ class Turn:
         author: decided on it.
         text: replaces the sentence that belongs to the move; empty: that sentence.
         said: the move that was really made, where another one was heard; None: the same.
+        fault: why the robot's own strategy chose it in place of the study's; empty where it did not.
     """
 
     speaker: Speaker
@@ -234,6 +235,7 @@ class Turn:
     author: Author
     text: str = ""
     said: Move | None = None
+    fault: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -268,6 +270,7 @@ class DialogueUtterance:
         formal: moves in dialogue games that it made, those that followed by themselves among them.
         heard: sentence of the move that the robot took it for; empty where it heard right.
         conversation: what both sides have said and believe after it, where robots argue.
+        fault: as in `Turn`.
     """
 
     dialogue: int
@@ -280,3 +283,4 @@ class DialogueUtterance:
     formal: tuple[GameUtterance, ...] = ()
     heard: str = ""
     conversation: Conversation | None = None
+    fault: str = ""

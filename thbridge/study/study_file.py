@@ -42,6 +42,9 @@ from thbridge.study.real_robots import FleetSection, faults_of_fleet
 from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.things import MishapEntry, ThingEntry, faults_of_mishaps, faults_of_things
 
+OWN_STRATEGY = "manner"
+"""Name of the strategy that robots come with."""
+
 
 class CostModel(StrEnum):
     """Price of a robot's moves: from where it stands, or by the places of a cost file alone."""
@@ -123,12 +126,7 @@ class MannerSection:
     )
     gives_reasons: bool = param(True, "whether a robot answers questions for its reasons")
     misheard: float = param(0.0, "share of the participant's moves that a robot takes for another legal one", "", 0, 1)
-
-
-class DialogueStrategy(StrEnum):
-    """Strategy by which robots choose their moves in dialogues."""
-
-    TEMPLATE = "template"
+    strategy: str | None = param(None, "name of a strategy, as for dialogue.strategy; null: the one named there")
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +157,11 @@ class DialogueSection:
         None,
         "path of a folder of words for robots that argue, beside those that come with the project; null: those alone",
     )
-    strategy: DialogueStrategy = param(DialogueStrategy.TEMPLATE, "how robots choose what to say")
+    strategy: str = param(
+        OWN_STRATEGY,
+        "how robots that argue choose what to say: `manner`, as their manner has it, or the name of a strategy that is "
+        "installed",
+    )
     planner: TeamPlanner = param(
         TeamPlanner.JOINT,
         "how robots choose the rooms they suggest: by the joint plan of the team, the nearest room, the cheapest moves "
@@ -181,6 +183,12 @@ class DialogueSection:
     games: Path | None = param(
         None, "path of a folder of dialogue games, beside those that come with the project; null: those alone"
     )
+
+    def strategy_of(self, manner: MannerSection) -> str | None:
+        """Return the name of the strategy of robots with a manner; None: the one that they come with."""
+        name = self.strategy if manner.strategy is None else manner.strategy
+        # Older studies have `template`.
+        return None if name in {OWN_STRATEGY, "template"} else name
 
     @property
     def patience(self) -> float | None:

@@ -40,7 +40,7 @@ def build_keeper(setting: StudySetting, history: tuple[Event, ...] = (), last_ga
         if study.dialogue.condition is not DialogueCondition.SCRIPT and setting.language and setting.rulebook:
             names = setting.map.room_names
             phrasing = WordedPhrasing(setting.language, study.dialogue.condition, seed, names)
-            return ArguingEngine(setting.rulebook, manners_of(study.dialogue), phrasing, seed)
+            return ArguingEngine(setting.rulebook, manners_of(study.dialogue), phrasing, seed, setting.strategies)
         return ScriptedEngine(TemplateProtocol(template), TemplateStrategy(), TemplatePhrasing(template, seed))
 
     talk = study.dialogue

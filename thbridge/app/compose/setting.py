@@ -1,6 +1,7 @@
 """A study with all files it names, read and checked."""
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from operator import attrgetter
@@ -9,10 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from sim.common.geometry import Pose2
+from sim.common.robot_numbers import index_of
 from sim.common.traversability import TraversabilityMap
 from sim.robot.costmap.footprint import radii
+from thbridge.app.compose.installed import installed_strategy
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.tables import Rulebook
+from thbridge.dialogue.robot_strategies import StrategyFactory
 from thbridge.dialogue.wording.language import Language
 from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
@@ -42,6 +46,7 @@ class StudySetting:
         by_position: moves from elsewhere are priced by where the robot stands; else they cost what `costs` says.
         rulebook: of the dialogue games; None where robots ask scripted questions.
         language: in which robots argue; likewise.
+        strategies: of robots that argue, by index, and under None of the others; None for a robot's own.
         consent: text that participants have to agree to; None: nothing.
         farewell: text for the end of a game; may be empty.
     """
@@ -53,6 +58,7 @@ class StudySetting:
     by_position: bool
     rulebook: Rulebook | None
     language: Language | None
+    strategies: Mapping[int | None, StrategyFactory | None]
     consent: str | None = None
     farewell: str = ""
 
@@ -83,6 +89,7 @@ def read_setting(
     by_position, consent, farewell = False, None, ""
     rulebook: Rulebook | None = None
     language: Language | None = None
+    strategies: dict[int | None, StrategyFactory | None] = {}
     with faults.kept():
         place = read_map_of(study, beside, resources, written=written)
     with faults.kept():
@@ -105,13 +112,28 @@ def read_setting(
             rulebook = read_rulebook((SHIPPED_GAMES, *games))
             with faults.kept():
                 language = _language(talk, beside, keys, rulebook)
+    for robot, key, name in _strategy_names(talk):
+        with faults.kept(), keys.naming(key):
+            strategies[robot] = None if name is None else installed_strategy(name)
     with faults.kept(), keys.naming("participant.consent"):
         consent = _consent(study, beside)
     with faults.kept(), keys.naming("participant.farewell"):
         farewell = _farewell(study, beside)
     if faults.found or place is None or templates is None or costs is None:
         raise faults.together()
-    return StudySetting(study, place, templates, costs, by_position, rulebook, language, consent, farewell)
+    return StudySetting(study, place, templates, costs, by_position, rulebook, language, strategies, consent, farewell)
+
+
+def _strategy_names(talk: DialogueSection) -> Iterator[tuple[int | None, str, str | None]]:
+    """Yield the index of each robot with a strategy of its own, the key that names it, and the name.
+
+    That of the others comes first, with the index None.
+    """
+    common = talk.strategy_of(talk.manner)
+    yield None, "dialogue.strategy" if talk.manner.strategy is None else "dialogue.manner.strategy", common
+    for number, manner in talk.each.items():
+        if (name := talk.strategy_of(manner)) != common:
+            yield index_of(number), f"dialogue.each.{number}.strategy", name
 
 
 def _language(talk: DialogueSection, beside: Path, keys: "StudyKeys", rulebook: Rulebook) -> Language:
@@ -160,8 +182,8 @@ class StudyKeys:
 
 
 def _field(key: str) -> str:
-    """Return the path of the field in a study that a key names, without the place in a list."""
-    return key.partition("[")[0]
+    """Return the path of the field in a study that a key names, without the place in a list or mapping."""
+    return re.split(r"\[|\.\d", key)[0]
 
 
 def read_map_of(

@@ -222,6 +222,7 @@ def _formal_moves(utterance: moves.DialogueUtterance) -> Iterator[DialogueMoveRe
             is_booked=formal.is_booked,
             text="" if formal.is_booked else utterance.text,
             heard="" if formal.is_booked else utterance.heard,
+            fault=utterance.fault,
         )
 
 

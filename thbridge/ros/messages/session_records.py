@@ -103,6 +103,7 @@ class DialogueMoveRecord:
         is_booked: True when it followed by itself from the move before it.
         text: the sentence; empty for a move that followed by itself.
         heard: sentence of the move that the robot took it for; empty where it heard right.
+        fault: why the robot's own strategy chose it, the study's having failed; empty where that did not fail.
     """
 
     talk: int
@@ -120,6 +121,7 @@ class DialogueMoveRecord:
     is_booked: bool
     text: str
     heard: str
+    fault: str = ""
 
 
 @dataclass(frozen=True, slots=True)

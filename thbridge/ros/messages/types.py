@@ -113,6 +113,7 @@ string after     # state, or end, that followed
 bool booked      # it followed by itself from the move before it
 string text      # the sentence; of a move that followed by itself none
 string heard     # sentence of the move that the robot took it for; empty: it heard right
+string fault     # why the robot's own strategy chose it, the study's having failed; empty: it did not fail
 """,
     DIALOGUE_STATE: """\
 # What a robot that argues believes, takes the participant to believe, and makes of both; said whenever it changes.

@@ -105,3 +105,10 @@ def test_dialogues_that_are_left_or_misheard_show_it():
 def test_scripted_dialogues_are_recorded_as_ever():
     scripted = DialogueUtterance(1, 0, Speaker.ROBOT, Author.ROBOT, Ask(0), "Shall I?", replace(TOPIC, facts=None))
     assert recorded((scripted,)) == [(UtteranceRecord(1, "robot", 0, 1, "select-room", "Shall I?", "ask", "robot"),)]
+
+
+def test_a_strategy_that_failed_is_recorded_with_the_move_that_was_made_for_it():
+    told = "KeyError: 'room' (lab.py, line 7)"
+    said = [replace(utterance, fault=told) for utterance in utterances()[0]]
+    moves = [record for record in recorded(tuple(said))[0] if isinstance(record, DialogueMoveRecord)]
+    assert {move.fault for move in moves} == {told} and {move.author for move in moves} <= {"robot", "person"}

@@ -1,12 +1,15 @@
 """Refusals of what programs ask for: told by the keeper and the log, and on the wire where a study wants it."""
 
 import logging
+from dataclasses import replace
 
 import pytest
 
 from tests.thbridge.roles.stage import Stage
-from thbridge.app.refusal_log import RefusalLog
+from thbridge.app.trouble_log import TroubleLog
+from thbridge.dialogue.moves import Author, DialogueTopic, DialogueUtterance, Leave, Scenario, Speaker
 from thbridge.hunt.refusals import RequestRefused
+from thbridge.hunt.rooms import Room
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.router import Forwarded, SendToClient
 from thbridge.roles.keeper.keeper import ProgramRefusal
@@ -96,7 +99,7 @@ def test_a_reply_to_a_program_that_has_gone_is_told_as_that_and_none_of_the_keep
 
 
 def test_what_is_repeated_does_not_fill_the_log(caplog):
-    log, refused = RefusalLog(), RequestRefused("no", "No.")
+    log, refused = TroubleLog(), RequestRefused("no", "No.")
     with caplog.at_level(logging.WARNING):
         for _ in range(120):
             log.note([ProgramRefusal("TabUI", "%%goto", refused)])
@@ -110,3 +113,14 @@ def test_what_is_repeated_does_not_fill_the_log(caplog):
         'TabUI asked "%%goto", refused: No. (100 times)',
         'TabUI asked "%%goto", refused: Never.',
     ]
+
+
+def test_a_strategy_that_fails_is_told_in_the_log(caplog):
+    topic = DialogueTopic(Scenario.SPECIFIC_ROOM, 1, Room(1), 50.0, 500.0)
+    said = DialogueUtterance(1, 0, Speaker.ROBOT, Author.ROBOT, Leave(), "", topic, fault="a str is no move")
+    log = TroubleLog()
+    with caplog.at_level(logging.WARNING):
+        for _ in range(3):
+            log.note([], [said, replace(said, fault="")])
+    (told,) = [record.getMessage() for record in caplog.records]
+    assert told.endswith("chose a move by its own strategy, for that of the study failed: a str is no move")

@@ -342,7 +342,9 @@ DIALOGUE_MOVES = st.builds(
     index=st.integers(0, 2**31 - 1),
     robot=st.integers(0, 99),
     is_booked=st.booleans(),
-    **dict.fromkeys(("speaker", "author", "game", "locution", "content", "before", "after", "text", "heard"), TEXTS),
+    **dict.fromkeys(
+        ("speaker", "author", "game", "locution", "content", "before", "after", "text", "heard", "fault"), TEXTS
+    ),
 )
 
 
@@ -351,7 +353,7 @@ def test_dialogue_move(tick: int, record: DialogueMoveRecord) -> None:
     data = pack.dialogue_move(tick, record)
     numbers = (record.talk, record.dialogue, record.parent or 0, record.index, record.robot + 1)
     words = (record.speaker, record.author, record.game, record.locution, record.content, record.before, record.after)
-    fields = (*numbers, *words, record.is_booked, record.text, record.heard)
+    fields = (*numbers, *words, record.is_booked, record.text, record.heard, record.fault)
     assert data == serialised(types.DIALOGUE_MOVE, message(types.DIALOGUE_MOVE, ros_header(tick), *fields))
     assert unpack.dialogue_move(data) == record
 

@@ -83,6 +83,7 @@ def dialogue_move(tick: int, record: DialogueMoveRecord) -> bytes:
             boolean(record.is_booked),
             string(record.text),
             string(record.heard),
+            string(record.fault),
         )
     )
 

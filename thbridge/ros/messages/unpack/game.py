@@ -41,7 +41,7 @@ def utterance(data: bytes) -> UtteranceRecord:
 
 
 def dialogue_move(data: bytes) -> DialogueMoveRecord:
-    """thbridge_msgs/DialogueMove."""
+    """thbridge_msgs/DialogueMove; older recordings have no fault."""
     cursor = Cursor.behind_header(data)
     talk = cursor.integer(INT64)
     dialogue, parent, index, robot = (cursor.integer(INT32) for _ in range(4))
@@ -62,6 +62,7 @@ def dialogue_move(data: bytes) -> DialogueMoveRecord:
         is_booked=cursor.integer(UINT8) != 0,
         text=cursor.string(),
         heard=cursor.string(),
+        fault=cursor.string() if cursor.has_more else "",
     )
 
 

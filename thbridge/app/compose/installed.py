@@ -1,0 +1,97 @@
+"""Programs of labs that a study names, found by their entry points: authors of wordings, and strategies of robots."""
+
+import difflib
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from thbridge.dialogue.conditions import Manner
+from thbridge.dialogue.games.contents import DialogueMove
+from thbridge.dialogue.games.control import Conversation
+from thbridge.dialogue.robot_strategies import StrategyFactory, told_error
+from thbridge.files.errors import BadFile
+from thbridge.timing.slow_calls import told_if_slow
+
+if TYPE_CHECKING:
+    from thbridge.dialogue.wording.authors import WordingAuthor
+
+_log = logging.getLogger(__name__)
+
+WORDINGS, STRATEGIES = "thbridge.wordings", "thbridge.strategies"
+"""Groups of entry points."""
+
+PATIENCE = 2.0
+"""Seconds of wall time after which people are told that a game waits for a strategy."""
+
+
+@dataclass(frozen=True, slots=True)
+class WatchedStrategy:
+    """Strategy of a lab; people are told while a game waits for it, and its moves do not depend on how long it takes.
+
+    Attributes:
+        name: of the strategy.
+        factory: makes it.
+        manner: as for `StrategyFactory`.
+        seed: likewise.
+    """
+
+    name: str
+    factory: StrategyFactory
+    manner: Manner
+    seed: int
+
+    def choose(self, conversation: Conversation, number: int) -> DialogueMove:
+        """Return the strategy's move; see `GameStrategy`."""
+        told = f"the strategy {self.name} has not chosen a move for {PATIENCE:g} s; the game waits for it"
+        with told_if_slow(PATIENCE, lambda: _log.warning(told)):
+            return self.factory(self.manner, self.seed).choose(conversation, number)
+
+
+def installed_author(name: str) -> "WordingAuthor":
+    """Return the author of wordings of a name.
+
+    Raises:
+        BadFile: none of this name is installed, or it cannot be imported, or called.
+    """
+    return _installed(WORDINGS, name, "author of wordings")
+
+
+def installed_strategy(name: str) -> StrategyFactory:
+    """Return the factory of the strategy of a name.
+
+    Raises:
+        BadFile: as for `installed_author`; or it does not take a manner and a seed, or makes no strategy of them.
+    """
+    factory: StrategyFactory = _installed(STRATEGIES, name, "strategy")
+    remedy = "Name a class, or function, that takes a manner and a seed and returns what has a method `choose`"
+    try:
+        made: object = factory(Manner(), 0)
+    except (Exception, SystemExit) as error:
+        raise BadFile(Path(STRATEGIES), f"it cannot be made: {told_error(error)}", remedy, key=name) from error
+    if not callable(getattr(made, "choose", None)):
+        problem = f"it makes a {type(made).__name__}, which has no method choose"
+        raise BadFile(Path(STRATEGIES), problem, remedy, key=name)
+    return partial(WatchedStrategy, name, factory)
+
+
+def _installed(group: str, name: str, what: str) -> Callable[..., Any]:  # type: ignore[explicit-any]  # of others
+    """Return what the entry point of a name in a group names. Raises BadFile, in which `what` is the kind of thing."""
+    found = {each.name: each for each in entry_points(group=group)}
+    if name not in found:
+        near = difflib.get_close_matches(name, found, n=1)
+        installed = f"Installed are: {', '.join(sorted(found))}" if found else "None is installed"
+        remedy = f"The nearest is {near[0]}" if near else installed
+        raise BadFile(Path(group), f"no {what} {name} is installed", remedy, key=name)
+    entry = found[name]
+    try:
+        program: object = entry.load()
+    except (Exception, SystemExit) as error:
+        problem = f"{entry.value} cannot be imported: {type(error).__name__}: {error}"
+        raise BadFile(Path(group), problem, "Mend it, or install it anew", key=name) from error
+    if not callable(program):
+        raise BadFile(Path(group), f"{entry.value} is no function", "Name a function, or a class", key=name)
+    return program
