@@ -13,15 +13,18 @@ from sim.inputs import KidnapRobot, KillRobot, PutThing
 from thbridge.app.compose.game import build_bot, build_hider, build_keeper
 from thbridge.app.compose.recording import build_publisher, build_record, build_writer
 from thbridge.app.compose.robots import build_simr
-from thbridge.app.compose.setting import read_setting
+from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.play import PLAY
 from thbridge.app.session.broadcast import Broadcast, Listener
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
+from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.protocols.text import legacy
 from thbridge.protocols.watching import STATUS, SessionMessage, WatchStatus
+from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import Request, WizardAdvice, WizardMode
+from thbridge.roles.view import AnswerDialogue, ParticipantRequest, View
 from thbridge.ros.topics import RosMessage
 from thbridge.sockets.watching.client import WatchClient, WatchConnected, WatchEvent
 from thbridge.study.study_file import Study
@@ -40,6 +43,8 @@ REQUESTS: Mapping[int, Request] = {
     1300: KillRobot(1),
 }
 """Requests to the robots of the hunt that is recorded, by tick."""
+ARGUED_MS = 250
+"""Milliseconds after which robot 1 has been given a reason that does not convince it."""
 SPOKEN_FOR: Mapping[int, Request] = {
     0: WizardMode(0, on=True),
     1: WizardMode(1, on=True),
@@ -48,10 +53,37 @@ SPOKEN_FOR: Mapping[int, Request] = {
 """Requests of a wizard, by tick: robot 1 has been sent to a room and is to say so; robot 2 is asked."""
 
 
-def play(listeners: Sequence[Listener], ticks: int, requests: Mapping[int, Request]) -> None:
-    """Play the beginning of a hunt with a simulated participant."""
-    setting = read_setting(STUDY, Path())
-    participant = TabUI(build_bot(setting.templates, STUDY.participant.strategy, STUDY.seed))
+ARGUED = replace(STUDY, robots=2, dialogue=replace(STUDY.dialogue, condition=DialogueCondition.COLLABORATOR))
+"""Study of the hunt in which robots argue."""
+
+
+INSISTS = 5
+"""Turns after which the participant only says what she wants."""
+
+
+class _Doubter:
+    """A participant who wants the nearest rooms, and asks robots that would go elsewhere for their reasons."""
+
+    def __init__(self, setting: StudySetting) -> None:
+        self._bot = build_bot(setting.templates, BotStrategy.NEAREST, setting.study.seed)
+
+    def requests(self, view: View) -> Sequence[ParticipantRequest]:
+        """Return the next requests: of several replies the second one, until she insists."""
+        doubted = {each.dialogue for each in view.dialogues if len(each.choices) > 2 and each.turn < INSISTS}
+        return [
+            AnswerDialogue(asked.dialogue, asked.turn, 1)
+            if isinstance(asked, AnswerDialogue) and asked.dialogue in doubted
+            else asked
+            for asked in self._bot.requests(view)
+        ]
+
+
+def play(listeners: Sequence[Listener], ticks: int, requests: Mapping[int, Request], study: Study = STUDY) -> None:
+    """Play the beginning of a hunt with a simulated participant, who doubts where robots argue."""
+    setting = read_setting(study, Path())
+    doubts = study.dialogue.condition.argues
+    bot = _Doubter(setting) if doubts else build_bot(setting.templates, study.participant.strategy, study.seed)
+    participant = TabUI(bot)
     record = build_record(setting, PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
     recorder = BagRecorder(Broadcast(build_publisher(setting), record, setting.map.grid, listeners))
     roles = [build_simr(setting), build_hider(setting.templates, setting.study.seed)]
@@ -156,6 +188,23 @@ def live() -> Iterator[Shot]:
     window.close()
 
 
+def argued() -> Iterator[Shot]:
+    """Two robots that would go to other rooms than the participant wants; she has asked robot 1 why, and insists."""
+    with tempfile.TemporaryDirectory() as folder:
+        bag = Path(folder) / "hunt.bag"
+        with build_writer(read_setting(ARGUED, Path()), bag) as writer:
+            play([writer], 50, {}, ARGUED)
+        window = ResearcherWindow(RecordingFeed(BagOpener(bag)), "hunt.bag", LIGHT, lambda: 0.0)
+        window.show()
+        _wait(lambda: window.playback.state.text() == "recording")
+        window.playback.timeline.setValue(ARGUED_MS)
+        _raise(window, "Dialogue")
+        _raise(window, "Arguments")
+        _refreshed(window)
+        yield shot("recording-arguments", window)
+        window.close()
+
+
 def shot(name: str, window: ResearcherWindow, over: QDialog | None = None) -> Shot:
     """A picture of the window."""
     return Shot(name, window, window.set_palette, over)
@@ -188,6 +237,11 @@ STORIES = (
             "researcher-keys": "The researcher's keys (F1)",
         },
         recorded,
+    ),
+    Story(
+        "The researcher: robots that argue",
+        {"recording-arguments": "Robot 1 would not go where the participant wants, and has said why"},
+        argued,
     ),
     Story(
         "The researcher: a session under way",

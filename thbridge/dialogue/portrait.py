@@ -202,12 +202,12 @@ def _put_forward(robot: Agent, person: Agent) -> Beliefs:
     picture = robot.picture
     hers = [rule for rule in person.beliefs.rules if all(premise in picture.held for premise in rule.premises)]
     rules = tuple(dict.fromkeys((*robot.beliefs.rules, *hers)))
-    concluded = {rule.conclusion for rule in rules}
     # What she claims is no reason for itself.
+    claims = {rule.conclusion.proposition for rule in (*rules, *person.beliefs.rules)}
     shown = {
         literal: origin_of_hearsay(literal, 0.0)
         for literal in sorted(picture.held, key=str)
-        if literal not in concluded and len(literal.parts) == 1
+        if literal.proposition not in claims and len(literal.parts) == 1
     }
     return Beliefs({**shown, **robot.beliefs.origins}, rules)
 

@@ -44,6 +44,9 @@ def test_a_portrait_tells_what_is_believed_and_said_and_can_be_read_again(
     assert portrait.human_store == tuple(map(str, person.store))
     assert [game.number for game in portrait.games] == [play.number for play in conversation.plays]
     assert len(portrait.arguments) <= MOST_ARGUMENTS
+    # Nothing argues for itself but what the robot believes already.
+    held = {belief.literal for belief in portrait.sigma}
+    assert {each.conclusion for each in portrait.arguments if each.conclusion in each.support} <= held
     # What stands is attacked by nothing that stands.
     assert not {(one, other) for one, other in portrait.attacks if {one, other} <= set(portrait.grounded)}
 

@@ -26,8 +26,8 @@ class RecordedGame:
         end: one of `ENDS`.
         moves: number of its moves, without those that followed by themselves.
         challenges: number of challenges in it and in the games that wait for it.
-        gave_in: "robot" or "human", who accepted in the end what she had challenged, rejected or denied before in the
-            same talk; empty: nobody.
+        gave_in: "robot" or "human", who accepted in the end what that side had challenged, rejected or denied before
+            in the same situation; empty: nobody.
     """
 
     robot: int
@@ -65,6 +65,7 @@ class DialogueGatherer:
     def __init__(self) -> None:
         self._courses: defaultdict[tuple[int, int], list[DialogueMoveRecord]] = defaultdict(list)
         self._ends: dict[tuple[int, int], str] = {}
+        self._begins: dict[tuple[int, int], int] = {}
         self._words: Counter[str] = Counter()
 
     def take_utterance(self, utterance: UtteranceRecord) -> None:
@@ -77,8 +78,10 @@ class DialogueGatherer:
 
     def take_state(self, state: DialogueStateRecord) -> None:
         """Take in what a robot makes of a dialogue. Raises ValueError when that cannot be read."""
-        for game in read_portrait(state.json).games:
+        games = read_portrait(state.json).games
+        for game in games:
             self._ends[state.robot, game.number] = game.end
+            self._begins[state.robot, game.number] = games[0].number
 
     def dialogues(self) -> RecordedDialogues:
         """Return what was gathered."""
@@ -114,13 +117,14 @@ class DialogueGatherer:
             yield from self._with_outer(self._courses[robot, parent])
 
     def _held_out(self, accepted: DialogueMoveRecord) -> bool:
-        """Return True when whoever accepted this has denied it before in the same talk, or would not accept it."""
+        """Return True when whoever accepted this has denied it before in the situation, or would not accept it."""
+        begin = self._begins.get((accepted.robot, accepted.dialogue), accepted.dialogue)
         before = (
             move
             for (robot, number), course in self._courses.items()
-            if robot == accepted.robot and number <= accepted.dialogue
+            if robot == accepted.robot and begin <= number <= accepted.dialogue
             for move in course
-            if move.talk == accepted.talk and move.speaker == accepted.speaker
+            if move.speaker == accepted.speaker
         )
         same = {accepted.content, _opposite(accepted.content)}
         return any(

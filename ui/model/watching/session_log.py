@@ -19,6 +19,7 @@ from thbridge.ros.messages.records import LogLevel
 from thbridge.ros.messages.session_records import GameEvent
 from ui.model.playing.words import gained
 from ui.model.scene import RoomState
+from ui.model.watching.dialogue_log import DialogueCourse, DialogueLog
 from ui.model.watching.messages import WatchedMessage
 from ui.model.watching.scene import Entry, EntryKind
 
@@ -28,6 +29,8 @@ TYPES = frozenset({types.GAME_EVENT, types.UTTERANCE, types.INPUT, types.LOG})
 """Types of which every message is an entry."""
 LINES = frozenset({names.SEND_ROBOTS, names.SUCCESS})
 """Topics of raw lines of the protocol."""
+_FURTHER = frozenset({types.DIALOGUE_MOVE, types.DIALOGUE_STATE})
+"""Types of which the log keeps more than entries."""
 
 IMPORTANT = frozenset(
     {
@@ -50,7 +53,7 @@ IMPORTANT = frozenset(
 
 def is_logged(topic: str, msgtype: str) -> bool:
     """Return True when a log is made of the messages of a topic."""
-    return msgtype in TYPES or topic in LINES or topic in {names.ROOMS, names.DIAGNOSTICS}
+    return msgtype in TYPES | _FURTHER or topic in LINES or topic in {names.ROOMS, names.DIAGNOSTICS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +93,7 @@ class SessionLog:
     def __init__(self) -> None:
         self.room_names = RoomNames()
         self.ways_made = WaysMade()
+        self._dialogues = DialogueLog()
         self._entries: dict[EntryKind, list[Entry]] = {kind: [] for kind in get_args(EntryKind)}
         self._dropped: dict[EntryKind, int] = dict.fromkeys(self._entries, 0)
         self._stamps: list[int] = []
@@ -123,6 +127,10 @@ class SessionLog:
     def carried(self, robot: int) -> Sequence[int]:
         """Stamps at which a robot was picked up and set elsewhere, oldest first."""
         return self._carried[robot]
+
+    def dialogue(self, robot: int, until_ns: int) -> DialogueCourse:
+        """Latest dialogue of a robot at a time, in the game that goes on; empty where it has not argued in that."""
+        return self._dialogues.course(robot, self.game_start(until_ns) or 0, until_ns)
 
     def _at(self, until_ns: int) -> _GameStatus:
         return self._statuses[bisect_right(self._stamps, until_ns)]
@@ -166,6 +174,10 @@ class SessionLog:
                 line = unpack.log(message.data)
                 grave = line.level >= LogLevel.ERROR
                 return Entry(stamp, "log", line.level.name.lower(), line.name, None, None, line.text, grave)
+            case types.DIALOGUE_MOVE:
+                self._dialogues.take_move(stamp, unpack.dialogue_move(message.data))
+            case types.DIALOGUE_STATE:
+                self._dialogues.take_state(stamp, unpack.dialogue_state(message.data))
             case types.MARKER_ARRAY if message.topic == names.ROOMS:
                 self.room_names = RoomNames.of(unpack.room_labels(message.data).items())
             case types.DIAGNOSTIC_ARRAY:

@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
     QTabBar,
     QToolBar,
     QToolButton,
+    QVBoxLayout,
     QWidget,
 )
 
@@ -26,6 +27,7 @@ from ui.model.watching.scene import EntryKind
 from ui.model.watching.tools import Shape
 from ui.windows.controls import ChoiceBox
 from ui.windows.look import open_within_screen
+from ui.windows.researcher.docks.arguments import ArgumentsDock
 from ui.windows.researcher.docks.displays import SWITCHES, DisplaysPanel
 from ui.windows.researcher.docks.log import LogView
 from ui.windows.researcher.docks.playback import PlaybackBar
@@ -94,6 +96,7 @@ class DockedWindow(QMainWindow):
         self.team = TeamView()
         self.plots = Plots(palette, live)
         self.logs = {kind: LogView(name, columns) for kind, (_, name, columns) in LISTS.items()}
+        self.arguments = ArgumentsDock()
         self.wizard = WizardDock()
         self.tool = MapTool.LOOK
         self._tool_actions: dict[MapTool, QAction] = {}
@@ -157,17 +160,23 @@ class DockedWindow(QMainWindow):
         self._docks = [
             self._dock("Robots", self.team, LEFT),
             self._dock("Displays", self.displays, LEFT),
-            self._dock("Plots", self.plots, RIGHT),
+            self._dock("Plots", self.plots, RIGHT, keeps_room=True),
+            self._dock("Arguments", self.arguments, keeps_room=True),
         ]
+        figures = self._docks[2:]
         bottom = [
             *(self._dock(LISTS[kind][0], log, BOTTOM) for kind, log in self.logs.items()),
             self._dock("Wizard", self.wizard, BOTTOM),
         ]
-        for before, after in pairwise(bottom):
-            self.tabifyDockWidget(before, after)
-        bottom[0].raise_()
+        for group in (bottom, figures):
+            for before, after in pairwise(group):
+                self.tabifyDockWidget(before, after)
+            group[0].raise_()
+            # Without that Qt leaves a second row of tabs behind when the next group is made.
+            if (layout := self.layout()) is not None:
+                layout.activate()
         for tabs in self.findChildren(QTabBar):
-            tabs.setAccessibleName("Lists")
+            tabs.setAccessibleName("Panes")
         self._docks += bottom
         wide, high = self.width() / _WANTED.width(), self.height() / _WANTED.height()
         columns, rows = [round(380 * wide), round(400 * wide)], [round(260 * high), round(460 * high)]
@@ -188,13 +197,30 @@ class DockedWindow(QMainWindow):
         for before, after in pairwise(stops):
             self.setTabOrder(before, after)
 
-    def _dock(self, title: str, part: QWidget, area: Qt.DockWidgetArea) -> QDockWidget:
+    def _dock(
+        self, title: str, part: QWidget, area: Qt.DockWidgetArea | None = None, *, keeps_room: bool = False
+    ) -> QDockWidget:
+        """A dock.
+
+        Args:
+            title: of the dock.
+            part: its content.
+            area: where it is; None: it is to be a tab of another one.
+            keeps_room: it is as large behind another tab as before; else its tabs are as small as they can be.
+        """
         dock = QDockWidget(title, self)
         dock.setObjectName(title)
-        dock.setWidget(part)
+        content = part
+        if keeps_room:
+            content = QWidget()
+            rows = QVBoxLayout(content)
+            rows.setContentsMargins(0, 0, 0, 0)
+            rows.addWidget(part)
+        dock.setWidget(content)
         # Qt moves what lies behind another tab far out of sight, where Tab would still go.
         dock.visibilityChanged.connect(part.setVisible)
-        self.addDockWidget(area, dock)
+        if area is not None:
+            self.addDockWidget(area, dock)
         return dock
 
     def _add_time(self) -> None:

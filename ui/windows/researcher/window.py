@@ -89,6 +89,7 @@ class ResearcherWindow(DockedWindow):
         self.plots.seek.connect(feed.seek)
         for log in self.logs.values():
             log.chosen.connect(feed.seek)
+        self.arguments.chosen.connect(feed.seek)
         self.team.selected.connect(self._choose_row)
         self.robot_stepped.connect(self._next_robot)
         self.follow_toggled.connect(self._follow)
@@ -179,7 +180,14 @@ class ResearcherWindow(DockedWindow):
     def _show_figures(self, scene: Scene) -> None:
         self.team.show_rows([_row_of(robot) for robot in scene.robots], self._place(self._selected))
         self.wizard.show_wizard(scene.wizard, len(scene.robots), self._feed.log.room_names)
+        if self.arguments.isVisible():
+            self._show_arguments()
         self.show_waiting(len(scene.wizard.turns) + len(scene.wizard.advice))
+
+    def _show_arguments(self) -> None:
+        feed = self._feed
+        course = feed.log.dialogue(self._selected, feed.start_ns + round(feed.time * 1e9))
+        self.arguments.show_course(self._selected, course, feed.start_ns)
 
     def _show_plots(self, panel: str) -> None:
         if self.scene is not None and self.plots.isVisible():

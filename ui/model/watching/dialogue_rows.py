@@ -1,0 +1,92 @@
+"""Words in which the researcher's window tells a dialogue: its course, beliefs, stores and arguments, row by row."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from enum import StrEnum
+
+from sim.common.robot_numbers import robot_name
+from thbridge.dialogue.portrait import DialoguePortrait, PortrayedArgument
+from thbridge.ros.messages.session_records import DialogueMoveRecord
+from ui.model.watching.dialogue_log import DialogueCourse
+
+SIDES: Mapping[str, str] = {"robot": "robot", "human": "participant"}
+"""Sides of dialogues, for people."""
+
+
+class DialogueList(StrEnum):
+    """List that a researcher may see of a dialogue."""
+
+    ARGUMENTS = "Arguments"
+    BELIEFS = "Beliefs of the robot (Σ)"
+    PICTURE = "Its picture of the participant (Γ)"
+    ROBOT_STORE = "Said by the robot"
+    HUMAN_STORE = "Said by the participant"
+
+
+def heading(robot: int, course: DialogueCourse) -> str:
+    """Return a line on what a robot's latest dialogue is about, and how it stands."""
+    name = robot_name(robot).capitalize()
+    if not course.moves:
+        return f"{name} has not argued so far."
+    *_, (_, last) = course.moves
+    game = next((each for each in course.portrait.games if each.number == last.dialogue), None)
+    if game is None:
+        return f"{name}, dialogue {last.talk} ({last.after}): {last.game}"
+    opener = SIDES.get(game.opener, game.opener)
+    stands = game.end or last.after
+    return f"{name}, dialogue {last.talk} ({stands}): {game.game} about {game.topic}, opened by the {opener}"
+
+
+def move_row(move: DialogueMoveRecord) -> tuple[str, str, str, str]:
+    """Return the cells of a move: who, the move, its sentence, and the states before and after it."""
+    who = "wizard" if move.author == "wizard" else SIDES.get(move.speaker, move.speaker)
+    inside = "  within " + str(move.parent) + ": " if move.parent else ""
+    notes = " (by itself)" if move.is_booked else ""
+    heard = f" Heard: {move.heard}" if move.heard else ""
+    written = f"{move.locution}{move.content}" if move.content.startswith("({") else f"{move.locution}({move.content})"
+    return who, f"{inside}{written}{notes}", f"{move.text}{heard}", f"{move.before} → {move.after}"
+
+
+def rows(shown: DialogueList, portrait: DialoguePortrait) -> Iterator[tuple[str, str, str]]:
+    """Yield the rows of a list, three cells each."""
+    match shown:
+        case DialogueList.ARGUMENTS:
+            for place, argument in enumerate(portrait.arguments):
+                yield _argument(place, argument, portrait)
+        case DialogueList.BELIEFS:
+            for belief in portrait.sigma:
+                yield belief.literal, belief.source, f"at {belief.at:.1f} s, sure to {belief.confidence:.2f}"
+            yield from ((rule, "rule", "") for rule in portrait.rules)
+        case DialogueList.PICTURE:
+            argued = set(portrait.argued)
+            yield from ((held, "held", "with an argument" if held in argued else "") for held in portrait.held)
+            yield from ((unknown, "not known", "") for unknown in portrait.unknown)
+            yield from ((each, "", "has an argument") for each in portrait.argued if each not in portrait.held)
+        case DialogueList.ROBOT_STORE:
+            yield from ((move, "", "") for move in portrait.robot_store)
+        case DialogueList.HUMAN_STORE:
+            yield from ((move, "", "") for move in portrait.human_store)
+
+
+def describe_attacks(portrait: DialoguePortrait) -> str:
+    """Return sentences on the arguments, their attacks and those that stand, for who does not see the picture."""
+    return " ".join(
+        ". ".join(part for part in _argument(place, argument, portrait) if part) + "."
+        for place, argument in enumerate(portrait.arguments)
+    )
+
+
+def _argument(place: int, argument: PortrayedArgument, portrait: DialoguePortrait) -> tuple[str, str, str]:
+    stands = "stands" if place in portrait.grounded else "does not stand"
+    attackers = [one for one, other in portrait.attacks if other == place]
+    attacked = f"attacked by {_numbers(attackers)}" if attackers else "not attacked"
+    because = f"because {', '.join(argument.support)}" if argument.support else ""
+    return f"{place + 1}: {argument.conclusion}", because, "; ".join((holders(argument), stands, attacked))
+
+
+def holders(argument: PortrayedArgument) -> str:
+    """Return who holds all that an argument rests on, for people; nobody where its parts come from both."""
+    return " and ".join(SIDES[side] for side in argument.sides if side in SIDES) or "both in part"
+
+
+def _numbers(places: Sequence[int]) -> str:
+    return ", ".join(str(place + 1) for place in places)

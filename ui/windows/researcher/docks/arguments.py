@@ -1,0 +1,128 @@
+"""Dialogue of a robot that argues: its course, what the robot believes, and the attacks between arguments."""
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import QLineEdit, QScrollArea, QSizePolicy, QTableView, QVBoxLayout, QWidget
+
+from ui.model.watching.dialogue_log import DialogueCourse
+from ui.model.watching.dialogue_rows import DialogueList, heading, move_row, rows
+from ui.windows.controls import ChoiceBox
+from ui.windows.look import colours, follow_text, px
+from ui.windows.researcher.docks.attack_graph import AttackGraph
+from ui.windows.researcher.docks.table import RIGHT, ModelIndex, TableModel, row_table
+
+MOVES = ("Time", "Who", "Move", "Sentence", "State")
+DETAILS = ("What", "From", "How it stands")
+PART = 110
+"""Least height of each part, logical pixels with text of the usual size; what has no room is scrolled to."""
+
+
+class TextModel(TableModel):
+    """Rows of texts, of which all may change at once."""
+
+    _shown: Sequence[tuple[str, ...]] = ()
+
+    def __init__(self, titles: Sequence[str], parent: QWidget, *, has_time: bool = False) -> None:
+        super().__init__(titles, (), parent)
+        self._has_time = has_time
+
+    def show_rows(self, texts: Sequence[tuple[str, ...]]) -> bool:
+        """Show these rows; return False where they are shown already."""
+        if tuple(texts) == self._shown:
+            return False
+        self.beginResetModel()
+        self._shown = tuple(texts)
+        self.endResetModel()
+        return True
+
+    def data(self, index: ModelIndex, role: int = 0) -> object:
+        """Return a cell's text, place, colour or tool tip."""
+        is_time = self._has_time and index.column() == 0
+        if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.ToolTipRole):
+            return self._shown[index.row()][index.column()]
+        if role == Qt.ItemDataRole.TextAlignmentRole and is_time:
+            return RIGHT
+        if role == Qt.ItemDataRole.ForegroundRole and is_time:
+            return QColor(colours().muted)
+        return None
+
+
+class ArgumentsDock(QWidget):
+    """The latest dialogue of the robot selected, as it stood at the time shown.
+
+    Signals:
+        chosen: a person wants to see the time of a move, seconds since the beginning.
+    """
+
+    chosen = Signal(float)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._course = DialogueCourse()
+        self._times: tuple[float, ...] = ()
+        # Of a narrow line the end can be reached by the arrow keys.
+        self.heading = QLineEdit(readOnly=True, frame=False)
+        self.heading.setAccessibleName("Dialogue shown")
+        self.list = ChoiceBox()
+        self.list.addItems(list(DialogueList))
+        self.list.setAccessibleName("What to show beside the moves")
+        self.list.setSizeAdjustPolicy(ChoiceBox.SizeAdjustPolicy.AdjustToContents)
+        self.list.setMinimumContentsLength(8)
+        self.list.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
+        self.list.currentIndexChanged.connect(lambda _: self._show_details())
+        single = QTableView.SelectionMode.SingleSelection
+        self.moves = TextModel(MOVES, self, has_time=True)
+        self.course = row_table("Moves of the dialogue", self.moves, single, 1, (7, 11, 30, 40, 24))
+        self.course.activated.connect(lambda index: self.chosen.emit(self._times[index.row()]))
+        self.details = TextModel(DETAILS, self)
+        self.table = row_table(str(DialogueList.ARGUMENTS), self.details, single, 1, (30, 40, 30))
+        self.graph = AttackGraph()
+        for table in (self.course, self.table):
+            table.horizontalHeader().setStretchLastSection(True)
+        inside = QWidget()
+        column = QVBoxLayout(inside)
+        column.setContentsMargins(8, 8, 8, 8)
+        column.addWidget(self.heading)
+        column.addWidget(self.course, 1)
+        column.addWidget(self.list)
+        column.addWidget(self.table, 1)
+        column.addWidget(self.graph, 1)
+        for part in (self.course, self.table, self.graph):
+            follow_text(part, lambda it: it.setMinimumHeight(px(PART)))
+        area = QScrollArea()
+        area.setWidgetResizable(True)
+        area.setFrameShape(QScrollArea.Shape.NoFrame)
+        area.setWidget(inside)
+        area.setAccessibleName("Dialogue of the robot selected")
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(area)
+        self.show_course(0, DialogueCourse(), 0)
+
+    def show_course(self, robot: int, course: DialogueCourse, start_ns: int) -> None:
+        """Show a dialogue.
+
+        Args:
+            robot: index of the robot.
+            course: its latest dialogue.
+            start_ns: ROS time from which times count.
+        """
+        if (text := heading(robot, course)) != self.heading.text():
+            self.heading.setText(text)
+            self.heading.setToolTip(text)
+            self.heading.setCursorPosition(0)
+        self._times = tuple((stamp - start_ns) / 1e9 for stamp, _ in course.moves)
+        said = [(f"{time:.2f}", *move_row(move)) for time, (_, move) in zip(self._times, course.moves, strict=True)]
+        if self.moves.show_rows(said):
+            self.course.scrollToBottom()
+        if course.portrait != self._course.portrait:
+            self.graph.show_portrait(course.portrait)
+        self._course = course
+        self._show_details()
+
+    def _show_details(self) -> None:
+        shown = DialogueList(self.list.currentText())
+        self.table.setAccessibleName(str(shown))
+        self.details.show_rows(list(rows(shown, self._course.portrait)))
