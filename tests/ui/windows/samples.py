@@ -256,6 +256,53 @@ def treasure(
     )
 
 
+def arguing() -> DialoguePopup:
+    """A robot that argues, with as many answers as there can be, all of them long."""
+    room = "room 6 (North east)"
+    return DialoguePopup(
+        robot=0,
+        title="Robot 1: go to room 6?",
+        sentences=(
+            ("you", "Go to room 6."),
+            ("robot", f"My advice: I do not go to {room} next."),
+            ("you", f"Why not {room}?"),
+            (
+                "robot",
+                f"I think I should not go to {room} next, because with me going to room 2 (West) next we reach 8 rooms "
+                f"for 123 energy in all, and with me going to {room} next we reach 8 rooms for 124 energy in all.",
+            ),
+        ),
+        choices=(
+            Action(GiveAnswer(0), f"All right: with you going to room 2 (West) next, you do not go to {room}.", "1"),
+            Action(GiveAnswer(1), f"Why is it that with you going to {room} next we reach 8 rooms for 124?", "2"),
+            Action(GiveAnswer(2), f"Go to {room} all the same.", "3", hint="This is your decision."),
+            Action(GiveAnswer(3), "I have a question.", "4"),
+            Action(GiveAnswer(4), "Let us leave it at that.", "5"),
+        ),
+        aside=LATER,
+        room=6,
+        note="Robot 1 advises you. The decision is yours.",
+        numbered=True,
+    )
+
+
+def questions() -> DialoguePopup:
+    """The questions that can be put to the robot that argues."""
+    asked = ("Why room 2 (West)?", "Why not room 6 (North east)?", "What would change your mind?", "Back.")
+    keys = ("1", "2", "3", "Esc")
+    choices = tuple(Action(GiveAnswer(at), text, key) for at, (text, key) in enumerate(zip(asked, keys, strict=True)))
+    return replace(arguing(), choices=choices, aside=replace(LATER, key="W"))
+
+
+def ended() -> DialoguePopup:
+    """The end of a dialogue with a robot that argues."""
+    talk = arguing()
+    close = Action(ShowNext(), "Close", "Esc")
+    return replace(
+        talk, sentences=talk.sentences[-2:], choices=(), aside=close, note="", outcome="Robot 1 goes to room 2."
+    )
+
+
 def naming() -> DialoguePopup:
     """The robot asks whether what it found shall be named, with its picture beside the talk."""
     find = treasure(picture=True)
@@ -311,6 +358,12 @@ def states() -> Mapping[str, Screen]:
         "dialogue": replace(usual, popup=dialogue(), waiting=waiting(2)),
         "naming": replace(usual, popup=naming()),
         "thinking": replace(usual, popup=replace(dialogue(), choices=())),
+        "arguing": replace(usual, popup=arguing(), waiting=waiting(1)),
+        "questions": replace(usual, popup=questions()),
+        "ended": replace(usual, popup=ended(), waiting=waiting(1)),
+        "refused-naming": replace(
+            usual, popup=replace(treasure(), talk="Robot 1 takes no picture. It said: I would not take a picture, no.")
+        ),
         "treasure": replace(usual, popup=treasure(), waiting=waiting(1)),
         "picture": replace(usual, popup=treasure(picture=True, picked="Pink can")),
         "verdict": replace(

@@ -288,6 +288,7 @@ def press(qtbot: QtBot, window: QWidget, key: str) -> None:
         "Return": Qt.Key.Key_Return,
         "Space": Qt.Key.Key_Space,
         "Down": Qt.Key.Key_Down,
+        "Up": Qt.Key.Key_Up,
         "End": Qt.Key.Key_End,
         "Right": Qt.Key.Key_Right,
         "F1": Qt.Key.Key_F1,

@@ -286,6 +286,7 @@ class Transcript(QScrollArea):
 
     def _to_end(self) -> None:
         """Show the newest sentence, from its beginning."""
+        self._lines.activate()
         bar = self.verticalScrollBar()
         bar.setValue(min([bar.maximum(), *(bubble.y() for bubble in self._bubbles[-1:])]))
 

@@ -1,0 +1,208 @@
+"""A person in the window argues with robots, in a real game without a simulator: by mouse, and by keyboard alone."""
+
+from collections.abc import Callable
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QApplication
+from pytestqt.qtbot import QtBot
+
+from tests.thbridge.roles.keeper.test_arguing_robots import arguing_engine
+from tests.ui.model.seat import Seat
+from tests.ui.windows import samples
+from tests.ui.windows.participant.test_hunt import Player
+from tests.ui.windows.participant.test_window import Open
+from thbridge.dialogue.conditions import DialogueCondition
+from thbridge.hunt.events import RobotDeparted
+from thbridge.roles.keeper.briefing import Briefing
+from ui.model.screen import AskAdvice, ChooseRobot, ChooseRoom, DialoguePopup, ShowNext
+from ui.model.theme import LIGHT
+from ui.windows import look
+from ui.windows.participant import ParticipantWindow
+
+Sit = Callable[..., "Arguer"]
+STATES = samples.states()
+
+
+class Arguer(Player):
+    """A person at the window, where robots argue."""
+
+    def wait(self, ticks: int = 20) -> None:
+        """Wait until the robot has replied, and then until the reply can be answered."""
+        super().wait(ticks)
+        super().wait(ticks)
+
+    @property
+    def pop(self) -> DialoguePopup:
+        pop = self.seat.screen.popup
+        assert isinstance(pop, DialoguePopup)
+        return pop
+
+    @property
+    def labels(self) -> list[str]:
+        """What is on the buttons of the answers."""
+        shown = [button for button in self.window.dialogue.choices.buttons if button.isVisible()]
+        return [button.face.label for button in shown if button.face is not None]
+
+    @property
+    def focused(self) -> str:
+        """What is on the button that has the focus."""
+        return getattr(getattr(QApplication.focusWidget(), "face", None), "label", "")
+
+    def answer_of(self, text: str) -> int:
+        found = [at for at, label in enumerate(self.labels) if text in label]
+        assert found, (text, self.labels, self.pop.sentences)
+        return found[0]
+
+    def say(self, text: str) -> None:
+        """Click the answer that contains a text."""
+        self.qtbot.mouseClick(self.window.dialogue.choices.buttons[self.answer_of(text)], Qt.MouseButton.LeftButton)
+        self.wait()
+
+    def type(self, text: str) -> None:
+        """Press the digit of the answer that contains a text."""
+        self.key(str(self.answer_of(text) + 1))
+
+    @property
+    def departures(self) -> list[tuple[int, int]]:
+        """Robots and rooms."""
+        events = self.seat.stage.log.events
+        return [(event.robot, event.room.people) for event in events if isinstance(event, RobotDeparted)]
+
+
+@pytest.fixture
+def sit(qtbot: QtBot, qapp: QApplication) -> Sit:
+    def make(condition: DialogueCondition = DialogueCondition.COLLABORATOR) -> Arguer:
+        look.apply_palette(qapp, LIGHT)
+        seat = Seat(talk=arguing_engine(condition), briefing=Briefing(condition=condition))
+        seat.stage.puppets.ticks = 200
+        window = ParticipantWindow(seat.model, lambda: seat.now, LIGHT)
+        qtbot.addWidget(window)
+        window.resize(1024, 600)
+        window.show()
+        window.activateWindow()
+        qtbot.waitUntil(window.isActiveWindow)
+        return Arguer(seat, window, qtbot)
+
+    return make
+
+
+def another_room(arguer: Arguer) -> int:
+    """A room where the robot would not go by itself."""
+    arguer.click(AskAdvice())
+    wanted = arguer.pop.room
+    arguer.say("Let us leave it")
+    arguer.click(ShowNext())
+    return next(room for room in range(1, 9) if room != wanted)
+
+
+def test_a_person_is_persuaded(sit: Sit) -> None:
+    arguer = sit()
+    room = another_room(arguer)
+    arguer.click(ChooseRoom(room))
+    arguer.say(f"Why not room {room}")
+    assert "because" in arguer.pop.sentences[-1][1] or "reasons" in arguer.pop.sentences[-1][1]
+    arguer.say("I have a question")
+    arguer.say("Why room ")
+    assert arguer.pop.sentences[-1][0] == "robot"
+    arguer.say(f"All right, not room {room}")
+    arguer.say("Where would you go, then?")
+    while arguer.labels:
+        arguer.say("All right")
+    assert [who for who, _ in arguer.departures] == [0]
+    assert arguer.departures[0][1] != room
+    assert arguer.pop.outcome == f"Robot 1 goes to room {arguer.departures[0][1]}."
+    assert arguer.window.dialogue.isVisible()
+
+
+def test_a_person_persuades_a_robot_by_keyboard_alone(sit: Sit) -> None:
+    arguer = sit()
+    arguer.key("D")
+    wanted = arguer.pop.room
+    arguer.type("Let us leave it")
+    arguer.key("Esc")
+    room = next(room for room in range(1, 9) if room != wanted)
+    arguer.key(str(room))
+    for text in ("Why not", "No, I still want", f"Go to room {room} next", "I want"):
+        arguer.type(text)
+    if arguer.labels:
+        arguer.type(f"Go to room {room} next")
+    assert arguer.departures == [(0, room)]
+    assert arguer.pop.outcome == f"Robot 1 goes to room {room}."
+
+
+def test_the_questions_lead_back_to_where_the_focus_was(sit: Sit) -> None:
+    arguer = sit()
+    arguer.key("D")
+    for _ in range(1 + arguer.answer_of("I have a question")):
+        arguer.key("Down")
+    assert arguer.focused == "I have a question."
+    arguer.key("Return")
+    assert arguer.labels[-1] == "Back."
+    assert arguer.focused == arguer.labels[0]
+    arguer.key("Esc")
+    assert arguer.focused == "I have a question."
+    arguer.key("Return")
+    arguer.key("Return")
+    assert arguer.pop.sentences[-1][0] == "robot", "it has answered the first of the questions"
+    assert arguer.focused == "I have a question."
+    arguer.key("Up")
+    arguer.key("Up")
+    assert arguer.focused == arguer.labels[0]
+
+
+def test_two_robots_wait_and_each_card_shows_its_dialogue(sit: Sit) -> None:
+    arguer = sit()
+    arguer.click(AskAdvice())
+    arguer.key("Tab")
+    arguer.key("Esc")
+    arguer.click(AskAdvice())
+    assert [card.state for card in arguer.seat.screen.cards] == ["waits for your answer"] * 2
+    arguer.click(ChooseRobot(0))
+    assert arguer.pop.robot == 0
+    arguer.key("Tab")
+    assert arguer.pop.robot == 1
+    arguer.type("All right")
+    assert [robot for robot, _ in arguer.departures] == [1]
+    arguer.key("Tab")
+    arguer.type("All right")
+    assert [robot for robot, _ in arguer.departures] == [1, 0]
+
+
+def test_a_dialogue_that_was_left_does_not_go_without_a_word(sit: Sit) -> None:
+    arguer = sit()
+    arguer.click(AskAdvice())
+    arguer.type("Let us leave it")
+    assert arguer.window.dialogue.isVisible()
+    assert arguer.pop.outcome == "Robot 1 stays where it is."
+    assert arguer.departures == []
+    arguer.key("Esc")
+    assert not arguer.window.dialogue.isVisible()
+
+
+def test_a_person_decides_against_advice(sit: Sit) -> None:
+    arguer = sit(DialogueCondition.ADVISER)
+    room = another_room(arguer)
+    arguer.click(ChooseRoom(room))
+    button = arguer.window.dialogue.choices.buttons[arguer.answer_of("all the same")]
+    assert "This is your decision." in button.accessibleDescription()
+    arguer.say("all the same")
+    assert arguer.departures == [(0, room)]
+
+
+def test_a_supervised_robot_goes_with_one_click(sit: Sit) -> None:
+    arguer = sit(DialogueCondition.SUPERVISOR)
+    arguer.click(ChooseRoom(6))
+    assert arguer.departures == [(0, 6)]
+
+
+def test_what_was_said_before_can_be_paged_through(opened: Open, qtbot: QtBot) -> None:
+    shown = opened(STATES["arguing"], 1024, 600)
+    transcript = shown.window.dialogue.transcript
+    bar = transcript.verticalScrollBar()
+    newest = bar.value()
+    assert bar.maximum() > 0
+    qtbot.keyClick(shown.window, Qt.Key.Key_PageUp)
+    assert bar.value() < newest
+    qtbot.keyClick(shown.window, Qt.Key.Key_PageDown)
+    assert bar.value() >= newest
