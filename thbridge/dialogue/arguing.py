@@ -158,8 +158,10 @@ class ArguingEngine:
             if not legal:
                 return DialogueStep(dialogue, utterances, outcome)
             move, fault = self._chosen(dialogue, legal)
-            dialogue, utterance = self._with_turn(dialogue, Turn(Speaker.ROBOT, move, Author.ROBOT, fault=fault))
-            utterances = (*utterances, utterance)
+            authored = self.phrasing.authored(dialogue, move)
+            text = "" if authored is None else authored.text
+            dialogue, utterance = self._with_turn(dialogue, Turn(Speaker.ROBOT, move, Author.ROBOT, text, fault=fault))
+            utterances = (*utterances, replace(utterance, authored=authored))
 
     def _chosen(self, dialogue: Dialogue, legal: tuple[Move, ...]) -> tuple[Move, str]:
         """Return the robot's move, and the fault of the program that was to choose it, if it failed."""

@@ -15,6 +15,7 @@ from thbridge.dialogue.moves import (
     DialogueTopic,
     DialogueUtterance,
     Move,
+    OfferedSentence,
     Speaker,
     Turn,
 )
@@ -25,6 +26,10 @@ class Phrasing(Protocol):
 
     def say(self, dialogue: Dialogue, move: Move, speaker: Speaker) -> str:
         """Return the sentence for a move that is, or may be, the next in this dialogue."""
+        ...
+
+    def authored(self, dialogue: Dialogue, move: Move) -> OfferedSentence | None:
+        """Return what another author offers for the robot's next move; None where there is none, or it is not asked."""
         ...
 
 

@@ -256,6 +256,28 @@ class Dialogue:
 
 
 @dataclass(frozen=True, slots=True)
+class OfferedSentence:
+    """Sentence of another author, who was asked to word a move.
+
+    Attributes:
+        sentence: that would be said otherwise.
+        offered: by the author; None where it offered none.
+        refused: reason for which the offer was not taken, for programs; empty where it was, or there was none.
+        why: the same for people.
+    """
+
+    sentence: str
+    offered: str | None
+    refused: str = ""
+    why: str = ""
+
+    @property
+    def text(self) -> str:
+        """The sentence to be said."""
+        return self.sentence if self.offered is None or self.refused else self.offered
+
+
+@dataclass(frozen=True, slots=True)
 class DialogueUtterance:
     """One utterance, as it is recorded.
 
@@ -271,6 +293,7 @@ class DialogueUtterance:
         heard: sentence of the move that the robot took it for; empty where it heard right.
         conversation: what both sides have said and believe after it, where robots argue.
         fault: as in `Turn`.
+        authored: what another author of sentences was asked, and offered; None where there is none.
     """
 
     dialogue: int
@@ -284,3 +307,4 @@ class DialogueUtterance:
     heard: str = ""
     conversation: Conversation | None = None
     fault: str = ""
+    authored: OfferedSentence | None = None

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from sim.common import noise
-from thbridge.dialogue.moves import Ask, Continue, DecideAlone, Dialogue, Move, Scenario, Speaker, Stop
+from thbridge.dialogue.moves import Ask, Continue, DecideAlone, Dialogue, Move, OfferedSentence, Scenario, Speaker, Stop
 from thbridge.dialogue.words import fill, is_filled, words_of
 from thbridge.hunt.costs import energy_text
 
@@ -72,3 +72,7 @@ class TemplatePhrasing:
                 return f"Nobody has told me what to do for {energy_text(waited)} s: I go to {room}."
             case _:
                 raise ValueError(f"there is no scripted sentence for {move}")
+
+    def authored(self, dialogue: Dialogue, move: Move) -> OfferedSentence | None:
+        """Return None: scripts have no other authors."""
+        return None

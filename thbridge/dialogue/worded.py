@@ -16,6 +16,7 @@ from thbridge.dialogue.moves import (
     Explain,
     Leave,
     Move,
+    OfferedSentence,
     OpenQuestions,
     Override,
     Question,
@@ -23,6 +24,7 @@ from thbridge.dialogue.moves import (
     Speaker,
 )
 from thbridge.dialogue.propositions import NextRoom, VisitOrder
+from thbridge.dialogue.wording.authors import WordingAuthor, ask_author, request_of
 from thbridge.dialogue.wording.language import Language
 from thbridge.dialogue.wording.lines import LineKey
 from thbridge.dialogue.wording.wording import Wording
@@ -48,17 +50,36 @@ class WordedPhrasing:
         condition: of the study.
         seed: of the game.
         names: of the rooms.
+        author: of sentences that the language's files word otherwise; None: the files alone speak.
+        known: names of treasures, which an author may say only where the files do.
     """
 
     language: Language
     condition: DialogueCondition
     seed: int
     names: RoomNames = field(default_factory=RoomNames)
+    author: WordingAuthor | None = None
+    known: tuple[str, ...] = ()
+
+    def authored(self, dialogue: Dialogue, move: Move) -> OfferedSentence | None:
+        """Return what the author offers for the robot's next move in a dialogue game; None without one."""
+        if self.author is None or not isinstance(move, DialogueMove):
+            return None
+        words, chance = self._words(dialogue)
+        request = request_of(words, move, condition=self.condition, chance=chance, known=self.known)
+        answer = ask_author(self.author, request)
+        if answer.refusal is None:
+            return OfferedSentence(request.sentence, answer.offered)
+        return OfferedSentence(request.sentence, answer.offered, answer.refusal.reason.value, answer.refusal.why)
+
+    def _words(self, dialogue: Dialogue) -> tuple[Wording, float]:
+        """Words of a dialogue's robot, and the chance of its next move."""
+        chance = noise.uniform(noise.key(self.seed, "wording"), dialogue.number, len(dialogue.turns))
+        return Wording(self.language, dialogue.topic.robot, self.names), chance
 
     def say(self, dialogue: Dialogue, move: Move, speaker: Speaker) -> str:
         """Return the sentence for a move that is, or may be, the next in this dialogue."""
-        words = Wording(self.language, dialogue.topic.robot, self.names)
-        chance = noise.uniform(noise.key(self.seed, "wording"), dialogue.number, len(dialogue.turns))
+        words, chance = self._words(dialogue)
         side = Side.ROBOT if speaker is Speaker.ROBOT else Side.HUMAN
         match move:
             case DialogueMove("question", Literal()) if side is Side.HUMAN:

@@ -153,6 +153,11 @@ class DialogueSection:
         3600,
     )
     language: str = param("en", "name of the language in which robots argue: en, de, or one of the folder of words")
+    author: str | None = param(
+        None,
+        "name of an installed program that words robots' sentences, as the entry points `thbridge.wordings` have it; "
+        "null: the language's files alone",
+    )
     words: Path | None = param(
         None,
         "path of a folder of words for robots that argue, beside those that come with the project; null: those alone",

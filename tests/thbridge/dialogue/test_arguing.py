@@ -45,6 +45,9 @@ class FormalPhrasing:
     def say(self, dialogue: Dialogue, move: Move, speaker: Speaker) -> str:
         return str(move)
 
+    def authored(self, dialogue: Dialogue, move: Move) -> None:
+        return None
+
 
 def engine(manner: Manner) -> ArguingEngine:
     return ArguingEngine(RULEBOOK, {None: manner}, FormalPhrasing(), seed=3)

@@ -39,7 +39,8 @@ def build_keeper(setting: StudySetting, history: tuple[Event, ...] = (), last_ga
         seed = int(noise.key(study.seed, "dialogue", str(number)))
         if study.dialogue.condition is not DialogueCondition.SCRIPT and setting.language and setting.rulebook:
             names = setting.map.room_names
-            phrasing = WordedPhrasing(setting.language, study.dialogue.condition, seed, names)
+            known = treasure_names(setting)
+            phrasing = WordedPhrasing(setting.language, study.dialogue.condition, seed, names, setting.author, known)
             return ArguingEngine(setting.rulebook, manners_of(study.dialogue), phrasing, seed, setting.strategies)
         return ScriptedEngine(TemplateProtocol(template), TemplateStrategy(), TemplatePhrasing(template, seed))
 

@@ -13,10 +13,11 @@ from sim.common.geometry import Pose2
 from sim.common.robot_numbers import index_of
 from sim.common.traversability import TraversabilityMap
 from sim.robot.costmap.footprint import radii
-from thbridge.app.compose.installed import installed_strategy
+from thbridge.app.compose.installed import installed_author, installed_strategy
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.tables import Rulebook
 from thbridge.dialogue.robot_strategies import StrategyFactory
+from thbridge.dialogue.wording.authors import WordingAuthor
 from thbridge.dialogue.wording.language import Language
 from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
@@ -47,6 +48,7 @@ class StudySetting:
         rulebook: of the dialogue games; None where robots ask scripted questions.
         language: in which robots argue; likewise.
         strategies: of robots that argue, by index, and under None of the others; None for a robot's own.
+        author: of other wordings of what robots say; None: the language's files alone.
         consent: text that participants have to agree to; None: nothing.
         farewell: text for the end of a game; may be empty.
     """
@@ -59,6 +61,7 @@ class StudySetting:
     rulebook: Rulebook | None
     language: Language | None
     strategies: Mapping[int | None, StrategyFactory | None]
+    author: WordingAuthor | None
     consent: str | None = None
     farewell: str = ""
 
@@ -90,6 +93,7 @@ def read_setting(
     rulebook: Rulebook | None = None
     language: Language | None = None
     strategies: dict[int | None, StrategyFactory | None] = {}
+    author: WordingAuthor | None = None
     with faults.kept():
         place = read_map_of(study, beside, resources, written=written)
     with faults.kept():
@@ -112,6 +116,8 @@ def read_setting(
             rulebook = read_rulebook((SHIPPED_GAMES, *games))
             with faults.kept():
                 language = _language(talk, beside, keys, rulebook)
+    with faults.kept(), keys.naming("dialogue.author"):
+        author = None if talk.author is None else installed_author(talk.author)
     for robot, key, name in _strategy_names(talk):
         with faults.kept(), keys.naming(key):
             strategies[robot] = None if name is None else installed_strategy(name)
@@ -121,7 +127,9 @@ def read_setting(
         farewell = _farewell(study, beside)
     if faults.found or place is None or templates is None or costs is None:
         raise faults.together()
-    return StudySetting(study, place, templates, costs, by_position, rulebook, language, strategies, consent, farewell)
+    return StudySetting(
+        study, place, templates, costs, by_position, rulebook, language, strategies, author, consent, farewell
+    )
 
 
 def _strategy_names(talk: DialogueSection) -> Iterator[tuple[int | None, str, str | None]]:

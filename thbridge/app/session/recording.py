@@ -86,6 +86,8 @@ class BagRecorder:
         for utterance in record.utterances:
             yield _utterance(utterance)
             yield from _formal_moves(utterance)
+            if utterance.authored is not None:
+                yield _authored(utterance, utterance.authored)
         yield from self._states_of_dialogues(record.utterances)
         if record.wizard != self._wizard:
             self._wizard = record.wizard
@@ -224,6 +226,22 @@ def _formal_moves(utterance: moves.DialogueUtterance) -> Iterator[DialogueMoveRe
             heard="" if formal.is_booked else utterance.heard,
             fault=utterance.fault,
         )
+
+
+def _authored(utterance: moves.DialogueUtterance, authored: moves.OfferedSentence) -> GameEvent:
+    """What another author of sentences was asked, what it offered, and why that was not taken."""
+    told = {
+        "event": "authored",
+        "robot": utterance.topic.robot,
+        "dialogue": utterance.dialogue,
+        "index": utterance.index,
+        "move": str(utterance.move),
+        "sentence": authored.sentence,
+        "offered": authored.offered,
+        "refused": authored.refused,
+        "why": authored.why,
+    }
+    return GameEvent("authored", utterance.topic.robot, utterance.topic.room.people, json.dumps(told))
 
 
 def _score(game: GameState) -> ScoreRecord:

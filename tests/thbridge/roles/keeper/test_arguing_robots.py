@@ -8,6 +8,7 @@ from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.moves import Author, DecideAlone
 from thbridge.dialogue.worded import WordedPhrasing
+from thbridge.dialogue.wording.authors import WordingRequest
 from thbridge.files.game_files import read_rulebook
 from thbridge.files.word_files import read_language
 from thbridge.hunt.events import RobotDeparted, TreasureLeft
@@ -35,9 +36,15 @@ def arguing_engine(condition: DialogueCondition) -> ArguingEngine:
 class Table:
     """A stage with robots that argue and a participant who does what the test tells her."""
 
-    def __init__(self, condition: DialogueCondition = COLLABORATOR, patience: int | None = None) -> None:
+    def __init__(
+        self,
+        condition: DialogueCondition = COLLABORATOR,
+        patience: int | None = None,
+        talk: ArguingEngine | None = None,
+    ) -> None:
         self.player = Script()
-        self.stage = Stage(participant=TabUI(self.player), talk=arguing_engine(condition), patience=patience)
+        talk = talk or arguing_engine(condition)
+        self.stage = Stage(participant=TabUI(self.player), talk=talk, patience=patience)
         self.stage.run(10)
 
     def wish(self, *wishes: ParticipantRequest, ticks: int = 5) -> View:
@@ -240,3 +247,19 @@ def test_a_look_at_the_questions_says_nothing() -> None:
 def test_a_robot_that_is_supervised_has_no_last_words() -> None:
     table = Table(DialogueCondition.SUPERVISOR)
     assert table.wish(SelectRoom(0, 3)).last_words == ()
+
+
+def test_another_author_s_sentence_is_said_where_it_tells_the_same_and_recorded_where_not() -> None:
+    def author(request: WordingRequest) -> str:
+        return "All right, I go to room 99." if request.move.locution == "accept" else request.sentence
+
+    phrasing = WordedPhrasing(LANGUAGE, COLLABORATOR, 7, author=author)
+    talk = ArguingEngine(RULEBOOK, {None: Manner(persistence=0)}, phrasing, 7)
+    table = Table(talk=talk)
+    room = table.another_room()
+    table.wish(SelectRoom(0, room))
+    said = [each for record in table.stage.tick_records for each in record.utterances if each.authored]
+    taken, refused = said[0], said[-1]
+    assert taken.authored is not None and taken.text == taken.authored.offered == taken.authored.sentence
+    assert refused.authored is not None and refused.authored.offered == "All right, I go to room 99."
+    assert refused.authored.refused and refused.text == refused.authored.sentence
