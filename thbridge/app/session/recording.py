@@ -229,7 +229,7 @@ def _formal_moves(utterance: moves.DialogueUtterance) -> Iterator[DialogueMoveRe
 
 
 def _authored(utterance: moves.DialogueUtterance, authored: moves.OfferedSentence) -> GameEvent:
-    """What another author of sentences was asked, what it offered, and why that was not taken."""
+    """Return the event of what another author of sentences was asked and offered, and why that was not taken."""
     told = {
         "event": "authored",
         "robot": utterance.topic.robot,
