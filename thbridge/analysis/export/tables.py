@@ -128,7 +128,7 @@ class _TableNode:
     seen_frames: dict[str, set[str]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.fields = fields_of(self.record, {"t_s", "recorded_ns", "row", "index"}, self.outer)
+        self.fields = fields_of(self.record, {"t_s", "recorded_ns", "game", "row", "index"}, self.outer)
         own_frame = next((f.column.name for f in self.fields if f.column.name == "frame_id"), self.outer)
         self.inner = tuple((items, self._within(items, own_frame)) for items in self.record.items())
 
