@@ -3,6 +3,11 @@
 Run it from the project's folder: `.venv/bin/python scripts/stress_hunts.py` (`make stress`). Every hunt is its own
 session as `thbridge play` would run it, its treasures, noise and participant drawn by its seed. Ends with 1 when
 robots collided, a hunt did not end, or a goal was given up.
+
+With `--conditions all --count 200` it plays hunts in every condition of dialogues instead, each with map, team, energy,
+participant, manner of robots, things in the way and mishaps drawn by its seed, the same under all conditions. It prints
+score, rooms and energy by condition, and how each compares with the scripted questions on the same seeds. Goals may be
+given up there: things stand in rooms, and robots die.
 """
 
 import argparse
@@ -12,27 +17,51 @@ import re
 import sys
 import time
 from collections import Counter
-from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import dataclass, replace
+from functools import cache
 from multiprocessing import get_context
+from operator import attrgetter
 from pathlib import Path
+from statistics import mean, stdev
+from typing import TypeVar
 
+from sim.common import noise
 from sim.common.geometry import Pose2
 from sim.common.observations import TICK, TICKS_PER_SECOND
 from sim.robot.navigator.goals import GoalReached, NoPath
 from sim.team import TeamSnapshot
 from thbridge.app.compose.game import build_bot, build_hider, build_keeper
 from thbridge.app.compose.robots import build_simr
-from thbridge.app.compose.setting import read_setting
+from thbridge.app.compose.setting import read_map_of, read_setting
 from thbridge.app.session.session import Session
+from thbridge.dialogue.conditions import DialogueCondition
+from thbridge.dialogue.games.strategies import Attitude
+from thbridge.dialogue.moves import Speaker
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
-from thbridge.study.study_file import Study
+from thbridge.study.study_file import DialogueSection, GameSection, MannerSection, ParticipantSection, Study
+from thbridge.study.things import Mishap, MishapEntry, Shape, ThingEntry
 
+T = TypeVar("T")
 MAPS = ("arena8", "warehouse12")
 MAX_SECONDS = 1800.0
 """Simulated seconds after which a hunt counts as hung."""
+PARTICIPANTS: Mapping[str, Callable[[Attitude, BotStrategy], bool]] = {
+    "all": lambda _attitude, _strategy: True,
+    "attentive": lambda attitude, _strategy: attitude is not Attitude.SCEPTICAL,
+    "attentive, by suggestion": lambda attitude, strategy: (
+        attitude is not Attitude.SCEPTICAL and strategy is BotStrategy.SUGGESTION
+    ),
+    "attentive, nearest": lambda attitude, strategy: (
+        attitude is not Attitude.SCEPTICAL and strategy is BotStrategy.NEAREST
+    ),
+    "attentive, random": lambda attitude, strategy: (
+        attitude is not Attitude.SCEPTICAL and strategy is BotStrategy.RANDOM
+    ),
+}
+"""Groups of participants that are compared; the attentive ones listen to what robots say."""
 MOVED_DISTANCE = 0.05
 """Metres, and radians, that count as having moved."""
 
@@ -44,6 +73,7 @@ class Hunt:
     place: str
     robots: int
     seed: int
+    condition: DialogueCondition | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +90,12 @@ class Outcome:
         waited: longest time that a robot with a goal stood still, seconds.
         open: longest time from a goal to its end, seconds.
         cpu: processor seconds.
+        score: of the game.
+        rooms: number of rooms visited.
+        energy: left to all robots.
+        replies: of the participant in dialogues.
+        who: attitude and strategy of the participant.
+        fault: the exception that ended the hunt; empty without one.
     """
 
     hunt: Hunt
@@ -71,6 +107,12 @@ class Outcome:
     waited: float
     open: float
     cpu: float
+    score: float = 0.0
+    rooms: int = 0
+    energy: float = 0.0
+    replies: int = 0
+    who: tuple[Attitude, BotStrategy] = (Attitude.CREDULOUS, BotStrategy.RANDOM)
+    fault: str = ""
 
 
 class GoalTimer:
@@ -108,24 +150,89 @@ class GoalTimer:
             self.open = max(self.open, tick - self._since[robot])
 
 
+class Draw:
+    """Draws by a seed and the name of a stream, one after the other."""
+
+    def __init__(self, seed: int, stream: str) -> None:
+        self._key, self._number = noise.key(seed, stream), 0
+
+    def __call__(self, options: Sequence[T]) -> T:
+        """Return one of some options."""
+        self._number += 1
+        return options[int(noise.uniform(self._key, self._number, 0) * len(options))]
+
+
+@cache
+def goals_of(place: str) -> tuple[Pose2, ...]:
+    """Return the goals in the rooms of a map."""
+    return tuple(room.goal for room in read_map_of(replace(Study(), map=place), Path(), with_costs=False).rooms)
+
+
+def drawn_hunt(seed: int, condition: DialogueCondition) -> Hunt:
+    """Return a hunt whose map and team are drawn by its seed."""
+    draw = Draw(seed, "drawn team")
+    return Hunt(draw(("arena8", "office", "warehouse12")), draw(range(1, 5)), seed, condition)
+
+
+def drawn_study(hunt: Hunt, condition: DialogueCondition) -> Study:
+    """Return the study of a hunt in a condition; all else is drawn by the hunt's seed alone."""
+    draw = Draw(hunt.seed, "drawn study")
+    manner = MannerSection(
+        attitude=draw(tuple(Attitude)),
+        persistence=draw(range(3)),
+        talkative=draw((False, True)),
+        gives_reasons=draw((True, True, False)),
+        misheard=draw((0.0, 0.0, 0.2)),
+    )
+    talk = DialogueSection(condition=condition, manner=manner, adviser_error_rate=draw((0.0, 0.0, 0.3)))
+    person = ParticipantSection(strategy=draw(tuple(BotStrategy)), attitude=draw(tuple(Attitude)))
+    study = Study(robots=hunt.robots, seed=hunt.seed, dialogue=talk, participant=person)
+    study = replace(study, map=hunt.place, game=GameSection(energy=draw((30.0, 45.0, 60.0))))
+    goal = draw(goals_of(hunt.place))
+    crate = ThingEntry("crate", Shape.CRATE, (goal.x, goal.y, 0.0), vanishes=draw((None, 60.0)))
+    robot, time_of_mishap = draw(range(1, hunt.robots + 1)), draw((5.0, 20.0, 35.0))
+    dies = MishapEntry(robot, Mishap.DIES, time_of_mishap)
+    mishaps = draw(((), (), (dies,), (dies, MishapEntry(robot, Mishap.REVIVES, time_of_mishap + 30.0))))
+    return replace(study, things=draw(((), (), (crate,))), mishaps=mishaps)
+
+
+def study_of(hunt: Hunt) -> Study:
+    """Return the study of a hunt."""
+    if hunt.condition is not None:
+        return drawn_study(hunt, hunt.condition)
+    person = ParticipantSection(strategy=BotStrategy.RANDOM)
+    return replace(Study(robots=hunt.robots, seed=hunt.seed, participant=person), map=hunt.place)
+
+
+def played(hunt: Hunt) -> Outcome:
+    """Play one hunt to its end, or to an exception, which is kept."""
+    try:
+        return play(hunt)
+    except Exception as fault:
+        # The others are to be played all the same.
+        return Outcome(hunt, False, 0.0, 0, (), 0, 0.0, 0.0, 0.0, fault=repr(fault))
+
+
 def play(hunt: Hunt) -> Outcome:
     """Play one hunt to its end."""
     began = time.process_time()
-    setting = read_setting(replace(Study(robots=hunt.robots, seed=hunt.seed), map=hunt.place), Path())
-    simr = build_simr(setting)
-    person = TabUI(build_bot(setting.templates, BotStrategy.RANDOM, hunt.seed))
+    setting = read_setting(study_of(hunt), Path())
+    simr, who, replies = build_simr(setting), setting.study.participant, 0
+    person = TabUI(build_bot(setting.templates, who.strategy, hunt.seed, who.attitude))
     session = Session(
         build_keeper(setting),
         [simr, build_hider(setting.templates, setting.study.seed), person],
     )
     watch = GoalTimer(hunt.robots)
     while session.tick < MAX_SECONDS * TICKS_PER_SECOND and not (session.game is not None and session.game.ended):
-        snapshot = session.step().snapshot
-        if snapshot is not None:
-            watch.saw(snapshot)
+        record = session.step()
+        replies += sum(said.speaker is Speaker.PERSON for said in record.utterances)
+        if record.snapshot is not None:
+            watch.saw(record.snapshot)
+    game = session.game
     return Outcome(
         hunt,
-        session.game is not None and bool(session.game.ended),
+        game is not None and bool(game.ended),
         session.tick * TICK,
         watch.reached,
         tuple(watch.failures),
@@ -133,6 +240,11 @@ def play(hunt: Hunt) -> Outcome:
         watch.waited * TICK,
         watch.open * TICK,
         time.process_time() - began,
+        0.0 if game is None else game.score,
+        0 if game is None else sum(room.visited for room in game.rooms),
+        0.0 if game is None else math.fsum(robot.energy for robot in game.robots),
+        replies,
+        (who.attitude, who.strategy),
     )
 
 
@@ -149,6 +261,61 @@ def report_line(robots: int, outcomes: Sequence[Outcome]) -> str:
     )
 
 
+def condition_row(condition: DialogueCondition, outcomes: Sequence[Outcome]) -> str:
+    """Return the row of a table for the hunts in one condition."""
+    values = ([o.score for o in outcomes], [o.rooms for o in outcomes], [o.energy for o in outcomes])
+    cells = [f"{mean(each):.1f} ± {stdev(each):.1f}" for each in values]
+    wrong = (
+        sum(not o.ended for o in outcomes),
+        sum(o.collisions for o in outcomes),
+        sum(bool(o.fault) for o in outcomes),
+    )
+    replies = f"{mean(o.replies for o in outcomes):.1f}"
+    return f"| {' | '.join(map(str, (condition, len(outcomes), *wrong, *cells, replies)))} |"
+
+
+def comparison_row(name: str, outcomes: Sequence[Outcome], scripted: Sequence[Outcome]) -> str:
+    """Return the row of a table that compares hunts with those of the scripted questions on the same seeds."""
+    cells = [f"{name} | {len(outcomes)}"]
+    for of in (attrgetter("score"), attrgetter("rooms"), attrgetter("energy")):
+        gains = [of(here) - of(there) for here, there in zip(outcomes, scripted, strict=True)]
+        better, worse = sum(gain > 0 for gain in gains), sum(gain < 0 for gain in gains)
+        cells.append(f"{mean(gains):+.2f} ± {stdev(gains) / math.sqrt(len(gains)):.2f} ({better}:{worse})")
+    return f"| {' | '.join(cells)} |"
+
+
+def play_conditions(pool: Executor, conditions: Sequence[DialogueCondition], seeds: Sequence[int]) -> bool:
+    """Play hunts in several conditions on the same seeds, and print their tables; return True if all went well."""
+    found: dict[DialogueCondition, list[Outcome]] = {}
+    print("| condition | hunts | hung | collisions | exceptions | score | rooms | energy left | replies |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    for condition in conditions:
+        found[condition] = list(pool.map(played, [drawn_hunt(seed, condition) for seed in seeds]))
+        print(condition_row(condition, found[condition]), flush=True)
+    scripted = found.get(DialogueCondition.SCRIPT)
+    if scripted is not None and len(seeds) > 1:
+        print("\nDifference from script on the same seeds: mean ± standard error (hunts better:worse)\n")
+        print("| condition, participants | hunts | score | rooms | energy left |\n|---|---|---|---|---|")
+        for condition, outcomes in found.items():
+            pairs = list(zip(outcomes, scripted, strict=True))
+            for name, belongs in PARTICIPANTS.items():
+                chosen = [pair for pair in pairs if belongs(*pair[0].who)]
+                if condition is not DialogueCondition.SCRIPT and len(chosen) > 1:
+                    print(comparison_row(f"{condition}, {name}", *zip(*chosen, strict=True)))
+    faulty = [o for outcomes in found.values() for o in outcomes if o.collisions or o.fault or not o.ended]
+    for outcome in faulty:
+        print("  ", outcome, flush=True)
+    return not faulty
+
+
+def conditions_of(words: str) -> tuple[DialogueCondition, ...]:
+    """Parse conditions from "script,adviser" or "all". Raises ArgumentTypeError."""
+    try:
+        return tuple(DialogueCondition if words == "all" else map(DialogueCondition, words.split(",")))
+    except ValueError as fault:
+        raise argparse.ArgumentTypeError(f"{fault}: all, or some of {', '.join(DialogueCondition)}") from fault
+
+
 def batches(words: str) -> list[tuple[int, int]]:
     """Parse numbers of robots and of hunts from "3x100,8x20". Raises ArgumentTypeError."""
     found = [re.fullmatch(r"([1-9]\d*)x([1-9]\d*)", word) for word in words.split(",")]
@@ -163,11 +330,16 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     usual, shape = "2x100,4x100,8x100,16x20", "ROBOTSxHUNTS, with commas between"
     parser.add_argument("--hunts", type=batches, default=usual, help=shape)
+    parser.add_argument("--conditions", type=conditions_of, help="all, or some with commas between")
+    parser.add_argument("--count", type=int, default=200, help="of hunts in each condition")
     parser.add_argument("--first-seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     options = parser.parse_args()
     well = True
     with ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn")) as pool:
+        if options.conditions:
+            seeds = range(options.first_seed, options.first_seed + options.count)
+            return 0 if play_conditions(pool, options.conditions, seeds) else 1
         for robots, count in options.hunts:
             # A small map has no room for so many to start.
             places = MAPS if robots <= 10 else MAPS[1:]

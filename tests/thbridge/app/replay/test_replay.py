@@ -94,7 +94,8 @@ def setting_of(study: Study) -> StudySetting:
 
 
 def bot_of(setting: StudySetting) -> TabUI:
-    return TabUI(build_bot(setting.templates, setting.study.participant.strategy, setting.study.seed))
+    who = setting.study.participant
+    return TabUI(build_bot(setting.templates, who.strategy, setting.study.seed, who.attitude))
 
 
 def record(bag: Path, study: Study, seconds: float) -> None:
