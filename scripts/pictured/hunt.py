@@ -17,7 +17,7 @@ from thbridge.roles.view import ParticipantRequest, View
 from thbridge.study.study_file import Study
 from ui.model.participant import Participant
 from ui.model.playing.offers import offer
-from ui.model.screen import Act, ConsiderRoom, GiveAnswer, PickName, Screen
+from ui.model.screen import Act, ConsiderRoom, DialoguePopup, GiveAnswer, PickName, Screen
 
 LIMIT = 120.0
 """Simulated seconds after which waiting fails."""
@@ -104,6 +104,16 @@ class PicturedHunt:
         while getattr(self.screen.popup, "choices", ()):
             self.do(GiveAnswer(0))
             self.run(0.2)
+
+    def say(self, text: str) -> None:
+        """Give the first answer that contains a text, and wait until the robot has replied."""
+        pop = self.screen.popup
+        answers = pop.choices if isinstance(pop, DialoguePopup) else ()
+        found = next((answer for answer in answers if text in answer.label), None)
+        if found is None:
+            raise RuntimeError(f"{text} cannot be answered: {[answer.label for answer in answers]}")
+        self.do(found.act)
+        self.run(0.4)
 
     def send(self, act: Act) -> None:
         """Send the selected robot somewhere, and agree to all it asks."""

@@ -13,16 +13,18 @@ from pictured.hunt import PicturedHunt, with_robot
 from pictured.shot import Shot, Story
 from sim.common.geometry import Pose2
 from sim.inputs import KidnapRobot, SetPoseEstimate
+from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.hunt.events import Condition
 from thbridge.roles.notices import PoseTelemetry
 from thbridge.roles.participant.tabui import ParticipantUpdate
 from thbridge.roles.robot_requests import StationSend, TakeCommand
 from thbridge.roles.view import View
-from thbridge.study.study_file import ParticipantSection, ShowsSection, Study
+from thbridge.study.study_file import DialogueSection, ParticipantSection, ShowsSection, Study
 from ui.hosting.games import PRACTICE
 from ui.model.lobby import Offer, Preparing
 from ui.model.participant import Participant
 from ui.model.screen import (
+    AskAdvice,
     AskForRobot,
     Cancel,
     ChooseRobot,
@@ -311,6 +313,40 @@ def properties() -> Iterator[Shot]:
     yield shot("properties-picture", window)
 
 
+def arguing() -> Iterator[Shot]:
+    """Robots that argue: a disagreement, reasons, questions, two robots at once, and how it ends."""
+    hunt = PicturedHunt(_argued(DialogueCondition.COLLABORATOR))
+    window = window_on(hunt.model, lambda: hunt.now)
+    hunt.do(ChooseRoom(6))
+    hunt.asked()
+    yield shot("argue", window)
+    hunt.say("Why not")
+    yield shot("argue-reasons", window)
+    hunt.say("I have a question")
+    yield shot("argue-questions", window)
+    hunt.say("What would change your mind?")
+    hunt.do(ChooseRobot(1))
+    hunt.do(AskAdvice())
+    hunt.run(0.4)
+    yield shot("argue-two", window)
+    hunt.do(ChooseRobot(0))
+    hunt.say("Let us leave it")
+    yield shot("argue-left", window)
+    hunt.do(ChooseRobot(1))
+    hunt.say("All right")
+    hunt.run(3.0)
+    yield shot("argue-agreed", window)
+    advised = PicturedHunt(_argued(DialogueCondition.ADVISER))
+    advised.do(ChooseRoom(6))
+    advised.asked()
+    advised.say("Why not")
+    yield shot("argue-adviser", window_on(advised.model, lambda: advised.now))
+
+
+def _argued(condition: DialogueCondition) -> Study:
+    return Study(dialogue=DialogueSection(condition=condition))
+
+
 def crowd() -> Iterator[Shot]:
     """Six robots and twelve rooms."""
     hunt = PicturedHunt(Study(map="warehouse12", templates="sklar-azhar-2015", robots=6))
@@ -391,6 +427,19 @@ STORIES = (
             "properties-picture": "The weight was sensed; the material is the participant's to tell from the picture",
         },
         properties,
+    ),
+    Story(
+        "Robots that argue",
+        {
+            "argue": "The robot does not agree",
+            "argue-reasons": "It gives its reasons",
+            "argue-questions": "Questions to the robot",
+            "argue-two": "Robot 2 asks while robot 1 waits for an answer, too",
+            "argue-left": "What was left without an agreement",
+            "argue-agreed": "What was agreed is done",
+            "argue-adviser": "The participant has the last word",
+        },
+        arguing,
     ),
     Story("Many robots", {"six-robots": "Six robots and twelve rooms"}, crowd),
     Story("Leaving", {"leave": "The window is closed in the middle of a game"}, leaving),
