@@ -42,7 +42,6 @@ from thbridge.dialogue.moves import (
 )
 from thbridge.dialogue.propositions import NamesTreasure, NextRoom, TakesPicture, VisitOrder
 from thbridge.dialogue.robot_strategies import StrategyFactory, choose_by, own_strategy
-from thbridge.hunt.rooms import Room
 
 PERSUASION, INFORMATION_SEEKING = "persuasion", "information-seeking"
 IN_BRIEF = "-in-brief"
@@ -424,13 +423,15 @@ def _may_override(dialogue: Dialogue) -> bool:
 
 def _about(dialogue: Dialogue, agreed: Literal) -> Dialogue:
     """The dialogue, about what was agreed upon in the end."""
-    room: Room = dialogue.topic.room
-    first = agreed.parts[0].proposition
-    if isinstance(first, VisitOrder):
-        room = first.room
-    if isinstance(agreed.proposition, NextRoom | TakesPicture | NamesTreasure):
-        room = agreed.proposition.room
-    return replace(dialogue, topic=replace(dialogue.topic, room=room))
+    scenario, room = dialogue.topic.scenario, dialogue.topic.room
+    match agreed.parts[0].proposition:
+        case NextRoom(room=room) | VisitOrder(room=room):
+            pass
+        case TakesPicture(room=room):
+            scenario = Scenario.TAKE_PICTURE
+        case NamesTreasure(room=room):
+            scenario = Scenario.TAKE_TREASURE
+    return replace(dialogue, topic=replace(dialogue.topic, scenario=scenario, room=room))
 
 
 def _last_said(dialogue: Dialogue) -> Explain:

@@ -410,7 +410,7 @@ class TreasurePopup:
         aside: puts the pop-up aside, or closes it when all is decided.
         picture_note: text in the picture's place: that it is on its way, or why it cannot be shown.
         typed: the letters of a name typed so far.
-        talk: how a dialogue about it has ended without an agreement, in words; empty where none has.
+        talk: how a dialogue about it has ended, in words, unless that is done; empty where none has.
     """
 
     robot: int

@@ -18,10 +18,12 @@ from thbridge.roles.view import (
     AnswerDialogue,
     Consent,
     DialogueView,
+    OpenDialogue,
     ParticipantRequest,
     RequestSuggestion,
     SelectRoom,
     SendRobot,
+    SenseTreasure,
     View,
 )
 
@@ -205,6 +207,19 @@ def test_a_wizard_is_offered_the_legal_moves_of_the_robot() -> None:
     assert table.dialogue().said[-1].startswith("Why")
     authors = [each.author for record in table.stage.tick_records for each in record.utterances]
     assert Author.WIZARD in authors
+
+
+def test_what_is_agreed_instead_of_a_picture_is_what_is_done() -> None:
+    table = Table()
+    table.wish(RequestSuggestion(0))
+    room = table.dialogue().room
+    table.say("All right")
+    table.wish(SendRobot(0, room), ticks=30)
+    table.wish(SenseTreasure(room))
+    table.wish(OpenDialogue(0, "take-picture", room))
+    table.say("All right, no picture")
+    table.say("What would you do, then?")
+    assert table.say("All right, name").consents == (Consent(0, "take-treasure", room),)
 
 
 def test_what_was_agreed_is_in_sight_until_the_robot_is_there() -> None:

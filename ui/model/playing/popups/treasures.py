@@ -81,10 +81,13 @@ def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: flo
 
 
 def _talk(hunt: HuntMemory, item: TreasureItem) -> str:
-    """The end of a dialogue about this without an agreement, with what the robot said last."""
+    """The end of a dialogue about this: what is left to do of an agreement, or what the robot said last."""
     words = hunt.last_words(item.robot)
-    if words is None or words.agreed or words.matter == "select-room" or words.room != item.room:
+    if words is None or words.matter == "select-room" or words.room != item.room:
         return ""
+    if words.agreed:
+        open_name = words.matter == "take-treasure" and item.room not in hunt.submitted_names
+        return "You have agreed to name it. Pick what it is." if open_name else ""
     said = [sentence for speaker, sentence in spoken(words) if speaker == "robot"]
     return f"{outcome_of(words)} It said: {said[-1]}" if said else outcome_of(words)
 
