@@ -115,6 +115,8 @@ def test_the_report_counts_every_move_of_the_recording(bag: Path) -> None:
     assert sum(dialogues.moves.values()) == len(moves) == sum(game.moves for game in dialogues.games)
     assert dialogues.misheard == sum(bool(move.heard) for move in moves) > 0
     assert {"agreement", "disagreement"} <= {game.end for game in dialogues.games}
+    # Whoever insists for long enough persuades a robot, in a dialogue after that in which it said no.
+    assert "robot" in {game.gave_in for game in dialogues.games}
 
 
 def test_the_document_tells_how_to_read_what_stands(bag: Path) -> None:

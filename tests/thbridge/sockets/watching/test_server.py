@@ -12,7 +12,7 @@ from thbridge.files.ros.definitions import Definitions
 from thbridge.protocols.watching import MISTAKES, STATUS, BagStreamReader, SessionMessage, WatchStatus, parse_status
 from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.records import Record, SendRobots, Success
-from thbridge.ros.messages.session_records import GameEvent
+from thbridge.ros.messages.session_records import DialogueStateRecord, GameEvent
 from thbridge.ros.publisher import messages_of
 from thbridge.ros.topics import GAME_EVENTS, SEND_ROBOTS, SUCCESS, RosMessage, Topic
 from thbridge.sockets.addresses import ListeningAddress
@@ -199,6 +199,15 @@ def test_what_is_kept_for_latecomers_is_bounded_and_what_is_frequent_pushes_out_
     events = [unpack.game_event(each.data).kind for each in kept if each.topic == GAME_EVENTS]
     assert events == ["started", "arrived", *["collision"] * MAX_MESSAGES]
     assert sum(each.topic == SEND_ROBOTS for each in kept) == 9
+
+
+def test_who_comes_late_hears_what_every_robot_has_argued_and_makes_of_it() -> None:
+    history = MessageHistory()
+    said = [DialogueStateRecord(talk, talk % 2, "{}") for talk in range(1, 5)]
+    for record in said:
+        for message in messages_of(0, 0, record):
+            history.take(message)
+    assert [unpack.dialogue_state(each.data) for each in history.before(())] == said
 
 
 @run
