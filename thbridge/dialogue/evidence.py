@@ -129,7 +129,9 @@ def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = N
     if best is None:
         return case.evidence(None, ())
     others = [room for room in facts.left if room != best]
-    compared = {room: _compared(case, facts, best, room) for room in others if facts.compares and room in facts.values}
+    # What it was persuaded of may be a room that the plan does not value.
+    comparable = facts.values if facts.compares and best in facts.values else {}
+    compared = {room: _compared(case, facts, best, room) for room in others if room in comparable}
     nearest = min(compared, key=lambda room: (facts.costs.get(room, math.inf), room), default=None)
     reasons = compared.get(rival if rival in compared and rival is not None else nearest or best) or enough[best]
     goes = Literal(NextRoom(facts.robot, best))

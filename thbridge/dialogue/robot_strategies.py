@@ -75,6 +75,6 @@ def told_error(error: BaseException) -> str:
     """Return an error of a program of others, with its place there; it reads the same on each machine."""
     text = " ".join(traceback.format_exception_only(error)[-1].split())
     frames = traceback.extract_tb(error.__traceback__)
+    # The last one in the program itself, which may have called us again.
     theirs = [frame for frame in frames if not Path(frame.filename).is_relative_to(_PACKAGE)]
-    place = (theirs or list(frames))[-1]
-    return f"{text} ({Path(place.filename).name}, line {place.lineno})"
+    return f"{text} ({Path(theirs[-1].filename).name}, line {theirs[-1].lineno})" if theirs else text

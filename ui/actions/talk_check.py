@@ -6,7 +6,7 @@ from pathlib import Path
 
 from thbridge.dialogue.games.contents import ContentKind, TableWord
 from thbridge.dialogue.games.locutions import CONDITIONS, EFFECTS, Postcondition, Precondition
-from thbridge.dialogue.games.tables import DialogueEnd, GameRole, GameTable, Reply, Slot
+from thbridge.dialogue.games.tables import DialogueEnd, GameRole, GameTable, Reply, Rulebook, Slot
 from thbridge.dialogue.wording.language import Language
 from thbridge.dialogue.wording.lines import LINES
 from thbridge.dialogue.wording.predicates import PREDICATES, ValueKind
@@ -38,7 +38,7 @@ class TalkCheck:
             yield from _game_lines(game)
         if self.languages:
             yield f"languages: {', '.join(f'{each.name} ({each.title})' for each in self.languages)}"
-        found = (_counted("game", self.games), _counted("language", self.languages), _counted("fault", self.faults))
+        found = (counted("game", self.games), counted("language", self.languages), counted("fault", self.faults))
         yield f"{self.folder}: {', '.join(found)}"
 
     def as_json(self) -> Mapping[str, object]:
@@ -65,6 +65,11 @@ def shipped_folder() -> Path:
     return SHIPPED_GAMES
 
 
+def rulebook_with(folders: Sequence[Path]) -> Rulebook:
+    """Return the shipped games with those of folders. Raises BadFile for faults."""
+    return read_rulebook((SHIPPED_GAMES, *(folder for folder in folders if any(folder.glob("*.yaml")))))
+
+
 def check_folder(folder: Path) -> TalkCheck:
     """Check all that a folder holds about dialogues, beside what comes with the project: games, and words for them."""
     faults, rulebook = FaultCollection(), read_rulebook()
@@ -82,7 +87,8 @@ def check_folder(folder: Path) -> TalkCheck:
     return TalkCheck(folder, tuple(games.values()), languages, tuple(faults.found))
 
 
-def _counted(what: str, things: Sequence[object]) -> str:
+def counted(what: str, things: Sequence[object]) -> str:
+    """Return the number of things, as people say it."""
     return f"{len(things) or 'no'} {what}{'' if len(things) == 1 else 's'}"
 
 

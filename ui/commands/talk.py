@@ -96,20 +96,35 @@ def talk_check(
         list[Path] | None,
         typer.Argument(help="Folders of yours with games, or languages; by default the shipped games."),
     ] = None,
+    strategy: Annotated[
+        str | None,
+        typer.Option(help="A strategy of yours that is installed: it is played in these and the shipped games."),
+    ] = None,
+    conversations: Annotated[int, typer.Option(help="How many of each kind a strategy plays.", min=1, max=1000)] = 2,
+    seed: Seed = 0,
     as_json: AsJson = False,
 ) -> None:
-    """Check files of dialogue games and of words, and tell which games there are: who may say what, how they end."""
-    from ui.actions.talk_check import check_folder, shipped_folder
+    """Check dialogue games, words and strategies; of games it tells who may say what, and how they end."""
+    from ui.actions.talk_check import check_folder, rulebook_with, shipped_folder
 
-    checked = [check_folder(folder) for folder in folders or [shipped_folder()]]
-    faults = [fault for each in checked for fault in each.faults]
+    checked = [check_folder(folder) for folder in folders or ([] if strategy else [shipped_folder()])]
+    ok = not any(each.faults for each in checked)
+    told: dict[str, object] = {"folders": [each.as_json() for each in checked]}
+    lines = [line for each in checked for line in each.lines()]
+    if strategy is not None and ok:
+        from ui.actions.strategy_check import check_strategy
+
+        with bad_input():
+            tried = check_strategy(strategy, rulebook_with(folders or []), conversations, seed or 0)
+        ok = tried.ok
+        told["strategy"] = tried.as_json()
+        lines += tried.lines()
     if as_json:
-        print_json({"ok": not faults, "folders": [each.as_json() for each in checked]})
+        print_json({"ok": ok, **told})
     else:
-        for each in checked:
-            for line in each.lines():
-                say(line)
-    if faults:
+        for line in lines:
+            say(line)
+    if not ok:
         raise typer.Exit(BAD_INPUT)
 
 

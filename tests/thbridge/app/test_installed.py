@@ -1,7 +1,6 @@
 """Authors and strategies are found by the names of their entry points; what is wrong with one is told."""
 
 import sys
-import threading
 from pathlib import Path
 
 import pytest
@@ -20,7 +19,6 @@ from thbridge.files.game_files import read_rulebook
 from thbridge.files.word_files import read_language
 from thbridge.hunt.rooms import Room
 from thbridge.study.study_file import load_study
-from thbridge.timing.slow_calls import told_if_slow
 
 PROGRAMS = """
 SEVEN = 7
@@ -100,12 +98,6 @@ def test_an_installed_strategy_is_told_of_the_manner_and_a_seed() -> None:
 def test_a_strategy_that_is_not_there_or_cannot_be_made_is_told(name: str, told: str) -> None:
     with pytest.raises(BadFile, match=told):
         installed_strategy(name)
-
-
-def test_people_are_told_while_a_game_waits_for_a_strategy(caplog: pytest.LogCaptureFixture) -> None:
-    told = threading.Event()
-    with told_if_slow(0.0, told.set):
-        assert told.wait(60)
 
 
 def study_of(folder: Path, text: str) -> StudySetting:

@@ -51,6 +51,13 @@ def test_a_robot_that_was_told_of_something_in_the_way_decides_for_another_room(
     assert where(facts, told).decision != before
 
 
+@given(where_facts())
+def test_a_robot_that_was_persuaded_goes_there_whatever_its_plan_is_worth(facts: WhereFacts) -> None:
+    for room in facts.left:
+        goes = Literal(NextRoom(0, room))
+        assert where(facts, Beliefs.of([goes], source=Source.TOLD)).decision == goes
+
+
 def test_a_picture_is_worth_its_price_only_while_several_names_fit() -> None:
     room = Room(3)
     several = what(WhatFacts(room, 500.0, 50.0, 10.0, ("cup", "vase"), has_picture=False))

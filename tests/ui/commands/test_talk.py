@@ -161,3 +161,35 @@ def test_faults_of_all_folders_are_told_with_their_lines(tmp_path: Path) -> None
 def test_every_word_of_the_files_is_explained() -> None:
     told = {line.strip().split("  ")[0] for line in talk("words").splitlines()}
     assert told >= {*CONDITIONS, *EFFECTS, *Slot, *GameRole, *DialogueEnd, *PREDICATES, *LineKey}
+
+
+STRATEGIES = """
+class First:
+    def __init__(self, manner, seed):
+        pass
+
+    def choose(self, conversation, number):
+        return conversation.legal(number)[0]
+
+
+class Silent(First):
+    def choose(self, conversation, number):
+        return None
+"""
+
+
+def test_a_strategy_that_is_installed_is_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "lab_of_talk-1.0.dist-info"
+    folder.mkdir()
+    (folder / "METADATA").write_text("Metadata-Version: 2.1\nName: lab-of-talk\nVersion: 1.0\n")
+    (folder / "entry_points.txt").write_text(
+        "[thbridge.strategies]\nfirst = lab_of_talk:First\nsilent = lab_of_talk:Silent\n"
+    )
+    (tmp_path / "lab_of_talk.py").write_text(STRATEGIES)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert ", no faults" in talk("check", "--strategy", "first", "--conversations", 1)
+    told = json.loads(talk("check", "--strategy", "silent", "--conversations", 1, "--json", code=2))
+    (fault,) = told["strategy"]["faults"]
+    assert not told["ok"] and fault["problem"] == "a NoneType is no move" and "legal(number)" in fault["remedy"]
+    done = CliRunner().invoke(app, ["talk", "check", "--strategy", "sillent"])
+    assert done.exit_code == 2 and "The nearest is silent" in done.output

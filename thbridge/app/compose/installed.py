@@ -14,7 +14,7 @@ from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.robot_strategies import StrategyFactory, told_error
 from thbridge.files.errors import BadFile
-from thbridge.timing.slow_calls import told_if_slow
+from thbridge.timing.slow_calls import ImpatientCaller, told_if_slow
 
 if TYPE_CHECKING:
     from thbridge.dialogue.wording.authors import WordingAuthor
@@ -51,6 +51,27 @@ class WatchedStrategy:
             return self.factory(self.manner, self.seed).choose(conversation, number)
 
 
+@dataclass(frozen=True, slots=True)
+class ImpatientStrategy:
+    """Strategy of a lab that is not waited for, once it has taken too long.
+
+    Attributes:
+        factory: makes it.
+        caller: waits for it.
+        manner: as for `StrategyFactory`.
+        seed: likewise.
+    """
+
+    factory: StrategyFactory
+    caller: ImpatientCaller[DialogueMove]
+    manner: Manner
+    seed: int
+
+    def choose(self, conversation: Conversation, number: int) -> DialogueMove:
+        """Return the strategy's move; see `GameStrategy`. Raises TimeoutError when there is none in time."""
+        return self.caller.call(lambda: self.factory(self.manner, self.seed).choose(conversation, number))
+
+
 def installed_author(name: str) -> "WordingAuthor":
     """Return the author of wordings of a name.
 
@@ -61,11 +82,28 @@ def installed_author(name: str) -> "WordingAuthor":
 
 
 def installed_strategy(name: str) -> StrategyFactory:
-    """Return the factory of the strategy of a name.
+    """Return the factory of the strategy of a name, for games.
 
     Raises:
         BadFile: as for `installed_author`; or it does not take a manner and a seed, or makes no strategy of them.
     """
+    return partial(WatchedStrategy, name, _strategy(name))
+
+
+def impatient_strategy(name: str, seconds: float) -> StrategyFactory:
+    """Return the factory of the strategy of a name, for trials.
+
+    Args:
+        name: of the strategy.
+        seconds: of wall time that it may take for a move.
+
+    Raises:
+        BadFile: as for `installed_strategy`.
+    """
+    return partial(ImpatientStrategy, _strategy(name), ImpatientCaller(seconds))
+
+
+def _strategy(name: str) -> StrategyFactory:
     factory: StrategyFactory = _installed(STRATEGIES, name, "strategy")
     remedy = "Name a class, or function, that takes a manner and a seed and returns what has a method `choose`"
     try:
@@ -75,7 +113,7 @@ def installed_strategy(name: str) -> StrategyFactory:
     if not callable(getattr(made, "choose", None)):
         problem = f"it makes a {type(made).__name__}, which has no method choose"
         raise BadFile(Path(STRATEGIES), problem, remedy, key=name)
-    return partial(WatchedStrategy, name, factory)
+    return factory
 
 
 def _installed(group: str, name: str, what: str) -> Callable[..., Any]:  # type: ignore[explicit-any]  # of others

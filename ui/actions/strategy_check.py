@@ -1,0 +1,78 @@
+"""Words of `thbridge talk check --strategy`."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from thbridge.app.compose.installed import impatient_strategy
+from thbridge.dialogue.games.tables import Rulebook
+from thbridge.dialogue.strategy_check import StrategyTrial, try_strategy
+from ui.actions.talk_check import counted
+
+LONGEST = 5.0
+"""Seconds of wall time after which a strategy counts as one that never chooses."""
+MOST_SHOWN = 5
+"""Greatest number of faults that are shown with their positions."""
+
+
+@dataclass(frozen=True, slots=True)
+class StrategyCheck:
+    """Result of the check of a strategy.
+
+    Attributes:
+        name: of the strategy.
+        trial: what was found.
+    """
+
+    name: str
+    trial: StrategyTrial
+
+    @property
+    def ok(self) -> bool:
+        """True when nothing is wrong."""
+        return not self.trial.faults
+
+    def lines(self) -> Iterator[str]:
+        """Yield what people are told."""
+        faults = list(self.trial.faults.values())
+        for fault in faults[:MOST_SHOWN]:
+            times = "" if fault.times == 1 else f" ({fault.times} times)"
+            yield f"{self.name}: {fault.problem}{times}. {fault.remedy}."
+            yield from (f"  {line}" for line in fault.position)
+        if len(faults) > MOST_SHOWN:
+            yield f"{self.name}: {len(faults) - MOST_SHOWN} more faults; mend these first"
+        yield (
+            f"{self.name}: {self.trial.moves} moves in {self.trial.conversations} conversations, "
+            f"{counted('fault', faults)}"
+        )
+
+    def as_json(self) -> Mapping[str, object]:
+        """Return what programs are told."""
+        return {
+            "name": self.name,
+            "conversations": self.trial.conversations,
+            "moves": self.trial.moves,
+            "faults": [
+                {
+                    "problem": fault.problem,
+                    "remedy": fault.remedy,
+                    "position": fault.position,
+                    "times": fault.times,
+                }
+                for fault in self.trial.faults.values()
+            ],
+        }
+
+
+def check_strategy(name: str, rulebook: Rulebook, conversations: int, seed: int) -> StrategyCheck:
+    """Check the strategy that is installed under a name.
+
+    Args:
+        name: of the strategy.
+        rulebook: of the games that it is to play.
+        conversations: number of those of each kind.
+        seed: of all chance.
+
+    Raises:
+        BadFile: there is no such strategy; see `impatient_strategy`.
+    """
+    return StrategyCheck(name, try_strategy(impatient_strategy(name, LONGEST), rulebook, conversations, seed))
