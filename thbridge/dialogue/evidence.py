@@ -13,10 +13,12 @@ from thbridge.argumentation.propositions import Conjunction, Literal, Propositio
 from thbridge.dialogue.propositions import (
     CostOfOther,
     CouldBe,
+    DearerPlan,
     EnergyCost,
     EnergyLevel,
     FewerRooms,
     InTheWay,
+    LeftBehind,
     LessThan,
     NamesTreasure,
     NamingCost,
@@ -25,6 +27,7 @@ from thbridge.dialogue.propositions import (
     PictureCost,
     PictureTaken,
     Settled,
+    ShorterPlan,
     TakesPicture,
     TeamPlan,
     UnderWay,
@@ -54,6 +57,7 @@ class WhereFacts:
         tour: rooms that the plan gives it, in their order.
         advised: the room that its planner has chosen; None: the one of most value.
         compares: False: it gives no reason but what a room costs, as an adviser does that may err.
+        left_behind: robots that the plan gives no room when this one goes to a certain room, by that room.
         confidence: of its localisation, 0 to 1.
         at: simulated time, s.
     """
@@ -72,6 +76,7 @@ class WhereFacts:
     tour: tuple[Room, ...] = ()
     advised: Room | None = None
     compares: bool = True
+    left_behind: Mapping[Room, Mapping[int, Room]] = field(default_factory=dict)
     confidence: float = 1.0
     at: float = 0.0
 
@@ -97,6 +102,13 @@ class WhatFacts:
     names: tuple[str, ...]
     has_picture: bool
     at: float = 0.0
+
+
+def situation_of(facts: WhereFacts | WhatFacts) -> WhereFacts | WhatFacts:
+    """Return the facts without what depends on the time, or on what was asked: equal ones are the same situation."""
+    if isinstance(facts, WhereFacts):
+        return replace(facts, at=0.0, advised=None, left_behind={})
+    return replace(facts, at=0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,6 +145,8 @@ def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = N
     comparable = facts.values if facts.compares and best in facts.values else {}
     compared = {room: _compared(case, facts, best, room) for room in others if room in comparable}
     nearest = min(compared, key=lambda room: (facts.costs.get(room, math.inf), room), default=None)
+    if rival is not None and compared.get(rival):
+        _contrasted(case, facts, best, rival)
     reasons = compared.get(rival if rival in compared and rival is not None else nearest or best) or enough[best]
     goes = Literal(NextRoom(facts.robot, best))
     case.rule(reasons, goes)
@@ -191,11 +205,16 @@ def what(facts: WhatFacts, told: Beliefs | None = None) -> Evidence:
     return case.evidence(decision, tuple(~other for other in (takes, names) if decision and other != decision))
 
 
+def is_below(energy: float, other: float) -> bool:
+    """Return True when an energy is below another one as people read them, with two decimals."""
+    return round(energy, 2) < round(other, 2)
+
+
 def comparison(better: PlanValue, worse: PlanValue) -> Proposition | None:
     """Return why a plan is better than another one, or None when it is not."""
     if better.rooms > worse.rooms:
         return FewerRooms(worse.rooms, better.rooms)
-    if better.rooms == worse.rooms and better.cost < worse.cost:
+    if better.rooms == worse.rooms and is_below(better.cost, worse.cost):
         return LessThan((better.cost,), worse.cost)
     return None
 
@@ -283,7 +302,7 @@ def _affordable(case: _Case, facts: WhereFacts, room: Room, level: Literal) -> t
         case.rule((level, way, case.knows(LessThan((facts.energy,), cost))), ~goes)
         return ()
     # Paying with all that is left is possible, and nothing is below it then.
-    return (level, way, case.knows(LessThan((cost,), facts.energy))) if cost < facts.energy else (level, way)
+    return (level, way, case.knows(LessThan((cost,), facts.energy))) if is_below(cost, facts.energy) else (level, way)
 
 
 def _best(facts: WhereFacts, case: _Case) -> Room | None:
@@ -299,6 +318,17 @@ def _best(facts: WhereFacts, case: _Case) -> Room | None:
     if facts.advised in open_ones:
         return facts.advised
     return min(open_ones, key=lambda room: (-facts.values[room].rooms, facts.values[room].cost, room), default=None)
+
+
+def _contrasted(case: _Case, facts: WhereFacts, best: Room, rival: Room) -> None:
+    """Gather what it costs the team to go to a room instead of the best one."""
+    better, worse = facts.values[best], facts.values[rival]
+    if better.rooms > worse.rooms:
+        case.knows(ShorterPlan(rival, best, better.rooms - worse.rooms))
+    else:
+        case.knows(DearerPlan(rival, best, worse.cost - better.cost))
+    for other, place in facts.left_behind.get(rival, {}).items():
+        case.knows(LeftBehind(other, place, rival))
 
 
 def _order(tour: tuple[Room, ...], first: Room, later: Room) -> Literal | None:
@@ -319,7 +349,7 @@ def _compared(case: _Case, facts: WhereFacts, best: Room, room: Room) -> tuple[L
     if room in facts.others:
         other, cost = facts.others[room]
         own = facts.costs.get(room)
-        if own is not None and cost < own:
+        if own is not None and is_below(cost, own):
             theirs = case.knows(CostOfOther(other, room, cost))
             way = case.knows(EnergyCost(facts.here, room, own), confidence=facts.confidence)
             case.rule((theirs, way, case.knows(LessThan((cost,), own))), ~goes)

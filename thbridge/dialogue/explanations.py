@@ -6,14 +6,17 @@ lead it to another decision. So what is said is true by construction.
 
 from thbridge.argumentation.arguments import Argument
 from thbridge.argumentation.propositions import Literal, Proposition
-from thbridge.dialogue.evidence import Evidence, WhatFacts, WhereFacts, comparison
+from thbridge.dialogue.evidence import Evidence, WhatFacts, WhereFacts, comparison, is_below
 from thbridge.dialogue.moves import Enquire, Explain, Question
 from thbridge.dialogue.propositions import (
     CostOfOther,
+    DearerPlan,
     EnergyCost,
     InTheWay,
+    LeftBehind,
     LessThan,
     NextRoom,
+    ShorterPlan,
     TakesPicture,
     TeamPlan,
 )
@@ -45,7 +48,7 @@ def explain(asked: Enquire, facts: WhereFacts | WhatFacts, evidence: Evidence) -
         case Question.WHY_THIS if about is not None:
             because = _ordered(evidence, _best_argument(evidence, about))
         case Question.WHY_NOT if about is not None:
-            because = _ordered(evidence, _best_argument(evidence, ~about))
+            because = _contrast(evidence, about) or _ordered(evidence, _best_argument(evidence, ~about))
         case Question.WHY_ROBOT if about is not None and isinstance(facts, WhereFacts):
             because = _against_other_robots(facts, about)
         case Question.WHY_NOW if about is not None:
@@ -81,6 +84,14 @@ def _best_argument(evidence: Evidence, conclusion: Literal) -> Argument | None:
         return sum(prefers(other, argument) for other in found), -compares, str(argument)
 
     return min(found, key=rank, default=None)
+
+
+def _contrast(evidence: Evidence, about: Literal) -> tuple[Literal, ...]:
+    """Return what it costs the team to go to a room instead of the best one, where the robot has compared them."""
+    room = getattr(about.proposition, "room", None)
+    kinds = (ShorterPlan, DearerPlan, LeftBehind)
+    found = [literal for literal in evidence.beliefs.origins if isinstance(literal.proposition, kinds)]
+    return tuple(literal for literal in found if getattr(literal.proposition, "room", None) == room)
 
 
 def _ordered(evidence: Evidence, argument: Argument | None) -> tuple[Literal, ...]:
@@ -125,7 +136,7 @@ def _against_other_robots(facts: WhereFacts, about: Literal) -> tuple[Literal, .
     if mine is None or not costs:
         return ()
     robot = min(costs, key=lambda each: (costs[each], each))
-    if mine >= costs[robot]:
+    if not is_below(mine, costs[robot]):
         return ()
     return (
         Literal(EnergyCost(facts.here, room, mine)),

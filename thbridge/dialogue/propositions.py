@@ -214,6 +214,48 @@ class FewerRooms(Proposition):
 
 
 @dataclass(frozen=True, slots=True)
+class DearerPlan(Proposition):
+    """Going to a room next instead of another one costs the team so much more energy, for as many rooms."""
+
+    room: Room
+    instead: Room
+    energy: float
+
+    def __str__(self) -> str:
+        return f"dearer_plan({_room(self.room)}, {_room(self.instead)}, {energy_text(self.energy)})"
+
+
+@dataclass(frozen=True, slots=True)
+class ShorterPlan(Proposition):
+    """Going to a room next instead of another one lets the team reach so many rooms less."""
+
+    room: Room
+    instead: Room
+    rooms: int
+
+    def __str__(self) -> str:
+        return f"shorter_plan({_room(self.room)}, {_room(self.instead)}, {self.rooms})"
+
+
+@dataclass(frozen=True, slots=True)
+class LeftBehind(Proposition):
+    """Another robot has no room to go to, and stays where it is, when this one goes to a room next.
+
+    Attributes:
+        robot: the other one, as index in the team.
+        place: where it stands.
+        room: this robot's next room.
+    """
+
+    robot: int
+    place: Room
+    room: Room
+
+    def __str__(self) -> str:
+        return f"left_behind({_robot(self.robot)}, {_room(self.place)}, {_room(self.room)})"
+
+
+@dataclass(frozen=True, slots=True)
 class CostOfOther(Proposition):
     """Going to a room would cost another robot so much energy, as that one says.
 

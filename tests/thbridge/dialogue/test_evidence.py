@@ -5,9 +5,10 @@ from hypothesis import given
 from tests.thbridge.dialogue.facts import where_facts
 from thbridge.argumentation.beliefs import Beliefs, Source
 from thbridge.argumentation.propositions import Literal
-from thbridge.dialogue.evidence import WhatFacts, WhereFacts, what, where
+from thbridge.dialogue.evidence import WhatFacts, WhereFacts, comparison, what, where
 from thbridge.dialogue.propositions import FewerRooms, InTheWay, LessThan, NamesTreasure, NextRoom, TakesPicture
 from thbridge.hunt.rooms import Room
+from thbridge.hunt.team_tour import PlanValue
 
 
 @given(where_facts())
@@ -69,3 +70,9 @@ def test_a_picture_is_worth_its_price_only_while_several_names_fit() -> None:
     poor = what(WhatFacts(room, 55.0, 50.0, 10.0, ("cup", "vase"), has_picture=False))
     assert poor.decision is None
     assert poor.beliefs.arguments(Literal(TakesPicture(room), holds=False))
+
+
+def test_what_people_would_read_as_the_same_energy_is_no_reason() -> None:
+    near = PlanValue(3, 250.004)
+    assert comparison(PlanValue(3, 250.0), near) is None
+    assert comparison(PlanValue(3, 249.99), near) == LessThan((249.99,), 250.004)

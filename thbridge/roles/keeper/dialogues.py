@@ -6,7 +6,7 @@ from typing import Literal
 
 from thbridge.dialogue.arguing import decision_of
 from thbridge.dialogue.engine import DialogueEngine, DialogueStep
-from thbridge.dialogue.evidence import WhatFacts, WhereFacts, is_decision
+from thbridge.dialogue.evidence import WhatFacts, WhereFacts, is_decision, situation_of
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.moves import (
     CloseQuestions,
@@ -143,7 +143,7 @@ class GameDialogues:
         if robot not in self._memories:
             return None
         situation, conversation = self._memories[robot]
-        return conversation if situation == replace(facts, at=0.0) else conversation.begun_anew(is_decision)
+        return conversation if situation == situation_of(facts) else conversation.begun_anew(is_decision)
 
     def await_advice(self, robot: int) -> None:
         """Note that the participant asked a puppet where to go; earlier dialogue and agreement are withdrawn.
@@ -296,7 +296,7 @@ class GameDialogues:
     def _follow(self, step: DialogueStep) -> None:
         topic = step.dialogue.topic
         if step.dialogue.conversation is not None and topic.facts is not None:
-            self._memories[topic.robot] = (replace(topic.facts, at=0.0), step.dialogue.conversation)
+            self._memories[topic.robot] = (situation_of(topic.facts), step.dialogue.conversation)
         self._utterances += step.utterances
         if step.outcome is None:
             self._open[topic.robot] = step.dialogue

@@ -193,15 +193,22 @@ class OpenGame:
         facts: WhereFacts | WhatFacts | None = None
         if self.dialogues.argues and MATTERS[scenario] == "select-room":
             advice = self.advice(state, robot)
-            facts = self.where_facts(state, robot, None if isinstance(advice, RequestRefused) else advice)
+            facts = self.where_facts(state, robot, None if isinstance(advice, RequestRefused) else advice, room)
         elif self.dialogues.argues:
             facts = what_facts(state, robot, room, self._kinds, self._tick)
         self.dialogues.open(state, scenario, robot, room, facts=facts)
 
-    def where_facts(self, state: GameState, robot: int, advice: Advice | None) -> WhereFacts:
-        """Return what a robot that argues knows about where to go, and which room its planner has chosen."""
+    def where_facts(self, state: GameState, robot: int, advice: Advice | None, rival: Room | None = None) -> WhereFacts:
+        """Return what a robot that argues knows about where to go, and which room its planner has chosen.
+
+        Args:
+            state: of the game.
+            robot: index in the team.
+            advice: of its planner; None where it has none.
+            rival: room that the participant wants it to go to.
+        """
         unreached = self._unreached.get(robot, frozenset())
-        facts = where_facts(state, self.dialogues.discussed, robot, unreached, self._tick)
+        facts = where_facts(state, self.dialogues.discussed, robot, unreached, self._tick, rival)
         facts = replace(facts, compares=self._adviser.error_rate <= 0.0)
         return facts if advice is None else replace(facts, advised=advice.room)
 

@@ -21,7 +21,12 @@ _SURE, _LOST = 1.0, 0.3
 
 
 def where_facts(
-    state: GameState, discussed: Sequence[Discussed], robot: int, failed: Collection[Room], tick: int
+    state: GameState,
+    discussed: Sequence[Discussed],
+    robot: int,
+    failed: Collection[Room],
+    tick: int,
+    rival: Room | None = None,
 ) -> WhereFacts:
     """Return what a robot knows about where to go.
 
@@ -33,6 +38,7 @@ def where_facts(
         robot: index in the team.
         failed: rooms that it did not reach lately.
         tick: present tick.
+        rival: room of which it is to know which robots its going there would leave without a room; None: none.
     """
     here, row = state.robots[robot], state.costs_from(robot)
     taken = {room: other for room in state.free_rooms if (other := other_candidate(discussed, room, robot)) is not None}
@@ -45,6 +51,12 @@ def where_facts(
     planned = tuple(sorted(near))
     values, tours = _plans(state.started.costs, tuple(starts.values()), planned, state.started.identify_cost)
     by_robot = dict(zip(starts, values, strict=True))
+    busy = {number for number, tour in zip(starts, tours, strict=True) if tour.rooms}
+    left_behind = {}
+    if rival is not None and rival in by_robot[robot]:
+        left_behind[rival] = {
+            other: state.robots[other].at for other in sorted(busy - _busy(state, starts, robot, rival, planned))
+        }
     first = {tour.rooms[0]: number for number, tour in zip(starts, tours, strict=True) if tour.rooms}
     return WhereFacts(
         robot=robot,
@@ -63,6 +75,7 @@ def where_facts(
         },
         team_values={number: of_robot for number, of_robot in by_robot.items() if number != robot},
         tour=tours[0].rooms,
+        left_behind=left_behind,
         confidence=_LOST if here.condition is Condition.LOST else _SURE,
         at=tick / TICKS_PER_SECOND,
     )
@@ -91,6 +104,18 @@ def what_facts(state: GameState, robot: int, room: Room, kinds: Sequence[Treasur
         has_picture=found.image is not None,
         at=tick / TICKS_PER_SECOND,
     )
+
+
+def _busy(
+    state: GameState, starts: dict[int, TourStart], robot: int, room: Room, planned: tuple[Room, ...]
+) -> set[int]:
+    """Robots with a room to go to when one of them goes to a certain room first."""
+    costs, visit = state.started.costs, state.started.identify_cost
+    own = starts[robot]
+    there = TourStart(costs.rows[room.people], max(own.energy - own.costs[room.people] - visit, 0.0))
+    rest = tuple(other for other in planned if other != room)
+    tours = best_team_tours(costs, tuple({**starts, robot: there}.values()), rest, visit) if rest else ()
+    return {robot} | {number for number, tour in zip(starts, tours, strict=False) if tour.rooms}
 
 
 @lru_cache(maxsize=64)

@@ -14,11 +14,14 @@ from thbridge.dialogue.explanations import explain, questions
 from thbridge.dialogue.moves import Question
 from thbridge.dialogue.propositions import (
     CostOfOther,
+    DearerPlan,
     EnergyCost,
     EnergyLevel,
     FewerRooms,
+    LeftBehind,
     LessThan,
     NextRoom,
+    ShorterPlan,
     TeamPlan,
 )
 from thbridge.hunt import game
@@ -83,12 +86,21 @@ def best_plan(state: GameState, robot: int, first: int) -> PlanValue:
     return PlanValue(-rooms, cost)
 
 
+def best_plans(state: GameState, robot: int, first: int) -> Iterator[tuple[tuple[int, ...], ...]]:
+    """The tours of all plans that are as good as the best one in which a robot goes to a room first."""
+    best = best_plan(state, robot, first)
+    for tours, cost in plans(state, tuple(range(1, ROOMS + 1))):
+        if tours[robot][:1] == (first,) and sum(map(len, tours)) == best.rooms and cost <= best.cost + 1e-9:
+            yield tours
+
+
 @settings(max_examples=25)
 @given(states(), st.integers(0, 1), st.data())
 def test_every_number_in_an_explanation_is_recomputed(state: GameState, robot: int, draw: st.DataObject) -> None:
     facts = where_facts(state, (), robot, (), tick=50)
     assume(facts.values)
     wanted = draw.draw(st.sampled_from(sorted(facts.values)))
+    facts = where_facts(state, (), robot, (), tick=50, rival=wanted)
     evidence = where(facts, rival=wanted)
     asked = questions(facts, evidence, Literal(NextRoom(robot, wanted)))
     assert asked
@@ -105,6 +117,15 @@ def test_every_number_in_an_explanation_is_recomputed(state: GameState, robot: i
                     assert energy == cost_of(state, other, (room.people,))
                 case EnergyLevel(energy):
                     assert energy == state.robots[robot].energy
+                case DearerPlan(room, instead, energy):
+                    one, other = (best_plan(state, robot, each.people) for each in (room, instead))
+                    assert one.rooms == other.rooms and round(one.cost - other.cost - energy, 6) == 0.0
+                case ShorterPlan(room, instead, rooms):
+                    one, other = (best_plan(state, robot, each.people) for each in (room, instead))
+                    assert other.rooms - one.rooms == rooms
+                case LeftBehind(other, place, room):
+                    assert place == state.robots[other].at
+                    assert any(not tours[other] for tours in best_plans(state, robot, room.people))
                 case LessThan() | FewerRooms() as compared:
                     assert compared.is_true
 
