@@ -38,6 +38,7 @@ from ui.model.screen import (
     Screen,
     TakeThePicture,
     TreasurePopup,
+    TypeDigit,
     TypeLetter,
 )
 from ui.model.theme import Palette
@@ -101,6 +102,8 @@ class ParticipantWindow(QWidget):
         self._announced: int | None = None
         self._popped: tuple[Act, ...] = ()
         self._popped_at = self._opened_at = -ANSWER_DELAY
+        # Time at which digits became those of rooms again: a press was meant for a numbered answer.
+        self._digits_at = -ANSWER_DELAY
         # Time at which the pop-up had come that was there when the key held now was pressed.
         self._pressed_since = self._opened_at
         self.setWindowTitle("Treasure hunt")
@@ -205,6 +208,8 @@ class ParticipantWindow(QWidget):
         since = self._opened_at if picks else self._popped_at
         if (picks or act in self._popped) and now - since < ANSWER_DELAY:
             return
+        if isinstance(act, TypeDigit) and now - self._digits_at < ANSWER_DELAY:
+            return
         self._model.do(act, now)
         if isinstance(act, FitMap):
             self.map.fit()
@@ -295,6 +300,8 @@ class ParticipantWindow(QWidget):
             for shown in self._panels:
                 for button in shown.findChildren(ParticipantButton):
                     button.let_go()
+        if before is not None and _is_numbered(before) and not _is_numbered(screen):
+            self._digits_at = now
         if before is None or _listed(screen) != _listed(before):
             self._opened_at = now
 
@@ -402,6 +409,11 @@ def _subject(screen: Screen) -> tuple[object, ...]:
             return screen.confirmation, pop.room, pop.picked
         case None:
             return (screen.confirmation,)
+
+
+def _is_numbered(screen: Screen) -> bool:
+    """Return True while digits are answers."""
+    return isinstance(screen.popup, DialoguePopup) and screen.popup.numbered
 
 
 def _listed(screen: Screen) -> tuple[object, ...]:

@@ -11,11 +11,11 @@ from tests.thbridge.roles.keeper.test_arguing_robots import arguing_engine
 from tests.ui.model.seat import Seat
 from tests.ui.windows import samples
 from tests.ui.windows.participant.test_hunt import Player
-from tests.ui.windows.participant.test_window import Open
+from tests.ui.windows.participant.test_window import Open, press
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.hunt.events import RobotDeparted
 from thbridge.roles.keeper.briefing import Briefing
-from ui.model.screen import AskAdvice, ChooseRobot, ChooseRoom, DialoguePopup, ShowNext
+from ui.model.screen import AskAdvice, ChooseRobot, ChooseRoom, DialoguePopup, ShowNext, TypeDigit
 from ui.model.theme import LIGHT
 from ui.windows import look
 from ui.windows.participant import ParticipantWindow
@@ -206,3 +206,13 @@ def test_what_was_said_before_can_be_paged_through(opened: Open, qtbot: QtBot) -
     assert bar.value() < newest
     qtbot.keyClick(shown.window, Qt.Key.Key_PageDown)
     assert bar.value() >= newest
+
+
+def test_a_digit_that_was_meant_for_an_answer_sends_no_robot_when_the_dialogue_ends(opened: Open, qtbot: QtBot) -> None:
+    shown = opened(STATES["arguing"])
+    shown.show(STATES["playing"])
+    press(qtbot, shown.window, "1")
+    assert TypeDigit(1) not in shown.done
+    shown.now += 1.0
+    press(qtbot, shown.window, "1")
+    assert TypeDigit(1) in shown.done
