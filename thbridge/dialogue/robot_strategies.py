@@ -1,5 +1,6 @@
 """Strategies of robots that argue: their own by manner, and programs of others, whose faults do no harm."""
 
+import re
 import traceback
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +11,10 @@ from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.games.strategies import ArguingStrategy, GameStrategy
 
+LONGEST_FAULT = 300
+"""Greatest length of a fault, in characters."""
 _PACKAGE = Path(__file__).parents[1]
+_ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 
 
 class StrategyFactory(Protocol):
@@ -64,7 +68,7 @@ def choose_by(
         if isinstance(chosen, DialogueMove) and chosen in legal:
             return ChosenMove(legal[legal.index(chosen)])
         is_move = isinstance(chosen, DialogueMove)
-        fault = f"{chosen} is not legal here" if is_move else f"a {type(chosen).__name__} is no move"
+        fault = f"{_in_a_line(str(chosen))} is not legal here" if is_move else f"a {type(chosen).__name__} is no move"
     except (Exception, SystemExit) as error:
         # Whatever a program of others does, the game goes on.
         fault = told_error(error)
@@ -73,8 +77,14 @@ def choose_by(
 
 def told_error(error: BaseException) -> str:
     """Return an error of a program of others, with its place there; it reads the same on each machine."""
-    text = " ".join(traceback.format_exception_only(error)[-1].split())
+    text = _in_a_line(traceback.format_exception_only(error)[-1])
     frames = traceback.extract_tb(error.__traceback__)
     # The last one in the program itself, which may have called us again.
     theirs = [frame for frame in frames if not Path(frame.filename).is_relative_to(_PACKAGE)]
     return f"{text} ({Path(theirs[-1].filename).name}, line {theirs[-1].lineno})" if theirs else text
+
+
+def _in_a_line(text: str) -> str:
+    """A text of a program of others as it can be recorded, without addresses, which differ each time."""
+    line = " ".join(_ADDRESS.sub("", text).split()).encode("utf-8", "replace").decode()
+    return line if len(line) <= LONGEST_FAULT else f"{line[:LONGEST_FAULT]}..."

@@ -1,6 +1,8 @@
 """Authors and strategies are found by the names of their entry points; what is wrong with one is told."""
 
+import logging
 import sys
+import threading
 from pathlib import Path
 
 import pytest
@@ -22,6 +24,7 @@ from thbridge.study.study_file import load_study
 
 PROGRAMS = """
 SEVEN = 7
+MAY_GO_ON = abs
 
 def polite(request):
     return "Please: " + request.sentence
@@ -40,6 +43,7 @@ class Stubborn:
         self.told = f"persistence({manner.persistence} {seed})"
 
     def choose(self, conversation, number):
+        MAY_GO_ON(60)
         return self.told
 """
 
@@ -98,6 +102,31 @@ def test_an_installed_strategy_is_told_of_the_manner_and_a_seed() -> None:
 def test_a_strategy_that_is_not_there_or_cannot_be_made_is_told(name: str, told: str) -> None:
     with pytest.raises(BadFile, match=told):
         installed_strategy(name)
+
+
+class _Release(logging.Handler):
+    """Lets a strategy go on as soon as something is logged."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.text = ""
+        self.told = threading.Event()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.text = record.getMessage()
+        self.told.set()
+
+
+def test_people_are_told_while_a_game_waits_for_a_strategy(monkeypatch: pytest.MonkeyPatch) -> None:
+    release = _Release()
+    log = logging.getLogger("thbridge.app.compose.installed")
+    monkeypatch.setattr("thbridge.app.compose.installed.PATIENCE", 0.0)
+    monkeypatch.setattr(log, "handlers", [release])
+    strategy = installed_strategy("stubborn")(Manner(), 5)
+    monkeypatch.setattr(sys.modules["lab_of_tests"], "MAY_GO_ON", release.told.wait)
+    (exchange, *_) = jhri2015(read_rulebook())
+    assert str(strategy.choose(exchange.start, 1)) == "persistence(2 5)"
+    assert release.told.is_set() and "the strategy stubborn has not chosen a move for 0 s" in release.text
 
 
 def study_of(folder: Path, text: str) -> StudySetting:

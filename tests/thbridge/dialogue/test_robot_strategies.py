@@ -66,6 +66,10 @@ def cheating(_manner: Manner, _seed: int, /) -> GameStrategy:
     return Chooser(lambda _conversation, _number: move)
 
 
+def unspeakable(_manner: Manner, _seed: int, /) -> GameStrategy:
+    raise ValueError(f"\udc80\n{object()} {'x' * 10**6}")
+
+
 def silent(_manner: Manner, _seed: int, /) -> GameStrategy:
     return Chooser(lambda _conversation, _number: None)  # type: ignore[arg-type,return-value]  # the mistake
 
@@ -95,6 +99,7 @@ def test_one_robot_may_have_another_strategy() -> None:
         (leaving, r"SystemExit: 1 \(test_robot_strategies.py, line \d+\)"),
         (confused, r".*IllegalMoveError: there is no dialogue 99 \(test_robot_strategies.py, line \d+\)"),
         (cheating, r"accept\(next\(Robot1, Room7\)\) is not legal here"),
+        (unspeakable, r"ValueError: \? <object object> x{1,300}\.\.\. \(test_robot_strategies.py, line \d+\)"),
         (silent, r"a NoneType is no move"),
     ],
 )

@@ -110,6 +110,18 @@ def test_nothing_left_to_say_is_a_stalemate_and_only_a_no_is_disagreement() -> N
     assert said(within, "reject(b)").play(1).end is DialogueEnd.DISAGREEMENT
 
 
+@pytest.mark.parametrize("is_person", [True, False])
+def test_a_no_to_a_support_ends_the_dialogue_and_whoever_said_it_may_not_question_that(is_person: bool) -> None:
+    sides = {True: HUMAN, False: ROBOT}
+    rule, who = Rule((A,), B, is_said=False), sides[is_person]
+    mine, other = side(who, [A, B], [rule], is_person=is_person), side(sides[not is_person], is_person=not is_person)
+    now = opened(conversation(*((other, mine) if is_person else (mine, other))), who, "persuasion", B)
+    now = said(now, "challenge(b)", "assert({a}, b)", "assert(a)", "reject(b)")
+    assert now.play(1).end is DialogueEnd.DISAGREEMENT
+    # Asking is for those who do not know, and have not just said it.
+    assert all(now.opening(who, "information-seeking", topic) == () for topic in (A, ~A))
+
+
 def test_the_last_support_implies_the_claim_and_none_before_it_does() -> None:
     rule = Rule((A, C), B, is_said=False)
     robot = side(ROBOT, [A, C, B], [rule])
