@@ -66,6 +66,15 @@ def test_questions_overrides_and_what_is_misheard_are_counted() -> None:
     assert entry.who == "robot 1" and entry.text
 
 
+def test_a_strategy_that_failed_is_told_and_counted(stubborn: Report) -> None:
+    ticks = [[replace(said, fault="a str is no move") for said in tick] for tick in argued.utterances()[:1]]
+    failed = of(argued.recorded(*map(tuple, ticks)))
+    entries = [entry for entry in failed.timeline if entry.kind == "strategy failed"]
+    assert failed.dialogues.strategy_faults == len(entries) > 0 == stubborn.dialogues.strategy_faults
+    assert entries[0].text == "a str is no move"
+    assert f"Strategy failed: {len(entries)}." in render([failed], "a.bag")
+
+
 def test_the_page_has_a_part_on_dialogues_only_where_robots_argued(stubborn: Report) -> None:
     page = render([stubborn], "a.bag")
     assert "<h2>Dialogues</h2>" in page

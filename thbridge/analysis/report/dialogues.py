@@ -50,6 +50,7 @@ class RecordedDialogues:
         questions: number of questions that the participant put beside the games.
         overrides: number of decisions against a robot's advice.
         misheard: number of moves that a robot took for others.
+        strategy_faults: number of moves that a robot chose by its own strategy, because the study's had failed.
     """
 
     games: tuple[RecordedGame, ...] = ()
@@ -57,6 +58,7 @@ class RecordedDialogues:
     questions: int = 0
     overrides: int = 0
     misheard: int = 0
+    strategy_faults: int = 0
 
 
 class DialogueGatherer:
@@ -92,6 +94,7 @@ class DialogueGatherer:
             questions=self._words["enquire"],
             overrides=self._words["override"],
             misheard=sum(bool(move.heard) for move in said),
+            strategy_faults=sum(bool(move.fault) for move in said),
         )
 
     def _game(self, robot: int, number: int) -> RecordedGame:

@@ -268,6 +268,8 @@ class _ReportBuilder:
         self._dialogues.take_move(move)
         if move.heard:
             self._timeline.append(TimelineEntry(time, "misheard", robot_name(move.robot), None, f"“{move.heard}”"))
+        if move.fault and not move.is_booked:
+            self._timeline.append(TimelineEntry(time, "strategy failed", robot_name(move.robot), None, move.fault))
 
     def _dialogue_state(self, time: float, topic: str, data: bytes) -> None:
         self._dialogues.take_state(unpack.dialogue_state(data))

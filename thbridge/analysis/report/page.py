@@ -149,6 +149,8 @@ def _dialogues(recorded: RecordedDialogues) -> dict[str, object] | None:
         "Advice overridden": recorded.overrides,
         "Misheard": recorded.misheard,
     }
+    if recorded.strategy_faults:
+        asides["Strategy failed"] = recorded.strategy_faults
     return {
         "ends": [end for end in ENDS if any(game.end == end for game in recorded.games)],
         "games": [(*kind, _games_row(games)) for kind, games in groups],
