@@ -34,7 +34,7 @@ from sim.robot.navigator.goals import GoalReached, NoPath
 from sim.team import TeamSnapshot
 from thbridge.app.compose.game import build_bot, build_hider, build_keeper
 from thbridge.app.compose.robots import build_simr
-from thbridge.app.compose.setting import read_map_of, read_setting
+from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.session.session import Session
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.strategies import Attitude
@@ -163,9 +163,10 @@ class Draw:
 
 
 @cache
-def goals_of(place: str) -> tuple[Pose2, ...]:
-    """Return the goals in the rooms of a map."""
-    return tuple(room.goal for room in read_map_of(replace(Study(), map=place), Path(), with_costs=False).rooms)
+def setting_at(place: str) -> StudySetting:
+    """Return the setting of a study with this map, also with what robots need to argue; reading takes long."""
+    talk = DialogueSection(condition=DialogueCondition.COLLABORATOR)
+    return read_setting(replace(Study(dialogue=talk), map=place), Path())
 
 
 def drawn_hunt(seed: int, condition: DialogueCondition) -> Hunt:
@@ -188,7 +189,7 @@ def drawn_study(hunt: Hunt, condition: DialogueCondition) -> Study:
     person = ParticipantSection(strategy=draw(tuple(BotStrategy)), attitude=draw(tuple(Attitude)))
     study = Study(robots=hunt.robots, seed=hunt.seed, dialogue=talk, participant=person)
     study = replace(study, map=hunt.place, game=GameSection(energy=draw((30.0, 45.0, 60.0))))
-    goal = draw(goals_of(hunt.place))
+    goal = draw(setting_at(hunt.place).map.rooms).goal
     crate = ThingEntry("crate", Shape.CRATE, (goal.x, goal.y, 0.0), vanishes=draw((None, 60.0)))
     robot, time_of_mishap = draw(range(1, hunt.robots + 1)), draw((5.0, 20.0, 35.0))
     dies = MishapEntry(robot, Mishap.DIES, time_of_mishap)
@@ -216,7 +217,7 @@ def played(hunt: Hunt) -> Outcome:
 def play(hunt: Hunt) -> Outcome:
     """Play one hunt to its end."""
     began = time.process_time()
-    setting = read_setting(study_of(hunt), Path())
+    setting = replace(setting_at(hunt.place), study=study_of(hunt))
     simr, who, replies = build_simr(setting), setting.study.participant, 0
     person = TabUI(build_bot(setting.templates, who.strategy, hunt.seed, who.attitude))
     session = Session(
