@@ -275,6 +275,10 @@ class GameDialogues:
             speakers=speakers,
         )
 
+    def is_talking(self, robot: int) -> bool:
+        """Return True while a dialogue with this robot is open."""
+        return robot in self._open
+
     def robot_of(self, number: int) -> int | None:
         """Return the robot of the open dialogue with this number, or None."""
         return next((robot for robot, dialogue in self._open.items() if dialogue.number == number), None)

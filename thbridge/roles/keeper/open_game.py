@@ -35,6 +35,10 @@ _ASK_AGAIN = 10 * TICKS_PER_SECOND
 """Ticks after which the participant may ask for the same robot again."""
 
 
+_READING = 30 * TICKS_PER_SECOND
+"""Ticks that a robot gives the participant at least to read what it has said, and to answer."""
+
+
 class OpenGame:
     """The game in progress, as the keeper knows it; every change is an event and passes through here.
 
@@ -103,7 +107,12 @@ class OpenGame:
         state = self.state
         if state is None or self._patience is None:
             return False
-        waiting = neglected(state, self._attended, self._tick, self._patience)
+        waiting = [
+            robot
+            for robot in neglected(state, self._attended, self._tick, self._patience)
+            # Reading a robot's reasons is attending to it.
+            if not self.dialogues.is_talking(robot) or self._tick - self._attended.get(robot, 0) >= _READING
+        ]
         for robot in waiting:
             self.attend(robot)
             if self.state is not None:

@@ -178,6 +178,18 @@ def test_a_robot_that_is_attended_to_waits() -> None:
     assert not any(isinstance(event, RobotDeparted) for event in table.stage.log.events)
 
 
+def test_a_robot_gives_time_to_read_what_it_has_said() -> None:
+    table = Table(patience=100)
+    table.wish(RequestSuggestion(0))
+    table.stage.run(600)
+    assert table.view.robots[0].moving_to is None
+    departed = [event.robot for event in table.stage.log.events if isinstance(event, RobotDeparted)]
+    assert departed and 0 not in departed
+    table.stage.run(1200)
+    departed = [event.robot for event in table.stage.log.events if isinstance(event, RobotDeparted)]
+    assert 0 in departed
+
+
 @pytest.mark.parametrize("condition", [DialogueCondition.ADVISER, DialogueCondition.AUTONOMOUS])
 def test_who_has_the_last_word(condition: DialogueCondition) -> None:
     table = Table(condition)
