@@ -142,10 +142,10 @@ class ArguingEngine:
 
     def _opened(self, dialogue: Dialogue, speaker: Speaker, opening: Opening | None, held: bool) -> DialogueStep:
         if opening is None:
-            # What was to be talked over is settled, or all has been said.
-            return DialogueStep(
-                dialogue, (), DialogueOutcome.CONSENSUS if _is_settled(dialogue) else DialogueOutcome.NO_CONSENSUS
-            )
+            # She wants what the robot holds already; or nothing is left to be said. A suggestion is hers to answer.
+            wanted = dialogue.topic.scenario is not Scenario.DONT_KNOW
+            agreed = wanted and _is_settled(dialogue)
+            return DialogueStep(dialogue, (), DialogueOutcome.CONSENSUS if agreed else DialogueOutcome.NO_CONSENSUS)
         author = Author.ROBOT if speaker is Speaker.ROBOT else Author.PERSON
         dialogue, utterance = self._with_turn(dialogue, Turn(speaker, opening.move, author))
         return self._run(dialogue, (utterance,), held)

@@ -261,3 +261,13 @@ def test_utterances_tell_every_formal_move_and_what_was_misheard(
         assert said.heard == ("" if turn.said is None else str(turn.move))
         assert bool(said.formal) == isinstance(turn.move, DialogueMove)
         assert said.formal == () or said.formal[0].move == turn.move
+
+
+@given(topics().filter(lambda topic: isinstance(topic.facts, WhereFacts)), manners, st.sampled_from(Speaker), st.data())
+def test_nothing_that_a_robot_suggests_is_agreed_upon_before_the_person_has_answered(
+    topic: DialogueTopic, manner: Manner, opener: Speaker, draw: st.DataObject
+) -> None:
+    talker = engine(manner)
+    former = play(talker, talker.open(1, topic), draw).dialogue.conversation
+    suggestion = replace(topic, scenario=Scenario.DONT_KNOW, opener=opener)
+    assert talker.open(2, suggestion, former=former).outcome is not DialogueOutcome.CONSENSUS

@@ -13,7 +13,7 @@ from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.strategies import Attitude
 from thbridge.dialogue.moves import DialogueUtterance, Speaker, word_of
 from thbridge.hunt import rules
-from thbridge.hunt.events import EndReason
+from thbridge.hunt.events import EndReason, RobotDeparted
 from thbridge.roles.keeper.disclosure import plain_costs
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
@@ -91,3 +91,20 @@ def test_the_same_seed_gives_the_same_words_and_another_attitude_others():
         {word_of(said.move) for said in each.said if said.speaker is Speaker.PERSON} for each in (again, sceptical)
     ]
     assert "reject" in words[1] - words[0]
+
+
+@pytest.mark.parametrize("attitude", Attitude)
+@pytest.mark.parametrize("condition", ARGUING)
+def test_a_hunt_ends_though_a_robot_reaches_no_room_whatever_it_was_talked_into(condition, attitude):
+    played = Hunting(study_of(condition, attitude, robots=1))
+    played.puppets.stuck.add(0)
+    played.finish()
+
+
+def test_a_robot_that_was_stopped_goes_on_only_when_the_participant_has_agreed_again():
+    played = Hunting(study_of(DialogueCondition.COLLABORATOR, Attitude.CREDULOUS, robots=1))
+    played.puppets.stuck.add(0)
+    played.finish()
+    departures = [event for event in played.log.events if isinstance(event, RobotDeparted)]
+    agreed = {said.dialogue for said in played.said if said.speaker is Speaker.PERSON}
+    assert 0 < len(departures) <= len(agreed)

@@ -182,14 +182,14 @@ class Bot:
         if robot.moving_to is not None or robot.other_commander:
             return
         for consent in agreed:
-            if consent.matter == "select-room":
+            if consent.matter == "select-room" and not self._is_given_up(robot.robot, consent.room):
                 yield SendRobot(robot.robot, consent.room)
                 return
         if robot.robot in self._lost:
             return
         rooms = self._affordable(view, robot, taken)
         fresh = [room for room in rooms if not self._failed_moves[robot.robot, room]]
-        open_to_it = fresh or [room for room in rooms if self._failed_moves[robot.robot, room] < MAX_ATTEMPTS]
+        open_to_it = fresh or [room for room in rooms if not self._is_given_up(robot.robot, room)]
         vain = self._vain.get(robot.robot, [])
         if not open_to_it or len(vain) >= MOST_TALKS:
             return
@@ -200,6 +200,10 @@ class Bot:
         else:
             untold = [room for room in open_to_it if vain.count(room) < TALKS_AS_USUAL]
             yield SelectRoom(robot.robot, self._choice(view, robot, untold or open_to_it))
+
+    def _is_given_up(self, robot: int, room: int) -> bool:
+        """True for a room that a robot has not reached too often, whatever anybody says."""
+        return self._failed_moves[robot, room] >= MAX_ATTEMPTS
 
     def _affordable(self, view: View, robot: RobotView, taken: set[int]) -> list[int]:
         row = view.costs_from(robot)
@@ -218,6 +222,8 @@ class Bot:
         doubts = self._strategy is BotStrategy.RANDOM and dialogue.matter == "select-room"
         if doubts and noise.uniform(self._doubts, dialogue.dialogue, 0) < STOP_PROBABILITY:
             self._stopped.add(dialogue.dialogue)
+            return AnswerDialogue(dialogue.dialogue, dialogue.turn, len(dialogue.choices) - 1)
+        if dialogue.matter == "select-room" and self._is_given_up(dialogue.robot, dialogue.room):
             return AnswerDialogue(dialogue.dialogue, dialogue.turn, len(dialogue.choices) - 1)
         takes_advice = len(self._vain.get(dialogue.robot, ())) >= TALKS_ABOUT_ROOMS
         policy = self._taken_advice if takes_advice else self._replies

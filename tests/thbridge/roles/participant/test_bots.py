@@ -5,8 +5,10 @@ from msgspec import structs
 
 from thbridge.hunt.events import Condition
 from thbridge.roles.participant.bot_strategy import BotStrategy
-from thbridge.roles.participant.bots import MOST_TALKS, Bot, TreasureKnowledge
+from thbridge.roles.participant.bots import MAX_ATTEMPTS, MOST_TALKS, Bot, TreasureKnowledge
 from thbridge.roles.view import (
+    AnswerDialogue,
+    Consent,
     DialogueView,
     GiveUp,
     RefusalView,
@@ -14,6 +16,7 @@ from thbridge.roles.view import (
     RobotView,
     RoomView,
     SelectRoom,
+    SendRobot,
     View,
 )
 
@@ -125,3 +128,16 @@ def test_a_refused_talk_counts_as_one_in_vain():
         assert list(player.requests(still)) == [SelectRoom(0, 1)]
         still = structs.replace(still, refusal=RefusalView(number, "select-room", "no-consensus", "All is said."))
     assert list(player.requests(still)) == [SelectRoom(0, 3)]
+
+
+def test_a_room_given_up_is_not_driven_to_on_anybodys_advice():
+    player, still = bot(BotStrategy.NEAREST), view_of(None)
+    for _ in range(MAX_ATTEMPTS):
+        player.requests(view_of(1))
+        player.requests(still)
+    suggestion = DialogueView(
+        1, 1, 0, "select-room", 1, ("Room 1?",), ("Yes.", "Leave it."), ("accept", "leave"), ("robot",)
+    )
+    assert list(player.requests(structs.replace(still, dialogues=(suggestion,)))) == [AnswerDialogue(1, 1, 1)]
+    agreed = structs.replace(still, consents=(Consent(0, "select-room", 1),))
+    assert SendRobot(0, 1) not in player.requests(agreed)
