@@ -1,5 +1,6 @@
 """Whole hunts in each condition of a study, without a simulator: participants of every attitude come to an end."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +15,10 @@ from thbridge.dialogue.games.strategies import Attitude
 from thbridge.dialogue.moves import DialogueUtterance, Speaker, word_of
 from thbridge.hunt import rules
 from thbridge.hunt.events import EndReason, RobotDeparted
+from thbridge.protocols.text.lines import TextMessage
+from thbridge.protocols.text.notice import encode_notice
 from thbridge.roles.keeper.disclosure import plain_costs
+from thbridge.roles.notices import KEEPER, MoveCosts
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.study.study_file import DialogueSection, GameSection, MannerSection, ParticipantSection, Study
@@ -25,9 +29,9 @@ MOST_TICKS = 5_000
 class Hunting:
     """A hunt of a study with puppets for robots."""
 
-    def __init__(self, study: Study) -> None:
+    def __init__(self, study: Study, puppets: type[Puppets] = Puppets) -> None:
         setting, who = read_setting(study, Path()), study.participant
-        self.puppets = Puppets(study.robots, plain_costs(setting.costs))
+        self.puppets = puppets(study.robots, plain_costs(setting.costs))
         self.tabui = TabUI(build_bot(setting.templates, who.strategy, study.seed, who.attitude))
         self.log = Log()
         roles = [self.puppets, self.tabui, build_hider(setting.templates, study.seed)]
@@ -108,3 +112,25 @@ def test_a_robot_that_was_stopped_goes_on_only_when_the_participant_has_agreed_a
     departures = [event for event in played.log.events if isinstance(event, RobotDeparted)]
     agreed = {said.dialogue for said in played.said if said.speaker is Speaker.PERSON}
     assert 0 < len(departures) <= len(agreed)
+
+
+class Pricing(Puppets):
+    """Puppets that tell, as soon as one of them fails, that one room is near and all others are far."""
+
+    cheap = 6
+
+    def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
+        said = super().step(tick, messages)
+        if any(result is not None and not result.arrived for result in self._results):
+            costs = tuple(1.0 if place == self.cheap else 20.0 for place in range(len(self.costs)))
+            said.append(encode_notice(self.name, KEEPER, MoveCosts(self._game, (costs,))))
+        return said
+
+
+def test_a_robot_that_was_stopped_suggests_a_room_by_what_it_costs_from_there():
+    played = Hunting(study_of(DialogueCondition.COLLABORATOR, Attitude.CREDULOUS, robots=1), Pricing)
+    played.puppets.stuck.add(0)
+    played.run(220)
+    first, second, *_ = [event.room.people for event in played.log.events if isinstance(event, RobotDeparted)]
+    assert first != Pricing.cheap
+    assert second == Pricing.cheap

@@ -261,6 +261,8 @@ class Keeper:
                 now = self._game.refusal
                 if value.kind in _WISHES and now is not None and now is not last:
                     self._note_refusal(value.sender, value.kind, RequestRefused(now.reason, now.sentence))
+        # A robot that has stopped is priced anew by a message of the same tick.
+        self._game.report_failures()
         wizard = self.decisions.wizard
         # State changes only by messages and requests; most ticks have none.
         if self._has_input:
@@ -403,7 +405,6 @@ class Keeper:
         for robot, condition in enumerate(status.conditions):
             if self.state is not None:
                 self._game.apply_ruling("Reported", rules.report(self.state, robot, condition))
-        self._game.report_failures()
         for robot, researcher in enumerate(status.researchers):
             if self.state is not None:
                 self._game.apply_ruling("Commanded", rules.intervene(self.state, robot, researcher))
