@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.dialogue.moves import Scenario
-from thbridge.dialogue.templates import ScriptedQuestion, Template
+from thbridge.dialogue.scripted.templates import ScriptedQuestion, Template
 from thbridge.dialogue.words import word_fault
 from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.map_times import MAP_TIMES, read_map_times

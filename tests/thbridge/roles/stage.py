@@ -8,10 +8,10 @@ from pathlib import Path
 from thbridge.app.compose.game import build_bot, build_hider, known_treasures
 from thbridge.app.session.session import Session, TickRecord
 from thbridge.dialogue.engine import DialogueEngine
-from thbridge.dialogue.protocols import TemplateProtocol
-from thbridge.dialogue.scripted import ScriptedEngine
-from thbridge.dialogue.strategies import TemplateStrategy
-from thbridge.dialogue.templates import TemplatePhrasing
+from thbridge.dialogue.scripted.protocols import TemplateProtocol
+from thbridge.dialogue.scripted.scripted_engine import ScriptedEngine
+from thbridge.dialogue.scripted.strategies import TemplateStrategy
+from thbridge.dialogue.scripted.templates import TemplatePhrasing
 from thbridge.files.resources import shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.hunt.events import Condition, Event

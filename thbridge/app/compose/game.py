@@ -10,10 +10,10 @@ from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.engine import DialogueEngine
 from thbridge.dialogue.games.strategies import Attitude
-from thbridge.dialogue.protocols import TemplateProtocol
-from thbridge.dialogue.scripted import ScriptedEngine
-from thbridge.dialogue.strategies import TemplateStrategy
-from thbridge.dialogue.templates import TemplatePhrasing
+from thbridge.dialogue.scripted.protocols import TemplateProtocol
+from thbridge.dialogue.scripted.scripted_engine import ScriptedEngine
+from thbridge.dialogue.scripted.strategies import TemplateStrategy
+from thbridge.dialogue.scripted.templates import TemplatePhrasing
 from thbridge.dialogue.worded import WordedPhrasing
 from thbridge.files.template_files import TemplateSet
 from thbridge.hunt.events import Event

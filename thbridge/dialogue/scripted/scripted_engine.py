@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from thbridge.dialogue.engine import Choice, DialogueStep, Phrasing, announcement
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.moves import Author, Dialogue, DialogueTopic, DialogueUtterance, Move, Speaker, Turn
-from thbridge.dialogue.protocols import DialogueProtocol
-from thbridge.dialogue.strategies import Strategy
+from thbridge.dialogue.scripted.protocols import DialogueProtocol
+from thbridge.dialogue.scripted.strategies import Strategy
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from thbridge.dialogue.moves import Ask, Continue, Dialogue, DialogueOutcome, Move, Speaker, Stop
-from thbridge.dialogue.templates import Template
+from thbridge.dialogue.scripted.templates import Template
 
 
 class DialogueProtocol(Protocol):

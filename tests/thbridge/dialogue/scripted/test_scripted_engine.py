@@ -3,10 +3,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from thbridge.dialogue.moves import Ask, Author, Continue, DialogueOutcome, DialogueTopic, Scenario, Speaker, Stop
-from thbridge.dialogue.protocols import TemplateProtocol
-from thbridge.dialogue.scripted import ScriptedEngine
-from thbridge.dialogue.strategies import TemplateStrategy
-from thbridge.dialogue.templates import ScriptedQuestion, Template, TemplatePhrasing
+from thbridge.dialogue.scripted.protocols import TemplateProtocol
+from thbridge.dialogue.scripted.scripted_engine import ScriptedEngine
+from thbridge.dialogue.scripted.strategies import TemplateStrategy
+from thbridge.dialogue.scripted.templates import ScriptedQuestion, Template, TemplatePhrasing
 from thbridge.hunt.rooms import Room
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from tests.thbridge.roles.stage import Stage, engine
 from thbridge.dialogue.moves import Ask, Dialogue, DialogueTopic, Scenario
-from thbridge.dialogue.templates import ScriptedQuestion, Template, TemplatePhrasing
+from thbridge.dialogue.scripted.templates import ScriptedQuestion, Template, TemplatePhrasing
 from thbridge.dialogue.words import WORDS, fill, word_fault, words_of
 from thbridge.hunt.properties import OF_2016, TreasureProperty
 from thbridge.hunt.rooms import Room, RoomNames
@@ -100,5 +100,5 @@ def test_a_room_is_called_by_its_own_name_or_else_by_its_number():
 
 
 def test_the_manual_lists_every_word_with_its_meaning():
-    manual = (Path(__file__).parents[3] / "docs" / "game.md").read_text(encoding="utf-8")
+    manual = (Path(__file__).parents[4] / "docs" / "game.md").read_text(encoding="utf-8")
     assert all(f"| `£{word.name}£` | {word.meaning} |" in manual for word in WORDS)
