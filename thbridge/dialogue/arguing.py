@@ -254,7 +254,9 @@ class ArguingEngine:
         )
         possible = questions(topic.facts, _evidence(topic, conversation), _claim(topic))
         simpler = (Enquire(Question.SIMPLER),) if said else ()
-        return tuple(each for each in (*possible, *simpler) if each not in put or each.question is Question.SIMPLER)
+        # To hear it in simpler words has to be in reach at once, with the first reasons.
+        asked = (*possible[:2], *simpler, *possible[2:])
+        return tuple(each for each in asked if each not in put or each.question is Question.SIMPLER)
 
     def _answer(self, dialogue: Dialogue, asked: Enquire) -> Explain:
         conversation, topic = dialogue.conversation, dialogue.topic

@@ -36,7 +36,8 @@ def questions(facts: WhereFacts | WhatFacts, evidence: Evidence, claim: Literal)
     if decision is not None:
         possible.insert(0, Enquire(Question.WHY_THIS, decision))
         if isinstance(facts, WhereFacts):
-            possible += [Enquire(Question.WHY_ROBOT, decision), Enquire(Question.CHANGE, decision)]
+            others = (Question.WHY_ROBOT, Question.WHY_NOW, Question.CHANGE)
+            possible += [Enquire(question, decision) for question in others]
     possible.append(Enquire(Question.KNOWN, claim))
     return tuple(each for each in possible if each.about is not None and explain(each, facts, evidence).because)
 
@@ -51,8 +52,8 @@ def explain(asked: Enquire, facts: WhereFacts | WhatFacts, evidence: Evidence) -
             because = _contrast(evidence, about) or _ordered(evidence, _best_argument(evidence, ~about))
         case Question.WHY_ROBOT if about is not None and isinstance(facts, WhereFacts):
             because = _against_other_robots(facts, about)
-        case Question.WHY_NOW if about is not None:
-            because = _ordered(evidence, _best_argument(evidence, about))
+        case Question.WHY_NOW if about is not None and isinstance(facts, WhereFacts):
+            because = _before_the_next(facts, about)
         case Question.KNOWN if about is not None:
             because = _known(evidence, about)
         case Question.CHANGE if about is not None and isinstance(facts, WhereFacts):
@@ -118,7 +119,7 @@ def _known(evidence: Evidence, about: Literal) -> tuple[Literal, ...]:
 def _against_other_robots(facts: WhereFacts, about: Literal) -> tuple[Literal, ...]:
     """Own value of a room, and that of the robot that would come nearest to it."""
     room: Room | None = getattr(about.proposition, "room", None)
-    if room is None or room not in facts.values:
+    if room is None or room not in facts.values or not facts.compares:
         return ()
     own = facts.values[room]
     others = {robot: values[room] for robot, values in facts.team_values.items() if room in values}
@@ -145,6 +146,22 @@ def _against_other_robots(facts: WhereFacts, about: Literal) -> tuple[Literal, .
     )
 
 
+def _before_the_next(facts: WhereFacts, about: Literal) -> tuple[Literal, ...]:
+    """Values of going to a room now, and of beginning with the next one of the tour instead."""
+    room: Room | None = getattr(about.proposition, "room", None)
+    if room is None or facts.tour[:1] != (room,) or len(facts.tour) < 2 or not facts.compares:
+        return ()
+    now, then = (facts.values.get(each) for each in facts.tour[:2])
+    difference = None if now is None or then is None else comparison(now, then)
+    if now is None or then is None or difference is None:
+        return ()
+    return (
+        Literal(TeamPlan(facts.robot, room, now.rooms, now.cost)),
+        Literal(TeamPlan(facts.robot, facts.tour[1], then.rooms, then.cost)),
+        Literal(difference),
+    )
+
+
 def _would_change(facts: WhereFacts, about: Literal) -> tuple[Literal, ...]:
     """Literals each of which would lead to another room: something in the way, or a way that is so much dearer."""
     room: Room | None = getattr(about.proposition, "room", None)
@@ -153,7 +170,7 @@ def _would_change(facts: WhereFacts, about: Literal) -> tuple[Literal, ...]:
     hypotheses = [Literal(InTheWay(room))]
     own, cost = facts.values[room], facts.costs.get(room)
     rivals = [value for other, value in facts.values.items() if other != room and value.rooms == own.rooms]
-    if cost is not None and rivals:
+    if cost is not None and rivals and facts.compares:
         margin = min(value.cost for value in rivals) - own.cost
         hypotheses.append(Literal(EnergyCost(facts.here, room, cost + margin)))
     return tuple(hypotheses)

@@ -66,8 +66,8 @@ BROKEN = {
     "moves: [{move: accept, speaker: human, say: ['£content£']}, {move: accept, speaker: human, say: ['£content£']}]": (
         "the same stands in ours.yaml, line 1",
     ),
-    "lines: [{key: opend, say: [Hello]}]": ("no line opend", "The nearest is opened"),
-    "lines: [{key: opened, say: ['Hello £seconds£']}]": ("£seconds£", "£topic£"),
+    "lines: [{key: mishered, say: [Hello]}]": ("no line mishered", "The nearest is misheard"),
+    "lines: [{key: misheard, say: ['Hello £seconds£']}]": ("£seconds£", "£heard£"),
     "lines: [{key: back, say: ['Hello £seconds£']}]": ("£seconds£", "Write it without"),
     "lines: [{key: back, say: []}]": ("there is no wording",),
     "lines: [{key: back, say: [Back]}, {key: back, say: [Zurück]}]": ("the same stands in",),
@@ -115,7 +115,7 @@ def test_a_broken_grammar_is_told(tmp_path: Path, right: str, wrong: str, told: 
 
 
 def test_all_faults_of_a_language_are_told_together(tmp_path: Path) -> None:
-    lab(tmp_path, "lines: [{key: opend, say: [Hello]}]")
+    lab(tmp_path, "lines: [{key: mishered, say: [Hello]}]")
     lab(tmp_path, "phrases: [{of: nxt, yes: [x]}]", name="theirs.yaml")
     with pytest.raises(BadFile) as told:
         check_words(tmp_path)

@@ -11,13 +11,6 @@ from thbridge.dialogue.wording.predicates import ValueKind
 class LineKey(StrEnum):
     """Key of a line in the files of a language."""
 
-    OPENED = "opened"
-    ENDED_AGREEMENT = "ended_agreement"
-    ENDED_DISAGREEMENT = "ended_disagreement"
-    ENDED_UNKNOWN = "ended_unknown"
-    ENDED_STALEMATE = "ended_stalemate"
-    ENDED_WITHDRAWN = "ended_withdrawn"
-    AGREED = "agreed"
     WHERE_THEN = "where_then"
     WHAT_THEN = "what_then"
     LEAVE_IT = "leave_it"
@@ -58,13 +51,6 @@ _ROOM = {"room": ValueKind.ROOM}
 _BECAUSE = {"because": ValueKind.CLAUSES}
 
 LINES: Mapping[LineKey, LineMeaning] = {
-    LineKey.OPENED: LineMeaning(Side.ROBOT, "before it argues", {"topic": ValueKind.CLAUSE}),
-    LineKey.ENDED_AGREEMENT: LineMeaning(Side.ROBOT, "when one side has accepted what the other claimed"),
-    LineKey.ENDED_DISAGREEMENT: LineMeaning(Side.ROBOT, "when something was rejected"),
-    LineKey.ENDED_UNKNOWN: LineMeaning(Side.ROBOT, "when who was asked does not know"),
-    LineKey.ENDED_STALEMATE: LineMeaning(Side.ROBOT, "when nothing is left to be said"),
-    LineKey.ENDED_WITHDRAWN: LineMeaning(Side.ROBOT, "when what was talked about is past"),
-    LineKey.AGREED: LineMeaning(Side.ROBOT, "before it does what was agreed", {"topic": ValueKind.CLAUSE}),
     LineKey.WHERE_THEN: LineMeaning(Side.HUMAN, "asks where the robot would go"),
     LineKey.WHAT_THEN: LineMeaning(Side.HUMAN, "asks what the robot would do about a treasure"),
     LineKey.LEAVE_IT: LineMeaning(Side.HUMAN, "ends the dialogue"),

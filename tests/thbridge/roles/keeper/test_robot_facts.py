@@ -178,3 +178,12 @@ def test_a_room_that_another_robot_is_about_to_go_to_is_known_as_such(state: Gam
     facts: WhereFacts = where_facts(state, (Discussed(1, "select-room", 2),), 0, (), 50)
     assert facts.under_way == {Room(2): 1}
     assert Room(2) not in facts.values
+
+
+@given(states(), st.integers(0, 1))
+def test_an_adviser_that_may_err_compares_nothing_in_any_answer(state: GameState, robot: int) -> None:
+    facts = replace(where_facts(state, (), robot, (), tick=50), compares=False)
+    evidence = where(facts)
+    for enquiry in questions(facts, evidence, Literal(NextRoom(robot, min(facts.values, default=Room(1))))):
+        said = [literal.proposition for literal in explain(enquiry, facts, evidence).because]
+        assert not any(isinstance(each, TeamPlan | CostOfOther | FewerRooms | DearerPlan) for each in said)
