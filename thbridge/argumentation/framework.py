@@ -40,7 +40,7 @@ class ArgumentationFramework:
     @cached_property
     def attackers(self) -> tuple[tuple[int, ...], ...]:
         """The places of the attackers of each argument, ascending."""
-        return self._neighbours([(target, attacker) for attacker, target in self.attacks])
+        return self._neighbours((target, attacker) for attacker, target in self.attacks)
 
     @cached_property
     def attacked(self) -> tuple[tuple[int, ...], ...]:
@@ -48,7 +48,8 @@ class ArgumentationFramework:
         return self._neighbours(self.attacks)
 
     def _neighbours(self, pairs: Iterable[tuple[str, str]]) -> tuple[tuple[int, ...], ...]:
-        places: list[list[int]] = [[] for _ in self.arguments]
+        index = self.index
+        places: list[list[int]] = [[] for _ in index]
         for one, other in pairs:
-            places[self.index[one]].append(self.index[other])
+            places[index[one]].append(index[other])
         return tuple(tuple(sorted(each)) for each in places)

@@ -57,7 +57,10 @@ def _grounded(framework: ArgumentationFramework) -> tuple[list[int], list[int | 
     """Labels and steps; each attack is looked at once."""
     labels = [UNDECIDED] * len(framework.arguments)
     steps: list[int | None] = [None] * len(labels)
-    standing = [len(attackers) for attackers in framework.attackers]
+    standing = [0] * len(labels)
+    for targets in framework.attacked:
+        for target in targets:
+            standing[target] += 1
     ready = deque(place for place, count in enumerate(standing) if count == 0)
     step = 0
     while ready:

@@ -58,7 +58,10 @@ class _Facts:
             raise BadFile(self._path, problem, remedy, line=line)
 
     def argue(self, name: str, line: int, remedy: str = "take one of them away") -> None:
-        if name in self._arguments:
+        if not name.isprintable():
+            # It would be printed as it stands, and might command the terminal.
+            self.fail(line, f"the name {_start(name)} has signs that cannot be printed", "write it with others")
+        elif name in self._arguments:
             self.fail(line, f"the argument {name} is there twice, first in line {self._arguments[name]}", remedy)
         else:
             self._arguments[name] = line

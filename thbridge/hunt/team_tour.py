@@ -177,9 +177,12 @@ def _steps(costs: CostMatrix, rooms: Sequence[Room], starts: Sequence[TourStart]
 
 
 def _payable(to_go: NDArray[np.float64], sizes: NDArray[np.int64], energy: float, visit: float) -> NDArray[np.float64]:
-    """Return the energy for the moves of one robot's cheapest tour, by subset; infinite where it cannot pay for it."""
+    """Return the energy for the moves of one robot's cheapest tour, by subset; infinite where it cannot pay for it.
+
+    To stay costs nothing, so that a robot whose energy is below 0 keeps no other one from going.
+    """
     spent = to_go + visit * np.maximum(sizes - 1, 0)
-    return np.where(spent <= energy, to_go, np.inf)
+    return np.where((spent <= energy) | (sizes == 0), to_go, np.inf)
 
 
 def _shared_out(spent: Sequence[NDArray[np.float64]], worth: NDArray[np.int64], rooms: int) -> list[int]:

@@ -39,6 +39,11 @@ def test_facts_may_share_a_line_and_have_comments(tmp_path: Path) -> None:
         ("a.apx", "arg(a).\natt(a b).\n", ["line 2: 'att(a b).' cannot be read. Write arg(NAME)."]),
         ("a.apx", "<p>\n" * 1000, [f"line {number}: '<p>' cannot be read." for number in range(1, 21)]),
         ("a.apx", f"({'a' * 100})", [f"line 1: '({'a' * 59}...' cannot be read."]),
+        (
+            "a.apx",
+            "arg(a).\narg(\x1b[31mred).\n",
+            [r"line 2: the name '\x1b[31mred' has signs that cannot be printed. Write it with others."],
+        ),
         ("a.apx", "arg(a).\narg(a).\n", ["line 2: the argument a is there twice, first in line 1."]),
         (
             "a.apx",

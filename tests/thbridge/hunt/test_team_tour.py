@@ -161,6 +161,13 @@ def test_the_robot_to_be_sent_goes_somewhere_even_if_others_do_it_for_less():
     assert len(best_team_tours(costs, starts, costs.rooms, sent=0)[0].rooms) == 1
 
 
+def test_a_robot_whose_energy_is_below_zero_keeps_no_other_one_from_going():
+    costs = CostMatrix(((9.0, 9.0, 9.0), (9.0, math.inf, 2.0), (9.0, 2.0, math.inf)))
+    spent, fresh = TourStart((0.0, 0.0, 0.0), -1.0), TourStart((9.0, 1.0, 1.0), 50.0)
+    first, second = best_team_tours(costs, (spent, fresh), costs.rooms)
+    assert (first.rooms, len(second.rooms)) == ((), 2)
+
+
 def test_more_rooms_than_can_be_shared_out_are_the_callers_mistake():
     flat = CostMatrix(((1.0,) * (MOST_ROOMS + 2),) * (MOST_ROOMS + 2))
     start = TourStart(flat.rows[0], 9.0)
