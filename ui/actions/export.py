@@ -5,9 +5,10 @@ from collections.abc import Collection
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from thbridge.analysis.export import poses
+from thbridge.analysis.export import dialogues, poses
 from thbridge.analysis.export.exporting import table_name
 from thbridge.recording.bag.reader import info
+from thbridge.ros.messages.types import DIALOGUE_MOVE
 from ui.terminal import BAD_INPUT, command, fail
 
 
@@ -25,7 +26,10 @@ def chosen_topics(bag: Path, patterns: Collection[str]) -> frozenset[str]:
 
 def chosen_tables(bag: Path, patterns: Collection[str]) -> frozenset[str]:
     """The tables of a bag that match any of the patterns; `events` is `hunt_events`, too."""
-    names = {poses.NAME, *(table_name(topic.name) for topic in info(bag).topics)}
+    topics = info(bag).topics
+    names = {poses.NAME, *(table_name(topic.name) for topic in topics)}
+    if any(topic.msgtype == DIALOGUE_MOVE for topic in topics):
+        names.update(dialogues.NAMES)
     chosen: set[str] = set()
     for pattern in patterns:
         fitting = {name for name in names if fnmatchcase(name, pattern)}

@@ -35,7 +35,8 @@ def test_games_are_told_with_their_ends_and_with_who_gave_in(stubborn: Report) -
     assert stubborn.missing and not [each for each in stubborn.missing if "dialogue" in each]
     first, *_, last = stubborn.dialogues.games
     kind = "persuasion-in-brief"
-    assert first == RecordedGame(0, 1, kind, "human", "disagreement", 5, 1, "")
+    about = (1, 0, "next(Robot1, Room1)")
+    assert first == RecordedGame(0, 1, kind, "human", "disagreement", 5, 1, "", *about, 0.0, 2.0, 2.0)
     assert (last.kind, last.opener, last.end, last.gave_in) == (kind, "human", "agreement", "robot")
     assert count_ends(stubborn.dialogues.games) == {"agreement": 1, "disagreement": len(stubborn.dialogues.games) - 1}
 

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from thbridge.analysis.export import poses
+from thbridge.analysis.export import dialogues, poses
 from thbridge.analysis.export.layout import layout_of
 from thbridge.analysis.export.tables import GAME, ROOM_NAME, SECONDS, Table, TableRows, TopicTables
 from thbridge.analysis.games import OF_A_GAME, GameStart
@@ -61,8 +61,8 @@ def export(
     """
     numbered = _GameNumbers(games, start_ns)
     topics: dict[tuple[str, str, str], TopicTables | None] = {}
-    names = {poses.NAME}
-    together = poses.PosesTable()
+    names = {poses.NAME, *dialogues.NAMES}
+    together = (poses.PosesTable(), dialogues.DialogueTables())
     broken: Counter[str] = Counter()
     for publisher, stamp_ns, data in recorded:
         key = (publisher.topic, publisher.msgtype, publisher.md5)
@@ -82,7 +82,8 @@ def export(
             yield from _counted(map(numbered.of, gathered.take()), together, exported, tables)
             exported.frames |= gathered.frames()
     exported.frames |= poses.FRAMES
-    yield from _counted(map(numbered.of, together.pieces()), poses.PosesTable(), exported, tables)
+    for each in together:
+        yield from _counted(map(numbered.of, each.pieces()), (), exported, tables)
     exported.notices += [f"{count} messages of {what}." for what, count in broken.items()]
 
 
@@ -165,11 +166,15 @@ def _file_name(topic: str, taken: set[str]) -> str:
 
 
 def _counted(
-    pieces: Iterable[TableRows], together: poses.PosesTable, exported: ExportSummary, tables: Collection[str] | None
+    pieces: Iterable[TableRows],
+    together: Collection[poses.PosesTable | dialogues.DialogueTables],
+    exported: ExportSummary,
+    tables: Collection[str] | None,
 ) -> Iterator[TableRows]:
     for each in pieces:
         piece = _with_room_names(each, exported.rooms)
-        together.add(piece)
+        for kept in together:
+            kept.add(piece)
         if tables is not None and piece.table.name.partition(".")[0] not in tables:
             continue
         _, before = exported.tables.get(piece.table.name, (piece.table, 0))

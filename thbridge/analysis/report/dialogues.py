@@ -3,6 +3,7 @@
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from thbridge.dialogue.games.tables import DialogueEnd
 from thbridge.dialogue.portrait import read_portrait
@@ -28,6 +29,12 @@ class RecordedGame:
         challenges: number of challenges in it and in the games that wait for it.
         gave_in: "robot" or "human", who accepted in the end what that side had challenged, rejected or denied before
             in the same situation; empty: nobody.
+        talk: number of the dialogue of utterances that it belongs to.
+        parent: number of the game that waits for it; 0: none.
+        topic: what it is about.
+        began: time of its first move, s.
+        ended: time of its last move, s.
+        replied: seconds that the participant took for her moves after the first, each from what was said before it.
     """
 
     robot: int
@@ -38,6 +45,12 @@ class RecordedGame:
     moves: int
     challenges: int
     gave_in: str
+    talk: int
+    parent: int
+    topic: str
+    began: float
+    ended: float
+    replied: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +79,7 @@ class DialogueGatherer:
 
     def __init__(self) -> None:
         self._courses: defaultdict[tuple[int, int], list[DialogueMoveRecord]] = defaultdict(list)
+        self._times: defaultdict[tuple[int, int], list[float]] = defaultdict(list)
         self._ends: dict[tuple[int, int], str] = {}
         self._begins: dict[tuple[int, int], int] = {}
         self._words: Counter[str] = Counter()
@@ -74,9 +88,10 @@ class DialogueGatherer:
         """Take in an utterance."""
         self._words[utterance.move] += 1
 
-    def take_move(self, move: DialogueMoveRecord) -> None:
-        """Take in a move of a dialogue game."""
+    def take_move(self, time: float, move: DialogueMoveRecord) -> None:
+        """Take in a move of a dialogue game, and the time at which it was made, s."""
         self._courses[move.robot, move.dialogue].append(move)
+        self._times[move.robot, move.dialogue].append(time)
 
     def take_state(self, state: DialogueStateRecord) -> None:
         """Take in what a robot makes of a dialogue. Raises ValueError when that cannot be read."""
@@ -98,18 +113,28 @@ class DialogueGatherer:
         )
 
     def _game(self, robot: int, number: int) -> RecordedGame:
-        course = self._courses[robot, number]
-        last = course[-1]
+        course, times = self._courses[robot, number], self._times[robot, number]
+        first, last = course[0], course[-1]
         told = last.after if last.after in ENDS else self._ends.get((robot, number), "")
         return RecordedGame(
             robot=robot,
             number=number,
             kind=last.game,
-            opener=course[0].speaker,
+            opener=first.speaker,
             end=told if told in ENDS else "unfinished",
             moves=sum(not move.is_booked for move in course),
             challenges=sum(move.locution == "challenge" for move in self._with_outer(course)),
             gave_in=last.speaker if told == DialogueEnd.AGREEMENT and self._held_out(last) else "",
+            talk=first.talk,
+            parent=first.parent or 0,
+            topic=first.content,
+            began=times[0],
+            ended=times[-1],
+            replied=sum(
+                now - before
+                for move, (before, now) in zip(course[1:], pairwise(times), strict=True)
+                if move.speaker == "human" and not move.is_booked
+            ),
         )
 
     def _with_outer(self, course: list[DialogueMoveRecord]) -> Iterator[DialogueMoveRecord]:

@@ -265,7 +265,7 @@ class _ReportBuilder:
 
     def _dialogue_move(self, time: float, topic: str, data: bytes) -> None:
         move = unpack.dialogue_move(data)
-        self._dialogues.take_move(move)
+        self._dialogues.take_move(time, move)
         if move.heard:
             self._timeline.append(TimelineEntry(time, "misheard", robot_name(move.robot), None, f"“{move.heard}”"))
         if move.fault and not move.is_booked:

@@ -1,0 +1,194 @@
+"""Tables of dialogues in which robots argued: `dialogue_games`, and `dialogue_beliefs`, held before and after moves."""
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import groupby
+
+import numpy as np
+
+from thbridge.analysis.export.tables import SECONDS, Table, TableRows
+from thbridge.analysis.report.dialogues import DialogueGatherer, RecordedGame
+from thbridge.dialogue.portrait import DialoguePortrait, read_portrait
+from thbridge.files.table_files import Column, Values
+from thbridge.ros.messages.session_records import DialogueMoveRecord, DialogueStateRecord
+from thbridge.ros.messages.types import DIALOGUE_MOVE, DIALOGUE_STATE
+
+_ROBOT = Column("robot", "int32", "", "counts from 1")
+_TALK = Column("talk", "int64", "", "number of the dialogue of utterances, from 1")
+GAMES = Table(
+    "dialogue_games",
+    "/dialogue/moves, /dialogue/states",
+    "",
+    "dialogue games of robots that argued; t_s is that of the first move",
+    (
+        _ROBOT,
+        SECONDS,
+        _TALK,
+        Column("dialogue", "int32", "", "number of the dialogue game, from 1, unique among those of its robot"),
+        Column("parent", "int32", "", "number of the game that waits for this one; 0: none"),
+        Column("game_", "string", "", 'name of the game, for example "persuasion"'),
+        Column("topic", "string", "", 'what it is about, for example "next(Robot1, Room3)"'),
+        Column("opener", "string", "", '"robot" or "human"'),
+        Column("end", "string", "", 'for example "agreement"; "unfinished": it went on when the recording ended'),
+        Column("moves", "int32", "", "number of moves, without those that followed by themselves"),
+        Column("challenges", "int32", "", "number of challenges in it and in the games that wait for it"),
+        Column("gave_in", "string", "", "who accepted in the end what that side had held out against; empty: nobody"),
+        Column("until_s", "float64", "s", "since the beginning of the recording, of its last move"),
+        Column("replied_s", "float64", "s", "that the participant took for her moves, without the first of a game"),
+    ),
+)
+BELIEFS = Table(
+    "dialogue_beliefs",
+    "/dialogue/moves, /dialogue/states",
+    "",
+    "what robots that argued believed before and after their moves and the participant's; t_s is that of the moves",
+    (
+        _ROBOT,
+        SECONDS,
+        _TALK,
+        Column("holder", "string", "", '"robot", or "human": what the robot takes the participant to believe'),
+        Column("literal", "string", "", "what is believed, a literal or a rule"),
+        Column("source", "string", "", 'where the robot has it from; of the participant "held", or "unknown" to her'),
+        Column("as_of_s", "float64", "s", "simulated time at which it was so; nan: not told"),
+        Column("confidence", "float64", "", "of whoever sensed or computed it, 0 to 1; nan: not told"),
+        Column("change", "string", "", "kept (before and after), gained, lost; first: after the first moves of a talk"),
+    ),
+)
+NAMES = (GAMES.name, BELIEFS.name)
+
+
+class _Change(StrEnum):
+    """Change of a belief by the moves of one tick."""
+
+    KEPT = "kept"
+    GAINED = "gained"
+    LOST = "lost"
+    FIRST = "first"
+    """Evidence is looked at anew before each talk, so that what was held before its first move is not recorded."""
+
+
+@dataclass(frozen=True, slots=True)
+class _HeldBelief:
+    """Belief in a state: of whom, from where, as of when, how sure."""
+
+    holder: str
+    literal: str
+    source: str
+    at: float = np.nan
+    confidence: float = np.nan
+
+
+_Key = tuple[str, str, bool]
+_Row = tuple[object, ...]
+
+
+class DialogueTables:
+    """Collects moves and states of dialogues from the rows of other tables for tables of their own."""
+
+    def __init__(self) -> None:
+        self._gatherers: defaultdict[int, DialogueGatherer] = defaultdict(DialogueGatherer)
+        self._turns: dict[tuple[int, int, float], int] = {}
+        self._states: dict[tuple[int, int, float], str] = {}
+
+    def add(self, piece: TableRows) -> None:
+        """Keep the moves or states in some rows of a table, if there are any."""
+        if piece.table.msgtype not in {DIALOGUE_MOVE, DIALOGUE_STATE}:
+            return
+        columns = [column.name for column in piece.table.columns]
+        for row in zip(*map(_listed, piece.values), strict=True):
+            told = dict(zip(columns, row, strict=True))
+            game, time = int(str(told.get("game", 0))), float(str(told["t_s"]))
+            if piece.table.msgtype == DIALOGUE_MOVE:
+                move = _move(told)
+                self._gatherers[game].take_move(time, move)
+                self._turns[game, move.robot, time] = move.talk
+            else:
+                self._take_state(
+                    game, time, DialogueStateRecord(int(str(told["talk"])), _robot(told), str(told["json"]))
+                )
+
+    def _take_state(self, game: int, time: float, state: DialogueStateRecord) -> None:
+        try:
+            self._gatherers[game].take_state(state)
+        except ValueError:
+            # What another release has written may be exported, though not read.
+            return
+        self._states[game, state.robot, time] = state.json
+
+    def pieces(self) -> Iterator[TableRows]:
+        """Yield the tables' rows, those of a game together; none without moves."""
+        if self._turns:
+            yield _rows(
+                GAMES,
+                [_of_game(each) for _, told in sorted(self._gatherers.items()) for each in told.dialogues().games],
+            )
+        for _, turns in groupby(sorted(self._turns.items()), key=lambda turn: turn[0][:2]):
+            yield _rows(BELIEFS, [*self._beliefs(dict(turns))])
+
+    def _beliefs(self, turns: Mapping[tuple[int, int, float], int]) -> Iterator[_Row]:
+        """Yield the rows of one robot's turns in one game of the hunt."""
+        before, former = dict[_Key, _HeldBelief](), 0
+        for key, talk in turns.items():
+            state = self._states.get(key)
+            after = before if state is None else _held(read_portrait(state))
+            for each in {**before, **after} if talk == former else after:
+                change = _Change.KEPT if each in before else _Change.GAINED
+                if talk != former:
+                    change = _Change.FIRST
+                elif each not in after:
+                    change = _Change.LOST
+                belief = after.get(each) or before[each]
+                told = (belief.holder, belief.literal, belief.source, belief.at, belief.confidence)
+                yield (key[1] + 1, key[2], talk, *told, change.value)
+            before, former = after, talk
+
+
+def _held(portrait: DialoguePortrait) -> dict[_Key, _HeldBelief]:
+    """What a robot believes, and takes the participant to believe."""
+    held = [_HeldBelief("robot", each.literal, each.source, each.at, each.confidence) for each in portrait.sigma]
+    held += [_HeldBelief("robot", rule, "rule") for rule in portrait.rules]
+    held += [_HeldBelief("human", literal, "held") for literal in portrait.held]
+    held += [_HeldBelief("human", proposition, "unknown") for proposition in portrait.unknown]
+    return {(each.holder, each.literal, each.source == "unknown"): each for each in held}
+
+
+def _of_game(game: RecordedGame) -> _Row:
+    about = (game.kind, game.topic, game.opener, game.end, game.moves, game.challenges, game.gave_in)
+    return (game.robot + 1, game.began, game.talk, game.number, game.parent, *about, game.ended, game.replied)
+
+
+def _move(told: Mapping[str, object]) -> DialogueMoveRecord:
+    number = {name: int(str(told[name])) for name in ("talk", "dialogue", "parent", "index_")}
+    text = {name: str(told.get(name, "")) for name in _TEXTS}
+    return DialogueMoveRecord(
+        talk=number["talk"],
+        dialogue=number["dialogue"],
+        parent=number["parent"] or None,
+        index=number["index_"],
+        robot=_robot(told),
+        game=str(told["game_"]),
+        is_booked=bool(told["booked"]),
+        **text,
+    )
+
+
+_TEXTS = ("speaker", "author", "locution", "content", "before", "after", "text", "heard", "fault")
+
+
+def _robot(told: Mapping[str, object]) -> int:
+    return int(str(told["robot"])) - 1
+
+
+def _listed(values: Values) -> list[object]:
+    return [*values] if isinstance(values, list) else np.asarray(values).tolist()
+
+
+def _rows(table: Table, rows: Sequence[_Row]) -> TableRows:
+    columns = [*zip(*rows, strict=True)] if rows else [()] * len(table.columns)
+    values = (
+        [str(value) for value in held] if column.kind == "string" else np.array(held, dtype=column.kind)
+        for column, held in zip(table.columns, columns, strict=True)
+    )
+    return TableRows(table, len(rows), tuple(values))
