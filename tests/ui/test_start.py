@@ -107,6 +107,7 @@ def test_a_text_server_listens_without_robots_vehicles_and_bags(tmp_path: Path) 
     assert not {name.partition(".")[0] for name in modules} & {
         "numba",
         "pymavlink",
+        "pyvrp",
         "rosbags",
         "matplotlib",
         "pyarrow",

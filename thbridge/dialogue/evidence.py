@@ -57,6 +57,7 @@ class WhereFacts:
         tour: rooms that the plan gives it, in their order.
         advised: the room that its planner has chosen; None: the one of most value.
         compares: False: it gives no reason but what a room costs, as an adviser does that may err.
+        proven: False: the values are of plans that were found, and others may be better; none is compared with another.
         left_behind: robots that the plan gives no room when this one goes to a certain room, by that room.
         confidence: of its localisation, 0 to 1.
         at: simulated time, s.
@@ -76,6 +77,7 @@ class WhereFacts:
     tour: tuple[Room, ...] = ()
     advised: Room | None = None
     compares: bool = True
+    proven: bool = True
     left_behind: Mapping[Room, Mapping[int, Room]] = field(default_factory=dict)
     confidence: float = 1.0
     at: float = 0.0
@@ -148,6 +150,8 @@ def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = N
     if rival is not None and compared.get(rival):
         _contrasted(case, facts, best, rival)
     reasons = compared.get(rival if rival in compared and rival is not None else nearest or best) or enough[best]
+    if best in comparable and not facts.proven:
+        reasons = (_planned(case, facts, best),)
     goes = Literal(NextRoom(facts.robot, best))
     case.rule(reasons, goes)
     # Whoever chooses one room has decided against the others (Sklar and Azhar 2015).
@@ -341,9 +345,8 @@ def _order(tour: tuple[Room, ...], first: Room, later: Room) -> Literal | None:
 
 def _compared(case: _Case, facts: WhereFacts, best: Room, room: Room) -> tuple[Literal, ...]:
     """Gather the reasons against another room than the best one; return those for the best one, if it is better."""
-    better, worse = facts.values[best], facts.values[room]
     goes = Literal(NextRoom(facts.robot, room))
-    difference = comparison(better, worse)
+    difference = comparison(facts.values[best], facts.values[room])
     if difference is None:
         return ()
     if room in facts.others:
@@ -353,10 +356,14 @@ def _compared(case: _Case, facts: WhereFacts, best: Room, room: Room) -> tuple[L
             theirs = case.knows(CostOfOther(other, room, cost))
             way = case.knows(EnergyCost(facts.here, room, own), confidence=facts.confidence)
             case.rule((theirs, way, case.knows(LessThan((cost,), own))), ~goes)
-    reasons = (
-        case.knows(TeamPlan(facts.robot, best, better.rooms, better.cost), confidence=facts.confidence),
-        case.knows(TeamPlan(facts.robot, room, worse.rooms, worse.cost), confidence=facts.confidence),
-        case.knows(difference),
-    )
+    if not facts.proven:
+        return ()
+    reasons = (_planned(case, facts, best), _planned(case, facts, room), case.knows(difference))
     case.rule(reasons, ~goes)
     return reasons
+
+
+def _planned(case: _Case, facts: WhereFacts, room: Room) -> Literal:
+    """Gather what the team reaches when the robot goes to a room next."""
+    value = facts.values[room]
+    return case.knows(TeamPlan(facts.robot, room, value.rooms, value.cost), confidence=facts.confidence)

@@ -152,7 +152,7 @@ def _before_the_next(facts: WhereFacts, about: Literal) -> tuple[Literal, ...]:
     if room is None or facts.tour[:1] != (room,) or len(facts.tour) < 2 or not facts.compares:
         return ()
     now, then = (facts.values.get(each) for each in facts.tour[:2])
-    difference = None if now is None or then is None else comparison(now, then)
+    difference = None if now is None or then is None or not facts.proven else comparison(now, then)
     if now is None or then is None or difference is None:
         return ()
     return (
@@ -170,7 +170,7 @@ def _would_change(facts: WhereFacts, about: Literal) -> tuple[Literal, ...]:
     hypotheses = [Literal(InTheWay(room))]
     own, cost = facts.values[room], facts.costs.get(room)
     rivals = [value for other, value in facts.values.items() if other != room and value.rooms == own.rooms]
-    if cost is not None and rivals and facts.compares:
+    if cost is not None and rivals and facts.compares and facts.proven:
         margin = min(value.cost for value in rivals) - own.cost
         hypotheses.append(Literal(EnergyCost(facts.here, room, cost + margin)))
     return tuple(hypotheses)

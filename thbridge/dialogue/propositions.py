@@ -174,7 +174,9 @@ class NextRoom(Proposition):
 
 @dataclass(frozen=True, slots=True)
 class TeamPlan(Proposition):
-    """Best that the team can do when a robot goes to a room next: so many rooms, for so much energy in all.
+    """What the team reaches when a robot goes to a room next: so many rooms, for so much energy in all.
+
+    Where two are compared, each is the best that the team can do.
 
     Attributes:
         robot: index in the team, from 0.

@@ -49,7 +49,23 @@ def joint_tours(
     """Return the best tours of the team; of more rooms than can be compared, good ones. See `PlanTours`."""
     if len(set(unvisited)) <= most_rooms_shared_out(len(starts)):
         return best_team_tours(costs, starts, unvisited, visit, sent)
+    return searched_tours(costs, starts, unvisited, visit, sent)
+
+
+def searched_tours(
+    costs: CostMatrix, starts: Sequence[TourStart], unvisited: Collection[Room], visit: float = 0.0, sent: int = -1
+) -> tuple[Tour, ...]:
+    """Return good tours of any number of rooms, nearly always the best, and not proven to be; see `PlanTours`."""
     return _sending(search_team_tours, costs, starts, unvisited, visit, sent)
+
+
+def tours_begun_with(
+    costs: CostMatrix, starts: Sequence[TourStart], tours: Sequence[Tour], robot: int, room: Room, visit: float
+) -> tuple[Tour, ...]:
+    """Return a plan's tours, changed so that a robot goes to a room first, as far as all can pay for the rest."""
+    orders = [[other for other in tour.rooms if other != room] for tour in tours]
+    orders[robot].insert(0, room)
+    return tuple(paid_tour(costs, start, order, visit) for start, order in zip(starts, orders, strict=True))
 
 
 def nearest_tours(

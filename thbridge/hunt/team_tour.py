@@ -20,7 +20,7 @@ from thbridge.hunt.rooms import Room
 from thbridge.hunt.tour import MOST_ROOMS, Tour, cost_to_go, first_order
 
 MOST_ROOMS_OF_A_TEAM = 16
-"""Greatest number of rooms of a joint plan."""
+"""Greatest number of rooms of which all plans of a team are compared: seconds, for four robots."""
 _LOW_ROOMS = 9
 """Number of rooms of which all pairs of a set and a subset are compared at once: 3^9 of them."""
 
@@ -99,10 +99,15 @@ def best_team_tours(
 
 @dataclass(frozen=True, slots=True)
 class PlanValue:
-    """Value of a joint plan: the number of rooms visited, and the energy of all moves."""
+    """Value of a team's plan: the number of rooms visited, and the energy of all moves."""
 
     rooms: int
     cost: float
+
+    @classmethod
+    def of(cls, tours: Sequence[Tour]) -> "PlanValue":
+        """Return the value of the plan with these tours."""
+        return cls(sum(len(tour.rooms) for tour in tours), sum(tour.cost for tour in tours))
 
 
 def alternatives(
@@ -144,7 +149,7 @@ def best_score(costs: CostMatrix, starts: Sequence[TourStart], points: Mapping[R
     Args:
         costs: energy from room to room.
         starts: one a robot.
-        points: of each room's treasure, of at most `MOST_ROOMS_OF_A_TEAM` rooms.
+        points: of each room's treasure, of so many rooms as can be shared out.
         visit: energy of naming.
 
     Raises:
@@ -242,10 +247,10 @@ def _best_within(spent: NDArray[np.float64], worth: NDArray[np.int64], rooms: in
 
 def _first_of_best(plan: _Plan, spent: NDArray[np.float64], worth: NDArray[np.int64], left: int) -> int:
     """Return the subset of these rooms that a robot takes beside the others' plan: of equals the lowest."""
-    part = np.arange(len(worth))
-    energy = plan.least[left ^ part] + spent
-    number = np.where(np.isfinite(energy), plan.most[left ^ part] + worth, -1)
-    return int(np.lexsort((part, energy, -number))[0])
+    rest = left ^ np.arange(len(worth))
+    energy = plan.least[rest] + spent
+    number = np.where(np.isfinite(energy), plan.most[rest] + worth, -1)
+    return int(np.where(number == number.max(), energy, np.inf).argmin())
 
 
 def _joined(plan: _Plan, spent: NDArray[np.float64], worth: NDArray[np.int64], rooms: int) -> _Plan:

@@ -18,7 +18,7 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 
 MOST_ROOMS = 18
-"""Greatest number of rooms: the table takes 8 bytes x 2^n x (n + 1), 40 MB for 18."""
+"""Greatest number of rooms of one robot's best tour: the table takes 8 bytes x 2^n x (n + 1), 40 MB for 18."""
 
 
 class NoTour(StrEnum):
@@ -61,6 +61,10 @@ def best_tour(
         IndexError: a place that the matrix does not know.
     """
     rooms = sorted(set(unvisited) - {at})
+    if len(rooms) > MOST_ROOMS:
+        return RequestRefused(
+            NoTour.TOO_MANY_ROOMS, f"I can compare tours of at most {MOST_ROOMS} rooms, and {len(rooms)} are left."
+        )
     refused = why_no_tour(costs.rows[at.people], at, rooms, energy)
     if refused is not None:
         return refused
@@ -78,7 +82,7 @@ def best_tour(
 def why_no_tour(
     row: Sequence[float], at: Room, unvisited: Collection[Room], energy: float = math.inf
 ) -> RequestRefused | None:
-    """Return the refusal of `best_tour`, or None, without comparing any tours.
+    """Return why a robot can go to none of any number of rooms, or None, without comparing any tours.
 
     Args:
         row: energy from where the robot stands to each place, as a row of `CostMatrix`.
@@ -89,10 +93,6 @@ def why_no_tour(
     rooms = sorted(set(unvisited) - {at})
     if not rooms:
         return RequestRefused(NoTour.NOTHING_LEFT, "Every room has been visited.")
-    if len(rooms) > MOST_ROOMS:
-        return RequestRefused(
-            NoTour.TOO_MANY_ROOMS, f"I can compare tours of at most {MOST_ROOMS} rooms, and {len(rooms)} are left."
-        )
     nearest = min(rooms, key=lambda room: row[room.people])
     least = row[nearest.people]
     if math.isinf(least):

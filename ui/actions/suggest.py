@@ -1,7 +1,7 @@
 """Plans of `thbridge suggest --team`."""
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from rich.table import Table
@@ -37,7 +37,7 @@ class SuggestedPlan:
     @property
     def value(self) -> PlanValue:
         """Rooms visited, and the energy of all moves."""
-        return _value_of(self.tours)
+        return PlanValue.of(self.tours)
 
     @property
     def is_proven(self) -> bool:
@@ -57,8 +57,8 @@ def plan_of(setting: StudySetting, rooms: Collection[Room], planner: TeamPlanner
     if len(set(rooms)) > most_rooms_shared_out(len(starts)):
         return SuggestedPlan(planner, tours, None, ())
     if planner is TeamPlanner.JOINT:
-        return SuggestedPlan(planner, tours, _value_of(tours), alternatives(*question))
-    return SuggestedPlan(planner, tours, _value_of(best_team_tours(*question)), ())
+        return SuggestedPlan(planner, tours, PlanValue.of(tours), alternatives(*question))
+    return SuggestedPlan(planner, tours, PlanValue.of(best_team_tours(*question)), ())
 
 
 def team_starts(setting: StudySetting) -> tuple[TourStart, ...]:
@@ -110,10 +110,6 @@ def show_plan(plan: SuggestedPlan, names: RoomNames) -> None:
         show("Of so many rooms no plan can be proven the best: a better one may exist.")
     elif plan.best != plan.value:
         show(f"The best plan: {_in_words(plan.best)}.")
-
-
-def _value_of(tours: Sequence[Tour]) -> PlanValue:
-    return PlanValue(sum(len(tour.rooms) for tour in tours), sum(tour.cost for tour in tours))
 
 
 def _as_json(value: PlanValue) -> dict[str, object]:

@@ -1,5 +1,6 @@
 """`thbridge suggest`: where to go next."""
 
+import math
 from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -11,7 +12,10 @@ from ui.options import AsJson
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, print_json, show
 
 if TYPE_CHECKING:
+    from thbridge.hunt.costs import CostMatrix
+    from thbridge.hunt.refusals import RequestRefused
     from thbridge.hunt.rooms import Room
+    from thbridge.hunt.tour import Tour
 
 
 def suggest(
@@ -46,7 +50,7 @@ def _suggest_to_robot(costs: Path, at: int, unvisited: str, as_json: bool) -> No
     from thbridge.files.map_times import read_map_times
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.hunt.rooms import Room
-    from thbridge.hunt.tour import best_tour
+    from thbridge.hunt.tour import MOST_ROOMS, best_tour
 
     with bad_input():
         matrix = read_map_times(costs)
@@ -57,15 +61,29 @@ def _suggest_to_robot(costs: Path, at: int, unvisited: str, as_json: bool) -> No
             f"--at: {at} is not a place in the cost file. Write 0, the corridor, or a room up to {len(matrix.rooms)}.",
         )
     places = _rooms(unvisited, matrix.rooms)
-    tour = best_tour(matrix, start, places)
+    proven = len({*places} - {start}) <= MOST_ROOMS
+    tour = best_tour(matrix, start, places) if proven else _good_tour(matrix, start, places)
     if isinstance(tour, RequestRefused):
         fail(FAILED, tour.sentence)
     rooms = [each.people for each in tour.rooms]
     cost = int(tour.cost) if tour.cost == int(tour.cost) else tour.cost
     if as_json:
-        print_json({"next": rooms[0], "tour": rooms, "cost": cost})
-    else:
-        show(f"Next room {rooms[0]}; the cheapest tour is {' '.join(map(str, rooms))} and costs {cost}.")
+        print_json({"next": rooms[0], "tour": rooms, "cost": cost, "proven": proven})
+        return
+    kind = "the cheapest" if proven else "a good"
+    show(f"Next room {rooms[0]}; {kind} tour is {' '.join(map(str, rooms))} and costs {cost}.")
+    if not proven:
+        show("Of so many rooms no tour can be proven the cheapest: a cheaper one may exist.")
+
+
+def _good_tour(costs: "CostMatrix", at: "Room", unvisited: Collection["Room"]) -> "Tour | RequestRefused":
+    from thbridge.hunt.team_tour import TourStart
+    from thbridge.hunt.team_tour_search import search_team_tours
+    from thbridge.hunt.tour import why_no_tour
+
+    row = costs.rows[at.people]
+    rooms = set(unvisited) - {at}
+    return why_no_tour(row, at, rooms) or search_team_tours(costs, (TourStart(row, math.inf),), rooms)[0]
 
 
 def _suggest_to_team(study_file: Path, unvisited: str | None, planner: TeamPlanner, as_json: bool) -> None:

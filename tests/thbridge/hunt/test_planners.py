@@ -107,7 +107,8 @@ def test_a_robot_alone_goes_by_its_own_tour_as_in_2016(seed, energy):
     whole = CostMatrix((start.costs, *costs.rows[1:]))
     (tour,) = PLANNERS[TeamPlanner.TOUR](costs, (start,), costs.rooms, 2.0)
     own = best_tour(whole, CORRIDOR, costs.rooms, energy, 2.0)
-    assert isinstance(own, Tour)
+    if not isinstance(own, Tour):
+        own = Tour((), 0.0)  # Not even the nearest room can be paid for.
     assert (len(tour.rooms), tour.cost) == (len(own.rooms), pytest.approx(own.cost))
 
 

@@ -61,6 +61,20 @@ def test_a_plan_of_too_many_rooms_is_said_not_to_be_proven(study: Path, monkeypa
     assert "no plan can be proven the best" in suggest("--team", study)
 
 
+def test_one_robot_may_have_any_number_of_rooms_before_it(tmp_path: Path) -> None:
+    def asked(rooms: int, *more: str) -> str:
+        costs = tmp_path / "mapTimes"
+        places = range(rooms + 1)
+        rows = (" ".join(str(abs(a - b) or 99) for b in places) for a in places)
+        costs.write_text("\n".join([str(len(places)), *rows, ""]))
+        return suggest("--costs", costs, "--at", 0, "--unvisited", ",".join(map(str, places[1:])), *more)
+
+    for rooms, proven in ((18, True), (24, False)):
+        told = json.loads(asked(rooms, "--json"))
+        assert told == {"next": 1, "tour": list(range(1, rooms + 1)), "cost": rooms, "proven": proven}
+        assert ("the cheapest tour is" in asked(rooms)) == proven
+
+
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [

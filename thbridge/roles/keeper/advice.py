@@ -13,16 +13,20 @@ from thbridge.hunt import rules
 from thbridge.hunt.costs import CostMatrix, energy_text
 from thbridge.hunt.events import Commander, RoomAdvised
 from thbridge.hunt.game import GameState
-from thbridge.hunt.planners import PLANNERS, PLANNING_ALONE
+from thbridge.hunt.planners import PLANNERS, PLANNING_ALONE, searched_tours
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.team_planner import TeamPlanner
-from thbridge.hunt.team_tour import TourStart
+from thbridge.hunt.team_tour import MOST_ROOMS_OF_A_TEAM, TourStart
 from thbridge.hunt.tour import Tour, why_no_tour
 from thbridge.roles.participant_rules import Discussed, Situation, free_to_discuss
 
-MOST_ROOMS_ADVISED = 12
-"""Greatest number of rooms left for which robots plan together: a plan has to be there within a tick."""
+_MOST_ROOMS_COMPARED = {1: 17, 2: MOST_ROOMS_OF_A_TEAM, 3: 14, 4: 13}
+"""By the number of robots, rooms left of which a robot that is asked compares all plans; of more robots 12.
+
+The game waits for the answer: such a plan, and the values of all other next rooms that an argument needs, take half a
+second at most. Searching for a plan of more rooms takes as long.
+"""
 _EXACT = frozenset({TeamPlanner.JOINT, TeamPlanner.TOUR})
 """Planners whose tours are the best there are, of the team or of the robot alone."""
 
@@ -82,8 +86,8 @@ class Adviser:
 
         Unless the planner is for each robot alone, it plans for all robots that the participant can send: those under
         way, and those that are about to be sent, go on from there with the energy that is left to them once they have
-        named what they find. Rooms that other robots have dialogues about are theirs. Of more rooms than a joint plan
-        can share out in time, the robot plans its own tour.
+        named what they find. Rooms that other robots have dialogues about are theirs. Of more rooms than can be
+        compared in time the joint plan is searched for.
 
         Args:
             state: of the game.
@@ -97,23 +101,19 @@ class Adviser:
         if refused is not None:
             return refused
         starts = {robot: TourStart(state.costs_from(robot), adviser.energy)}
-        if self._plans_for_all(len(free)):
+        if self.planner not in PLANNING_ALONE:
             others = {other: start_of(state, discussed, other) for other in range(len(state.robots)) if other != robot}
             starts |= {other: start for other, start in others.items() if start is not None}
-        tours = _tours(self.planner, costs, tuple(starts.values()), free, state.started.identify_cost)
+        tours = tours_sending_first(self.planner, costs, tuple(starts.values()), free, state.started.identify_cost)
         planned = tours[0].rooms[0]
         wrong = [room for room in possible_rooms(state, discussed, robot) if room != planned]
         room = self._drawn(state, robot, number, planned, wrong)
         if self.error_rate > 0.0:
             reason = _reason_by_cost(state.cost(robot, room))
         else:
-            exact = self.planner in _EXACT
+            exact = self.planner in _EXACT and can_compare(free, starts)
             reason = _reason(starts[robot].costs, room, free, dict(zip(starts, tours, strict=True)), robot, exact)
         return Advice(room, reason, number, planned, room != planned, self._confidence(bool(wrong)))
-
-    def _plans_for_all(self, rooms: int) -> bool:
-        in_time = self.planner is not TeamPlanner.JOINT or rooms <= MOST_ROOMS_ADVISED
-        return in_time and self.planner not in PLANNING_ALONE
 
     def _drawn(self, state: GameState, robot: int, number: int, planned: Room, wrong: Sequence[Room]) -> Room:
         """Return the room planned, or one of the wrong ones."""
@@ -182,9 +182,20 @@ def start_of(state: GameState, discussed: Sequence[Discussed], number: int) -> T
     return TourStart(row, max(energy, 0.0))
 
 
+def can_compare(rooms: Collection[Room], robots: Collection[object]) -> bool:
+    """Return True for so few rooms and robots that all plans can be compared while the game waits for an answer."""
+    return len(rooms) <= _MOST_ROOMS_COMPARED.get(len(robots), 12)
+
+
 @lru_cache(maxsize=16)
-def _tours(
+def tours_sending_first(
     planner: TeamPlanner, costs: CostMatrix, starts: tuple[TourStart, ...], rooms: tuple[Room, ...], visit: float
 ) -> tuple[Tour, ...]:
-    """Return the tours that send the first robot; remembered, since a wizard's advice is shown anew in every tick."""
-    return PLANNERS[planner](costs, starts, rooms, visit, sent=0)
+    """Return the tours that send the first robot, if it can pay for any.
+
+    They are remembered: what a robot suggests and what it argues from are one plan, and a wizard's advice is shown anew
+    in every tick.
+    """
+    searches = planner in _EXACT and not can_compare(rooms, starts)
+    plan = searched_tours if searches else PLANNERS[planner]
+    return plan(costs, starts, rooms, visit, sent=0)

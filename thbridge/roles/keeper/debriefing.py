@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from thbridge.hunt.game import GameState
-from thbridge.hunt.team_tour import MOST_ROOMS_OF_A_TEAM, TourStart, best_score
+from thbridge.hunt.team_tour import TourStart, best_score, most_rooms_shared_out
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.view import Debrief, RoomDebrief
 
@@ -21,7 +21,7 @@ def debrief_of(state: GameState, from_starts: Sequence[Sequence[float]], briefin
         return Debrief(farewell=briefing.farewell)
     points = {room: kind.points for room, kind in zip(state.started.costs.rooms, treasures, strict=True)}
     best = None
-    if len(points) <= MOST_ROOMS_OF_A_TEAM:
+    if len(points) <= most_rooms_shared_out(len(from_starts)):
         starts = [TourStart(tuple(row), state.started.energy) for row in from_starts]
         best = best_score(state.started.costs, starts, points, state.started.identify_cost)
     rooms = (RoomDebrief(room.people, kind.name, kind.points) for room, kind in zip(points, treasures, strict=True))

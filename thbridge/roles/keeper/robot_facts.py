@@ -9,11 +9,13 @@ from thbridge.dialogue.evidence import WhatFacts, WhereFacts
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Condition
 from thbridge.hunt.game import GameState
+from thbridge.hunt.planners import tours_begun_with
 from thbridge.hunt.rooms import Room
+from thbridge.hunt.team_planner import TeamPlanner
 from thbridge.hunt.team_tour import PlanValue, TourStart, alternatives, best_team_tours
 from thbridge.hunt.tour import Tour
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.keeper.advice import MOST_ROOMS_ADVISED, start_of
+from thbridge.roles.keeper.advice import can_compare, start_of, tours_sending_first
 from thbridge.roles.participant_rules import Discussed, other_candidate
 
 _SURE, _LOST = 1.0, 0.3
@@ -30,7 +32,8 @@ def where_facts(
 ) -> WhereFacts:
     """Return what a robot knows about where to go.
 
-    With more than `MOST_ROOMS_ADVISED` rooms left, it looks at those that cost it least, and plans for itself alone.
+    Of more rooms than can be compared in time, the joint plan is searched for; other rooms are worth what is left of it
+    when the robot begins with them.
 
     Args:
         state: of the game.
@@ -43,19 +46,18 @@ def where_facts(
     here, row = state.robots[robot], state.costs_from(robot)
     taken = {room: other for room in state.free_rooms if (other := other_candidate(discussed, room, robot)) is not None}
     free = tuple(room for room in state.free_rooms if room not in taken)
-    near = sorted(free, key=lambda room: (row[room.people], room))[:MOST_ROOMS_ADVISED]
     starts = {robot: TourStart(row, here.energy)}
-    if len(free) <= MOST_ROOMS_ADVISED:
-        others = {number: start_of(state, discussed, number) for number in range(len(state.robots)) if number != robot}
-        starts |= {number: start for number, start in others.items() if start is not None}
-    planned = tuple(sorted(near))
-    values, tours = _plans(state.started.costs, tuple(starts.values()), planned, state.started.identify_cost)
-    by_robot = dict(zip(starts, values, strict=True))
+    others = {number: start_of(state, discussed, number) for number in range(len(state.robots)) if number != robot}
+    starts |= {number: start for number, start in others.items() if start is not None}
+    proven = can_compare(free, starts)
+    plans = _compared if proven else _searched
+    values, tours = plans(state.started.costs, tuple(starts.values()), tuple(sorted(free)), state.started.identify_cost)
+    by_robot = dict(zip(starts, values, strict=proven))
     busy = {number for number, tour in zip(starts, tours, strict=True) if tour.rooms}
     left_behind = {}
-    if rival is not None and rival in by_robot[robot]:
+    if proven and rival is not None and rival in by_robot[robot]:
         left_behind[rival] = {
-            other: state.robots[other].at for other in sorted(busy - _busy(state, starts, robot, rival, planned))
+            other: state.robots[other].at for other in sorted(busy - _busy(state, starts, robot, rival, free))
         }
     first = {tour.rooms[0]: number for number, tour in zip(starts, tours, strict=True) if tour.rooms}
     return WhereFacts(
@@ -75,6 +77,7 @@ def where_facts(
         },
         team_values={number: of_robot for number, of_robot in by_robot.items() if number != robot},
         tour=tours[0].rooms,
+        proven=proven,
         left_behind=left_behind,
         confidence=_LOST if here.condition is Condition.LOST else _SURE,
         at=tick / TICKS_PER_SECOND,
@@ -106,22 +109,33 @@ def what_facts(state: GameState, robot: int, room: Room, kinds: Sequence[Treasur
     )
 
 
-def _busy(
-    state: GameState, starts: dict[int, TourStart], robot: int, room: Room, planned: tuple[Room, ...]
-) -> set[int]:
+def _busy(state: GameState, starts: dict[int, TourStart], robot: int, room: Room, free: Collection[Room]) -> set[int]:
     """Robots with a room to go to when one of them goes to a certain room first."""
     costs, visit = state.started.costs, state.started.identify_cost
     own = starts[robot]
     there = TourStart(costs.rows[room.people], max(own.energy - own.costs[room.people] - visit, 0.0))
-    rest = tuple(other for other in planned if other != room)
+    rest = tuple(other for other in free if other != room)
     tours = best_team_tours(costs, tuple({**starts, robot: there}.values()), rest, visit) if rest else ()
     return {robot} | {number for number, tour in zip(starts, tours, strict=False) if tour.rooms}
 
 
 @lru_cache(maxsize=64)
-def _plans(
+def _compared(
     costs: CostMatrix, starts: tuple[TourStart, ...], rooms: tuple[Room, ...], visit: float
 ) -> tuple[tuple[dict[Room, PlanValue], ...], tuple[Tour, ...]]:
+    """Values of all next rooms of each robot, and the tours of the best plan that sends the first one."""
     if not rooms:
         return tuple({} for _ in starts), tuple(Tour((), 0.0) for _ in starts)
-    return alternatives(costs, starts, rooms, visit), best_team_tours(costs, starts, rooms, visit, sent=0)
+    tours = tours_sending_first(TeamPlanner.JOINT, costs, starts, rooms, visit)
+    return alternatives(costs, starts, rooms, visit), tours
+
+
+@lru_cache(maxsize=64)
+def _searched(
+    costs: CostMatrix, starts: tuple[TourStart, ...], rooms: tuple[Room, ...], visit: float
+) -> tuple[tuple[dict[Room, PlanValue], ...], tuple[Tour, ...]]:
+    """Values of all next rooms of the first robot, and the tours of a good plan that sends it."""
+    tours = tours_sending_first(TeamPlanner.JOINT, costs, starts, rooms, visit)
+    payable = filter(starts[0].can_pay, rooms)
+    begun = {room: tours_begun_with(costs, starts, tours, 0, room, visit) for room in payable}
+    return ({room: PlanValue.of(changed) for room, changed in begun.items()},), tours

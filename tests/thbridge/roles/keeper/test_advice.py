@@ -13,6 +13,7 @@ from thbridge.hunt import rules
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Commander, Condition
 from thbridge.hunt.game import CommandHolder
+from thbridge.hunt.planners import searched_tours
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.team_planner import TeamPlanner
@@ -83,9 +84,35 @@ def test_nothing_to_advise_is_refused_as_for_one_robot():
     assert ADVISER.advise(state, (), 0).reason == NoTour.NOT_ENOUGH_ENERGY
 
 
-def test_of_more_rooms_than_can_be_shared_out_a_robot_plans_its_own_tour():
-    flat = CostMatrix(tuple(tuple(float(abs(a - b) or 99) for b in range(15)) for a in range(15)))
-    assert said(ADVISER.advise(new_game(costs=flat), (), 1)) == (Room(1), "no other room costs me less")
+def at_two_ends(rooms):
+    """Costs of a corridor in the middle, half the rooms in a row to its left and half to its right, a bit nearer."""
+    half = rooms // 2
+    places = [0.0, *(-11.0 - place for place in range(half)), *(9.0 + place for place in range(half))]
+    return CostMatrix(tuple(tuple(abs(one - other) or 99.0 for other in places) for one in places))
+
+
+@pytest.mark.parametrize("rooms", [16, 18, 24, 40])
+def test_a_team_shares_out_any_number_of_rooms(rooms):
+    state = new_game(costs=at_two_ends(rooms))
+    nearest = Room(rooms // 2 + 1)
+    state = after(state, rules.move(state, 0, nearest))
+    reason = f"{Room(nearest.people + 1)} costs me less, but robot 1 is better placed for it"
+    assert said(ADVISER.advise(state, (), 1)) == (Room(1), reason)
+
+
+@pytest.mark.parametrize(("planner", "robots"), [("joint", 3), ("tour", 1)])
+def test_of_a_plan_that_was_searched_for_nothing_is_claimed_that_only_the_best_could_keep(planner, robots):
+    seen = set()
+    for seed in range(6):
+        costs, starts = random_hunt(20, robots, 60.0, seed)
+        state = new_game(costs=costs, robots=robots, energy=60.0)
+        placed = [replace(one, costs=start.costs) for one, start in zip(state.robots, starts, strict=True)]
+        state = replace(state, robots=tuple(placed))
+        advice = Adviser(TeamPlanner(planner)).advise(state, (), 0)
+        assert advice.room == searched_tours(costs, starts, state.free_rooms, 2.0, sent=0)[0].rooms[0]
+        assert "round" not in advice.reason and "reach" not in advice.reason
+        seen.add(advice.reason.partition(" ")[0])
+    assert "it" in seen
 
 
 @settings(deadline=None, max_examples=60)

@@ -5,9 +5,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise, permutations, product
 
+import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from tests.thbridge.hunt.random_hunts import random_hunt
 from thbridge.argumentation.propositions import Literal
 from thbridge.dialogue.evidence import WhatFacts, WhereFacts, what, where
 from thbridge.dialogue.explanations import explain, questions
@@ -28,9 +30,10 @@ from thbridge.hunt import game
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import GameStarted
 from thbridge.hunt.game import GameState
+from thbridge.hunt.planners import searched_tours, tours_begun_with
 from thbridge.hunt.properties import OF_2016
 from thbridge.hunt.rooms import Room
-from thbridge.hunt.team_tour import PlanValue
+from thbridge.hunt.team_tour import PlanValue, TourStart
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.keeper.robot_facts import what_facts, where_facts
 from thbridge.roles.participant_rules import Discussed
@@ -128,6 +131,36 @@ def test_every_number_in_an_explanation_is_recomputed(state: GameState, robot: i
                     assert any(not tours[other] for tours in best_plans(state, robot, room.people))
                 case LessThan() | FewerRooms() as compared:
                     assert compared.is_true
+
+
+@pytest.mark.parametrize(("rooms", "energy"), [(18, 40.0), (20, 60.0), (30, 300.0)])
+def test_of_many_rooms_it_tells_what_the_team_reaches_and_compares_no_plans(rooms: int, energy: float) -> None:
+    costs, _ = random_hunt(rooms, 2, energy, seed=rooms)
+    started = GameStarted(1, 1, 2, energy, 10.0, VISIT, 1.0, costs, OF_2016)
+    state = replace(game.begin(started), agreed=True)
+    wanted = min(costs.rooms, key=lambda room: costs.rows[0][room.people])
+    facts = where_facts(state, (), 0, (), tick=50, rival=wanted)
+    tours = searched_tours(costs, [TourStart(costs.rows[0], energy)] * 2, costs.rooms, VISIT, sent=0)
+    assert facts.tour == tours[0].rooms
+    assert set(facts.values) == {room for room in costs.rooms if costs.rows[0][room.people] <= energy}
+    assert max(value.rooms for value in facts.values.values()) <= sum(len(tour.rooms) for tour in tours)
+    for advised in (tours[0].rooms[0], wanted, max(facts.values)):
+        told = replace(facts, advised=advised)
+        evidence = where(told, rival=wanted)
+        assert evidence.decision == Literal(NextRoom(0, advised))
+        said = {
+            literal.proposition
+            for enquiry in questions(told, evidence, Literal(NextRoom(0, wanted)))
+            for literal in explain(enquiry, told, evidence).because
+        }
+        begun = tours_begun_with(costs, [TourStart(costs.rows[0], energy)] * 2, tours, 0, advised, VISIT)
+        spent = sum(cost_of(state, 0, tuple(room.people for room in tour.rooms)) for tour in begun)
+        (plan,) = (each for each in said if isinstance(each, TeamPlan))
+        assert (plan.room, plan.rooms) == (advised, sum(len(tour.rooms) for tour in begun))
+        assert plan.energy == pytest.approx(spent)
+        assert not any(isinstance(each, FewerRooms | DearerPlan | ShorterPlan | LeftBehind) for each in said)
+        for each in said:
+            assert not isinstance(each, EnergyCost) or each.energy == costs.rows[0][each.goal.people]
 
 
 @settings(max_examples=25)
