@@ -180,10 +180,18 @@ class DialogueSection:
         1,
     )
     says_confidence: bool = param(
-        False, "whether robots say how sure they are of a suggestion: the share of theirs that do not err"
+        False, "whether robots say how sure they are of a suggestion: the probability that it does not err"
     )
     confidence_bias: float = param(
         0.0, "added to the confidence that robots state, which stays within 0 and 1; 0 is calibrated", "", -1, 1
+    )
+    confidence_spread: float = param(
+        0.0,
+        "greatest distance of a suggestion's own probability of error, drawn anew for each, from adviser_error_rate, "
+        "its mean; 0: all are equally sure",
+        "",
+        0,
+        0.5,
     )
     games: Path | None = param(
         None, "path of a folder of dialogue games, beside those that come with the project; null: those alone"
@@ -409,6 +417,12 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
         least, most = study.participant.robots
         if least > most:
             yield loaded.fault("participant.robots", f"{least} is above {most}", "Write the smaller number first")
+    rate, spread = study.dialogue.adviser_error_rate, study.dialogue.confidence_spread
+    room = round(min(rate, 1.0 - rate), 9)
+    if spread > room:
+        problem = f"suggestions would err with probabilities from {rate - spread:g} to {rate + spread:g}"
+        remedy = f"Write at most {room:g}, or change adviser_error_rate"
+        yield loaded.fault("dialogue.confidence_spread", problem, remedy)
     yield from faults_of_fleet(loaded, study.fleet, study.robots)
     yield from faults_of_mavlink(loaded, study.mavlink, study.robots)
     yield from faults_of_things(loaded, study.things)

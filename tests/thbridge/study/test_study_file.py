@@ -173,6 +173,16 @@ BROKEN = {
         "study.yaml, line 3, world.laser.rate: 15 does not divide the 50 steps of a second. "
         "Write one of 1, 2, 5, 10, 25, 50.",
     ),
+    "probabilities of error below 0": (
+        "dialogue:\n  adviser_error_rate: 0.2\n  confidence_spread: 0.3\n",
+        "study.yaml, line 3, dialogue.confidence_spread: suggestions would err with probabilities from -0.1 to 0.5. "
+        "Write at most 0.2, or change adviser_error_rate.",
+    ),
+    "probabilities of error above 1": (
+        "dialogue: {adviser_error_rate: 0.9, confidence_spread: 0.2}",
+        "study.yaml, line 1, dialogue.confidence_spread: suggestions would err with probabilities from 0.7 to 1.1. "
+        "Write at most 0.1, or change adviser_error_rate.",
+    ),
     "a minimum above the default maximum": (
         "robot:\n  amcl:\n    min_particles: 2000\n",
         "study.yaml, line 3, robot.amcl.min_particles: 2000 is above robot.amcl.max_particles, which is 1000.",

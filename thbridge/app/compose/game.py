@@ -51,7 +51,13 @@ def build_keeper(setting: StudySetting, history: tuple[Event, ...] = (), last_ga
         history,
         last_game,
         build_briefing(setting),
-        Adviser(talk.planner, talk.adviser_error_rate, talk.says_confidence, talk.confidence_bias),
+        Adviser(
+            talk.planner,
+            talk.adviser_error_rate,
+            talk.says_confidence,
+            talk.confidence_bias,
+            talk.confidence_spread,
+        ),
         None if talk.patience is None else round(talk.patience * TICKS_PER_SECOND),
         tells_refusals=study.server.tell_refusals,
     )

@@ -71,13 +71,17 @@ class Adviser:
         planner: chooses the room.
         error_rate: share of advice in which another room is suggested, drawn among all that the robot could suggest.
         says_confidence: True when robots state how sure they are.
-        confidence_bias: added to the confidence of a calibrated adviser, who knows its rate of errors and no more.
+        confidence_bias: added to the confidence of a calibrated adviser, who knows the probability that its advice errs
+            and no more.
+        confidence_spread: greatest distance of that probability from the rate, its mean; it is drawn anew for each
+            advice, uniformly.
     """
 
     planner: TeamPlanner = TeamPlanner.JOINT
     error_rate: float = 0.0
     says_confidence: bool = False
     confidence_bias: float = 0.0
+    confidence_spread: float = 0.0
 
     def advise(
         self, state: GameState, discussed: Sequence[Discussed], robot: int, number: int = 1
@@ -107,26 +111,20 @@ class Adviser:
         tours = tours_sending_first(self.planner, costs, tuple(starts.values()), free, state.started.identify_cost)
         planned = tours[0].rooms[0]
         wrong = [room for room in possible_rooms(state, discussed, robot) if room != planned]
-        room = self._drawn(state, robot, number, planned, wrong)
+        stream = noise.key(state.started.seed, "adviser", str(state.started.game), str(robot))
+        may_err = self.error_rate + self.confidence_spread * (2.0 * noise.uniform(stream, number, 2) - 1.0)
+        errs = noise.uniform(stream, number, 0) < may_err and bool(wrong)
+        room = wrong[int(noise.uniform(stream, number, 1) * len(wrong))] if errs else planned
         if self.error_rate > 0.0:
             reason = _reason_by_cost(state.cost(robot, room))
         else:
             exact = self.planner in _EXACT and can_compare(free, starts)
             reason = _reason(starts[robot].costs, room, free, dict(zip(starts, tours, strict=True)), robot, exact)
-        return Advice(room, reason, number, planned, room != planned, self._confidence(bool(wrong)))
-
-    def _drawn(self, state: GameState, robot: int, number: int, planned: Room, wrong: Sequence[Room]) -> Room:
-        """Return the room planned, or one of the wrong ones."""
-        stream = noise.key(state.started.seed, "adviser", str(state.started.game), str(robot))
-        if not wrong or noise.uniform(stream, number, 0) >= self.error_rate:
-            return planned
-        return wrong[int(noise.uniform(stream, number, 1) * len(wrong))]
-
-    def _confidence(self, may_err: bool) -> float | None:
-        if not self.says_confidence:
-            return None
-        calibrated = 1.0 - self.error_rate if may_err else 1.0
-        return min(max(calibrated + self.confidence_bias, 0.0), 1.0)
+        confidence = None
+        if self.says_confidence:
+            calibrated = 1.0 - may_err if wrong else 1.0
+            confidence = min(max(calibrated + self.confidence_bias, 0.0), 1.0)
+        return Advice(room, reason, number, planned, errs, confidence)
 
 
 def possible_rooms(state: GameState, discussed: Sequence[Discussed], robot: int) -> list[Room]:

@@ -223,7 +223,7 @@ class TestSame:
 
     def test_advice_errs_again_where_it_did(self, tmp_path: Path) -> None:
         talk = DialogueSection(
-            planner=TeamPlanner.AUCTION, adviser_error_rate=0.5, says_confidence=True, confidence_bias=-0.1
+            planner=TeamPlanner.AUCTION, adviser_error_rate=0.5, says_confidence=True, confidence_spread=0.1
         )
         record(tmp_path / "erring.bag", dataclasses.replace(STUDY, dialogue=talk), 20.0)
         equal(tmp_path / "erring.bag", 20 * 50)
@@ -231,7 +231,8 @@ class TestSame:
         advice = [json.loads(event.json) for event in told if event.kind == "advised"]
         assert len(advice) > 1
         assert all((each["planned"] != each["room"]) == each["erred"] for each in advice)
-        assert {each["confidence"] for each in advice} == {0.4}
+        assert all(0.4 <= each["confidence"] <= 0.6 for each in advice)
+        assert len({each["confidence"] for each in advice}) > 1
 
     def test_what_a_researcher_did_at_the_watch_door_is_done_again(self, tmp_path: Path) -> None:
         crate = Thing("crate", ((0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)), Pose2(0.0, 0.5, 0.2))

@@ -1,5 +1,6 @@
 """What robots advise in a team: each takes its first room of the joint plan, and says why."""
 
+import itertools
 from dataclasses import replace
 
 import pytest
@@ -213,6 +214,21 @@ def test_errors_follow_from_seed_game_robot_and_number_alone():
     assert errors() == errors()
     others = [errors(robot=1), errors(seed=2), errors(game=2)]
     assert all(errors() != other for other in others)
+
+
+@pytest.mark.parametrize(("rate", "spread"), [(0.3, 0.3), (0.5, 0.5), (0.8, 0.1)])
+def test_confidence_that_differs_from_advice_to_advice_is_the_share_of_those_that_are_right(rate, spread):
+    state, bins = new_game(costs=TWO_ENDS), 4
+    adviser = Adviser(error_rate=rate, says_confidence=True, confidence_spread=spread)
+    given = [adviser.advise(state, (), 0, number) for number in range(6000)]
+    assert sum(advice.erred for advice in given) == pytest.approx(6000 * rate, abs=150)
+    least = 1.0 - rate - spread
+    edges = [least + place * 2.0 * spread / bins for place in range(bins + 1)]
+    for low, high in itertools.pairwise(edges):
+        alike = [advice for advice in given if low <= advice.confidence < high]
+        assert len(alike) == pytest.approx(6000 / bins, abs=150), "each confidence is as likely"
+        right = sum(not advice.erred for advice in alike) / len(alike)
+        assert right == pytest.approx(sum(advice.confidence for advice in alike) / len(alike), abs=0.05)
 
 
 def test_with_one_room_left_there_is_no_way_to_err():
