@@ -7,7 +7,7 @@ from thbridge.app.compose.game import build_keeper
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.session.session import Session
 from thbridge.app.trouble_log import TroubleLog
-from thbridge.hunt.events import Event, GameStarted
+from thbridge.hunt.events import GameStarted, JournalEntry
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.roles.keeper.consent import CONSENT_SENTENCES, ConsentStatus
 from thbridge.sockets.addresses import ListeningAddress
@@ -30,16 +30,16 @@ class ConsentedLog:
     def __init__(self, journals: JournalStore, status: Callable[[], ConsentStatus]) -> None:
         self._journals = journals
         self._status = status
-        self._held: list[Event] = []
+        self._held: list[JournalEntry] = []
         self._open = False
 
-    def append(self, events: Sequence[Event]) -> None:
-        """Write the events, or hold them back; called in every tick. Raises BadFile as the journals do."""
-        for event in events:
-            if isinstance(event, GameStarted):
+    def append(self, entries: Sequence[JournalEntry]) -> None:
+        """Write the entries, or hold them back; called in every tick. Raises BadFile as the journals do."""
+        for entry in entries:
+            if isinstance(entry, GameStarted):
                 self._write()
                 self._held, self._open = [], False
-            self._held.append(event)
+            self._held.append(entry)
         self._open = self._open or self._status().recordable
         self._write()
 
@@ -74,6 +74,8 @@ async def serve(
                 _log.warning("its last event was half written and is lost")
         last_game = journals.last_game if unfinished is None else journals.last_game - 1
         keeper = build_keeper(setting, () if unfinished is None else unfinished.history, last_game)
+        for dialogue in keeper.dialogues_not_restored:
+            _log.warning("dialogue %d cannot be taken up again; what was said in it is in the journal", dialogue)
         session = Session(keeper, [], log=ConsentedLog(journals, lambda: keeper.consent))
         server = TextServer(session, session.note_forwarded)
         session.perform = server.perform

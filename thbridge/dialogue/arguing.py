@@ -125,6 +125,13 @@ class ArguingEngine:
         """Let the robot speak in a dialogue that was held."""
         return self._run(dialogue, (), held=False)
 
+    def retake(self, dialogue: Dialogue, turn: Turn) -> DialogueStep:
+        """Take a turn that was taken before; see `DialogueEngine`."""
+        is_legal = isinstance(turn.move, Echo) or turn.move in self._legal(dialogue, turn.speaker)
+        _check(is_legal, turn.move, turn.speaker)
+        dialogue, utterance = self._with_turn(dialogue, turn)
+        return self._run(dialogue, (utterance,), held=True)
+
     def choices(self, dialogue: Dialogue, speaker: Speaker = Speaker.PERSON) -> tuple[Choice, ...]:
         """Return the speaker's legal moves; see `DialogueEngine`."""
         return tuple(

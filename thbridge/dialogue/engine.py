@@ -96,6 +96,10 @@ class DialogueEngine(Protocol):
         """Let the robot speak in a dialogue that was held."""
         ...
 
+    def retake(self, dialogue: Dialogue, turn: Turn) -> DialogueStep:
+        """Take a turn that was taken before the dialogue was restored; nobody answers it."""
+        ...
+
     def choices(self, dialogue: Dialogue, speaker: Speaker = Speaker.PERSON) -> tuple[Choice, ...]:
         """Return the speaker's legal moves in an open dialogue, most agreeable first; none if it is not their turn."""
         ...

@@ -217,6 +217,21 @@ def word_of(move: Move) -> str:
     return move.locution if isinstance(move, DialogueMove) else _WORDS[type(move)]
 
 
+def move_text(move: Move) -> str:
+    """Return a move as journals write it; moves that are legal at the same time are written differently."""
+    match move:
+        case Ask(question):
+            return f"ask({question})"
+        case Enquire(question, None):
+            return f"enquire({question})"
+        case Enquire(question, about):
+            return f"enquire({question}, {about})"
+        case DialogueMove():
+            return str(move)
+        case _:
+            return word_of(move)
+
+
 @dataclass(frozen=True, slots=True)
 class Turn:
     """A move with its speaker and author.

@@ -14,7 +14,7 @@ from typing import get_args
 import msgspec
 
 from thbridge.hunt.costs import CostMatrix
-from thbridge.hunt.events import Event, GameStarted, Number, TreasureSensed, TreasuresHidden
+from thbridge.hunt.events import Event, GameStarted, JournalEntry, Number, TreasureSensed, TreasuresHidden
 from thbridge.hunt.properties import OF_2016
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
@@ -27,7 +27,7 @@ TAKEN = _OF_A_KIND.union({"v", "event"}, *(event.__struct_fields__ for event in 
 """Names that no property of a treasure may have: those of the fields of events, as columns of tables have them."""
 
 
-def to_json(event: Event) -> str:
+def to_json(event: JournalEntry) -> str:
     """Return one line of ASCII without its line end. Raises ValueError if a number is NaN or infinite."""
     fields: dict[str, object] = msgspec.to_builtins(event, enc_hook=_encode_value)
     match event:
@@ -40,7 +40,7 @@ def to_json(event: Event) -> str:
     return json.dumps({"v": VERSION, **fields}, separators=(",", ":"), allow_nan=False)
 
 
-def from_json(line: str) -> Event:
+def from_json(line: str) -> JournalEntry:
     """Return the event in a line of `to_json`.
 
     Raises:
@@ -63,7 +63,7 @@ def from_json(line: str) -> Event:
     if isinstance(treasures, list):
         fields["treasures"] = [_gathered(kind, _OF_A_KIND) if isinstance(kind, dict) else kind for kind in treasures]
     try:
-        event: Event = msgspec.convert(fields, Event, dec_hook=_decode_value)
+        event: JournalEntry = msgspec.convert(fields, JournalEntry, dec_hook=_decode_value)
     except msgspec.ValidationError as error:
         raise ValueError(str(error)) from None
     if isinstance(event, TreasuresHidden) and [*map(treasure_fields, event.treasures)] != treasures:

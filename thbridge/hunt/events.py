@@ -267,6 +267,52 @@ class GameEnded(_Event, frozen=True, tag="ended"):
     score: int
 
 
+class DialogueOpened(_Event, frozen=True, omit_defaults=True, tag="talk"):
+    """A robot and the participant have begun to talk about a decision. Only journals have it: no game depends on it.
+
+    Attributes:
+        dialogue: its number in this game, from 1.
+        scenario: the decision.
+        robot: index in the team, from 0.
+        room: the room that it is about.
+        at: simulated time, s.
+        opener: the side that brings it up.
+        advised: the room that the robot's planner chose; None where it had none.
+        reason: of a suggestion, as part of a sentence.
+        confidence: stated in a suggestion, 0 to 1; None where none was.
+    """
+
+    dialogue: int
+    scenario: str
+    robot: int
+    room: Room
+    at: Number
+    opener: str
+    advised: Room | None = None
+    reason: str = ""
+    confidence: Number | None = None
+
+
+class DialogueSaid(_Event, frozen=True, tag="said"):
+    """A robot or the participant has said something in a dialogue. Only journals have it.
+
+    Attributes:
+        dialogue: number of the dialogue; one that was not opened is an announcement.
+        turn: place of the move in it, from 0.
+        speaker: the side that said it.
+        author: who decided on it: robot, person or wizard.
+        move: the move, as `move_text` writes it.
+        text: the sentence.
+    """
+
+    dialogue: int
+    turn: int
+    speaker: str
+    author: str
+    move: str
+    text: str
+
+
 Event = (
     GameStarted
     | TreasuresHidden
@@ -288,3 +334,6 @@ Event = (
     | TreasureTakenUp
     | GameEnded
 )
+
+JournalEntry = Event | DialogueOpened | DialogueSaid
+"""What a journal holds: the events of a game, and what was said between them."""

@@ -14,7 +14,7 @@ from typing import IO, Self
 
 from thbridge.files.errors import BadFile
 from thbridge.hunt.codec import from_json, to_json
-from thbridge.hunt.events import Event, GameStarted
+from thbridge.hunt.events import DialogueOpened, DialogueSaid, GameStarted, JournalEntry
 from thbridge.hunt.game import GameState, apply, begin
 from thbridge.recording.append import append_whole, sync_folder
 
@@ -27,14 +27,14 @@ class RecoveredGame:
 
     Attributes:
         started: the first event.
-        events: the further events, in order.
+        events: the further events, and what was said between them, in order.
         state: the state after all events.
         size: bytes of the whole lines of the file.
         torn: the incomplete last line that was being written when the writer died, or None; it is not in `events`.
     """
 
     started: GameStarted
-    events: tuple[Event, ...]
+    events: tuple[JournalEntry, ...]
     state: GameState
     size: int
     torn: bytes | None
@@ -66,7 +66,7 @@ def read_journal(path: Path) -> RecoveredGame:
     lines = whole.split(b"\n") if newline else []
     started: GameStarted | None = None
     state: GameState | None = None
-    events: list[Event] = []
+    events: list[JournalEntry] = []
     for number, line in enumerate(lines, start=1):
         try:
             event = from_json(line.decode())
@@ -77,7 +77,11 @@ def read_journal(path: Path) -> RecoveredGame:
                 continue
             if isinstance(event, GameStarted):
                 raise ValueError("a second game starts in the journal of the first")
-            state = apply(state, event)
+            if isinstance(event, DialogueOpened):
+                if not (state.has_robot(event.robot) and state.has_room(event.room)):
+                    raise ValueError(f"this game has no robot {event.robot} or no {event.room}")
+            elif not isinstance(event, DialogueSaid):
+                state = apply(state, event)
         except ValueError as error:
             raise BadFile(path, str(error), _remedy(number), line=number) from None
         events.append(event)
@@ -146,7 +150,7 @@ class Journal:
             raise
         return journal, recovered
 
-    def append(self, events: Sequence[Event]) -> None:
+    def append(self, events: Sequence[JournalEntry]) -> None:
         """Write events, in order; they are on the disk when this returns.
 
         Raises:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.files.errors import BadFile
-from thbridge.hunt.events import Event, GameStarted
+from thbridge.hunt.events import GameStarted, JournalEntry
 from thbridge.recording.journal import Journal, journal_path, next_game
 
 
@@ -14,11 +14,11 @@ class UnfinishedGame:
     """A game that was cut off.
 
     Attributes:
-        history: its events, oldest first, with `GameStarted`.
+        history: its events and what was said, oldest first, with `GameStarted`.
         torn: True when the last event was incomplete and is lost.
     """
 
-    history: tuple[Event, ...]
+    history: tuple[JournalEntry, ...]
     torn: bool
 
 
@@ -61,7 +61,7 @@ class JournalStore:
         self._journal = journal
         return UnfinishedGame((recovered.started, *recovered.events), recovered.torn is not None)
 
-    def append(self, events: Sequence[Event]) -> None:
+    def append(self, events: Sequence[JournalEntry]) -> None:
         """Write events to the disk, in order; a `GameStarted` begins the next journal.
 
         Raises:

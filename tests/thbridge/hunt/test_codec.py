@@ -15,6 +15,8 @@ from thbridge.hunt.events import (
     Condition,
     ConditionChanged,
     ConsentGiven,
+    DialogueOpened,
+    DialogueSaid,
     EndReason,
     Event,
     GameEnded,
@@ -76,6 +78,10 @@ events = st.one_of(
     st.builds(TreasureLeft, rooms),
     st.builds(TreasureTakenUp, rooms),
     st.builds(GameEnded, st.sampled_from(EndReason), st.integers()),
+    st.builds(
+        DialogueOpened, robots, texts, robots, rooms, numbers, texts, st.none() | rooms, texts, st.none() | shares
+    ),
+    st.builds(DialogueSaid, robots, robots, texts, texts, texts, texts),
 )
 
 
@@ -92,6 +98,7 @@ def test_a_field_more_or_less_is_refused(event, data):
     with pytest.raises(ValueError, match=r"unknown field `extra`|Expected `str`.*properties"):
         from_json(json.dumps(fields | {"extra": 1}))
     optional = {"at"} if isinstance(event, ConsentGiven) else set()
+    optional |= {"advised", "reason", "confidence"} if isinstance(event, DialogueOpened) else set()
     optional |= {"properties"} if isinstance(event, GameStarted) else set()
     optional |= event.properties.keys() if isinstance(event, TreasureSensed) else set()
     missing = data.draw(st.sampled_from(sorted(fields.keys() - optional)))

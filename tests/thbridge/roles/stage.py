@@ -14,7 +14,7 @@ from thbridge.dialogue.scripted.strategies import TemplateStrategy
 from thbridge.dialogue.scripted.templates import TemplatePhrasing
 from thbridge.files.resources import shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
-from thbridge.hunt.events import Condition, Event
+from thbridge.hunt.events import Condition, DialogueOpened, DialogueSaid, Event, JournalEntry
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.protocols.text import legacy
@@ -45,10 +45,14 @@ def engine(chosen: TemplateSet, seed: int = 7) -> ScriptedEngine:
 
 class Log:
     def __init__(self) -> None:
-        self.events: list[Event] = []
+        self.entries: list[JournalEntry] = []
 
-    def append(self, events: Sequence[Event]) -> None:
-        self.events += events
+    @property
+    def events(self) -> list[Event]:
+        return [entry for entry in self.entries if not isinstance(entry, DialogueOpened | DialogueSaid)]
+
+    def append(self, entries: Sequence[JournalEntry]) -> None:
+        self.entries += entries
 
 
 class Puppets:
@@ -135,7 +139,7 @@ class Stage:
         seed: int = 7,
         briefing: Briefing | None = None,
         kinds: Sequence[TreasureKind] | None = None,
-        history: Sequence[Event] = (),
+        history: Sequence[JournalEntry] = (),
         tells_refusals: bool = False,
         adviser: Adviser | None = None,
         talk: DialogueEngine | None = None,

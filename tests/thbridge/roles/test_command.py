@@ -235,7 +235,7 @@ def test_whoever_commands_a_robot_has_it_in_the_next_game_too(play: Play) -> Non
 
 def test_a_keeper_that_comes_back_gives_robots_back_to_the_participant(play: Play) -> None:
     play.ask(TAKE)
-    again = Play(history=play.stage.log.events)
+    again = Play(history=play.stage.log.entries)
     assert again.view.robots[0].commander is Commander.PARTICIPANT
     assert again.events(CommanderChanged)[-1] == CommanderChanged(0, Commander.PARTICIPANT, "")
 

@@ -34,7 +34,7 @@ class Seat:
         self.model.lost("The server has gone.", self.now)
         self.now += 2.0
         self.tabui = TabUI(self, self)
-        self.stage = Stage(participant=self.tabui, history=self.stage.log.events, **self.staged)
+        self.stage = Stage(participant=self.tabui, history=self.stage.log.entries, **self.staged)
         self.model.connected(self.now)
 
     @property

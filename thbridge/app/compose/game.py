@@ -16,7 +16,7 @@ from thbridge.dialogue.scripted.strategies import TemplateStrategy
 from thbridge.dialogue.scripted.templates import TemplatePhrasing
 from thbridge.dialogue.worded import WordedPhrasing
 from thbridge.files.template_files import TemplateSet
-from thbridge.hunt.events import Event
+from thbridge.hunt.events import JournalEntry
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.hider import Hider
 from thbridge.roles.keeper.advice import Adviser
@@ -29,7 +29,7 @@ from thbridge.roles.participant.bots import Bot, TreasureKnowledge
 from thbridge.study.study_file import DialogueSection, MannerSection
 
 
-def build_keeper(setting: StudySetting, history: tuple[Event, ...] = (), last_game: int = 0) -> Keeper:
+def build_keeper(setting: StudySetting, history: tuple[JournalEntry, ...] = (), last_game: int = 0) -> Keeper:
     """Return the keeper; see `Keeper` for a game that goes on."""
     study, template = setting.study, setting.templates.dialogue
     game = study.game

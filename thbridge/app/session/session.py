@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 from thbridge.app.session import inputs
 from thbridge.app.session.inputs import Input
 from thbridge.dialogue.moves import DialogueUtterance
-from thbridge.hunt.events import Event
+from thbridge.hunt.events import Event, JournalEntry
 from thbridge.hunt.game import GameState
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.mavlink.links import HubLink
@@ -69,10 +69,10 @@ class TickRecorder(Protocol):
 
 
 class EventLog(Protocol):
-    """Log of the game's events, written before any of their effects."""
+    """Log of the game's events and of what is said, written before any of their effects."""
 
-    def append(self, events: Sequence[Event]) -> None:
-        """Write the events; return when they are safe."""
+    def append(self, entries: Sequence[JournalEntry]) -> None:
+        """Write the entries; return when they are safe."""
 
 
 class Session:
@@ -271,7 +271,7 @@ class Session:
         self._step_role(self._keeper)
         decisions = self._keeper.decisions
         if self._log is not None:
-            self._log.append(decisions.events)
+            self._log.append(decisions.entries)
         for role in self._roles:
             self._step_role(role)
         if self._participant is not None:

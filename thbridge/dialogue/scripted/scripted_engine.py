@@ -58,6 +58,11 @@ class ScriptedEngine:
         """Let the robot speak in a dialogue that was held."""
         return self._run(dialogue, (), held=False)
 
+    def retake(self, dialogue: Dialogue, turn: Turn) -> DialogueStep:
+        """Take a turn that was taken before; see `DialogueEngine`."""
+        dialogue, utterance = self._with_turn(dialogue, turn)
+        return self._run(dialogue, (utterance,), held=True)
+
     def choices(self, dialogue: Dialogue, speaker: Speaker = Speaker.PERSON) -> tuple[Choice, ...]:
         """Return the speaker's legal moves in an open dialogue, most agreeable first; none if it is not their turn."""
         if self.protocol.speaker(dialogue) is not speaker:

@@ -9,19 +9,24 @@ from thbridge.dialogue.engine import DialogueEngine, DialogueStep
 from thbridge.dialogue.evidence import WhatFacts, WhereFacts, is_decision, situation_of
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.moves import (
+    Author,
     CloseQuestions,
     DecideAlone,
     Dialogue,
     DialogueOutcome,
     DialogueTopic,
     DialogueUtterance,
+    Echo,
     OpenQuestions,
     Scenario,
     Speaker,
+    Turn,
+    move_text,
     word_of,
 )
 from thbridge.dialogue.propositions import NextRoom
 from thbridge.hunt import rules
+from thbridge.hunt.events import DialogueSaid
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room, RoomNames
 from thbridge.roles.participant_rules import Discussed
@@ -69,6 +74,7 @@ class GameDialogues:
         asked_for_advice: puppets that the participant has asked where to go, in the order of asking; no dialogue yet.
         consents: agreements not yet acted upon, oldest first.
         last_words: of dialogues that have ended, at most one per robot, the newest last.
+        not_restored: numbers of dialogues that were open when the game was cut off, and could not be taken up again.
     """
 
     def __init__(
@@ -88,12 +94,18 @@ class GameDialogues:
         self._opened = 0
         self.consents: tuple[Consent, ...] = ()
         self.last_words: tuple[LastWords, ...] = ()
+        self.not_restored: tuple[int, ...] = ()
         self._utterances: list[DialogueUtterance] = []
 
     def take_utterances(self) -> list[DialogueUtterance]:
         """Return the utterances since the last call, in order."""
         utterances, self._utterances = self._utterances, []
         return utterances
+
+    @property
+    def next_number(self) -> int:
+        """Number of the next dialogue."""
+        return self._opened + 1
 
     @property
     def argues(self) -> bool:
@@ -111,6 +123,7 @@ class GameDialogues:
         *,
         facts: WhereFacts | WhatFacts | None = None,
         opener: Speaker = Speaker.PERSON,
+        restored: int | None = None,
     ) -> None:
         """Open a dialogue; an earlier one with this robot is withdrawn, and an agreement on the same matter too.
 
@@ -123,14 +136,47 @@ class GameDialogues:
             confidence: to be stated in a suggestion, 0 to 1, or None.
             facts: of a robot that argues.
             opener: the side that brings it up.
+            restored: the number that it had before the game was cut off; what was said follows by `retake`.
         """
         self._forget(robot, MATTERS[scenario])
         name = self._room_names.name(room.people) or str(room)
         topic = replace(_topic(state, scenario, robot, room, name), reason=reason, confidence=confidence)
         topic = replace(topic, facts=facts, opener=opener)
         former = None if facts is None else self._remembered(robot, facts)
-        self._opened += 1
-        self._follow(self._engine.open(self._opened, topic, held=robot in self.puppets, former=former))
+        self._opened = self.next_number if restored is None else restored
+        held = restored is not None or robot in self.puppets
+        self._follow(state, self._engine.open(self._opened, topic, held=held, former=former))
+
+    def retake(self, state: GameState, said: DialogueSaid) -> None:
+        """Take a turn again, as a journal has it; a dialogue in which it is not legal any more is withdrawn."""
+        self._opened = max(self._opened, said.dialogue)
+        dialogue = next((dialogue for dialogue in self._open.values() if dialogue.number == said.dialogue), None)
+        if dialogue is None:
+            return
+        if said.turn < len(dialogue.turns):
+            # With the move that opens it.
+            is_same = move_text(dialogue.turns[said.turn].move) == said.move
+        else:
+            is_same = said.turn == len(dialogue.turns) and self._retaken(state, dialogue, said)
+        if not is_same:
+            del self._open[dialogue.topic.robot]
+            self.not_restored += (dialogue.number,)
+
+    def _retaken(self, state: GameState, dialogue: Dialogue, said: DialogueSaid) -> bool:
+        speaker = Speaker(said.speaker)
+        legal = [choice.move for choice in self._engine.choices(dialogue, speaker)]
+        echo = Echo(said.text)
+        move = next((move for move in (*legal, echo) if move_text(move) == said.move), None)
+        if move is None:
+            return False
+        self._follow(state, self._engine.retake(dialogue, Turn(speaker, move, Author(said.author), said.text)))
+        return True
+
+    def go_on(self, state: GameState) -> None:
+        """Let robots speak whose turn it was when the game was cut off; what was restored is not said again."""
+        self._utterances.clear()
+        for dialogue in tuple(self._open.values()):
+            self._follow(state, self._engine.release(dialogue))
 
     def decision(self, facts: WhereFacts) -> Room | None:
         """Return the room that a robot would go to by itself, in the light of what it was told; None: none."""
@@ -160,13 +206,13 @@ class GameDialogues:
         is_answered = given is not None and any(turn.speaker is Speaker.PERSON for turn in given.turns)
         return given is not None and given.topic.scenario is Scenario.DONT_KNOW and not is_answered
 
-    def answer(self, number: int, turn: int, choice: int) -> None:
+    def answer(self, state: GameState, number: int, turn: int, choice: int) -> None:
         """Make the participant's choice; one for an earlier turn changes nothing."""
         dialogue = self._at_turn(number, turn)
         choices = () if dialogue is None else self._engine.choices(dialogue)
         if dialogue is not None and 0 <= choice < len(choices):
             held = dialogue.topic.robot in self.puppets
-            self._follow(self._engine.move(dialogue, choices[choice].move, held=held))
+            self._follow(state, self._engine.move(dialogue, choices[choice].move, held=held))
 
     def decided_alone(self, state: GameState, robot: int, room: Room, waited: float) -> None:
         """Let a robot say that it goes to a room by itself, after it has waited for so many seconds."""
@@ -175,7 +221,7 @@ class GameDialogues:
         topic = _topic(state, Scenario.DONT_KNOW, robot, room, name)
         self._opened += 1
         step = self._engine.announce(self._opened, topic, DecideAlone(waited))
-        self._follow(step)
+        self._follow(state, step)
         self._keep_last_words(step.dialogue, agreed=True)
 
     # In a robot's place
@@ -184,20 +230,20 @@ class GameDialogues:
         """Let a person speak for this robot from now on."""
         self.puppets |= {robot}
 
-    def release(self, robot: int) -> None:
+    def release(self, state: GameState | None, robot: int) -> None:
         """Let the robot speak for itself again, at once if it is its turn; a waiting request for advice is dropped."""
         self.puppets -= {robot}
         self._forget_advice(robot)
         dialogue = self._open.get(robot)
-        if dialogue is not None:
-            self._follow(self._engine.release(dialogue))
+        if dialogue is not None and state is not None:
+            self._follow(state, self._engine.release(dialogue))
 
-    def speak_for(self, number: int, turn: int, move: int, text: str) -> None:
+    def speak_for(self, state: GameState, number: int, turn: int, move: int, text: str) -> None:
         """Make a puppet's move; one for an earlier turn changes nothing."""
         dialogue = self._at_turn(number, turn)
         choices = () if dialogue is None else self._engine.choices(dialogue, Speaker.ROBOT)
         if dialogue is not None and 0 <= move < len(choices):
-            self._follow(self._engine.speak(dialogue, choices[move].move, text))
+            self._follow(state, self._engine.speak(dialogue, choices[move].move, text))
 
     def held_turns(self) -> tuple[HeldTurn, ...]:
         """Return the turns of puppets that wait for a person."""
@@ -297,18 +343,22 @@ class GameDialogues:
         dialogue = next((dialogue for dialogue in self._open.values() if dialogue.number == number), None)
         return dialogue if dialogue is not None and len(dialogue.turns) == turn else None
 
-    def _follow(self, step: DialogueStep) -> None:
+    def _follow(self, state: GameState, step: DialogueStep) -> None:
         topic = step.dialogue.topic
+        matter = MATTERS[topic.scenario]
         if step.dialogue.conversation is not None and topic.facts is not None:
             self._memories[topic.robot] = (situation_of(topic.facts), step.dialogue.conversation)
         self._utterances += step.utterances
         if step.outcome is None:
             self._open[topic.robot] = step.dialogue
-        else:
-            self._open.pop(topic.robot, None)
-            self._keep_last_words(step.dialogue, agreed=step.outcome is DialogueOutcome.CONSENSUS)
-        if step.outcome is DialogueOutcome.CONSENSUS:
-            self.consents += (Consent(topic.robot, MATTERS[topic.scenario], topic.room.people),)
+            return
+        # What both agreed upon in the end may have been done by another robot while they talked.
+        can_be_done = _still_open(state, topic.robot, matter, topic.room)
+        agreed = step.outcome is DialogueOutcome.CONSENSUS and can_be_done
+        self._open.pop(topic.robot, None)
+        self._keep_last_words(step.dialogue, agreed=agreed)
+        if agreed:
+            self.consents += (Consent(topic.robot, matter, topic.room.people),)
 
     def _keep_last_words(self, dialogue: Dialogue, *, agreed: bool) -> None:
         """Keep how a dialogue has ended; where robots do as they are told without a word, there is nothing to keep."""

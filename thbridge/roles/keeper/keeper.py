@@ -17,7 +17,15 @@ from thbridge.dialogue.moves import DialogueUtterance
 from thbridge.hunt import rules
 from thbridge.hunt.codec import treasure_of
 from thbridge.hunt.costs import CostMatrix
-from thbridge.hunt.events import Commander, Event, GameStarted, TreasuresHidden
+from thbridge.hunt.events import (
+    Commander,
+    DialogueOpened,
+    DialogueSaid,
+    Event,
+    GameStarted,
+    JournalEntry,
+    TreasuresHidden,
+)
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rules import MOST_ROBOTS
@@ -120,16 +128,21 @@ class KeeperDecisions:
     """Decisions of one step of the keeper.
 
     Attributes:
-        events: of the game, in order.
+        entries: for the journal: the events of the game, and what was said between them, in order.
         utterances: of its dialogues, in order.
         wizard: the turns that wait for a wizard.
         refusals: of what programs have asked for, in order.
     """
 
-    events: tuple[Event, ...]
+    entries: tuple[JournalEntry, ...]
     utterances: tuple[DialogueUtterance, ...]
     wizard: WizardState
     refusals: tuple[ProgramRefusal, ...] = ()
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """The events of the game, in order."""
+        return tuple(entry for entry in self.entries if not isinstance(entry, DialogueOpened | DialogueSaid))
 
 
 class Keeper:
@@ -138,7 +151,7 @@ class Keeper:
     Args:
         rules: of the game.
         engine: makes the dialogue engine of a game, given the game's number.
-        history: events of the game in progress, oldest first, as the journal has them; empty for none.
+        history: entries of the game in progress, oldest first, as the journal has them; empty for none.
         last_game: number of the last game so far; the next one gets the number after it.
         briefing: for participants, beside the state of the game.
         adviser: suggests rooms in the place of robots.
@@ -146,7 +159,7 @@ class Keeper:
         tells_refusals: True: programs of 2016 are told what is refused to them, by `%%error`.
 
     Attributes:
-        decisions: those of the last step; its events belong in the journal before anything else is done.
+        decisions: those of the last step; its entries belong in the journal before anything else is done.
     """
 
     name = KEEPER
@@ -155,7 +168,7 @@ class Keeper:
         self,
         rules: GameRules,
         engine: Callable[[int], DialogueEngine],
-        history: Sequence[Event] = (),
+        history: Sequence[JournalEntry] = (),
         last_game: int = 0,
         briefing: Briefing | None = None,
         adviser: Adviser | None = None,
@@ -192,6 +205,11 @@ class Keeper:
     def state(self) -> GameState | None:
         """The current game, or the last one if it is over; None before the first."""
         return self._game.state
+
+    @property
+    def dialogues_not_restored(self) -> tuple[int, ...]:
+        """Numbers of dialogues that were open when the game was cut off, and could not be taken up again."""
+        return self._game.dialogues.not_restored
 
     @property
     def consent(self) -> ConsentStatus:
@@ -275,7 +293,7 @@ class Keeper:
             wizard = wizard_state(self._game, self.state)
         self._outgoing += self._participants.pieces(tick)
         self.decisions = KeeperDecisions(
-            self._game.take_events(), tuple(self._game.dialogues.take_utterances()), wizard, tuple(self._refusals)
+            self._game.take_entries(), self._game.take_utterances(), wizard, tuple(self._refusals)
         )
         self._refusals.clear()
         outgoing, self._outgoing = self._outgoing, []

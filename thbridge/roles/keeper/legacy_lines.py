@@ -116,8 +116,7 @@ class LegacyLines:
             ruling = RequestRefused(
                 KeeperReason.NO_CONSENSUS, f"You have not agreed with {name} that it goes to {room}."
             )
-        if self._game.apply_ruling(kind_of(SendRobot), ruling):
-            self._game.dialogues.withdraw_consent(robot, "select-room")
+        self._game.apply_ruling(kind_of(SendRobot), ruling)
 
     def _arrived(self, state: GameState, robot: int, room: Room) -> None:
         here = state.robots[robot] if state.has_robot(robot) else None
@@ -163,13 +162,12 @@ class LegacyLines:
         return legacy.PointsAwarded(self._game.state.room(room).points or 0).message()
 
     def _agreed(self, ruling: rules.Ruling, state: GameState, room: Room, matter: DialogueMatter) -> rules.Ruling:
-        """Return the ruling if robot and participant agreed on it, else a refusal; the agreement is used up."""
+        """Return the ruling if robot and participant agreed on it, else a refusal."""
         robot = state.decider(room)
         if isinstance(ruling, RequestRefused) or robot is None:
             return ruling
         if not self._game.dialogues.is_agreed(robot, matter, room):
             return RequestRefused(KeeperReason.NO_CONSENSUS, f"You have not agreed on that with {robot_name(robot)}.")
-        self._game.dialogues.withdraw_consent(robot, matter)
         return ruling
 
     def _apply_reported(self, state: GameState, rule: Callable[[], rules.Ruling]) -> None:

@@ -1,21 +1,26 @@
-"""The open game: its state, the events of this step, the dialogues, the last refusal."""
+"""The open game: its state, the journal entries of this step, the dialogues, the last refusal."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
+from msgspec import structs
+
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.engine import DialogueEngine
 from thbridge.dialogue.evidence import WhatFacts, WhereFacts
-from thbridge.dialogue.moves import Scenario, Speaker
+from thbridge.dialogue.moves import DialogueUtterance, Scenario, Speaker, move_text
 from thbridge.hunt import game, rules
 from thbridge.hunt.events import (
     CommanderChanged,
-    Event,
+    DialogueOpened,
+    DialogueSaid,
     GameStarted,
     HandbackRequested,
+    JournalEntry,
     MoveFailed,
     RobotArrived,
     RobotDeparted,
+    TreasurePictured,
 )
 from thbridge.hunt.game import GameState
 from thbridge.hunt.refusals import RequestRefused
@@ -40,7 +45,7 @@ _READING = 30 * TICKS_PER_SECOND
 
 
 class OpenGame:
-    """The game in progress, as the keeper knows it; every change is an event and passes through here.
+    """The game in progress, as the keeper knows it; every change is an entry of the journal and passes through here.
 
     Args:
         engine: makes the dialogue engine of a game, given the game's number.
@@ -76,7 +81,8 @@ class OpenGame:
         self.dialogues = GameDialogues(engine(last_game), room_names=room_names)
         # By robot, the tick of the participant's request to get it back.
         self._asked_back: dict[int, int] = {}
-        self._tick = 0
+        # Ticks go on where they were when the game was cut off, so that what was told before is not the fresher.
+        self._tick = self._restored_until = 0
         self.refusal: RefusalView | None = None
         self._refusals = 0
         # The number of each robot's latest move in this game; then those of them that are ordered to SimR.
@@ -84,7 +90,8 @@ class OpenGame:
         self._ordered: list[int] = []
         self._departures = 0
         self._recalled: set[int] = set()
-        self._events: list[Event] = []
+        self._entries: list[JournalEntry] = []
+        self._utterances: list[DialogueUtterance] = []
 
     @property
     def asked_back(self) -> frozenset[int]:
@@ -93,9 +100,9 @@ class OpenGame:
 
     def advance(self, tick: int) -> bool:
         """Set the current tick; return True when a robot may be asked for again."""
-        self._tick = tick
+        now = self._tick = self._restored_until + tick
         before = len(self._asked_back)
-        self._asked_back = {robot: asked for robot, asked in self._asked_back.items() if tick - asked < _ASK_AGAIN}
+        self._asked_back = {robot: asked for robot, asked in self._asked_back.items() if now - asked < _ASK_AGAIN}
         return len(self._asked_back) < before
 
     def attend(self, robot: int) -> None:
@@ -127,7 +134,7 @@ class OpenGame:
             advice = self.advice(state, robot)
             room = None if isinstance(advice, RequestRefused) else advice.room
             if room is not None and self.dialogues.argues and not isinstance(advice, RequestRefused):
-                room = self.dialogues.decision(self.where_facts(state, robot, advice))
+                room = self.dialogues.decision(self._where_facts(state, robot, advice.room))
             decision = None if room is None else decide_to_go(state, robot, room)
         if decision is not None:
             self.record(decision.events)
@@ -143,23 +150,41 @@ class OpenGame:
                 continue
             advice = self.advice(state, robot)
             if not isinstance(advice, RequestRefused) and not rules.unable(state, robot):
-                facts = self.where_facts(state, robot, advice)
+                facts = self._where_facts(state, robot, advice.room)
                 if self.dialogues.decision(facts) is not None:
                     self.suggest(state, robot, advice, unasked=True)
         self._to_report.clear()
 
-    def restore(self, history: Iterable[Event]) -> None:
-        """Restore the state from the events of an unfinished game; they are not recorded again."""
-        for event in history:
-            self._apply(event)
+    def restore(self, history: Iterable[JournalEntry]) -> None:
+        """Restore state and dialogues from the journal of an unfinished game; nothing of it is recorded again."""
+        for entry in history:
+            if isinstance(entry, DialogueOpened):
+                self._tick = self._restored_until = round(entry.at * TICKS_PER_SECOND)
+            self._apply(entry, restored=True)
+            if self.state is not None:
+                self.dialogues.drop_stale(self.state)
+        self._to_report.clear()
+        if self.state is not None:
+            self.dialogues.go_on(self.state)
 
-    def record(self, events: Sequence[Event]) -> None:
-        """Apply events, and queue them for the journal."""
-        for event in events:
-            self._apply(event)
-            self._events.append(event)
-        if events and self.state is not None:
+    def record(self, entries: Sequence[JournalEntry]) -> None:
+        """Apply entries, and queue them for the journal."""
+        for entry in entries:
+            self._gather_utterances()
+            # What is said in a dialogue comes after its opening.
+            self._entries.append(entry)
+            self._apply(entry)
+        if entries and self.state is not None:
             self.dialogues.drop_stale(self.state)
+
+    def _gather_utterances(self) -> None:
+        """Queue what was said since the last call for the journal."""
+        fresh = self.dialogues.take_utterances()
+        self._utterances += fresh
+        self._entries += [
+            DialogueSaid(said.dialogue, said.index, said.speaker, said.author, move_text(said.move), said.text)
+            for said in fresh
+        ]
 
     def apply_ruling(self, request: str, ruling: rules.Ruling) -> bool:
         """Record the events of a ruling, or keep its refusal for the view; return True if it was allowed."""
@@ -182,44 +207,65 @@ class OpenGame:
 
     def suggest(self, state: GameState, robot: int, advice: Advice, *, unasked: bool = False) -> None:
         """Record an advice, and let the robot open the dialogue about it."""
-        facts, room = None, advice.room
+        room = advice.room
         if self.dialogues.argues:
-            facts = self.where_facts(state, robot, advice)
-            chosen = self.dialogues.decision(facts)
+            chosen = self.dialogues.decision(self._where_facts(state, robot, room))
             if chosen is None:
                 sentence = "I know of no room that I should go to, after all that you have told me."
                 self.refuse(kind_of(RequestSuggestion), RequestRefused(NoTour.NOTHING_LEFT, sentence))
                 return
             room = chosen
-        self.record((advice.event(robot),))
         opener = Speaker.ROBOT if unasked else Speaker.PERSON
-        self.dialogues.open(
-            state, Scenario.DONT_KNOW, robot, room, advice.reason, advice.confidence, facts=facts, opener=opener
-        )
+        opened = self._opening(Scenario.DONT_KNOW, robot, room, opener, advice.room)
+        self.record((advice.event(robot), structs.replace(opened, reason=advice.reason, confidence=advice.confidence)))
 
     def discuss(self, state: GameState, scenario: Scenario, robot: int, room: Room) -> None:
         """Open the dialogue about what the participant wants."""
-        facts: WhereFacts | WhatFacts | None = None
+        advised = None
         if self.dialogues.argues and MATTERS[scenario] == "select-room":
             advice = self.advice(state, robot)
-            facts = self.where_facts(state, robot, None if isinstance(advice, RequestRefused) else advice, room)
+            advised = None if isinstance(advice, RequestRefused) else advice.room
+        self.record((self._opening(scenario, robot, room, Speaker.PERSON, advised),))
+
+    def _opening(
+        self, scenario: Scenario, robot: int, room: Room, opener: Speaker, advised: Room | None
+    ) -> DialogueOpened:
+        at = self._tick / TICKS_PER_SECOND
+        return DialogueOpened(self.dialogues.next_number, scenario, robot, room, at, opener, advised)
+
+    def _open(self, state: GameState, opened: DialogueOpened, *, restored: bool) -> None:
+        scenario, robot, room = Scenario(opened.scenario), opened.robot, opened.room
+        facts: WhereFacts | WhatFacts | None = None
+        if self.dialogues.argues and MATTERS[scenario] == "select-room":
+            rival = room if scenario is Scenario.SPECIFIC_ROOM else None
+            facts = self._where_facts(state, robot, opened.advised, rival)
         elif self.dialogues.argues:
             facts = what_facts(state, robot, room, self._kinds, self._tick)
-        self.dialogues.open(state, scenario, robot, room, facts=facts)
+        self.dialogues.open(
+            state,
+            scenario,
+            robot,
+            room,
+            opened.reason,
+            opened.confidence,
+            facts=facts,
+            opener=Speaker(opened.opener),
+            restored=opened.dialogue if restored else None,
+        )
 
-    def where_facts(self, state: GameState, robot: int, advice: Advice | None, rival: Room | None = None) -> WhereFacts:
+    def _where_facts(self, state: GameState, robot: int, advised: Room | None, rival: Room | None = None) -> WhereFacts:
         """Return what a robot that argues knows about where to go, and which room its planner has chosen.
 
         Args:
             state: of the game.
             robot: index in the team.
-            advice: of its planner; None where it has none.
+            advised: the room that its planner has chosen; None where it has none.
             rival: room that the participant wants it to go to.
         """
         unreached = self._unreached.get(robot, frozenset())
         facts = where_facts(state, self.dialogues.discussed, robot, unreached, self._tick, rival)
         facts = replace(facts, compares=self._adviser.error_rate <= 0.0)
-        return facts if advice is None else replace(facts, advised=advice.room)
+        return facts if advised is None else replace(facts, advised=advised)
 
     def recall(self, robot: int) -> None:
         """Call a moving robot back; its move ends when SimR reports how far it came, or now if it was never ordered."""
@@ -251,13 +297,23 @@ class OpenGame:
             for number, robot in enumerate(state.robots)
         )
 
-    def take_events(self) -> tuple[Event, ...]:
-        """Return the events since the last call, in order."""
-        events = tuple(self._events)
-        self._events.clear()
-        return events
+    def take_entries(self) -> tuple[JournalEntry, ...]:
+        """Return the entries for the journal since the last call, in order."""
+        self._gather_utterances()
+        entries, self._entries = self._entries, []
+        return tuple(entries)
 
-    def _apply(self, event: Event) -> None:
+    def take_utterances(self) -> tuple[DialogueUtterance, ...]:
+        """Return what was said since the last call, in order."""
+        self._gather_utterances()
+        utterances, self._utterances = self._utterances, []
+        return tuple(utterances)
+
+    def _apply(self, event: JournalEntry, *, restored: bool = False) -> None:
+        if isinstance(event, DialogueOpened | DialogueSaid):
+            if self.state is not None:
+                self._talk(self.state, event, restored=restored)
+            return
         self._note_end_of_move(event)
         if isinstance(event, GameStarted):
             self.state = game.begin(event)
@@ -276,6 +332,9 @@ class OpenGame:
         if isinstance(event, RobotDeparted):
             self._departures += 1
             self._moves[event.robot] = self._departures
+            self.dialogues.withdraw_consent(event.robot, "select-room")
+        if isinstance(event, TreasurePictured):
+            self.dialogues.withdraw_consent(event.robot, "take-picture")
         if isinstance(event, HandbackRequested):
             self._asked_back[event.robot] = self._tick
         if isinstance(event, CommanderChanged):
@@ -286,7 +345,14 @@ class OpenGame:
         if isinstance(robot, int):
             self.attend(robot)
 
-    def _note_end_of_move(self, event: Event) -> None:
+    def _talk(self, state: GameState, entry: DialogueOpened | DialogueSaid, *, restored: bool) -> None:
+        if isinstance(entry, DialogueSaid):
+            self.dialogues.retake(state, entry)
+        else:
+            self._open(state, entry, restored=restored)
+            self.attend(entry.robot)
+
+    def _note_end_of_move(self, event: JournalEntry) -> None:
         """Note a room that a robot could not reach; after reaching one it thinks about all of them anew."""
         if isinstance(event, RobotArrived):
             self._unreached.pop(event.robot, None)

@@ -60,7 +60,7 @@ def handle_participant_request(game: OpenGame, state: GameState, notice: Notice,
             scenario = Scenario.TAKE_PICTURE if request.matter == "take-picture" else Scenario.TAKE_TREASURE
             _open(game, state, judge(now, request), scenario, request.robot, place(request.room))
         case AnswerDialogue() as request:
-            game.dialogues.answer(request.dialogue, request.turn, request.choice)
+            game.dialogues.answer(state, request.dialogue, request.turn, request.choice)
 
 
 def _robot_of(game: OpenGame, state: GameState, request: ParticipantRequest | None) -> int | None:

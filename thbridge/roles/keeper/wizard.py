@@ -59,11 +59,12 @@ def handle_wizard_request(game: OpenGame, state: GameState | None, request: Wiza
             game.dialogues.hold(robot)
         case WizardMode(robot):
             asked = robot in game.dialogues.asked_for_advice
-            game.dialogues.release(robot)
+            game.dialogues.release(state, robot)
             if asked and state is not None:
                 suggest_or_await(game, state, robot)
         case WizardMove(dialogue, turn, move, text):
-            game.dialogues.speak_for(dialogue, turn, move, text)
+            if state is not None:
+                game.dialogues.speak_for(state, dialogue, turn, move, text)
         case WizardAdvice(robot, number):
             if state is not None and robot in game.dialogues.asked_for_advice:
                 own, room = game.advice(state, robot), Room(max(number, 0))

@@ -1,5 +1,7 @@
 """Robots that argue, in a game: what participants and robots agree upon is done, and nothing else."""
 
+from collections.abc import Sequence
+
 import pytest
 
 from tests.thbridge.roles.stage import Stage
@@ -11,7 +13,7 @@ from thbridge.dialogue.worded import WordedPhrasing
 from thbridge.dialogue.wording.authors import WordingRequest
 from thbridge.files.game_files import read_rulebook
 from thbridge.files.word_files import read_language
-from thbridge.hunt.events import RobotDeparted, TreasureLeft
+from thbridge.hunt.events import JournalEntry, RobotDeparted, TreasureLeft
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import WizardMode, WizardMove
 from thbridge.roles.view import (
@@ -43,10 +45,11 @@ class Table:
         condition: DialogueCondition = COLLABORATOR,
         patience: int | None = None,
         talk: ArguingEngine | None = None,
+        history: Sequence[JournalEntry] = (),
     ) -> None:
         self.player = Script()
-        talk = talk or arguing_engine(condition)
-        self.stage = Stage(participant=TabUI(self.player), talk=talk, patience=patience)
+        self.talk = talk or arguing_engine(condition)
+        self.stage = Stage(participant=TabUI(self.player), talk=self.talk, patience=patience, history=history)
         self.stage.run(10)
 
     def wish(self, *wishes: ParticipantRequest, ticks: int = 5) -> View:

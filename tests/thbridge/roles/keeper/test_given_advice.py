@@ -53,9 +53,12 @@ def test_advice_asked_for_again_before_it_is_answered_is_the_same_advice() -> No
 def test_a_keeper_that_is_started_again_counts_on() -> None:
     before = Oz(ERRING)
     before.wish(UNSURE)
-    after = Oz(ERRING, before.stage.log.events)
+    after = Oz(ERRING, before.stage.log.entries)
+    # The suggestion stands until it is answered.
+    (talk,) = after.wish(UNSURE).dialogues
+    after.wish(AnswerDialogue(talk.dialogue, talk.turn, talk.acts.index("stop")))
     after.wish(UNSURE)
-    assert [event.advice for event in advised(after.stage)] == [1, 2]
+    assert [event.advice for event in advised(after.stage)] == [1, 1, 2]
 
 
 def test_a_wizards_own_advice_is_no_error_and_the_robots_is_recorded_beside_it() -> None:

@@ -7,7 +7,7 @@ import pytest
 from tests.thbridge.roles.stage import Stage
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.dialogue.moves import Author
-from thbridge.hunt.events import Condition, Event
+from thbridge.hunt.events import Condition, JournalEntry
 from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.advice import Adviser
 from thbridge.roles.keeper.wizard import WizardState
@@ -30,7 +30,7 @@ ON, OFF = WizardMode(0, on=True), WizardMode(0, on=False)
 class Oz:
     """A stage with a participant and a wizard who do what the test tells them."""
 
-    def __init__(self, adviser: Adviser | None = None, history: Sequence[Event] = ()) -> None:
+    def __init__(self, adviser: Adviser | None = None, history: Sequence[JournalEntry] = ()) -> None:
         self.player = Script()
         self.stage = Stage(participant=TabUI(self.player), adviser=adviser, history=history)
         self.stage.run(10)

@@ -1,0 +1,127 @@
+"""Dialogues outlive a server that is killed: the journal has them, and a new keeper takes them up where they were."""
+
+from dataclasses import dataclass
+
+import pytest
+from msgspec import structs
+
+from tests.thbridge.roles.keeper.test_arguing_robots import LANGUAGE, RULEBOOK, Table
+from tests.thbridge.roles.stage import RULES, Stage, engine, templates
+from thbridge.app.compose.game import build_bot
+from thbridge.dialogue.arguing import ArguingEngine
+from thbridge.dialogue.conditions import DialogueCondition, Manner
+from thbridge.dialogue.engine import DialogueEngine
+from thbridge.dialogue.games.strategies import Attitude
+from thbridge.dialogue.worded import WordedPhrasing
+from thbridge.hunt.events import DialogueOpened, DialogueSaid, JournalEntry
+from thbridge.roles.keeper.dialogues import GameDialogues
+from thbridge.roles.keeper.keeper import Keeper
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.tabui import TabUI
+from thbridge.roles.view import AnswerDialogue, Consent, SelectRoom
+
+
+def arguing(condition: DialogueCondition, *, talkative: bool, misheard: float = 0.0) -> ArguingEngine:
+    manner = Manner(condition, persistence=1, talkative=talkative, misheard=misheard)
+    return ArguingEngine(RULEBOOK, {None: manner}, WordedPhrasing(LANGUAGE, condition, 7), 7)
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How the dialogues of a game stand, as far as anything that follows depends on it."""
+
+    views: object
+    consents: object
+    beliefs: object
+    number: int
+
+    @classmethod
+    def of(cls, dialogues: GameDialogues) -> "Standing":
+        conversations = {
+            # Time and number of dialogues are part of what is believed.
+            robot: (each.agents, each.plays, each.since)
+            for robot, (_, each) in dialogues._memories.items()
+        }
+        return cls(dialogues.views(), dialogues.consents, conversations, dialogues.next_number)
+
+
+def restored(stage: Stage, talk: DialogueEngine, history: list[JournalEntry]) -> Keeper:
+    return Keeper(RULES, lambda _: talk, history, 1, stage.briefing)
+
+
+@pytest.mark.parametrize(
+    "talk",
+    [
+        pytest.param(arguing(DialogueCondition.COLLABORATOR, talkative=True, misheard=0.3), id="collaborator"),
+        pytest.param(arguing(DialogueCondition.ADVISER, talkative=False), id="adviser"),
+        pytest.param(arguing(DialogueCondition.AUTONOMOUS, talkative=True), id="autonomous"),
+        pytest.param(engine(templates()), id="script"),
+    ],
+)
+def test_a_keeper_that_is_restarted_at_any_moment_knows_what_was_said_and_agreed(talk):
+    stage = Stage(talk=talk, participant=TabUI(build_bot(templates(), BotStrategy.RANDOM, 3, Attitude.SCEPTICAL)))
+    stands: dict[int, Standing] = {}
+    while stage.session.game is None or stage.session.game.ended is None:
+        stage.run(1)
+        stands[len(stage.log.entries)] = Standing.of(stage.keeper._game.dialogues)
+    said = [entry for entry in stage.log.entries if isinstance(entry, DialogueSaid)]
+    assert len(said) >= 15, "nobody talks: the test shows nothing"
+    for length, standing in [*stands.items()][1 :: len(stands) // 12]:
+        keeper = restored(stage, talk, stage.log.entries[:length])
+        assert keeper.dialogues_not_restored == ()
+        assert Standing.of(keeper._game.dialogues) == standing
+        keeper.step(0, ())
+        assert keeper.decisions.entries == () and keeper.decisions.utterances == ()
+
+
+def test_the_participant_answers_the_robot_after_a_restart_as_if_nothing_had_happened():
+    table = Table()
+    room = table.another_room()
+    table.wish(SelectRoom(0, room))
+    before = table.dialogue()
+    again = Table(history=table.stage.log.entries)
+    assert again.dialogue() == before
+    again.say(f"All right, not room {room}")
+    again.say("Where would you go, then?")
+    assert [Consent(0, "select-room", each.room) for each in again.say("All right").consents] == [*again.view.consents]
+
+
+def test_a_robot_whose_answer_was_not_written_any_more_answers_after_the_restart():
+    table = Table()
+    table.wish(SelectRoom(0, table.another_room()))
+    talk = table.dialogue()
+    table.wish(AnswerDialogue(talk.dialogue, talk.turn, talk.acts.index("challenge")))
+    history = list(table.stage.log.entries)
+    answer = next(
+        at
+        for at, entry in enumerate(history)
+        if isinstance(entry, DialogueSaid) and entry.move.startswith("challenge") and entry.speaker == "person"
+    )
+    cut = history[: answer + 1]
+    assert history[answer + 1 :]
+    again = Table(history=cut)
+    assert again.dialogue() == table.dialogue()
+    assert again.stage.log.entries[: len(history)] == history
+
+
+def test_a_dialogue_that_the_rules_do_not_allow_any_more_is_withdrawn_and_told():
+    table = Table()
+    table.wish(SelectRoom(0, table.another_room()))
+    *before, last = table.stage.log.entries
+    assert isinstance(last, DialogueSaid)
+    other = structs.replace(last, move="assert(nonsense)")
+    keeper = restored(table.stage, table.talk, [*before, other])
+    assert keeper.dialogues_not_restored == (last.dialogue,)
+    assert keeper._game.dialogues.views() == ()
+
+
+def test_a_journal_has_every_sentence_with_its_speaker_and_author():
+    table = Table()
+    table.wish(SelectRoom(0, table.another_room()))
+    opened = [entry for entry in table.stage.log.entries if isinstance(entry, DialogueOpened)][-1]
+    said = [
+        each for each in table.stage.log.entries if isinstance(each, DialogueSaid) and each.dialogue == opened.dialogue
+    ]
+    assert [each.text for each in said] == [*table.dialogue().said]
+    assert [each.speaker for each in said] == [*table.dialogue().speakers]
+    assert [each.turn for each in said] == [*range(len(said))]
