@@ -1,11 +1,13 @@
 import dataclasses
 import difflib
+import shutil
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from thbridge.files.game_files import SHIPPED_GAMES
 from thbridge.files.yaml.tree import parse
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.study.noise import NoisePreset, noise_section_of, preset, value_at, with_value
@@ -14,8 +16,10 @@ from thbridge.study.text import as_yaml, commented_study
 from ui.model.study_form.draft import HEADER, StudyDraft, UndoHistory, draft_of, search_fields
 from ui.model.study_form.form import FieldKind, FormField, editable_text, form_of, hint_of, typed_as_yaml
 from ui.model.study_form.noise import noise_from_form, preview_of
+from ui.model.study_form.resources import is_named, is_path, resources_for
 
 PATH = Path("study.yaml")
+ROOT = Path(__file__).parents[3]
 WRITTEN = """\
 # our pilot
 robots: 4   # two pairs
@@ -275,3 +279,69 @@ def test_a_verdict_tells_a_belief_that_fits_from_one_that_does_not() -> None:
     sure = noise_from_form([], {})
     sure = with_value(with_value(sure, "believed.amcl.odom_alpha2", 0.0), "believed.amcl.odom_alpha1", 0.0)
     assert "too sure" in preview_of(Study(), with_value(sure, "odometry.alpha2", 0.5)).straight.verdict
+
+
+def named(key: str, beside: Path, text: str = "") -> dict[str, str]:
+    return {each.value: each.words for each in resources_for(key, draft_of(beside / "study.yaml", text))}
+
+
+class TestWhatADialogueMayName:
+    """Shipped ones, folders beside the study, and programs that are installed."""
+
+    @pytest.fixture(autouse=True)
+    def beside(self, tmp_path: Path) -> None:
+        games = tmp_path / "games"
+        (games / "nl").mkdir(parents=True)
+        brief = (SHIPPED_GAMES / "persuasion-in-brief.yaml").read_text()
+        (games / "mine.yaml").write_text(brief.replace("name: persuasion-in-brief", "name: haggling"))
+        (games / "nl" / "dutch.yaml").write_text("language: {title: Nederlands, falls_back_on: en}\n")
+        (tmp_path / "broken" / "en").mkdir(parents=True)
+        (tmp_path / "broken" / "a.yaml").write_text("name: haggling\nstages: []\n")
+        (tmp_path / "broken" / "en" / "a.yaml").write_text("lines: [{key: nothing, say: [Hello]}]\n")
+        shutil.copytree(ROOT / "maps" / "practice", tmp_path / "maps" / "practice")
+        shutil.copytree(ROOT / "templates" / "practice", tmp_path / "templates")
+
+    def test_folders_of_games_and_of_words_and_no_others(self, tmp_path: Path) -> None:
+        assert named("dialogue.games", tmp_path) == {
+            "./broken": "it has faults",
+            "./games": "dialogue games: haggling",
+        }
+        assert named("dialogue.words", tmp_path) == {"./broken": "it has faults", "./games": "nl: Nederlands"}
+
+    def test_languages_that_come_with_the_project_and_those_of_the_studys_words(self, tmp_path: Path) -> None:
+        shipped = {"de": "Deutsch", "en": "English"}
+        assert named("dialogue.language", tmp_path) == shipped
+        own = {**shipped, "nl": "Nederlands, with the folder games"}
+        assert named("dialogue.language", tmp_path, "dialogue: {words: ./games}") == own
+        assert list(own) == list(named("dialogue.language", tmp_path, "dialogue: {words: ./games}"))
+        assert named("dialogue.language", tmp_path, "dialogue: {words: ./missing}") == shipped
+        assert named("dialogue.language", tmp_path, "dialogue: {words: broken}")["en"] == "it has faults"
+
+    def test_programs_that_are_installed_and_are_not_loaded_for_it(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        own = {"manner": "the strategy that robots come with, as their manner has it"}
+        assert named("dialogue.strategy", tmp_path) == own
+        assert named("dialogue.author", tmp_path) == {}
+        folder = tmp_path / "lab_of_forms-1.0.dist-info"
+        folder.mkdir()
+        (folder / "METADATA").write_text("Metadata-Version: 2.1\nName: lab-of-forms\nVersion: 1.0\n")
+        (folder / "entry_points.txt").write_text(
+            "[thbridge.wordings]\npolite = no_such_module:polite\n[thbridge.strategies]\nhard = no_such_module:Hard\n"
+        )
+        monkeypatch.syspath_prepend(str(tmp_path))
+        told = "of the package lab-of-forms 1.0"
+        assert named("dialogue.author", tmp_path) == {"polite": f"no_such_module:polite, {told}"}
+        for key in ("dialogue.strategy", "dialogue.manner.strategy", "dialogue.each.2.strategy"):
+            assert is_named(key) and not is_path(key)
+            assert named(key, tmp_path) == {**own, "hard": f"no_such_module:Hard, {told}"}
+
+    @pytest.mark.parametrize("key", ["dialogue.games", "dialogue.words", "dialogue.language", "dialogue.strategy"])
+    def test_what_is_offered_is_right_in_the_study(self, tmp_path: Path, key: str) -> None:
+        shutil.rmtree(tmp_path / "broken")
+        start = "dialogue: {condition: adviser}"
+        for value in named(key, tmp_path, start):
+            draft = draft_of(tmp_path / "study.yaml", start)
+            text = draft.set(draft.fields()[key], value)
+            assert isinstance(text, str)
+            assert draft_of(draft.path, text).faults == ()

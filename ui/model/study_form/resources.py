@@ -1,18 +1,28 @@
-"""Maps, template sets and files that a study's field may name, each with a few words and a picture of it."""
+"""Maps, template sets, files, words and programs that a study's field may name, with a few words and a picture."""
 
-from collections.abc import Callable, Iterator, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from importlib.metadata import entry_points
 from pathlib import Path
 
 from sim.parameters import RobotParameters
+from thbridge.app.compose.installed import STRATEGIES, WORDINGS
+from thbridge.dialogue.games.tables import Rulebook
 from thbridge.files.errors import BadFile
+from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 from thbridge.files.map_files import read_map
 from thbridge.files.map_times import MAP_TIMES
-from thbridge.files.resources import Resources, shipped
+from thbridge.files.resources import shipped
 from thbridge.files.ros.parameters import read_ros_parameters
 from thbridge.files.template_files import read_template_set
 from thbridge.files.treasure_files import PICTURES
+from thbridge.files.word_files import SHIPPED_LANGUAGES, check_words, languages_in, read_language
+from thbridge.files.yaml.tree import Section, parse, read_text
+from thbridge.study.study_file import OWN_STRATEGY
+from ui.model.study_form.draft import StudyDraft
+from ui.model.study_form.form import editable_text
 
 _FAULTY = "it has faults"
 _TEXTS = (".txt", ".md")
@@ -37,24 +47,34 @@ class NamedResource:
     picture: Path | None = None
 
 
-def resources_for(key: str, beside: Path) -> tuple[NamedResource, ...]:
+def resources_for(key: str, draft: StudyDraft) -> tuple[NamedResource, ...]:
     """Return what a field may name: what comes with the project first, then what lies beside the study.
 
     Args:
         key: of the field; there is nothing for most.
-        beside: folder of the study.
+        draft: of the study.
     """
-    found = _FINDERS.get(key)
-    return () if found is None else tuple(found(shipped(), beside))
+    found = _FINDERS.get(_shared(key))
+    return () if found is None else tuple(found(draft))
 
 
 def is_named(key: str) -> bool:
-    """Return True for a field that names a map, a template set or a file of a known kind."""
-    return key in _FINDERS
+    """Return True for a field that names a map, a template set, or a file, words or a program of a known kind."""
+    return _shared(key) in _FINDERS
 
 
-def _maps(resources: Resources, beside: Path) -> Iterator[NamedResource]:
-    for value, folder in _folders(resources.root / "maps", beside, "map.yaml"):
+def is_path(key: str) -> bool:
+    """Return True for a field that may name any file or folder of its kind, wherever it lies."""
+    return is_named(key) and _shared(key) not in _NAMES
+
+
+def _shared(key: str) -> str:
+    """The key that a robot's own one stands for."""
+    return re.sub(r"^dialogue\.each\.\d+\.", "dialogue.manner.", key)
+
+
+def _maps(draft: StudyDraft) -> Iterator[NamedResource]:
+    for value, folder in _folders(shipped().root / "maps", draft.path.parent, "map.yaml"):
         images = sorted(path for path in folder.iterdir() if path.suffix in {".pgm", ".png"})
         yield NamedResource(value, _words_of_map(folder), images[0] if images else None)
 
@@ -68,8 +88,8 @@ def _words_of_map(folder: Path) -> str:
     return f"{len(place.rooms)} rooms, {width:.0f} m x {height:.0f} m, {len(place.starts)} start poses"
 
 
-def _templates(resources: Resources, beside: Path) -> Iterator[NamedResource]:
-    for value, folder in _folders(resources.root / "templates", beside, "DialogueText"):
+def _templates(draft: StudyDraft) -> Iterator[NamedResource]:
+    for value, folder in _folders(shipped().root / "templates", draft.path.parent, "DialogueText"):
         pictures = sorted((folder / PICTURES).glob("*"))
         yield NamedResource(value, _words_of_set(folder), pictures[0] if pictures else None)
 
@@ -83,16 +103,17 @@ def _words_of_set(folder: Path) -> str:
     return f"{len(templates.kinds)} treasures: {properties}"
 
 
-def _costs(resources: Resources, beside: Path) -> Iterator[NamedResource]:
+def _costs(draft: StudyDraft) -> Iterator[NamedResource]:
+    resources = shipped()
     for name in resources.names("templates"):
         if (resources.root / "templates" / name / MAP_TIMES).is_file():
             yield NamedResource(name, f"the {MAP_TIMES} of this template set")
-    for path in sorted(beside.glob(f"*{MAP_TIMES}*")):
+    for path in sorted(draft.path.parent.glob(f"*{MAP_TIMES}*")):
         yield NamedResource(path.name, "a file beside the study")
 
 
-def _texts(_resources: Resources, beside: Path) -> Iterator[NamedResource]:
-    for path in sorted(path for path in beside.iterdir() if path.suffix in _TEXTS and path.is_file()):
+def _texts(draft: StudyDraft) -> Iterator[NamedResource]:
+    for path in sorted(path for path in draft.path.parent.iterdir() if path.suffix in _TEXTS and path.is_file()):
         try:
             beginning = " ".join(path.read_text(encoding="utf-8").split())[:_BEGINNING]
         except (OSError, UnicodeDecodeError):
@@ -100,9 +121,9 @@ def _texts(_resources: Resources, beside: Path) -> Iterator[NamedResource]:
         yield NamedResource(path.name, beginning)
 
 
-def _ros_parameters(_resources: Resources, beside: Path) -> Iterator[NamedResource]:
+def _ros_parameters(draft: StudyDraft) -> Iterator[NamedResource]:
     """Yield files that change robots' parameters; studies, which lie beside them, are none."""
-    for path in sorted(path for path in beside.iterdir() if path.suffix in _YAML and path.is_file()):
+    for path in sorted(path for path in draft.path.parent.iterdir() if path.suffix in _YAML and path.is_file()):
         with suppress(BadFile):
             if read_ros_parameters((path,), _USUAL).value != _USUAL:
                 yield NamedResource(f"[{path.name}]", "parameters of ROS nodes")
@@ -114,11 +135,102 @@ def _folders(shipped_in: Path, beside: Path, mark: str) -> Iterator[tuple[str, P
     yield from ((f"./{path.parent.name}", path.parent) for path in sorted(beside.glob(f"*/{mark}")))
 
 
-_FINDERS: Mapping[str, Callable[[Resources, Path], Iterator[NamedResource]]] = {
+def _games(draft: StudyDraft) -> Iterator[NamedResource]:
+    ours = read_rulebook()
+    for folder in _holding(draft.path.parent, "*.yaml", lambda keys: "stages" in keys or "locutions" in keys):
+        try:
+            games = read_rulebook((SHIPPED_GAMES, folder)).games
+        except BadFile:
+            words = _FAULTY
+        else:
+            own = [name for name, game in games.items() if ours.games.get(name) != game]
+            words = f"dialogue games: {', '.join(own)}" if own else "locutions of dialogue games"
+        yield NamedResource(f"./{folder.name}", words)
+
+
+def _words(draft: StudyDraft) -> Iterator[NamedResource]:
+    locutions = _rulebook(draft).locutions
+    for folder in _holding(draft.path.parent, "*/*.yaml", lambda keys: keys and keys <= _KEYS_OF_WORDS):
+        try:
+            words = ", ".join(f"{each.name}: {each.title}" for each in check_words(folder, locutions=locutions))
+        except BadFile:
+            words = _FAULTY
+        yield NamedResource(f"./{folder.name}", words)
+
+
+def _languages(draft: StudyDraft) -> Iterator[NamedResource]:
+    locutions, words = _rulebook(draft).locutions, _named_folder(draft, "dialogue.words")
+    folders = [SHIPPED_LANGUAGES] if words is None else [SHIPPED_LANGUAGES, words]
+    # Those that come with the project first, in their own order.
+    for name in dict.fromkeys(name for folder in folders for name in languages_in(folder)):
+        own = f", with the folder {words.name}" if words is not None and name in languages_in(words) else ""
+        try:
+            yield NamedResource(name, read_language(folders, name, locutions=locutions).title + own)
+        except BadFile:
+            yield NamedResource(name, _FAULTY)
+
+
+def _strategies(_draft: StudyDraft) -> Iterator[NamedResource]:
+    yield NamedResource(OWN_STRATEGY, "the strategy that robots come with, as their manner has it")
+    yield from _installed(STRATEGIES)
+
+
+def _authors(_draft: StudyDraft) -> Iterator[NamedResource]:
+    return _installed(WORDINGS)
+
+
+def _installed(group: str) -> Iterator[NamedResource]:
+    """Yield the programs that are installed in a group of entry points; none of them is loaded for it."""
+    found = {entry.name: entry for entry in entry_points(group=group)}
+    for name, entry in sorted(found.items()):
+        package = "" if entry.dist is None else f", of the package {entry.dist.name} {entry.dist.version}"
+        yield NamedResource(name, f"{entry.value}{package}")
+
+
+def _rulebook(draft: StudyDraft) -> Rulebook:
+    """The study's dialogue games; those that come with the project where its own have faults."""
+    games = _named_folder(draft, "dialogue.games")
+    with suppress(BadFile):
+        return read_rulebook((SHIPPED_GAMES,) if games is None else (SHIPPED_GAMES, games))
+    return read_rulebook()
+
+
+def _named_folder(draft: StudyDraft, key: str) -> Path | None:
+    """The folder that another field names."""
+    field = draft.fields()[key]
+    return None if field.value == "null" else draft.path.parent / editable_text(field)
+
+
+def _holding(beside: Path, files: str, wanted: Callable[[set[str]], object]) -> Sequence[Path]:
+    """Return the folders beside a study with a YAML file whose keys are as wanted."""
+    folders = sorted(path for path in beside.iterdir() if path.is_dir())
+    return [folder for folder in folders if any(wanted(_keys_of(path)) for path in sorted(folder.glob(files)))]
+
+
+def _keys_of(path: Path) -> set[str]:
+    """The keys of a YAML file's first level; none where it cannot be read."""
+    try:
+        tree = parse(path, read_text(path))
+    except BadFile:
+        return set()
+    return {key.text for key, _ in tree.entries} if isinstance(tree, Section) else set()
+
+
+_KEYS_OF_WORDS = {"language", "grammar", "phrases", "moves", "lines"}
+
+_FINDERS: Mapping[str, Callable[[StudyDraft], Iterator[NamedResource]]] = {
     "map": _maps,
     "templates": _templates,
     "game.costs": _costs,
     "participant.consent": _texts,
     "ros_parameters": _ros_parameters,
     "participant.farewell": _texts,
+    "dialogue.games": _games,
+    "dialogue.words": _words,
+    "dialogue.language": _languages,
+    "dialogue.author": _authors,
+    "dialogue.strategy": _strategies,
+    "dialogue.manner.strategy": _strategies,
 }
+_NAMES = frozenset({"dialogue.language", "dialogue.author", "dialogue.strategy", "dialogue.manner.strategy"})
+"""Fields that name no files."""

@@ -1,6 +1,7 @@
 """Pages of the study window: a section, results of a search, the whole text, the changes to be written."""
 
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QElapsedTimer, QSignalBlocker, Qt, QTimer, Signal, SignalInstance
@@ -18,6 +19,7 @@ from PySide6.QtWidgets import (
 from ui.model.line_ends import plain_lines, with_line_ends_of
 from ui.model.study_form.draft import StudyDraft, search_fields
 from ui.model.study_form.form import FormField, FormGroup, RepeatKind
+from ui.model.study_form.resources import NamedResource, resources_for
 from ui.windows.editing.exact_text import exact_text
 from ui.windows.look import GAP, colours, fixed_font, follow_text, label, spaced, style_as_panel
 from ui.windows.study.row import FieldRow
@@ -164,7 +166,7 @@ class FieldsPage(QScrollArea):
         for index, field in enumerate(fields):
             if index:
                 column.addWidget(_rule())
-            row = FieldRow(field, beside, narrow=narrow)
+            row = FieldRow(field, beside, partial(self._named, field.key), narrow=narrow)
             row.edited.connect(self.edited)
             row.edit_finished.connect(self.edit_finished)
             row.reset.connect(self.reset)
@@ -172,6 +174,9 @@ class FieldsPage(QScrollArea):
             self.rows[field.key] = row
             self._refresh_row(row)
             yield
+
+    def _named(self, key: str) -> tuple[NamedResource, ...]:
+        return () if self._draft is None else resources_for(key, self._draft)
 
     def _fill_adding(self, row: QHBoxLayout, group: FormGroup) -> None:
         what = "Add a robot with software of its own" if group.repeats is RepeatKind.ROBOTS else f"Add to {group.label}"

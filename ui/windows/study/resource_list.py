@@ -1,4 +1,4 @@
-"""List of the maps, template sets or files that a field may name, each with a look at it."""
+"""List of the maps, template sets, files, words or programs that a field may name, each with a look at it."""
 
 from pathlib import Path
 
@@ -6,12 +6,14 @@ from PySide6.QtCore import QPoint, QSize, Qt, Signal
 from PySide6.QtGui import QIcon, QKeyEvent, QPixmap
 from PySide6.QtWidgets import QFileDialog, QListWidget, QListWidgetItem, QPushButton, QVBoxLayout, QWidget
 
-from ui.model.study_form.resources import NamedResource
+from ui.model.study_form.resources import NamedResource, is_path
 from ui.windows.look import GAP, px, spaced, style_as_panel
 
 _LOOK = QSize(96, 64)
 """Size of the picture beside a name, `px`."""
-_FOLDERS = frozenset({"map", "templates"})
+_LINES = 40
+"""Height of the words where nothing has a picture, `px`."""
+_FOLDERS = frozenset({"map", "templates", "dialogue.games", "dialogue.words"})
 """Fields that name folders."""
 _LISTS = frozenset({"ros_parameters"})
 """Fields that name several files."""
@@ -47,18 +49,25 @@ class ResourceList(QWidget):
             if each.picture is not None:
                 item.setIcon(QIcon(QPixmap(str(each.picture))))
             self.list.addItem(item)
+        if not resources and not is_path(key):
+            self.list.addItem(QListWidgetItem("None is installed"))
+            self.list.item(0).setFlags(Qt.ItemFlag.NoItemFlags)
         self.list.itemClicked.connect(self._choose)
         self.list.itemActivated.connect(self._choose)
         self.other = QPushButton("Another …")
         self.other.clicked.connect(self._browse)
+        self.other.setVisible(is_path(key))
         column = spaced(QVBoxLayout(self), GAP, GAP)
         column.addWidget(self.list)
         column.addWidget(self.other)
-        self.resize(px(380), px(min(4, max(1, len(resources))) * (_LOOK.height() + 12) + 60))
+        height = _LOOK.height() if any(each.picture for each in resources) else _LINES
+        self.resize(px(380), px(min(4, max(1, len(resources))) * (height + 12) + (60 if is_path(key) else 20)))
 
     def open_below(self, editor: QWidget) -> None:
-        """Show the list below a widget, ready for the keyboard."""
-        self.move(editor.mapToGlobal(QPoint(0, editor.height())))
+        """Show the list below a widget, or above where the screen ends; ready for the keyboard."""
+        below, above = editor.mapToGlobal(QPoint(0, editor.height())), editor.mapToGlobal(QPoint(0, -self.height()))
+        fits = below.y() + self.height() <= editor.screen().availableGeometry().bottom()
+        self.move(below if fits else above)
         self.show()
         self.list.setCurrentRow(0)
         (self.list if self.list.count() else self.other).setFocus()

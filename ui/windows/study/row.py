@@ -1,5 +1,6 @@
 """One field of the form: its name, meaning, value, the value's origin, and its faults."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 from PySide6.QtCore import QPointF, QSignalBlocker, Qt, Signal
@@ -8,7 +9,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QPushButton, QSlider, QVBo
 
 from thbridge.files.errors import BadFile
 from ui.model.study_form.form import FieldKind, FormField, editable_text, hint_of
-from ui.model.study_form.resources import is_named, resources_for
+from ui.model.study_form.resources import NamedResource, is_named
 from ui.windows.controls import ChoiceBox
 from ui.windows.look import GAP, FoldingRow, follow_text, font, label, px, spaced
 from ui.windows.study.resource_list import ResourceList
@@ -65,6 +66,12 @@ class _Slider(QSlider):
 class FieldRow(FoldingRow):
     """The row of a field.
 
+    Args:
+        field: the field shown.
+        beside: folder of the study.
+        named: tells what the field may name just now.
+        narrow: whether drawings stand beside it.
+
     Attributes:
         field: the field shown.
         editor: the widget to type or to choose in.
@@ -78,11 +85,19 @@ class FieldRow(FoldingRow):
     edit_finished = Signal(str)
     reset = Signal(str)
 
-    def __init__(self, field: FormField, beside: Path, *, narrow: bool = False) -> None:
+    def __init__(
+        self,
+        field: FormField,
+        beside: Path,
+        named: Callable[[], tuple[NamedResource, ...]],
+        *,
+        narrow: bool = False,
+    ) -> None:
         words, values = spaced(QVBoxLayout(), GAP // 4), spaced(QHBoxLayout(), GAP)
         super().__init__(words, values, _NEVER_BESIDE if narrow else _WORDS, 2 * GAP)
         self.field = field
         self._beside = beside
+        self._named = named
         self.setObjectName(field.key)
         self._name = label(field.label, bold=True)
         self._help = label(_sentence(field.help), "small", muted=True)
@@ -178,7 +193,7 @@ class FieldRow(FoldingRow):
 
     def open_list(self) -> None:
         """Open the list of what the field may name."""
-        shown = ResourceList(self.field.key, resources_for(self.field.key, self._beside), self._beside, self.editor)
+        shown = ResourceList(self.field.key, self._named(), self._beside, self.editor)
         shown.chosen.connect(self._chosen)
         shown.open_below(self.editor)
 

@@ -365,6 +365,59 @@ def test_files_of_ros_beside_the_study_are_offered_and_other_yaml_is_not(
     assert study.robot.amcl.max_particles == 300
 
 
+def test_a_language_of_the_studys_own_words_is_chosen_from_a_list_and_no_file_is(
+    window: StudyWindow, qtbot: QtBot, file: Path
+) -> None:
+    (file.parent / "words" / "nl").mkdir(parents=True)
+    (file.parent / "words" / "nl" / "dutch.yaml").write_text("language: {title: Nederlands, falls_back_on: en}\n")
+    for key, entry in (
+        ("dialogue.words", "./words\nnl: Nederlands"),
+        ("dialogue.language", "nl\nNederlands, with the folder words"),
+    ):
+        window.open_field(key)
+        qtbot.keyClick(window.fields.rows[key].editor, Qt.Key.Key_Down)
+        shown = next(
+            each for each in QApplication.topLevelWidgets() if isinstance(each, ResourceList) and each.isVisible()
+        )
+        assert shown.other.isVisible() == (key == "dialogue.words")
+        (item,) = (
+            found for row in range(shown.list.count()) if (found := shown.list.item(row)).text().startswith(entry)
+        )
+        shown.list.setCurrentItem(item)
+        qtbot.keyClick(shown.list, Qt.Key.Key_Return)
+        qtbot.waitUntil(lambda key=key: window.editor.draft.fields()[key].written is not None)
+        settled(qtbot, window)
+    study = window.editor.draft.study
+    assert study is not None
+    assert (study.dialogue.words, study.dialogue.language) == (Path("words"), "nl")
+
+
+def test_a_list_that_would_leave_the_screen_opens_above_its_field(window: StudyWindow, qtbot: QtBot) -> None:
+    window.open_field("dialogue.author")
+    editor = window.fields.rows["dialogue.author"].editor
+    edge = window.screen().availableGeometry().bottom()
+    for lower in (-300, 0):
+        window.move(0, window.y() + edge - editor.mapToGlobal(editor.rect().bottomLeft()).y() + lower)
+        qtbot.keyClick(editor, Qt.Key.Key_Down)
+        shown = next(
+            each for each in QApplication.topLevelWidgets() if isinstance(each, ResourceList) and each.isVisible()
+        )
+        top = editor.mapToGlobal(editor.rect().topLeft()).y()
+        assert (shown.y() > top) == (lower < 0)
+        assert shown.geometry().bottom() <= edge
+        qtbot.keyClick(shown, Qt.Key.Key_Escape)
+
+
+def test_where_no_program_is_installed_the_list_says_so(window: StudyWindow, qtbot: QtBot) -> None:
+    window.open_field("dialogue.author")
+    qtbot.keyClick(window.fields.rows["dialogue.author"].editor, Qt.Key.Key_Down)
+    shown = next(each for each in QApplication.topLevelWidgets() if isinstance(each, ResourceList) and each.isVisible())
+    assert [shown.list.item(row).text() for row in range(shown.list.count())] == ["None is installed"]
+    qtbot.keyClick(shown.list, Qt.Key.Key_Return)
+    assert window.editor.draft.fields()["dialogue.author"].written is None
+    qtbot.keyClick(shown, Qt.Key.Key_Escape)
+
+
 def test_another_folder_is_written_from_that_of_the_study(
     window: StudyWindow, qtbot: QtBot, file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
