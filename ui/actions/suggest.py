@@ -3,6 +3,7 @@
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from statistics import mean
 
 from rich.table import Table
 
@@ -25,12 +26,14 @@ class SuggestedPlan:
     Attributes:
         planner: that made it.
         tours: one a robot.
+        points: that the treasure of a room not yet visited brings on average, once it is named rightly.
         best: value of the best plan; None where there are too many rooms to find it.
         alternatives: for each robot what each next room is worth; empty for a plan that was not proven the best.
     """
 
     planner: TeamPlanner
     tours: tuple[Tour, ...]
+    points: float
     best: PlanValue | None
     alternatives: tuple[Mapping[Room, PlanValue], ...]
 
@@ -54,11 +57,13 @@ def plan_of(setting: StudySetting, rooms: Collection[Room], planner: TeamPlanner
     starts = team_starts(setting)
     question = (setting.costs, starts, rooms, setting.study.game.identify_cost)
     tours = PLANNERS[planner](*question)
+    # All kinds of treasures are equally likely in every room.
+    points = mean(kind.points for kind in setting.templates.kinds)
     if len(set(rooms)) > most_rooms_shared_out(len(starts)):
-        return SuggestedPlan(planner, tours, None, ())
+        return SuggestedPlan(planner, tours, points, None, ())
     if planner is TeamPlanner.JOINT:
-        return SuggestedPlan(planner, tours, PlanValue.of(tours), alternatives(*question))
-    return SuggestedPlan(planner, tours, PlanValue.of(best_team_tours(*question)), ())
+        return SuggestedPlan(planner, tours, points, PlanValue.of(tours), alternatives(*question))
+    return SuggestedPlan(planner, tours, points, PlanValue.of(best_team_tours(*question)), ())
 
 
 def team_starts(setting: StudySetting) -> tuple[TourStart, ...]:
@@ -85,6 +90,7 @@ def plan_as_json(plan: SuggestedPlan) -> dict[str, object]:
     return {
         "planner": plan.planner,
         "proven": plan.is_proven,
+        "points_of_a_room": plan.points,
         **_as_json(plan.value),
         "best": best,
         "robots": robots,
@@ -106,6 +112,7 @@ def show_plan(plan: SuggestedPlan, names: RoomNames) -> None:
     sent = [(at, tour.rooms[0].people) for at, tour in enumerate(plan.tours) if tour.rooms]
     told = "; ".join(f"{robot_name(at)} to {names.titled(room)}" for at, room in sent)
     show(f"Next: {told or 'nobody goes anywhere'}.")
+    show(f"A room more or less: {plan.points:.3g} points on average, if its treasure is named rightly.")
     if plan.best is None:
         show("Of so many rooms no plan can be proven the best: a better one may exist.")
     elif plan.best != plan.value:

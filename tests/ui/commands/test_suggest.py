@@ -28,6 +28,7 @@ def test_a_team_is_told_its_joint_plan_and_what_else_would_cost(study: Path) -> 
     assert told["rooms"] == sum(len(robot["tour"]) for robot in robots)
     assert len({room for robot in robots for room in robot["tour"]}) == told["rooms"] > 3
     assert told["cost"] == pytest.approx(sum(robot["cost"] for robot in robots))
+    assert told["points_of_a_room"] == 20.0, "of the treasures of 2016"
     for robot in robots:
         worth = {each["next"]: (-each["rooms"], each["cost"]) for each in robot["alternatives"]}
         assert min(worth.values()) >= (-told["rooms"], told["cost"] - 1e-9)
