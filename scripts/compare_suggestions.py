@@ -26,7 +26,7 @@ from thbridge.hunt.game import GameState, apply, begin
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.team_planner import TeamPlanner
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.keeper.advice import Adviser
+from thbridge.roles.keeper.advice.adviser import Adviser
 from thbridge.study.study_file import CostModel, GameSection, Study
 
 TREASURE = TreasureKind({"colour": "Green", "footprint": "Round and Small"}, 10, "bottle", None)

@@ -18,7 +18,7 @@ from thbridge.protocols.text.router import (
     SendToClient,
     TurnedAway,
 )
-from thbridge.roles.keeper.consent import ConsentStatus
+from thbridge.roles.keeper.disclosed.consent import ConsentStatus
 from thbridge.roles.notices import KEEPER, ParticipantReady
 from thbridge.roles.view import DeclineConsent, GiveConsent, View
 

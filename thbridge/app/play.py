@@ -24,7 +24,7 @@ from thbridge.protocols.text import legacy
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, tlog_of
 from thbridge.recording.tlog import TlogFile
-from thbridge.roles.keeper.consent import CONSENT_SENTENCES, ConsentStatus
+from thbridge.roles.keeper.disclosed.consent import CONSENT_SENTENCES, ConsentStatus
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import Request
 from thbridge.roles.role import Role

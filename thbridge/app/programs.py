@@ -19,7 +19,7 @@ from thbridge.protocols.text.client import NameRegistered
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, is_notice, kind_of, parse_notice
 from thbridge.roles.hider import Hider
-from thbridge.roles.keeper.consent import CONSENT_SENTENCES, ConsentStatus
+from thbridge.roles.keeper.disclosed.consent import CONSENT_SENTENCES, ConsentStatus
 from thbridge.roles.notices import KEEPER, ConsentQuery, HideRequest, Orders, RecordingPermission
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import Request

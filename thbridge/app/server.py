@@ -9,7 +9,7 @@ from thbridge.app.session.session import Session
 from thbridge.app.trouble_log import TroubleLog
 from thbridge.hunt.events import GameStarted, JournalEntry
 from thbridge.recording.journal_folder import JournalStore
-from thbridge.roles.keeper.consent import CONSENT_SENTENCES, ConsentStatus
+from thbridge.roles.keeper.disclosed.consent import CONSENT_SENTENCES, ConsentStatus
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.sockets.text.server import TextServer

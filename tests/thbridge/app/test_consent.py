@@ -18,7 +18,7 @@ from thbridge.protocols.text.notice import Notice, NoticeValue, encode_notice, p
 from thbridge.protocols.text.router import RouterOutput, SendToClient, TurnedAway
 from thbridge.recording.journal import journal_path, read_journal
 from thbridge.recording.journal_folder import JournalStore
-from thbridge.roles.keeper.consent import ConsentStatus
+from thbridge.roles.keeper.disclosed.consent import ConsentStatus
 from thbridge.roles.notices import KEEPER, ParticipantReady
 from thbridge.roles.view import DeclineConsent, GiveConsent, View
 from thbridge.study.study_file import ParticipantSection, Study

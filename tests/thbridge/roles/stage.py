@@ -20,9 +20,9 @@ from thbridge.hunt.treasures import TreasureKind
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.notice import Notice, decode_notice, encode_notice, parse_notice
-from thbridge.roles.keeper.advice import Adviser
-from thbridge.roles.keeper.briefing import Briefing
-from thbridge.roles.keeper.disclosure import plain_costs
+from thbridge.roles.keeper.advice.adviser import Adviser
+from thbridge.roles.keeper.disclosed.briefing import Briefing
+from thbridge.roles.keeper.disclosed.disclosure import plain_costs
 from thbridge.roles.keeper.keeper import GameRules, Keeper
 from thbridge.roles.notices import KEEPER, MoveOrder, MoveResult, Orders, RobotsReady, TeamRejection, TeamStatus
 from thbridge.roles.participant.bot_strategy import BotStrategy

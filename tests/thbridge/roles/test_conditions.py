@@ -17,7 +17,7 @@ from thbridge.hunt import rules
 from thbridge.hunt.events import EndReason, RobotDeparted
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.notice import encode_notice
-from thbridge.roles.keeper.disclosure import plain_costs
+from thbridge.roles.keeper.disclosed.disclosure import plain_costs
 from thbridge.roles.notices import KEEPER, MoveCosts
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI

@@ -18,7 +18,7 @@ from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import TextCommand, TextMessage
 from thbridge.protocols.text.notice import encode_notice, kind_of, notice, parse_notice
 from thbridge.roles import notices, view
-from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.notices import KEEPER
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI

@@ -7,7 +7,7 @@ from tests.thbridge.roles.stage import Stage
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.engine import DialogueEngine
 from thbridge.hunt.events import Condition, ConsentGiven, RobotDeparted, TreasureIdentified, TreasuresHidden
-from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.notices import FloorPlan, RoomOutline
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import ReleaseCommand, StationSend, TakeCommand

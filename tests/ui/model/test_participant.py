@@ -16,7 +16,7 @@ from thbridge.hunt.events import (
     TreasureTakenUp,
 )
 from thbridge.hunt.treasures import name_in_words
-from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.robot_requests import WizardAdvice, WizardMode, WizardMove
 from ui.model.participant import Participant
 from ui.model.screen import (

@@ -19,9 +19,9 @@ from thbridge.files.template_files import TemplateSet
 from thbridge.hunt.events import JournalEntry
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.hider import Hider
-from thbridge.roles.keeper.advice import Adviser
-from thbridge.roles.keeper.briefing import Briefing
-from thbridge.roles.keeper.floor_plan import floor_plan_of
+from thbridge.roles.keeper.advice.adviser import Adviser
+from thbridge.roles.keeper.disclosed.briefing import Briefing
+from thbridge.roles.keeper.disclosed.floor_plan import floor_plan_of
 from thbridge.roles.keeper.keeper import GameRules, Keeper
 from thbridge.roles.notices import FloorPlan, RoomOutline
 from thbridge.roles.participant.bot_strategy import BotStrategy

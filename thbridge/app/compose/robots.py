@@ -13,7 +13,7 @@ from sim.team import Team
 from thbridge.app.compose.game import room_outlines, treasure_names
 from thbridge.app.compose.setting import StudySetting
 from thbridge.offline.plan import costmap
-from thbridge.roles.keeper.disclosure import plain_costs
+from thbridge.roles.keeper.disclosed.disclosure import plain_costs
 from thbridge.roles.simr.pose_telemetry import TelemetryOptions
 from thbridge.roles.simr.simr import RESPONSE_TIMEOUT, GameMap, SimR
 from thbridge.roles.simr.team import RobotTeam

@@ -25,7 +25,7 @@ from thbridge.protocols.text import legacy
 from thbridge.protocols.text.router import Forwarded
 from thbridge.recording.tlog import TlogFile
 from thbridge.roles.keeper.dialogues import MATTERS
-from thbridge.roles.keeper.wizard import WizardState
+from thbridge.roles.keeper.requests.wizard import WizardState
 from thbridge.ros.messages.records import GraphRequest, Record, SendRobots, Success
 from thbridge.ros.messages.session_records import (
     DialogueMoveRecord,

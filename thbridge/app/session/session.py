@@ -20,7 +20,7 @@ from thbridge.protocols.mavlink.traffic import FrameOutcome, OutgoingFrame, Traf
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.router import ConnectionId, Forwarded, MessageRouter, RouterOutput, TurnedAway
 from thbridge.roles.keeper.keeper import Keeper, ProgramRefusal
-from thbridge.roles.keeper.wizard import WizardState
+from thbridge.roles.keeper.requests.wizard import WizardState
 from thbridge.roles.robot_requests import GameRequest, Request
 from thbridge.roles.robots_role import RobotsRole
 from thbridge.roles.role import Role

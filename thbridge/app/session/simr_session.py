@@ -6,7 +6,7 @@ from thbridge.app.session.inputs import ClientRequest, Input, MessageForwarded, 
 from thbridge.app.session.session import TickRecord, TickRecorder
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.router import Forwarded
-from thbridge.roles.keeper.wizard import WizardState
+from thbridge.roles.keeper.requests.wizard import WizardState
 from thbridge.roles.robot_requests import GameRequest, Request
 from thbridge.roles.simr.simr import SimR
 

@@ -41,22 +41,22 @@ from thbridge.protocols.text.notice import (
     parse_notice,
 )
 from thbridge.protocols.text.router import Forwarded
-from thbridge.roles.keeper.advice import Adviser
-from thbridge.roles.keeper.briefing import Briefing
-from thbridge.roles.keeper.consent import ConsentAnswer, ConsentStatus
-from thbridge.roles.keeper.debriefing import debrief_of
-from thbridge.roles.keeper.disclosure import view_of
-from thbridge.roles.keeper.legacy_lines import LegacyLines, LineReason, request_kind, undone
+from thbridge.roles.keeper.advice.adviser import Adviser
+from thbridge.roles.keeper.disclosed.briefing import Briefing
+from thbridge.roles.keeper.disclosed.consent import ConsentAnswer, ConsentStatus
+from thbridge.roles.keeper.disclosed.debriefing import debrief_of
+from thbridge.roles.keeper.disclosed.disclosure import view_of
+from thbridge.roles.keeper.disclosed.participants import Participants
 from thbridge.roles.keeper.open_game import OpenGame
-from thbridge.roles.keeper.participant_requests import handle_participant_request
-from thbridge.roles.keeper.participants import Participants
-from thbridge.roles.keeper.station_requests import (
+from thbridge.roles.keeper.requests.legacy_lines import LegacyLines, LineReason, request_kind, undone
+from thbridge.roles.keeper.requests.participant_requests import handle_participant_request
+from thbridge.roles.keeper.requests.station_requests import (
     handle_station_request,
     kept_commands,
     return_robots,
     sense_for_stations,
 )
-from thbridge.roles.keeper.wizard import WizardState, handle_wizard_request, wizard_state
+from thbridge.roles.keeper.requests.wizard import WizardState, handle_wizard_request, wizard_state
 from thbridge.roles.notices import (
     KEEPER,
     ConsentQuery,

@@ -29,10 +29,10 @@ from thbridge.hunt.tour import NoTour
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.protocols.text.notice import kind_of
 from thbridge.roles.failure_reasons import CALLED_BACK
-from thbridge.roles.keeper.advice import Advice, Adviser
+from thbridge.roles.keeper.advice.adviser import Advice, Adviser
+from thbridge.roles.keeper.advice.neglect import decide_about_treasure, decide_to_go, neglected
+from thbridge.roles.keeper.advice.robot_facts import what_facts, where_facts
 from thbridge.roles.keeper.dialogues import MATTERS, GameDialogues
-from thbridge.roles.keeper.neglect import decide_about_treasure, decide_to_go, neglected
-from thbridge.roles.keeper.robot_facts import what_facts, where_facts
 from thbridge.roles.notices import MoveOrder
 from thbridge.roles.view import RefusalView, RequestSuggestion
 

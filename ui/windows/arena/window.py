@@ -24,7 +24,7 @@ from sim.common.grid import OccupancyGrid
 from thbridge.files.map_files import FOOTPRINT
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.arena import Arena
-from thbridge.roles.keeper.floor_plan import floor_plan_of
+from thbridge.roles.keeper.disclosed.floor_plan import floor_plan_of
 from ui.model.arena_draft import ArenaDraft, ArenaPointer, ArenaTool
 from ui.model.scene import RobotMark, RoomMark
 from ui.windows.arena.layer import ArenaLayer

@@ -9,7 +9,7 @@ from PySide6.QtGui import QCloseEvent
 
 from sim.common.geometry import FloatArray
 from sim.common.robot_numbers import number_of, robot_name
-from thbridge.roles.keeper.floor_plan import floor_plan_of
+from thbridge.roles.keeper.disclosed.floor_plan import floor_plan_of
 from ui.model.scene import RobotMark
 from ui.model.theme import Palette
 from ui.model.watching.curves import as_steps, broken

@@ -10,7 +10,7 @@ from thbridge.app.session.session import TickRecord
 from thbridge.dialogue.conditions import Manner
 from thbridge.dialogue.moves import DialogueTopic, DialogueUtterance, Scenario
 from thbridge.hunt.rooms import Room
-from thbridge.roles.keeper.wizard import WizardState
+from thbridge.roles.keeper.requests.wizard import WizardState
 from thbridge.ros.messages.records import Record
 from thbridge.ros.messages.session_records import DialogueMoveRecord, DialogueStateRecord, UtteranceRecord
 

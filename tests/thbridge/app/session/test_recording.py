@@ -11,7 +11,7 @@ from thbridge.app.session.session import TickRecord
 from thbridge.dialogue.conditions import Manner
 from thbridge.dialogue.moves import Ask, Author, DialogueUtterance, Speaker
 from thbridge.dialogue.portrait import read_portrait
-from thbridge.roles.keeper.wizard import WizardState
+from thbridge.roles.keeper.requests.wizard import WizardState
 from thbridge.ros.messages.session_records import (
     DialogueMoveRecord,
     DialogueStateRecord,

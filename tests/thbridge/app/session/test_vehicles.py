@@ -26,7 +26,7 @@ from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.mavlink.outgoing import VehicleStatus
 from thbridge.protocols.mavlink.traffic import OutgoingFrame
 from thbridge.recording.tlog import TlogFile
-from thbridge.roles.keeper.wizard import WizardState
+from thbridge.roles.keeper.requests.wizard import WizardState
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.publisher import RosMessage

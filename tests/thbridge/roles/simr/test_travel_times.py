@@ -12,7 +12,7 @@ from sim.common.grid import OccupancyGrid
 from thbridge.app.compose.robots import build_travel_times
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.offline.plan import costmap
-from thbridge.roles.keeper.disclosure import plain_costs
+from thbridge.roles.keeper.disclosed.disclosure import plain_costs
 from thbridge.roles.simr.travel_times import AT_GOAL, TravelTimes
 from thbridge.study.study_file import CostModel, GameSection, Study
 

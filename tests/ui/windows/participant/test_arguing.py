@@ -14,7 +14,7 @@ from tests.ui.windows.participant.test_hunt import Player
 from tests.ui.windows.participant.test_window import Open, press
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.hunt.events import RobotDeparted
-from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.keeper.disclosed.briefing import Briefing
 from ui.model.screen import AskAdvice, ChooseRobot, ChooseRoom, DialoguePopup, ShowNext, TypeDigit
 from ui.model.theme import LIGHT
 from ui.windows import look

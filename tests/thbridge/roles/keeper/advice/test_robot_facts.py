@@ -35,7 +35,7 @@ from thbridge.hunt.properties import OF_2016
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.team_tour import PlanValue, TourStart
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.keeper.robot_facts import what_facts, where_facts
+from thbridge.roles.keeper.advice.robot_facts import what_facts, where_facts
 from thbridge.roles.participant_rules import Discussed
 
 ROOMS, VISIT = 4, 3.0

@@ -9,8 +9,8 @@ from tests.thbridge.roles.test_hunt import Script
 from thbridge.dialogue.moves import Author
 from thbridge.hunt.events import Condition, JournalEntry
 from thbridge.hunt.rooms import Room
-from thbridge.roles.keeper.advice import Adviser
-from thbridge.roles.keeper.wizard import WizardState
+from thbridge.roles.keeper.advice.adviser import Adviser
+from thbridge.roles.keeper.requests.wizard import WizardState
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import WizardAdvice, WizardMode, WizardMove, WizardRequest

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.notice import encode_notice
-from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.notices import PicturePiece
 from thbridge.roles.view import View
 

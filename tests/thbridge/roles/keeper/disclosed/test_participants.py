@@ -25,10 +25,10 @@ from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.notice import decode_notice, encode_notice, kind_of, parse_notice
-from thbridge.roles.keeper.briefing import Briefing
-from thbridge.roles.keeper.consent import ConsentStatus
+from thbridge.roles.keeper.disclosed.briefing import Briefing
+from thbridge.roles.keeper.disclosed.consent import ConsentStatus
+from thbridge.roles.keeper.disclosed.participants import PIECE_PERIOD, PIECE_SIZE, Participants
 from thbridge.roles.keeper.keeper import Keeper
-from thbridge.roles.keeper.participants import PIECE_PERIOD, PIECE_SIZE, Participants
 from thbridge.roles.notices import KEEPER, FloorPlan, PicturePiece, PlannedPaths, PoseTelemetry, Subscribe
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import RENEWAL_PERIOD, TabUI

@@ -15,7 +15,7 @@ from thbridge.app.compose.game import build_floor_plan
 from thbridge.app.compose.setting import read_setting
 from thbridge.protocols.text.lines import LINE_LIMIT
 from thbridge.protocols.text.notice import decode_notice, encode_notice, parse_notice
-from thbridge.roles.keeper.floor_plan import MOST_PACKED, floor_plan_of
+from thbridge.roles.keeper.disclosed.floor_plan import MOST_PACKED, floor_plan_of
 from thbridge.roles.notices import KEEPER, FloorPlan
 from thbridge.study.study_file import Study
 

@@ -19,7 +19,7 @@ from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.team_planner import TeamPlanner
 from thbridge.hunt.tour import NoTour, best_tour
-from thbridge.roles.keeper.advice import Adviser
+from thbridge.roles.keeper.advice.adviser import Adviser
 from thbridge.roles.participant_rules import Discussed
 
 ADVISER = Adviser()

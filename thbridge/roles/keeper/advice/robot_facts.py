@@ -15,7 +15,7 @@ from thbridge.hunt.team_planner import TeamPlanner
 from thbridge.hunt.team_tour import PlanValue, TourStart, alternatives, best_team_tours
 from thbridge.hunt.tour import Tour
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.keeper.advice import can_compare, start_of, tours_sending_first
+from thbridge.roles.keeper.advice.adviser import can_compare, start_of, tours_sending_first
 from thbridge.roles.participant_rules import Discussed, other_candidate
 
 _SURE, _LOST = 1.0, 0.3

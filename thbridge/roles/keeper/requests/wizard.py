@@ -10,10 +10,10 @@ import msgspec
 
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
-from thbridge.roles.keeper.advice import Advice, possible_rooms
+from thbridge.roles.keeper.advice.adviser import Advice, possible_rooms
 from thbridge.roles.keeper.dialogues import HeldTurn
 from thbridge.roles.keeper.open_game import OpenGame
-from thbridge.roles.keeper.participant_requests import suggest_or_await
+from thbridge.roles.keeper.requests.participant_requests import suggest_or_await
 from thbridge.roles.robot_requests import WizardAdvice, WizardMode, WizardMove, WizardRequest
 
 

@@ -2,10 +2,10 @@
 
 import msgspec
 
-from tests.thbridge.roles.keeper.test_wizard import ON, Oz
+from tests.thbridge.roles.keeper.requests.test_wizard import ON, Oz
 from tests.thbridge.roles.stage import Stage
 from thbridge.hunt.events import RoomAdvised
-from thbridge.roles.keeper.advice import Adviser
+from thbridge.roles.keeper.advice.adviser import Adviser
 from thbridge.roles.robot_requests import WizardAdvice
 from thbridge.roles.view import AnswerDialogue, RequestSuggestion
 

@@ -9,8 +9,8 @@ from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Commander
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
-from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.dialogues import GameDialogues
+from thbridge.roles.keeper.disclosed.briefing import Briefing
 from thbridge.roles.view import Debrief, IdentificationVerdict, RefusalView, RobotView, RoomView, View
 
 _HAVE_LAST_WORD: Mapping[DialogueCondition, Literal["both", "participant", "robot"]] = {

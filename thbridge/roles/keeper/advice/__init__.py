@@ -1,0 +1,1 @@
+"""What robots know of the game, suggest, and decide by themselves when nobody attends to them."""

@@ -1,0 +1,1 @@
+"""What participants are told, before, in and after a game; nothing before they agree to take part."""
