@@ -12,7 +12,7 @@ from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from thbridge.files.map_files import write_grid
 from thbridge.hunt.rooms import Room
 from thbridge.offline.measure import TripTimes
-from ui.actions.new_map import unreached_words
+from ui.actions.maps.new import unreached_words
 from ui.cli import app
 
 ROOMS = """\

@@ -46,7 +46,7 @@ def bag_info_command(bag: Bag, as_json: AsJson = False) -> None:
     import msgspec
 
     from thbridge.analysis.summary import summarise
-    from ui.actions.bag_info import show_summary
+    from ui.actions.bag.info import show_summary
 
     with bad_input():
         found = summarise(bag)
@@ -61,7 +61,7 @@ def bag_check_command(bag: Bag, as_json: AsJson = False) -> None:
     """Judge a bag: will rosbag, rviz, Foxglove, PlotJuggler and evo take it, and why not."""
     from thbridge.analysis.check import judge
     from thbridge.recording.bag.scan import scan
-    from ui.actions.bag_check import judgements_as_json, show_judgements
+    from ui.actions.bag.check import judgements_as_json, show_judgements
 
     with bad_input():
         judgements = {part: judge(scan(part)) for part in parts_of(bag)}

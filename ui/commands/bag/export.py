@@ -40,7 +40,7 @@ def bag_export(
     # pyarrow's import would slow every command.
     from thbridge.analysis.export.folder import export_bag
     from thbridge.files.table_files import TableFormat
-    from ui.actions.export import chosen_tables, chosen_topics, names_in
+    from ui.actions.bag.export import chosen_tables, chosen_topics, names_in
 
     with bad_input():
         chosen = chosen_topics(bag, names_in(topics)) if topics else None

@@ -28,7 +28,7 @@ def maps_check(
     """Check a map: image, rooms, goals and start poses; and tell what it holds."""
     from thbridge.files.map_files import check_map
     from thbridge.offline.map_survey import survey
-    from ui.actions.map_check import PICTURES, finding_as_json, show_survey, survey_as_json, write_picture
+    from ui.actions.maps.check import PICTURES, finding_as_json, show_survey, survey_as_json, write_picture
     from ui.settings import map_folder
 
     if to is not None and to.suffix.lower() not in PICTURES:

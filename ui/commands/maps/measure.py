@@ -34,7 +34,7 @@ def maps_measure(
     from thbridge.files.map_files import read_map
     from thbridge.files.map_times import map_times
     from thbridge.offline.measure import MeasurementSetup
-    from ui.actions.measure import measure_trips, show_times, spoken_place, times_as_json, times_matrix
+    from ui.actions.maps.measure import measure_trips, show_times, spoken_place, times_as_json, times_matrix
     from ui.first_start import announce_compiling
     from ui.settings import map_folder, study_of
 

@@ -39,7 +39,7 @@ def maps_new(
 ) -> None:
     """Make an arena of any map: find its rooms, put goals and start poses, check it, measure its trips."""
     from thbridge.files.map_files import read_map
-    from ui.actions.new_map import check_written, find_arena, measure_map, read_drawing, require_rooms, write_map
+    from ui.actions.maps.new import check_written, find_arena, measure_map, read_drawing, require_rooms, write_map
     from ui.first_start import announce_compiling
 
     if draw:
@@ -93,7 +93,7 @@ def maps_edit(
     from thbridge.files.map_files import check_map, write_rooms
     from thbridge.files.map_times import MAP_TIMES
     from thbridge.offline.arena import Arena
-    from ui.actions.new_map import check_written, same_trips
+    from ui.actions.maps.new import check_written, same_trips
 
     _require_window(f"Or edit {folder / 'rooms.yaml'} as text, and check it by `thbridge maps check`")
     if not folder.is_dir():

@@ -27,7 +27,7 @@ from thbridge.hunt.rooms import Room
 from thbridge.offline.arena import Arena, arena_of
 from thbridge.offline.measure import MeasurementSetup, TripTimes
 from thbridge.offline.room_finding import find_rooms
-from ui.actions.measure import measure_trips, times_matrix
+from ui.actions.maps.measure import measure_trips, times_matrix
 from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, say
 
 SEED = 1
