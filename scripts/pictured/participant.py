@@ -324,7 +324,7 @@ def arguing() -> Iterator[Shot]:
     yield shot("argue-reasons", window)
     hunt.say("I have a question")
     yield shot("argue-questions", window)
-    hunt.say("Why now?")
+    hunt.say("Why now")
     hunt.do(ChooseRobot(1))
     hunt.do(AskAdvice())
     hunt.run(0.4)

@@ -9,12 +9,22 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from sim.common import noise
+from thbridge.argumentation.arguments import Argument
 from thbridge.argumentation.beliefs import Beliefs, Source
 from thbridge.argumentation.cases import Side
 from thbridge.argumentation.propositions import Literal
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.engine import Choice, DialogueStep, Phrasing, announcement
-from thbridge.dialogue.evidence import Evidence, WhatFacts, WhereFacts, is_hearsay, reasons_of_a_person, what, where
+from thbridge.dialogue.evidence import (
+    Evidence,
+    WhatFacts,
+    WhereFacts,
+    is_decision,
+    is_hearsay,
+    reasons_of_a_person,
+    what,
+    where,
+)
 from thbridge.dialogue.explanations import explain, questions
 from thbridge.dialogue.games.agents import Agent
 from thbridge.dialogue.games.contents import ContentKind, DialogueMove, kind_of_content
@@ -24,6 +34,7 @@ from thbridge.dialogue.games.tables import DialogueEnd, Rulebook
 from thbridge.dialogue.moves import (
     Author,
     CloseQuestions,
+    Conclude,
     Dialogue,
     DialogueOutcome,
     DialogueTopic,
@@ -39,9 +50,11 @@ from thbridge.dialogue.moves import (
     Scenario,
     Speaker,
     Turn,
+    Upshot,
 )
 from thbridge.dialogue.propositions import NamesTreasure, NextRoom, TakesPicture, VisitOrder
 from thbridge.dialogue.robot_strategies import StrategyFactory, choose_by, own_strategy
+from thbridge.dialogue.wording.wording import reasons
 
 PERSUASION, INFORMATION_SEEKING = "persuasion", "information-seeking"
 IN_BRIEF = "-in-brief"
@@ -139,11 +152,17 @@ class ArguingEngine:
         )
 
     def utterances(self, dialogue: Dialogue) -> tuple[DialogueUtterance, ...]:
-        """Return all utterances of a dialogue so far."""
-        return tuple(
-            self._utterance(replace(dialogue, turns=dialogue.turns[:at]), turn)
-            for at, turn in enumerate(dialogue.turns)
-        )
+        """Return all utterances of a dialogue so far, with what the robot says beside its turns."""
+        said: list[DialogueUtterance] = []
+        for at, turn in enumerate(dialogue.turns):
+            said.append(self._utterance(replace(dialogue, turns=dialogue.turns[:at]), turn))
+            then = dialogue.turns[at + 1 : at + 2]
+            if not then:
+                said += self._conclusion(dialogue)
+            elif then[0].speaker is Speaker.PERSON:
+                # It was not the robot's turn, so that a game had ended there.
+                said += self._told(replace(dialogue, turns=dialogue.turns[: at + 1]), None)
+        return tuple(said)
 
     # Course of a dialogue
 
@@ -162,7 +181,9 @@ class ArguingEngine:
             dialogue, outcome = self._outcome(dialogue)
             legal = () if outcome is not None or held else self._legal(dialogue, Speaker.ROBOT)
             if not legal:
-                return DialogueStep(dialogue, utterances, outcome)
+                # Where nothing was said, it was told before.
+                told = self._conclusion(dialogue) if utterances else ()
+                return DialogueStep(dialogue, (*utterances, *told), outcome)
             move, fault = self._chosen(dialogue, legal)
             authored = self.phrasing.authored(dialogue, move)
             text = "" if authored is None else authored.text
@@ -205,6 +226,31 @@ class ArguingEngine:
             if decision is not None and type(decision.proposition) is type(_claim(dialogue.topic).proposition):
                 return _about(dialogue, decision), DialogueOutcome.CONSENSUS
         return dialogue, None
+
+    def _conclusion(self, dialogue: Dialogue) -> tuple[DialogueUtterance, ...]:
+        """What the robot says of the upshot, where a game or all of the dialogue has ended with the person's turn."""
+        dialogue, outcome = self._outcome(dialogue)
+        last = _last_move(dialogue)
+        if outcome is None and _current(dialogue) is not None:
+            return ()
+        if outcome is not DialogueOutcome.CONSENSUS:
+            return self._told(dialogue, None)
+        if isinstance(last, Override):
+            return self._told(dialogue, Upshot.OVERRIDDEN)
+        accepted = isinstance(last, DialogueMove) and last.locution == "accept"
+        return self._told(dialogue, Upshot.AGREED if accepted else Upshot.DECIDED)
+
+    def _told(self, dialogue: Dialogue, done: Upshot | None) -> tuple[DialogueUtterance, ...]:
+        """The robot's words for what is done, if anything; none after a turn of its own, or one about questions."""
+        turn = next((turn for turn in reversed(dialogue.turns) if not isinstance(turn.move, Echo)), None)
+        ends = DialogueMove | Leave | Override
+        if turn is None or turn.speaker is Speaker.ROBOT or not isinstance(turn.move, ends):
+            return ()
+        claim = _claim(dialogue.topic)
+        nothing = Upshot.STAYS if isinstance(claim.proposition, NextRoom) else Upshot.UNDONE
+        move = Conclude(nothing) if done is None else Conclude(done, claim)
+        told = self._utterance(dialogue, Turn(Speaker.ROBOT, move, Author.ROBOT))
+        return (replace(told, conversation=dialogue.conversation),)
 
     def _legal(self, dialogue: Dialogue, speaker: Speaker) -> tuple[Move, ...]:
         conversation, play = dialogue.conversation, _current(dialogue)
@@ -256,11 +302,16 @@ class ArguingEngine:
         if conversation is None or topic.facts is None or not self.manner(topic.robot).gives_reasons:
             return ()
         put = {turn.move for turn in dialogue.turns if isinstance(turn.move, Enquire)}
-        said = any(
-            turn.speaker is Speaker.ROBOT and isinstance(turn.move, DialogueMove | Explain) for turn in dialogue.turns
-        )
+        # Who challenges something has asked why.
+        put |= {
+            Enquire(Question.WHY_THIS, turn.move.content)
+            for turn in dialogue.turns
+            if isinstance(turn.move, DialogueMove)
+            and (turn.speaker, turn.move.locution) == (Speaker.PERSON, "challenge")
+            and isinstance(turn.move.content, Literal)
+        }
         possible = questions(topic.facts, _evidence(topic, conversation), _claim(topic))
-        simpler = (Enquire(Question.SIMPLER),) if said else ()
+        simpler = (Enquire(Question.SIMPLER),) if _last_said(dialogue).because else ()
         # To hear it in simpler words has to be in reach at once, with the first reasons.
         asked = (*possible[:2], *simpler, *possible[2:])
         return tuple(each for each in asked if each not in put or each.question is Question.SIMPLER)
@@ -444,14 +495,16 @@ def _about(dialogue: Dialogue, agreed: Literal) -> Dialogue:
 
 
 def _last_said(dialogue: Dialogue) -> Explain:
-    """All that the robot has argued with last, to be said again."""
-    for turn in reversed(dialogue.turns):
-        if turn.speaker is not Speaker.ROBOT:
-            continue
-        if isinstance(turn.move, Explain) and turn.move.question is not Question.SIMPLER:
-            return Explain(Question.SIMPLER, turn.move.about, turn.move.because)
-        if isinstance(turn.move, DialogueMove):
-            content = turn.move.content
-            if isinstance(content, Literal):
-                return Explain(Question.SIMPLER, content, (content,))
-    return Explain(Question.SIMPLER, None, ())
+    """What the robot has argued with last, to be said again; nothing where it was that, or there were no reasons."""
+    robot = (turn.move for turn in reversed(dialogue.turns) if turn.speaker is Speaker.ROBOT)
+    last = next((move for move in robot if not isinstance(move, Echo)), None)
+    match last:
+        case Explain(question, about, because) if question is not Question.SIMPLER:
+            return Explain(Question.SIMPLER, about, because, question)
+        case DialogueMove("assert", Argument(support, conclusion)):
+            literals = tuple(each for each in reasons(support, conclusion) if isinstance(each, Literal))
+            return Explain(Question.SIMPLER, conclusion, literals)
+        case DialogueMove("assert", Literal() as said) if not is_decision(said):
+            return Explain(Question.SIMPLER, said, (said,))
+        case _:
+            return Explain(Question.SIMPLER, None, ())

@@ -30,6 +30,7 @@ from thbridge.dialogue.propositions import (
     ShorterPlan,
     TakesPicture,
     TeamPlan,
+    Tour,
     UnderWay,
     VisitOrder,
     Wanted,
@@ -165,7 +166,8 @@ def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = N
 
 def is_decision(literal: Literal) -> bool:
     """Return True for what is decided, or wished, in one situation only."""
-    return isinstance(literal.proposition, NextRoom | VisitOrder | Conjunction | TakesPicture | NamesTreasure | Wanted)
+    decided = NextRoom | VisitOrder | Tour | Conjunction | TakesPicture | NamesTreasure | Wanted
+    return isinstance(literal.proposition, decided)
 
 
 def is_hearsay(literal: Literal) -> bool:
@@ -249,6 +251,8 @@ class _Case:
 
     def knows(self, proposition: Proposition, *, confidence: float = 1.0) -> Literal:
         literal = Literal(proposition)
+        # Reasons are given in this order: what compares others comes after all of them.
+        self._gathered.pop(literal, None)
         self._gathered[literal] = Origin(_SOURCES.get(type(proposition), Source.COMPUTED), self._at, confidence)
         return literal
 
@@ -339,8 +343,7 @@ def _order(tour: tuple[Room, ...], first: Room, later: Room) -> Literal | None:
     """Return the order of a tour up to a later room; None where the tour does not begin with the first one."""
     if tour[:1] != (first,) or later not in tour[1:]:
         return None
-    stops = tour[: tour.index(later) + 1]
-    return Literal(Conjunction(tuple(Literal(VisitOrder(place, room)) for place, room in enumerate(stops, start=1))))
+    return Literal(Tour(tour[: tour.index(later) + 1]))
 
 
 def _compared(case: _Case, facts: WhereFacts, best: Room, room: Room) -> tuple[Literal, ...]:

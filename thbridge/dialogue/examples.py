@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from thbridge.argumentation.beliefs import Beliefs, Origin, Source
 from thbridge.argumentation.cases import Side
-from thbridge.argumentation.propositions import Conjunction, Literal, Proposition, Rule
+from thbridge.argumentation.propositions import Literal, Proposition, Rule
 from thbridge.dialogue.games.agents import Agent, Picture
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.games.tables import Rulebook
@@ -21,6 +21,7 @@ from thbridge.dialogue.propositions import (
     LessThan,
     Selected,
     TooFar,
+    Tour,
     TreasureIn,
     Visited,
     VisitOrder,
@@ -138,9 +139,9 @@ order(1, Room1) and order(2, Room3))
 """The courses of the exchanges, a move a line, with a bar between those of which the example takes any."""
 
 
-def order(*rooms: int) -> Conjunction:
+def order(*rooms: int) -> Tour:
     """Return the proposition that these rooms are visited in this order."""
-    return Conjunction(tuple(Literal(VisitOrder(place, Room(room))) for place, room in enumerate(rooms, start=1)))
+    return Tour(tuple(map(Room, rooms)))
 
 
 BOTTLE_IN_5, BOTTLE_IN_2 = InImage("bottle", "image5"), InImage("bottle", "image2")

@@ -10,6 +10,7 @@ from thbridge.dialogue.evidence import Evidence, WhatFacts, WhereFacts, comparis
 from thbridge.dialogue.moves import Enquire, Explain, Question
 from thbridge.dialogue.propositions import (
     CostOfOther,
+    CostsMore,
     DearerPlan,
     EnergyCost,
     InTheWay,
@@ -20,6 +21,7 @@ from thbridge.dialogue.propositions import (
     TakesPicture,
     TeamPlan,
 )
+from thbridge.dialogue.wording.wording import reasons
 from thbridge.hunt.rooms import Room
 
 
@@ -47,9 +49,9 @@ def explain(asked: Enquire, facts: WhereFacts | WhatFacts, evidence: Evidence) -
     about, because = asked.about, tuple[Literal, ...]()
     match asked.question:
         case Question.WHY_THIS if about is not None:
-            because = _ordered(evidence, _best_argument(evidence, about))
+            because = _premises(_best_argument(evidence, about))
         case Question.WHY_NOT if about is not None:
-            because = _contrast(evidence, about) or _ordered(evidence, _best_argument(evidence, ~about))
+            because = _contrast(evidence, about) or _premises(_best_argument(evidence, ~about))
         case Question.WHY_ROBOT if about is not None and isinstance(facts, WhereFacts):
             because = _against_other_robots(facts, about)
         case Question.WHY_NOW if about is not None and isinstance(facts, WhereFacts):
@@ -95,10 +97,11 @@ def _contrast(evidence: Evidence, about: Literal) -> tuple[Literal, ...]:
     return tuple(literal for literal in found if getattr(literal.proposition, "room", None) == room)
 
 
-def _ordered(evidence: Evidence, argument: Argument | None) -> tuple[Literal, ...]:
+def _premises(argument: Argument | None) -> tuple[Literal, ...]:
+    """What an argument rests on, in the order in which it is said."""
     if argument is None:
         return ()
-    return tuple(literal for literal in evidence.beliefs.origins if literal in argument.premises)
+    return tuple(reason for reason in reasons(argument.premises, argument.conclusion) if isinstance(reason, Literal))
 
 
 def _known(evidence: Evidence, about: Literal) -> tuple[Literal, ...]:
@@ -163,7 +166,7 @@ def _before_the_next(facts: WhereFacts, about: Literal) -> tuple[Literal, ...]:
 
 
 def _would_change(facts: WhereFacts, about: Literal) -> tuple[Literal, ...]:
-    """Literals each of which would lead to another room: something in the way, or a way that is so much dearer."""
+    """Literals each of which would lead to another room: something in the way, or a way that is dearer than so much."""
     room: Room | None = getattr(about.proposition, "room", None)
     if room is None or room not in facts.values:
         return ()
@@ -172,5 +175,5 @@ def _would_change(facts: WhereFacts, about: Literal) -> tuple[Literal, ...]:
     rivals = [value for other, value in facts.values.items() if other != room and value.rooms == own.rooms]
     if cost is not None and rivals and facts.compares and facts.proven:
         margin = min(value.cost for value in rivals) - own.cost
-        hypotheses.append(Literal(EnergyCost(facts.here, room, cost + margin)))
+        hypotheses.append(Literal(CostsMore(facts.here, room, cost + margin)))
     return tuple(hypotheses)

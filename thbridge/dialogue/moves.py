@@ -147,11 +147,13 @@ class Explain:
         question: that it answers.
         about: as in the question.
         because: beliefs of the robot that are its answer; none where it knows of nothing.
+        restates: the question whose answer it says again; None where it says none again.
     """
 
     question: Question
     about: Literal | None
     because: tuple[Literal, ...]
+    restates: Question | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,6 +165,33 @@ class Echo:
     """
 
     heard: str
+
+
+class Upshot(StrEnum):
+    """Upshot of what was said about a decision."""
+
+    AGREED = "agreed"
+    OVERRIDDEN = "overridden"
+    """It is done because the person wants it all the same."""
+    DECIDED = "decided"
+    """It is done because the robot wants it all the same."""
+    STAYS = "stays"
+    """The robot goes nowhere, as nothing was agreed upon."""
+    UNDONE = "undone"
+    """Nothing is done about a treasure, as nothing was agreed upon."""
+
+
+@dataclass(frozen=True, slots=True)
+class Conclude:
+    """The robot tells what comes of what was said, where the person had the last word; it is no turn of the dialogue.
+
+    Attributes:
+        upshot: what comes of it.
+        about: what is done; None where nothing is.
+    """
+
+    upshot: Upshot
+    about: Literal | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,6 +221,7 @@ Move = (
     | Enquire
     | Explain
     | Echo
+    | Conclude
     | DecideAlone
     | Override
     | Leave
@@ -206,6 +236,7 @@ _WORDS: Mapping[type[Move], str] = {
     Enquire: "enquire",
     Explain: "explain",
     Echo: "echo",
+    Conclude: "conclude",
     DecideAlone: "decide-alone",
     Override: "override",
     Leave: "leave",

@@ -34,6 +34,25 @@ class VisitOrder(Proposition):
 
 
 @dataclass(frozen=True, slots=True)
+class Tour(Proposition):
+    """Rooms are visited in this order: for each one at which place it comes.
+
+    Attributes:
+        rooms: at least two, the first one first.
+    """
+
+    rooms: tuple[Room, ...]
+
+    @property
+    def parts(self) -> tuple[Literal, ...]:
+        """The place of each room; the opposite denies each of them (Sklar and Azhar 2015)."""
+        return tuple(Literal(VisitOrder(place, room)) for place, room in enumerate(self.rooms, start=1))
+
+    def __str__(self) -> str:
+        return f"tour({', '.join(map(_room, self.rooms))})"
+
+
+@dataclass(frozen=True, slots=True)
 class EnergyLevel(Proposition):
     """The robot has so much energy left."""
 
@@ -62,6 +81,18 @@ class EnergyCost(Proposition):
 
     def __str__(self) -> str:
         return f"energy_cost({_room(self.start)}, {_room(self.goal)}, {energy_text(self.energy)})"
+
+
+@dataclass(frozen=True, slots=True)
+class CostsMore(Proposition):
+    """Going from a place to a room costs more than so much energy."""
+
+    start: Room
+    goal: Room
+    energy: float
+
+    def __str__(self) -> str:
+        return f"costs_more({_room(self.start)}, {_room(self.goal)}, {energy_text(self.energy)})"
 
 
 @dataclass(frozen=True, slots=True)

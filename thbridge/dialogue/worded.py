@@ -9,6 +9,7 @@ from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.moves import (
     CloseQuestions,
+    Conclude,
     DecideAlone,
     Dialogue,
     Echo,
@@ -22,6 +23,7 @@ from thbridge.dialogue.moves import (
     Question,
     Scenario,
     Speaker,
+    Upshot,
 )
 from thbridge.dialogue.propositions import NextRoom, VisitOrder
 from thbridge.dialogue.wording.authors import WordingAuthor, ask_author, request_of
@@ -36,6 +38,13 @@ _ASKED = {
     Question.KNOWN: LineKey.KNOWN,
     Question.CHANGE: LineKey.CHANGE,
     Question.SIMPLER: LineKey.SIMPLER,
+}
+_UPSHOTS = {
+    Upshot.AGREED: LineKey.AGREED,
+    Upshot.OVERRIDDEN: LineKey.OVERRIDDEN,
+    Upshot.DECIDED: LineKey.DECIDED,
+    Upshot.STAYS: LineKey.STAYS,
+    Upshot.UNDONE: LineKey.UNDONE,
 }
 
 
@@ -83,7 +92,8 @@ class WordedPhrasing:
         side = Side.ROBOT if speaker is Speaker.ROBOT else Side.HUMAN
         match move:
             case DialogueMove("question", Literal()) if side is Side.HUMAN:
-                key = LineKey.WHERE_THEN if _is_about_a_room(move) else LineKey.WHAT_THEN
+                where = LineKey.WHERE_THEN if dialogue.turns else LineKey.WHERE
+                key = where if _is_about_a_room(move) else LineKey.WHAT_THEN
                 return words.line(key, chance=chance)
             case DialogueMove():
                 return words.sentence(move, side, condition=self.condition, chance=chance)
@@ -97,6 +107,12 @@ class WordedPhrasing:
                 return _explanation(words, move, chance)
             case Echo(heard):
                 return words.line(LineKey.MISHEARD, chance=chance, heard=heard)
+            case Conclude(Upshot.AGREED, Literal(NextRoom(_, room))):
+                return words.line(LineKey.GOES, chance=chance, room=room)
+            case Conclude(upshot, Literal() as about):
+                return words.line(_UPSHOTS[upshot], chance=chance, content=about)
+            case Conclude(upshot):
+                return words.line(_UPSHOTS[upshot], chance=chance)
             case DecideAlone(waited):
                 return words.line(LineKey.NEGLECTED, chance=chance, seconds=waited, room=dialogue.topic.room)
             case OpenQuestions():
@@ -116,7 +132,7 @@ def _is_about_a_room(move: DialogueMove) -> bool:
 
 
 def _explanation(words: Wording, move: Explain, chance: float) -> str:
-    changes = move.question is Question.CHANGE
+    changes = Question.CHANGE in (move.question, move.restates)
     if not move.because:
         return words.line(LineKey.CHANGED_BY_NOTHING if changes else LineKey.BECAUSE_NOT_KNOWN, chance=chance)
     key = LineKey.CHANGED_BY if changes else LineKey.BECAUSE

@@ -11,7 +11,7 @@ from thbridge.dialogue.games.contents import ContentKind
 from thbridge.dialogue.games.locutions import Locution
 from thbridge.dialogue.wording.language import AboutRobot, Grammar, Language, MoveWording, PhraseWording
 from thbridge.dialogue.wording.lines import LINES, LineKey
-from thbridge.dialogue.wording.predicates import PREDICATES, Predicate, reserved_words
+from thbridge.dialogue.wording.predicates import PREDICATES, Predicate, ValueKind, reserved_words
 from thbridge.dialogue.words import reserved_in, spelling_fault
 from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.game_files import read_rulebook
@@ -61,6 +61,8 @@ class _GrammarYaml:
     capital_after_colon: bool
     negations: tuple[str, ...]
     bound: tuple[str, ...]
+    first_stop: str = "£to_room£"
+    next_stop: str = "£to_room£"
     names: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
 
@@ -182,6 +184,8 @@ def _grammar(written: _GrammarYaml) -> Grammar:
             "from": written.from_corridor,
             "in": written.in_corridor,
         },
+        first_stop=written.first_stop,
+        next_stop=written.next_stop,
         robot=written.robot,
         picture=written.picture,
         one_room=written.one_room,
@@ -219,7 +223,7 @@ def _faults(loaded: Loaded[_WordsYaml], locutions: Collection[str]) -> Iterator[
 
 
 def _grammar_faults(loaded: Loaded[_WordsYaml], grammar: _GrammarYaml) -> Iterator[BadFile]:
-    number = {"number": "number"}
+    number, stop = {"number": "number"}, reserved_words({"room": ValueKind.ROOM})
     forms: dict[str, tuple[str, Mapping[str, str]]] = {
         "room": (grammar.room, number),
         "to_room": (grammar.to_room, number),
@@ -229,6 +233,8 @@ def _grammar_faults(loaded: Loaded[_WordsYaml], grammar: _GrammarYaml) -> Iterat
         "to_corridor": (grammar.to_corridor, {}),
         "from_corridor": (grammar.from_corridor, {}),
         "in_corridor": (grammar.in_corridor, {}),
+        "first_stop": (grammar.first_stop, stop),
+        "next_stop": (grammar.next_stop, stop),
         "robot": (grammar.robot, number),
         "picture": (grammar.picture, number),
         "one_room": (grammar.one_room, {}),

@@ -167,6 +167,7 @@ class LastWords:
         said: all sentences, oldest first; none where everything had been said before.
         speakers: who said each sentence.
         agreed: True when it is done, by whoever has the last word.
+        is_told: the robot has said itself what comes of it.
     """
 
     dialogue: int
@@ -176,6 +177,7 @@ class LastWords:
     said: tuple[str, ...]
     speakers: tuple[Literal["robot", "person"], ...]
     agreed: bool
+    is_told: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -255,7 +255,8 @@ def _changes(before: View | None, view: View, rooms: RoomNames) -> list[str]:
             lines += _asked(view, dialogue, told.get(dialogue.dialogue, 0))
     for words in view.last_words:
         if words not in before.last_words:
-            lines += [*_told(words, told.get(words.dialogue, 0)), outcome_of(words)]
+            lines += _told(words, told.get(words.dialogue, 0))
+            lines += () if words.is_told else (outcome_of(words),)
     if view.refusal is not None and view.refusal != before.refusal:
         lines.append(view.refusal.sentence)
     if view.over is not None and before.over is None:

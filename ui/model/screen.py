@@ -372,7 +372,8 @@ class DialoguePopup:
         picture: bytes of the treasure's image file; None without one.
         note: a quiet remark: who decides in the end, or what there is to do when the robot has nothing to say.
         numbered: digits are keys of the choices, in their order.
-        outcome: what came of it; empty while it goes on.
+        ended: nothing more is said.
+        outcome: what came of it, where the robot has not said so itself; empty while it goes on.
     """
 
     robot: int
@@ -386,6 +387,7 @@ class DialoguePopup:
     picture: bytes | None = None
     note: str = ""
     numbered: bool = False
+    ended: bool = False
     outcome: str = ""
 
 

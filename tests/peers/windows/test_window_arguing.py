@@ -72,7 +72,7 @@ def test_a_person_argues_with_two_robots(screen: Desktop, tmp_path: Path) -> Non
         seen = player.insist("advice", lambda: screen.press("d"), lambda seen: seen.answers)
         advised = _room(seen)
         player.say(player.by_key, "Let us leave it")
-        player.until("what came of it", lambda seen: seen.named("Robot 1 stays where it is."))
+        player.until("what came of it", lambda seen: seen.named("Robot 1: Then I"))
         player.insist("it to close", lambda: screen.press("Escape"), lambda seen: seen.pop is None)
         wanted = next(room for room in player.look().free if room != advised)
         player.insist("the dialogue", lambda: screen.press(str(wanted)), lambda seen: seen.answers)
@@ -85,7 +85,7 @@ def test_a_person_argues_with_two_robots(screen: Desktop, tmp_path: Path) -> Non
                 break
             player.say(player.by_key, "No, I still want", f"Go to room {wanted}", "I want", "Let us leave it")
         seen = player.until("robot 1 to set out", lambda seen: f"to room {wanted}" in seen.robot(1))
-        assert seen.named(f"Robot 1 goes to room {wanted}.") is not None
+        assert seen.named(f"Robot 1: All right, I go to room {wanted}") is not None
 
         # Robot 2, by the mouse alone: it persuades her.
         screen.click(seen.robots[1])

@@ -16,10 +16,13 @@ from thbridge.dialogue.evidence import WhatFacts, WhereFacts, where
 from thbridge.dialogue.games.contents import DialogueMove, propositions_in
 from thbridge.dialogue.games.strategies import Attitude
 from thbridge.dialogue.moves import (
+    CloseQuestions,
+    Conclude,
     Dialogue,
     DialogueOutcome,
     DialogueTopic,
     Echo,
+    Enquire,
     Explain,
     Leave,
     Move,
@@ -28,8 +31,9 @@ from thbridge.dialogue.moves import (
     Question,
     Scenario,
     Speaker,
+    Upshot,
 )
-from thbridge.dialogue.propositions import EnergyCost, NextRoom, Wanted
+from thbridge.dialogue.propositions import CostsMore, NextRoom, Wanted
 from thbridge.files.game_files import read_rulebook
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.team_tour import PlanValue
@@ -102,7 +106,7 @@ def test_every_dialogue_ends_and_offers_five_choices_at_most(
     step = play(talker, talker.open(1, topic), draw)
     assert talker.choices(step.dialogue) == () or step.outcome is not None
     # What is said is recorded word by word, and can be said again from the record.
-    assert [said.text for said in talker.utterances(step.dialogue)] == [
+    assert [said.text for said in talker.utterances(step.dialogue) if not isinstance(said.move, Conclude)] == [
         str(turn.said or turn.move) for turn in step.dialogue.turns
     ]
 
@@ -218,8 +222,8 @@ def test_a_dearer_way_by_what_it_says_would_change_its_mind() -> None:
     change = next(choice.move for choice in talker.choices(step.dialogue) if "CHANGE" in choice.text)
     answer = talker.move(step.dialogue, change).dialogue.turns[-1].move
     assert isinstance(answer, Explain)
-    (dearer,) = (each.proposition for each in answer.because if isinstance(each.proposition, EnergyCost))
-    assert dearer == EnergyCost(Room(0), Room(2), 130.0)
+    (dearer,) = (each.proposition for each in answer.because if isinstance(each.proposition, CostsMore))
+    assert dearer == CostsMore(Room(0), Room(2), 130.0)
 
 
 def test_a_robot_that_has_misheard_says_what_it_has_understood() -> None:
@@ -257,7 +261,9 @@ def test_utterances_tell_every_formal_move_and_what_was_misheard(
         utterances += step.utterances
     assert step.dialogue.conversation is not None
     assert tuple(move for said in utterances for move in said.formal) == step.dialogue.conversation.record
-    for said, turn in zip(utterances, step.dialogue.turns, strict=True):
+    assert [said.text for said in utterances] == [said.text for said in talker.utterances(step.dialogue)]
+    turns = (said for said in utterances if not isinstance(said.move, Conclude))
+    for said, turn in zip(turns, step.dialogue.turns, strict=True):
         assert said.heard == ("" if turn.said is None else str(turn.move))
         assert bool(said.formal) == isinstance(turn.move, DialogueMove)
         assert said.formal == () or said.formal[0].move == turn.move
@@ -271,3 +277,71 @@ def test_nothing_that_a_robot_suggests_is_agreed_upon_before_the_person_has_answ
     former = play(talker, talker.open(1, topic), draw).dialogue.conversation
     suggestion = replace(topic, scenario=Scenario.DONT_KNOW, opener=opener)
     assert talker.open(2, suggestion, former=former).outcome is not DialogueOutcome.CONSENSUS
+
+
+@given(topics(), manners, st.data())
+def test_a_person_never_has_the_last_word_without_hearing_what_comes_of_it(
+    topic: DialogueTopic, manner: Manner, draw: st.DataObject
+) -> None:
+    talker = engine(manner)
+    step = talker.open(1, topic)
+    while step.outcome is None and len(step.dialogue.turns) < MOST_TURNS:
+        step = talker.move(step.dialogue, draw.draw(st.sampled_from(talker.choices(step.dialogue))).move)
+        last = talker.utterances(step.dialogue)[-1]
+        assert last.speaker is Speaker.ROBOT or isinstance(last.move, OpenQuestions | CloseQuestions)
+    told = [said for said in talker.utterances(step.dialogue) if isinstance(said.move, Conclude)]
+    assert all(said.move.about is None for said in told[:-1]), "only the last one does something"
+    if told and step.outcome is DialogueOutcome.CONSENSUS and talker.utterances(step.dialogue)[-1] is told[-1]:
+        assert told[-1].move.about is not None
+    if told and step.outcome is not DialogueOutcome.CONSENSUS:
+        assert told[-1].move.about is None
+
+
+def upshots(talker: ArguingEngine, step: DialogueStep) -> list[tuple[Upshot, str]]:
+    moves = [said.move for said in talker.utterances(step.dialogue)]
+    return [(move.upshot, str(move.about)) for move in moves if isinstance(move, Conclude)]
+
+
+def test_what_comes_of_it_is_told_by_who_had_the_last_word() -> None:
+    asked = DialogueTopic(Scenario.DONT_KNOW, 0, Room(2), 80.0, 500.0, facts=FACTS)
+    wanted = DialogueTopic(Scenario.SPECIFIC_ROOM, 0, Room(1), 50.0, 500.0, facts=FACTS)
+    talker = engine(Manner())
+    assert upshots(talker, said(talker, talker.open(1, asked), "accept(next(Robot1, Room2))")) == [
+        (Upshot.AGREED, "next(Robot1, Room2)")
+    ]
+    step = said(talker, talker.open(1, wanted), "accept(not next(Robot1, Room1))")
+    assert upshots(talker, step) == [(Upshot.STAYS, "None")]
+    step = said(talker, said(talker, step, "question(next(Robot1, Room2))"), "accept(next(Robot1, Room2))")
+    assert upshots(talker, step) == [(Upshot.STAYS, "None"), (Upshot.AGREED, "next(Robot1, Room2)")]
+    adviser = engine(Manner(DialogueCondition.ADVISER))
+    step = adviser.move(adviser.open(1, wanted).dialogue, Override())
+    assert upshots(adviser, step) == [(Upshot.OVERRIDDEN, "next(Robot1, Room1)")]
+    autonomous = engine(Manner(DialogueCondition.AUTONOMOUS))
+    step = said(autonomous, autonomous.open(1, wanted), "challenge(not next(Robot1, Room1))")
+    step = said(autonomous, step, "reject(not next(Robot1, Room1))")
+    assert upshots(autonomous, step) == [(Upshot.DECIDED, "next(Robot1, Room2)")]
+
+
+def test_what_is_said_more_simply_are_the_last_reasons_and_never_what_would_be_as_if_it_were() -> None:
+    talker = engine(Manner())
+    topic = DialogueTopic(Scenario.DONT_KNOW, 0, Room(2), 80.0, 500.0, facts=FACTS)
+    step = talker.open(1, topic)
+    simpler = Enquire(Question.SIMPLER)
+
+    def ask(step: DialogueStep, question: Question) -> Explain:
+        step = talker.move(step.dialogue, OpenQuestions())
+        asked = next(each.move for each in talker.choices(step.dialogue) if question.name in each.text)
+        answer = talker.move(step.dialogue, asked)
+        again = talker.move(answer.dialogue, OpenQuestions())
+        assert (simpler in [each.move for each in talker.choices(again.dialogue)]) == (question is not Question.SIMPLER)
+        if question is Question.SIMPLER:
+            return answer.dialogue.turns[-1].move
+        return talker.move(again.dialogue, simpler).dialogue.turns[-1].move
+
+    assert simpler not in [each.move for each in talker.choices(talker.move(step.dialogue, OpenQuestions()).dialogue)]
+    assert ask(step, Question.CHANGE).restates is Question.CHANGE
+    argued = said(talker, step, "challenge(next(Robot1, Room2))")
+    because = ask(argued, Question.SIMPLER).because
+    assert {str(each) for each in because} >= {"plan(Robot1, Room2, 3, 250)"}
+    offered = talker.choices(talker.move(argued.dialogue, OpenQuestions()).dialogue)
+    assert Question.WHY_THIS not in [each.move.question for each in offered if isinstance(each.move, Enquire)]

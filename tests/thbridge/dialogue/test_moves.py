@@ -21,6 +21,7 @@ def test_every_kind_of_move_has_its_own_word_and_those_of_games_go_by_their_locu
         moves.Explain(question, None, ()),
         moves.DecideAlone(1.0),
         moves.Echo(""),
+        moves.Conclude(moves.Upshot.STAYS),
         moves.Override(),
         moves.Leave(),
     ]

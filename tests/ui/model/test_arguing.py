@@ -117,7 +117,7 @@ def test_the_end_of_a_dialogue_stays_before_the_next_one_until_it_is_closed():
     model = model_of(argued(arguing("No.", acts=ANSWERS), two))
     model.receive(argued(two, words=(ended(agreed=False),)), 0.0)
     screen = model.screen(0.0)
-    assert screen.popup.outcome == "Robot 1 stays where it is."
+    assert (screen.popup.ended, screen.popup.outcome) == (True, "Robot 1 stays where it is.")
     assert [sentence for _, sentence in screen.popup.sentences] == ["No.", "Leave it."]
     assert [line.text for line in screen.history[-2:]] == ["Leave it.", "Robot 1 stays where it is."]
     assert "Robot 1 stays where it is." in screen.announcement
@@ -125,6 +125,19 @@ def test_the_end_of_a_dialogue_stays_before_the_next_one_until_it_is_closed():
     screen = model.screen(0.0)
     assert screen.popup.robot == 1
     assert screen.waiting == ()
+
+
+@pytest.mark.parametrize("agreed", [True, False])
+def test_what_the_robot_has_said_itself_is_not_said_again(agreed):
+    model = model_of(argued(arguing("No.", acts=ANSWERS)))
+    said, speakers = ("No.", "Leave it.", "I stay."), ("robot", "person", "robot")
+    told = LastWords(1, 0, "select-room", 2, said, speakers, agreed, is_told=True)
+    model.receive(argued(words=(told,)), 0.0)
+    screen = model.screen(0.0)
+    assert (screen.popup.ended, screen.popup.outcome) == (True, "")
+    assert list(screen.popup.sentences) == [("you", "Leave it."), ("robot", "I stay.")]
+    assert [line.text for line in screen.history[-2:]] == ["Leave it.", "I stay."]
+    assert "Robot 1: I stay." in screen.announcement
 
 
 def test_an_esc_that_was_meant_for_the_dialogue_does_not_close_its_end():

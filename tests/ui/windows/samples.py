@@ -264,17 +264,18 @@ def arguing() -> DialoguePopup:
         title="Robot 1: go to room 6?",
         sentences=(
             ("you", "Go to room 6."),
-            ("robot", f"My advice: I do not go to {room} next."),
+            ("robot", f"My advice: do not send me to {room} next."),
             ("you", f"Why not {room}?"),
             (
                 "robot",
-                f"I think I should not go to {room} next, because with me going to room 2 (West) next we reach 8 rooms "
-                f"for 123 energy in all, and with me going to {room} next we reach 8 rooms for 124 energy in all.",
+                f"I would not go to {room} next. My reasons: if I go to {room} next, we reach 8 rooms for 124 energy "
+                "in all; if I go to room 2 (West) next, we reach 8 rooms for 123 energy in all, and 123 is less than "
+                "124.",
             ),
         ),
         choices=(
-            Action(GiveAnswer(0), f"All right: with you going to room 2 (West) next, you do not go to {room}.", "1"),
-            Action(GiveAnswer(1), f"Why is it that with you going to {room} next we reach 8 rooms for 124?", "2"),
+            Action(GiveAnswer(0), f"All right: if you go to {room} next, we reach 8 rooms for 124 energy in all.", "1"),
+            Action(GiveAnswer(1), f"Why go to room 2 (West) first, then to {room}?", "2"),
             Action(GiveAnswer(2), f"Go to {room} all the same.", "3", hint="This is your decision."),
             Action(GiveAnswer(3), "I have a question.", "4"),
             Action(GiveAnswer(4), "Let us leave it at that.", "5"),

@@ -268,5 +268,5 @@ def _literals_in(content: Content) -> Iterator[Literal]:
             yield from (*premises, conclusion)
         case Argument(support, conclusion):
             yield from conclusion.parts
-            for part in reasons(support):
+            for part in reasons(support, conclusion):
                 yield from _literals_in(part)

@@ -25,6 +25,8 @@ class Grammar:
     Attributes:
         rooms: a room, by the preposition that it stands with; the empty one stands for none.
         corridor: the corridor, in the same way; without a reserved word.
+        first_stop: the first room of a tour, with reserved words as for `rooms`.
+        next_stop: each further one, after a comma.
         robot: a robot.
         picture: a picture.
         one_room: a single room that is counted.
@@ -43,6 +45,8 @@ class Grammar:
 
     rooms: Mapping[str, str]
     corridor: Mapping[str, str]
+    first_stop: str
+    next_stop: str
     robot: str
     picture: str
     one_room: str

@@ -11,6 +11,7 @@ from thbridge.dialogue.wording.predicates import ValueKind
 class LineKey(StrEnum):
     """Key of a line in the files of a language."""
 
+    WHERE = "where"
     WHERE_THEN = "where_then"
     WHAT_THEN = "what_then"
     LEAVE_IT = "leave_it"
@@ -18,6 +19,12 @@ class LineKey(StrEnum):
     OVERRIDE_PICTURE = "override_picture"
     OVERRIDE_NAME = "override_name"
     NEGLECTED = "neglected"
+    GOES = "goes"
+    AGREED = "agreed"
+    OVERRIDDEN = "overridden"
+    DECIDED = "decided"
+    STAYS = "stays"
+    UNDONE = "undone"
     MISHEARD = "misheard"
     HAVE_QUESTION = "have_question"
     BACK = "back"
@@ -48,10 +55,12 @@ class LineMeaning:
 
 
 _ROOM = {"room": ValueKind.ROOM}
+_CONTENT = {"content": ValueKind.CLAUSE}
 _BECAUSE = {"because": ValueKind.CLAUSES}
 
 LINES: Mapping[LineKey, LineMeaning] = {
-    LineKey.WHERE_THEN: LineMeaning(Side.HUMAN, "asks where the robot would go"),
+    LineKey.WHERE: LineMeaning(Side.HUMAN, "does not know, and asks where the robot would go"),
+    LineKey.WHERE_THEN: LineMeaning(Side.HUMAN, "asks where the robot would go instead"),
     LineKey.WHAT_THEN: LineMeaning(Side.HUMAN, "asks what the robot would do about a treasure"),
     LineKey.LEAVE_IT: LineMeaning(Side.HUMAN, "ends the dialogue"),
     LineKey.OVERRIDE: LineMeaning(Side.HUMAN, "has the last word, and sends the robot to a room", _ROOM),
@@ -59,6 +68,14 @@ LINES: Mapping[LineKey, LineMeaning] = {
     LineKey.OVERRIDE_NAME: LineMeaning(Side.HUMAN, "has the last word, and names the treasure"),
     LineKey.NEGLECTED: LineMeaning(
         Side.ROBOT, "when it was told nothing for a while", {"seconds": ValueKind.NUMBER, **_ROOM}
+    ),
+    LineKey.GOES: LineMeaning(Side.ROBOT, "tells where it goes, for that was agreed upon", _ROOM),
+    LineKey.AGREED: LineMeaning(Side.ROBOT, "tells what is done about a treasure, for that was agreed upon", _CONTENT),
+    LineKey.OVERRIDDEN: LineMeaning(Side.ROBOT, "tells what it does, for the person wants it all the same", _CONTENT),
+    LineKey.DECIDED: LineMeaning(Side.ROBOT, "tells what it does, for it has the last word", _CONTENT),
+    LineKey.STAYS: LineMeaning(Side.ROBOT, "tells that it goes nowhere, for nothing was agreed upon"),
+    LineKey.UNDONE: LineMeaning(
+        Side.ROBOT, "tells that it does nothing yet about a treasure, for nothing was agreed upon"
     ),
     LineKey.MISHEARD: LineMeaning(
         Side.ROBOT, "tells what it has understood, where that is not what was said", {"heard": ValueKind.NAME}

@@ -8,6 +8,7 @@ from thbridge.argumentation.propositions import Proposition
 from thbridge.dialogue.propositions import (
     ColourFound,
     CostOfOther,
+    CostsMore,
     CouldBe,
     DearerPlan,
     EnergyCost,
@@ -29,6 +30,7 @@ from thbridge.dialogue.propositions import (
     TakesPicture,
     TeamPlan,
     TooFar,
+    Tour,
     TreasureIn,
     UnderWay,
     Visited,
@@ -48,6 +50,8 @@ class ValueKind(StrEnum):
     """Energies that are added up."""
     ROOMS = "rooms"
     """Rooms that are counted."""
+    STOPS = "stops"
+    """Rooms in the order in which they are visited."""
     NUMBER = "number"
     PICTURE = "picture"
     NAME = "name"
@@ -104,8 +108,10 @@ PREDICATES: Mapping[str, Predicate] = {
     for name, proposition, values in (
         ("selected", Selected, _ROOM),
         ("order", VisitOrder, {"place": ValueKind.NUMBER, **_ROOM}),
+        ("tour", Tour, {"rooms": ValueKind.STOPS}),
         ("current_energy_level", EnergyLevel, _ENERGY),
         ("energy_cost", EnergyCost, {"start": ValueKind.ROOM, "goal": ValueKind.ROOM, **_ENERGY}),
+        ("costs_more", CostsMore, {"start": ValueKind.ROOM, "goal": ValueKind.ROOM, **_ENERGY}),
         ("color_found", ColourFound, {"image": ValueKind.PICTURE, "colour": ValueKind.NAME}),
         ("in_image", InImage, {"thing": ValueKind.NAME, "image": ValueKind.PICTURE}),
         ("treasure_in", TreasureIn, {"name": ValueKind.NAME, **_ROOM}),

@@ -17,7 +17,7 @@ from thbridge.dialogue.words import fill
 from thbridge.hunt.costs import energy_text
 from thbridge.hunt.rooms import Room, RoomNames
 
-Value = Room | float | str | Literal | tuple[float, ...] | tuple[str, ...] | tuple[Literal, ...]
+Value = Room | float | str | Literal | tuple[float, ...] | tuple[str, ...] | tuple[Literal, ...] | tuple[Room, ...]
 """Value of a reserved word; its kind tells how it is said."""
 
 _PICTURE = re.compile(r"image(\d+)")
@@ -123,12 +123,12 @@ class _Clauses:
     simply: bool
 
     def of(self, literal: Literal) -> str:
-        """Clause for a literal; for one with several parts, all their clauses."""
-        parts = literal.parts
-        if len(parts) > 1:
-            return self.all_of(parts)
+        """Clause for a literal; for one with several parts and no words of its own, all their clauses."""
         predicate = predicate_of(literal.proposition)
         if predicate is None:
+            parts = literal.parts
+            if len(parts) > 1:
+                return self.all_of(parts)
             raise ValueError(f"there are no words for {literal}")
         wording, language = self.wording, self.wording.language
         robot = wording.about(literal.proposition)
@@ -153,7 +153,8 @@ class _Clauses:
             case Rule():
                 return {"content": self.rule(content)}
             case Argument(support, conclusion):
-                said = [self.rule(part) if isinstance(part, Rule) else self.of(part) for part in reasons(support)]
+                ordered = reasons(support, conclusion)
+                said = [self.rule(part) if isinstance(part, Rule) else self.of(part) for part in ordered]
                 return {"support": self.wording.language.grammar.all_of(said), "conclusion": self.of(conclusion)}
 
     def rule(self, rule: Rule) -> str:
@@ -173,8 +174,15 @@ class _Clauses:
         grammar = self.wording.language.grammar
         match kind, value:
             case ValueKind.ROOM, Room():
-                words = {name: self.room("", value)}
-                return words | {f"{each}_{name}": self.room(each, value) for each in PREPOSITIONS}
+                return self.room_words(name, value)
+            case ValueKind.STOPS, tuple():
+                stops = [stop for stop in value if isinstance(stop, Room)]
+                forms = [grammar.first_stop] + [grammar.next_stop] * (len(stops) - 1)
+                said = [
+                    self.filled(form, self.room_words("room", stop), begins_sentence=False)
+                    for form, stop in zip(forms, stops, strict=True)
+                ]
+                return {name: grammar.between.join(said)}
             case ValueKind.ROBOT, int():
                 return {name: fill(grammar.robot, {"number": str(number_of(value))})}
             case ValueKind.ROOMS, int():
@@ -199,6 +207,10 @@ class _Clauses:
                 return {name: grammar.one_of(self.of(part) for part in value if isinstance(part, Literal))}
             case _:
                 raise TypeError(f"{name}: {value!r} is no {kind}")
+
+    def room_words(self, name: str, room: Room) -> dict[str, str]:
+        """The words for a room, with each preposition and without."""
+        return {name: self.room("", room)} | {f"{each}_{name}": self.room(each, room) for each in PREPOSITIONS}
 
     def room(self, preposition: str, room: Room) -> str:
         """A room, with its name, if any, after a preposition."""
@@ -226,12 +238,18 @@ _BEGINNINGS = {
 """Text before a capital: where a sentence begins with it or not, with and without a capital after a colon."""
 
 
-def reasons(support: Iterable[Belief]) -> list[Belief]:
-    """Return what an argument rests on in the order in which it is said: as predicates are listed, rules last."""
+def reasons(support: Iterable[Belief], conclusion: Literal) -> list[Belief]:
+    """Return what an argument rests on in the order in which it is said.
 
-    def order(reason: Belief) -> tuple[int, str]:
-        predicate = predicate_of(reason.proposition) if isinstance(reason, Literal) else None
-        return len(_ORDER) if predicate is None else _ORDER[predicate.name], str(reason)
+    As predicates are listed, rules last; of several with one predicate first that about the conclusion's room.
+    """
+    room: Room | None = getattr(conclusion.parts[0].proposition, "room", None)
+
+    def order(reason: Belief) -> tuple[int, bool, str]:
+        proposition = reason.proposition if isinstance(reason, Literal) else None
+        predicate = None if proposition is None else predicate_of(proposition)
+        place = len(_ORDER) if predicate is None else _ORDER[predicate.name]
+        return place, getattr(proposition, "room", None) != room, str(reason)
 
     return sorted(support, key=order)
 

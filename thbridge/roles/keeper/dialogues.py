@@ -1,6 +1,7 @@
 """Open dialogues of robots and participant, and agreements that were not acted upon yet."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -11,12 +12,14 @@ from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.moves import (
     Author,
     CloseQuestions,
+    Conclude,
     DecideAlone,
     Dialogue,
     DialogueOutcome,
     DialogueTopic,
     DialogueUtterance,
     Echo,
+    Move,
     OpenQuestions,
     Scenario,
     Speaker,
@@ -308,7 +311,8 @@ class GameDialogues:
         return tuple(map(self._view, self._open.values()))
 
     def _view(self, dialogue: Dialogue) -> DialogueView:
-        choices, (said, speakers) = self._engine.choices(dialogue), self._sentences(dialogue)
+        choices, utterances = self._engine.choices(dialogue), self._engine.utterances(dialogue)
+        said, speakers = _sentences(utterances)
         return DialogueView(
             dialogue=dialogue.number,
             turn=len(dialogue.turns),
@@ -329,15 +333,6 @@ class GameDialogues:
         """Return the robot of the open dialogue with this number, or None."""
         return next((robot for robot, dialogue in self._open.items() if dialogue.number == number), None)
 
-    def _sentences(self, dialogue: Dialogue) -> tuple[tuple[str, ...], tuple[Literal["robot", "person"], ...]]:
-        """Return what was said and by whom; to look for a question, and to ask none after all, says nothing."""
-        said = [
-            utterance
-            for utterance in self._engine.utterances(dialogue)
-            if not isinstance(utterance.move, OpenQuestions | CloseQuestions)
-        ]
-        return tuple(utterance.text for utterance in said), tuple(utterance.speaker.value for utterance in said)
-
     def _at_turn(self, number: int, turn: int) -> Dialogue | None:
         """Return the open dialogue of this number if it is at this turn."""
         dialogue = next((dialogue for dialogue in self._open.values() if dialogue.number == number), None)
@@ -348,14 +343,15 @@ class GameDialogues:
         matter = MATTERS[topic.scenario]
         if step.dialogue.conversation is not None and topic.facts is not None:
             self._memories[topic.robot] = (situation_of(topic.facts), step.dialogue.conversation)
-        self._utterances += step.utterances
         if step.outcome is None:
+            self._utterances += step.utterances
             self._open[topic.robot] = step.dialogue
             return
         # What both agreed upon in the end may have been done by another robot while they talked.
         can_be_done = _still_open(state, topic.robot, matter, topic.room)
         agreed = step.outcome is DialogueOutcome.CONSENSUS and can_be_done
         self._open.pop(topic.robot, None)
+        self._utterances += _true(step.utterances, agreed=agreed)
         self._keep_last_words(step.dialogue, agreed=agreed)
         if agreed:
             self.consents += (Consent(topic.robot, matter, topic.room.people),)
@@ -364,9 +360,12 @@ class GameDialogues:
         """Keep how a dialogue has ended; where robots do as they are told without a word, there is nothing to keep."""
         if not self.argues or (agreed and not dialogue.turns):
             return
-        topic, (said, speakers) = dialogue.topic, self._sentences(dialogue)
+        utterances = _true(self._engine.utterances(dialogue), agreed=agreed)
+        topic, (said, speakers) = dialogue.topic, _sentences(utterances)
         matter = MATTERS[topic.scenario]
-        words = LastWords(dialogue.number, topic.robot, matter, topic.room.people, said, speakers, agreed)
+        # Of what is done the robot's last sentence tells, of what is not only its conclusion.
+        is_told = agreed or any(isinstance(each.move, Conclude) for each in utterances[-1:])
+        words = LastWords(dialogue.number, topic.robot, matter, topic.room.people, said, speakers, agreed, is_told)
         self.last_words = (*(each for each in self.last_words if each.robot != topic.robot), words)
 
     def _forget(self, robot: int, matter: DialogueMatter) -> None:
@@ -378,6 +377,23 @@ class GameDialogues:
 
     def _forget_advice(self, robot: int) -> None:
         self.asked_for_advice = tuple(asked for asked in self.asked_for_advice if asked != robot)
+
+
+def _sentences(
+    utterances: Sequence[DialogueUtterance],
+) -> tuple[tuple[str, ...], tuple[Literal["robot", "person"], ...]]:
+    """Return what was said and by whom; to look for a question, and to ask none after all, says nothing."""
+    said = [each for each in utterances if not isinstance(each.move, OpenQuestions | CloseQuestions)]
+    return tuple(each.text for each in said), tuple(each.speaker.value for each in said)
+
+
+def _true(utterances: tuple[DialogueUtterance, ...], *, agreed: bool) -> tuple[DialogueUtterance, ...]:
+    """Return what was said, without a conclusion that tells of something that is not done."""
+
+    def is_true(move: Move) -> bool:
+        return agreed or not isinstance(move, Conclude) or move.about is None
+
+    return tuple(each for each in utterances if is_true(each.move))
 
 
 def _topic(state: GameState, scenario: Scenario, robot: int, room: Room, room_name: str) -> DialogueTopic:

@@ -8,7 +8,7 @@ from msgspec import structs
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.dialogue.engine import DialogueEngine
 from thbridge.dialogue.evidence import WhatFacts, WhereFacts
-from thbridge.dialogue.moves import DialogueUtterance, Scenario, Speaker, move_text
+from thbridge.dialogue.moves import Conclude, DialogueUtterance, Scenario, Speaker, move_text
 from thbridge.hunt import game, rules
 from thbridge.hunt.events import (
     CommanderChanged,
@@ -184,6 +184,8 @@ class OpenGame:
         self._entries += [
             DialogueSaid(said.dialogue, said.index, said.speaker, said.author, move_text(said.move), said.text)
             for said in fresh
+            # It follows from the turns, and is none.
+            if not isinstance(said.move, Conclude)
         ]
 
     def apply_ruling(self, request: str, ruling: rules.Ruling) -> bool:

@@ -78,7 +78,9 @@ def test_what_robots_argue_is_recorded_move_by_move_with_what_they_make_of_it():
         ("countered", "challenged"),
     ]
     # Each move has the sentence of its utterance, and each state of a game begins where the last one ended.
-    assert [move.text for move in moves if not move.is_booked] == [record.text for record in said]
+    assert [move.text for move in moves if not move.is_booked] == [
+        record.text for record in said if record.move != "conclude"
+    ]
     for game in {move.dialogue for move in moves}:
         course = [move for move in moves if move.dialogue == game and not move.is_booked]
         assert [move.after for move in course[:-1]] == [move.before for move in course[1:]]
@@ -95,7 +97,7 @@ def test_what_a_robot_makes_of_a_dialogue_is_recorded_when_it_changes():
 
 def test_dialogues_that_are_left_or_misheard_show_it():
     records = [record for tick in recorded(*utterances(LEAVES)) for record in tick]
-    assert [record.move for record in records if isinstance(record, UtteranceRecord)][-1] == "leave"
+    assert [record.move for record in records if isinstance(record, UtteranceRecord)][-2:] == ["leave", "conclude"]
     assert read_portrait(records[-1].json).games[-1].end == "withdrawn"
     said = utterances(STUBBORN[:1], Manner(misheard=1.0))
     (misheard,) = (move for tick in recorded(*said) for move in tick if getattr(move, "heard", ""))

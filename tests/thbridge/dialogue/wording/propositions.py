@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from thbridge.argumentation.arguments import Argument
 from thbridge.argumentation.propositions import Conjunction, Literal, Proposition, Rule
 from thbridge.dialogue.games.contents import Content, ContentKind, DialogueMove, Unknown
+from thbridge.dialogue.propositions import Tour
 from thbridge.dialogue.wording.predicates import PREDICATES, Predicate, ValueKind, predicate_of
 from thbridge.files.game_files import read_rulebook
 from thbridge.hunt.costs import energy_text
@@ -24,6 +25,7 @@ VALUES: dict[ValueKind, st.SearchStrategy[object]] = {
     ValueKind.ENERGY: ENERGIES,
     ValueKind.SUM: st.lists(ENERGIES, min_size=1, max_size=3).map(tuple),
     ValueKind.ROOMS: st.integers(0, 12),
+    ValueKind.STOPS: st.lists(ROOMS, min_size=2, max_size=4, unique=True).map(tuple),
     ValueKind.NUMBER: st.integers(1, 12),
     ValueKind.PICTURE: st.integers(1, 5).map("image{}".format),
     ValueKind.NAME: TREASURES,
@@ -68,14 +70,16 @@ def literals_in(content: Content) -> Iterator[Literal]:
     """Yield the literals that a content speaks of, without conjunctions."""
     match content:
         case Unknown(proposition):
-            yield from proposition.parts
+            yield from literals_in(Literal(proposition))
+        case Literal(Tour()):
+            yield content
         case Literal():
             yield from content.parts
         case Rule(premises, conclusion):
             yield from premises
             yield conclusion
         case Argument(support, conclusion):
-            yield from conclusion.parts
+            yield from literals_in(conclusion)
             for part in support:
                 yield from literals_in(part)
 
@@ -91,6 +95,8 @@ def values_in(content: Content, robot: int, decimal: str) -> set[str]:
             match kind:
                 case ValueKind.ROOM:
                     found.add(NAMES.numbered(value.people))
+                case ValueKind.STOPS:
+                    found |= {NAMES.numbered(stop.people) for stop in value}
                 case ValueKind.ROBOT:
                     found |= set() if value == robot else {str(value + 1)}
                 case ValueKind.ENERGY:

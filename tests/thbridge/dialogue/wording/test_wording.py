@@ -6,14 +6,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.thbridge.dialogue.wording.propositions import MOVES, NAMES, PLAIN, PROPOSITIONS, values_in
+from tests.thbridge.dialogue.wording.propositions import MOVES, NAMES, PLAIN, PROPOSITIONS, ROOMS, values_in
 from thbridge.argumentation.arguments import Argument
 from thbridge.argumentation.cases import Side
 from thbridge.argumentation.propositions import Literal, Proposition
 from thbridge.dialogue import propositions
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import DialogueMove
-from thbridge.dialogue.propositions import EnergyLevel, FewerRooms, NextRoom, TeamPlan, Wanted
+from thbridge.dialogue.propositions import EnergyLevel, FewerRooms, NextRoom, TeamPlan, Tour, Wanted
+from thbridge.dialogue.wording.authors import judge_sentence, request_of
 from thbridge.dialogue.wording.lines import LINES, LineKey
 from thbridge.dialogue.wording.predicates import PREDICATES, ValueKind
 from thbridge.dialogue.wording.wording import Wording
@@ -101,7 +102,7 @@ def test_robots_say_i_people_say_you_and_others_have_numbers() -> None:
     assert ENGLISH.phrase(ROOM_3) == "I go to room 3 next"
     assert ENGLISH.phrase(ROOM_3, Side.HUMAN) == "you go to room 3 next"
     assert ENGLISH.phrase(other) == ENGLISH.phrase(other, Side.HUMAN) == "robot 2 goes to room 2 (Kitchen) next"
-    assert ENGLISH.phrase(Literal(Wanted(~ROOM_3)), Side.HUMAN) == "I want it so: you do not go to room 3 next"
+    assert ENGLISH.phrase(Literal(Wanted(~ROOM_3)), Side.HUMAN) == "I want this: you do not go to room 3 next"
 
 
 def test_the_most_specific_wording_is_said() -> None:
@@ -110,22 +111,51 @@ def test_the_most_specific_wording_is_said() -> None:
     level = Literal(EnergyLevel(1000.0))
     assert ENGLISH.sentence(DialogueMove("challenge", level)) == "Why do you say that I have 1000 energy left?"
     advised = ENGLISH.sentence(DialogueMove("assert", ROOM_3), condition=DialogueCondition.ADVISER)
-    assert advised == "My advice: I go to room 3 next."
+    assert advised == "My advice: send me to room 3 next."
+
+
+@settings(max_examples=200)
+@given(NAME, st.lists(ROOMS, min_size=2, max_size=5, unique=True), SIDES, CHANCES, st.booleans())
+def test_the_order_of_a_tour_is_recovered_from_its_sentences_and_no_other_one_is_taken(
+    name: str, rooms: list[Room], side: Side, chance: float, holds: bool
+) -> None:
+    wording = WORDINGS[name]
+    for locution in ("assert", "challenge", "accept", "reject"):
+        move = DialogueMove(locution, Literal(Tour(tuple(rooms)), holds))
+        sentence = wording.sentence(move, side, chance=chance)
+        said = re.findall(r"(?:room|Raum) (\d+)", sentence)
+        assert [int(room) for room in said] == [room.people for room in rooms]
+        assert (re.search(r"\b(not|nicht)\b", sentence) is not None) == (holds == (locution == "reject")) or (
+            side is Side.HUMAN and locution == "reject"
+        )
+        request = request_of(wording, move, side, chance=chance)
+        turned = DialogueMove(locution, Literal(Tour((*rooms[1:], rooms[0])), holds))
+        assert judge_sentence(wording.sentence(turned, side, chance=chance), request) is not None
+
+
+def test_an_order_of_rooms_is_said_as_people_say_it() -> None:
+    tour = Literal(Tour((Room(2), Room(5), Room(1))))
+    said = "to room 2 (Kitchen) first, then to room 5 (Lab 7), then to room 1"
+    assert ENGLISH.sentence(DialogueMove("assert", tour)) == f"I would go {said}."
+    assert ENGLISH.sentence(DialogueMove("reject", ~tour)) == f"I still want to go {said}."
+    assert WORDINGS["de"].sentence(DialogueMove("assert", Literal(Tour((Room(1), Room(3)))))) == (
+        "Ich würde erst zu Raum 1, dann zu Raum 3 fahren."
+    )
 
 
 def test_one_room_is_counted_as_one() -> None:
     phrase = ENGLISH.phrase(Literal(TeamPlan(0, CORRIDOR, 1, 12.5)))
-    assert phrase == "with me going to the corridor next, we reach 1 room for 12.5 energy in all"
+    assert phrase == "if I go to the corridor next, we reach 1 room for 12.5 energy in all"
 
 
-def test_reasons_come_before_what_compares_them() -> None:
+def test_reasons_come_before_what_compares_them_and_those_for_the_room_itself_first() -> None:
     support = frozenset(
         map(Literal, (FewerRooms(4, 5), TeamPlan(0, Room(3), 5, 300.0), TeamPlan(0, Room(1), 4, 250.0)))
     )
     said = ENGLISH.sentence(DialogueMove("assert", Argument(support, ROOM_3)))
     assert said == (
-        "I would go to room 3 next. My reasons: with me going to room 1 next, we reach 4 rooms for 250 energy in all; "
-        "with me going to room 3 next, we reach 5 rooms for 300 energy in all and reaching 5 rooms is better than "
+        "I would go to room 3 next. My reasons: if I go to room 3 next, we reach 5 rooms for 300 energy in all; "
+        "if I go to room 1 next, we reach 4 rooms for 250 energy in all, and reaching 5 rooms is better than "
         "reaching 4 rooms."
     )
 

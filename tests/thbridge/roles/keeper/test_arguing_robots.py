@@ -1,5 +1,6 @@
 """Robots that argue, in a game: what participants and robots agree upon is done, and nothing else."""
 
+import re
 from collections.abc import Sequence
 
 import pytest
@@ -8,7 +9,7 @@ from tests.thbridge.roles.stage import Stage
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.conditions import DialogueCondition, Manner
-from thbridge.dialogue.moves import Author, DecideAlone
+from thbridge.dialogue.moves import Author, Conclude, DecideAlone
 from thbridge.dialogue.worded import WordedPhrasing
 from thbridge.dialogue.wording.authors import WordingRequest
 from thbridge.files.game_files import read_rulebook
@@ -243,8 +244,8 @@ def test_what_was_agreed_is_in_sight_until_the_robot_is_there() -> None:
     room = table.dialogue().room
     (words,) = table.say("All right").last_words
     assert (words.robot, words.room, words.agreed) == (0, room, True)
-    assert words.said[-1].startswith("All right")
-    assert words.speakers[-1] == "person"
+    assert words.said[-2].startswith("All right") and f"to room {room}" in words.said[-1]
+    assert words.speakers[-2:] == ("person", "robot") and words.is_told
     assert table.wish(SendRobot(0, room)).last_words == (words,)
     table.stage.run(30)
     assert table.view.robots[0].place == room
@@ -256,7 +257,7 @@ def test_what_was_not_agreed_is_in_sight_until_the_robot_is_talked_with_again() 
     room = table.another_room()
     table.wish(SelectRoom(0, room))
     (words,) = table.say("Let us leave it").last_words
-    assert not words.agreed
+    assert not words.agreed and words.is_told
     table.wish(RequestSuggestion(1))
     assert table.view.last_words == (words,), "the other robot"
     table.wish(RequestSuggestion(0))
@@ -293,3 +294,21 @@ def test_another_author_s_sentence_is_said_where_it_tells_the_same_and_recorded_
     assert taken.authored is not None and taken.text == taken.authored.offered == taken.authored.sentence
     assert refused.authored is not None and refused.authored.offered == "All right, I go to room 99."
     assert refused.authored.refused and refused.text == refused.authored.sentence
+
+
+def test_what_is_not_done_after_all_is_not_told() -> None:
+    table = Table(DialogueCondition.ADVISER)
+    table.wish(SelectRoom(1, table.another_room(1)))
+    table.say("All right, not", robot=1)
+    table.say("Where would you go, then?", robot=1)
+    room = int(re.findall(r"room (\d+)", table.dialogue(1).choices[0])[0])
+    view = table.wish(SelectRoom(0, room))
+    if view.dialogues[-1].robot == 0:
+        table.say("all the same")
+    table.wish(SendRobot(0, room))
+    view = table.say("All right", robot=1)
+    assert view.consents == ()
+    (words,) = (each for each in view.last_words if each.robot == 1)
+    assert (words.agreed, words.is_told, words.speakers[-1]) == (False, False, "person")
+    said = [each for record in table.stage.tick_records for each in record.utterances if each.topic.robot == 1]
+    assert not any(isinstance(each.move, Conclude) and each.move.about is not None for each in said)

@@ -4,21 +4,23 @@ from collections.abc import Callable
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QScrollArea
 from pytestqt.qtbot import QtBot
 
 from tests.thbridge.roles.keeper.test_arguing_robots import arguing_engine
 from tests.ui.model.seat import Seat
 from tests.ui.windows import samples
+from tests.ui.windows.fitting import settle
 from tests.ui.windows.participant.test_hunt import Player
 from tests.ui.windows.participant.test_window import Open, press
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.hunt.events import RobotDeparted
 from thbridge.roles.keeper.disclosed.briefing import Briefing
-from ui.model.screen import AskAdvice, ChooseRobot, ChooseRoom, DialoguePopup, ShowNext, TypeDigit
+from ui.model.screen import Action, AskAdvice, ChooseRobot, ChooseRoom, DialoguePopup, ShowNext, TypeDigit
 from ui.model.theme import LIGHT
 from ui.windows import look
 from ui.windows.participant import ParticipantWindow
+from ui.windows.participant.popups.dialogue import DialoguePanel
 
 Sit = Callable[..., "Arguer"]
 STATES = samples.states()
@@ -111,7 +113,9 @@ def test_a_person_is_persuaded(sit: Sit) -> None:
         arguer.say("All right")
     assert [who for who, _ in arguer.departures] == [0]
     assert arguer.departures[0][1] != room
-    assert arguer.pop.outcome == f"Robot 1 goes to room {arguer.departures[0][1]}."
+    who, told = arguer.pop.sentences[-1]
+    assert who == "robot" and f"to room {arguer.departures[0][1]}" in told
+    assert arguer.pop.ended and arguer.pop.outcome == ""
     assert arguer.window.dialogue.isVisible()
 
 
@@ -128,7 +132,7 @@ def test_a_person_persuades_a_robot_by_keyboard_alone(sit: Sit) -> None:
     if arguer.labels:
         arguer.type(f"Go to room {room} next")
     assert arguer.departures == [(0, room)]
-    assert arguer.pop.outcome == f"Robot 1 goes to room {room}."
+    assert arguer.pop.sentences[-1] == ("robot", f"All right, I go to room {room} next.")
 
 
 def test_the_questions_lead_back_to_where_the_focus_was(sit: Sit) -> None:
@@ -174,7 +178,8 @@ def test_a_dialogue_that_was_left_does_not_go_without_a_word(sit: Sit) -> None:
     arguer.click(AskAdvice())
     arguer.type("Let us leave it")
     assert arguer.window.dialogue.isVisible()
-    assert arguer.pop.outcome == "Robot 1 stays where it is."
+    assert [who for who, _ in arguer.pop.sentences[-2:]] == ["you", "robot"]
+    assert "here for now" in arguer.pop.sentences[-1][1] or "where I am for now" in arguer.pop.sentences[-1][1]
     assert arguer.departures == []
     arguer.key("Esc")
     assert not arguer.window.dialogue.isVisible()
@@ -216,3 +221,20 @@ def test_a_digit_that_was_meant_for_an_answer_sends_no_robot_when_the_dialogue_e
     shown.now += 1.0
     press(qtbot, shown.window, "1")
     assert TypeDigit(1) in shown.done
+
+
+def test_a_panel_that_fits_has_no_bar_whatever_size_it_had_before(qtbot: QtBot, qapp: QApplication) -> None:
+    look.apply_palette(qapp, LIGHT)
+    words = "Nobody has told me what to do for 12 seconds, so I am going to room 3 (South west)."
+    close = Action(ShowNext(), "Close", "Esc")
+    for width in range(300, 400, 2):
+        panel = DialoguePanel()
+        qtbot.addWidget(panel)
+        panel.show_pop(DialoguePopup(1, "Robot 2: go to room 3?", (("robot", words),), (), close, ended=True))
+        panel.resize(width, 60)
+        panel.show()
+        settle()
+        panel.resize(panel.wanted(width, 600))
+        settle()
+        bars = [area.verticalScrollBar() for area in panel.findChildren(QScrollArea)]
+        assert bars and not any(bar.isVisible() for bar in bars), width

@@ -83,7 +83,7 @@ class GameHistory:
         ended = [words for words in view.last_words if before is not None and words not in before.last_words]
         for words in ended:
             self._receive_sentences(words)
-            if not words.agreed:
+            if not (words.agreed or words.is_told):
                 self.add_event(outcome_of(words), words.robot)
         self._known_sentences = {
             dialogue.dialogue: self._known_sentences[dialogue.dialogue] for dialogue in view.dialogues

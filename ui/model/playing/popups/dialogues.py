@@ -95,12 +95,12 @@ def _note(hunt: HuntMemory, dialogue: DialogueView, sentences: Sequence[SpokenLi
 
 def _last_words_popup(words: LastWords) -> DialoguePopup:
     """The end of a dialogue about where a robot goes."""
-    outcome, sentences = outcome_of(words), spoken(words)[-LAST_SENTENCES:]
+    outcome, sentences = "" if words.is_told else outcome_of(words), spoken(words)[-LAST_SENTENCES:]
     if not sentences:
         outcome += " You have talked about that before, and it has nothing to add."
     close = keyed(ShowNext(), "Close")
     title = f"{titled(words.robot)}: go to room {words.room}?"
-    return DialoguePopup(words.robot, title, sentences, (), close, room=words.room, outcome=outcome)
+    return DialoguePopup(words.robot, title, sentences, (), close, room=words.room, ended=True, outcome=outcome)
 
 
 def dialogue_title(hunt: HuntMemory, dialogue: DialogueView) -> str:

@@ -89,6 +89,8 @@ def _talk(hunt: HuntMemory, item: TreasureItem) -> str:
         open_name = words.matter == "take-treasure" and item.room not in hunt.submitted_names
         return "You have agreed to name it. Pick what it is." if open_name else ""
     said = [sentence for speaker, sentence in spoken(words) if speaker == "robot"]
+    # That nothing is done it has said as well, and it is said here anyhow.
+    said = said[: -1 if words.is_told else None]
     return f"{outcome_of(words)} It said: {said[-1]}" if said else outcome_of(words)
 
 

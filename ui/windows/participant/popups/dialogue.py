@@ -57,7 +57,7 @@ class DialoguePanel(TitledPanel):
         self.picture.setVisible(pop.picture is not None)
         self.transcript.show_sentences(pop.sentences, pop.robot)
         self._state.setText(pop.note if pop.choices else f"{robot_name(pop.robot).capitalize()} is thinking …")
-        self._state.setVisible(not pop.outcome and bool(pop.note or not pop.choices))
+        self._state.setVisible(not pop.ended and bool(pop.note or not pop.choices))
         self._outcome.setText(pop.outcome)
         self._outcome.setVisible(bool(pop.outcome))
         self._warning.setText(f"⚠ {pop.warning}")

@@ -132,6 +132,10 @@ class PanelScrollArea(QScrollArea):
         return super().eventFilter(watched, event)
 
     def _fit(self) -> None:
+        # A bar takes width, for want of which lines may break, so that it is needed only because it is there.
+        fits = least_height(self._rows, self.width()) <= self.height()
+        policy = Qt.ScrollBarPolicy.ScrollBarAlwaysOff if fits else Qt.ScrollBarPolicy.ScrollBarAsNeeded
+        self.setVerticalScrollBarPolicy(policy)
         wide, high = self.viewport().width(), self.viewport().height()
         self._inside.resize(wide, max(high, least_height(self._rows, wide)))
 

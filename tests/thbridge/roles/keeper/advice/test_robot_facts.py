@@ -16,6 +16,7 @@ from thbridge.dialogue.explanations import explain, questions
 from thbridge.dialogue.moves import Question
 from thbridge.dialogue.propositions import (
     CostOfOther,
+    CostsMore,
     DearerPlan,
     EnergyCost,
     EnergyLevel,
@@ -114,7 +115,7 @@ def test_every_number_in_an_explanation_is_recomputed(state: GameState, robot: i
                 case TeamPlan(other, room, rooms, energy):
                     value = best_plan(state, other, room.people)
                     assert (rooms, round(energy, 6)) == (value.rooms, round(value.cost, 6))
-                case EnergyCost(_, room, energy) if enquiry.question is not Question.CHANGE:
+                case EnergyCost(_, room, energy):
                     assert energy == cost_of(state, robot, (room.people,))
                 case CostOfOther(other, room, energy):
                     assert energy == cost_of(state, other, (room.people,))
@@ -173,7 +174,7 @@ def test_what_would_change_its_mind_does(state: GameState, robot: int) -> None:
         if enquiry.question is not Question.CHANGE:
             continue
         for literal in explain(enquiry, facts, evidence).because:
-            if isinstance(literal.proposition, EnergyCost):
+            if isinstance(literal.proposition, CostsMore):
                 room = literal.proposition.goal
                 dearer = literal.proposition.energy - facts.costs[room] + 1e-6
                 value = facts.values[room]
