@@ -1,4 +1,4 @@
-"""Dialogues in which a robot argues: persuasion, information-seeking and inquiry about the decisions of the hunt.
+"""Dialogues in which a robot argues: persuasion and information-seeking about the decisions of the hunt.
 
 One dialogue of the participant with a robot is a course of dialogue games about one decision: what the participant
 wants opens a persuasion, "I don't know" an information-seeking; when a game has ended without an agreement, she may
@@ -52,7 +52,7 @@ from thbridge.dialogue.moves import (
     Turn,
     Upshot,
 )
-from thbridge.dialogue.propositions import NamesTreasure, NextRoom, TakesPicture, VisitOrder
+from thbridge.dialogue.propositions import NamesTreasure, NamesTreasureAs, NextRoom, TakesPicture, VisitOrder
 from thbridge.dialogue.robot_strategies import StrategyFactory, choose_by, own_strategy
 from thbridge.dialogue.wording.wording import reasons
 
@@ -60,6 +60,8 @@ PERSUASION, INFORMATION_SEEKING = "persuasion", "information-seeking"
 IN_BRIEF = "-in-brief"
 """Ending of the names of games in which arguments are given as wholes."""
 _SIDES: Mapping[Speaker, Side] = {Speaker.ROBOT: Side.ROBOT, Speaker.PERSON: Side.HUMAN}
+_ASKED = frozenset({Scenario.DONT_KNOW, Scenario.UNSURE_NAME})
+"""Decisions on which the person has no opinion, and asks the robot."""
 MOST_CHOICES = 5
 """Greatest number of choices that a person has at once."""
 
@@ -104,8 +106,8 @@ class ArguingEngine:
         if topic.opener is Speaker.ROBOT:
             opening = self._opening(dialogue, Side.ROBOT, PERSUASION, evidence.decision)
             return self._opened(dialogue, Speaker.ROBOT, opening, held)
-        if topic.scenario is Scenario.DONT_KNOW:
-            opening = self._opening(dialogue, Side.HUMAN, INFORMATION_SEEKING, evidence.decision)
+        if topic.scenario in _ASKED:
+            opening = self._opening(dialogue, Side.HUMAN, INFORMATION_SEEKING, evidence.decision or evidence.doubt)
             return self._opened(dialogue, Speaker.PERSON, opening, held)
         if self.manner(topic.robot).condition is DialogueCondition.SUPERVISOR or evidence.decision == claim:
             return DialogueStep(dialogue, (), DialogueOutcome.CONSENSUS)
@@ -169,7 +171,7 @@ class ArguingEngine:
     def _opened(self, dialogue: Dialogue, speaker: Speaker, opening: Opening | None, held: bool) -> DialogueStep:
         if opening is None:
             # She wants what the robot holds already; or nothing is left to be said. A suggestion is hers to answer.
-            wanted = dialogue.topic.scenario is not Scenario.DONT_KNOW
+            wanted = dialogue.topic.scenario not in _ASKED
             agreed = wanted and _is_settled(dialogue)
             return DialogueStep(dialogue, (), DialogueOutcome.CONSENSUS if agreed else DialogueOutcome.NO_CONSENSUS)
         author = Author.ROBOT if speaker is Speaker.ROBOT else Author.PERSON
@@ -285,8 +287,10 @@ class ArguingEngine:
     def _openings(self, dialogue: Dialogue, conversation: Conversation) -> list[Move]:
         """Ways in which the person may go on after a game that has ended without an agreement to do something."""
         claim, evidence = _claim(dialogue.topic), _evidence(dialogue.topic, conversation)
+        # She has no name of her own to argue for.
+        hers = None if dialogue.topic.scenario is Scenario.UNSURE_NAME else claim
         found = [
-            self._opening(dialogue, Side.HUMAN, PERSUASION, claim),
+            self._opening(dialogue, Side.HUMAN, PERSUASION, hers),
             # Of a room that it would go to later, the robot tells in which order.
             self._opening(dialogue, Side.HUMAN, INFORMATION_SEEKING, evidence.order or evidence.decision),
         ]
@@ -401,8 +405,8 @@ def _claim(topic: DialogueTopic) -> Literal:
     match topic.scenario:
         case Scenario.TAKE_PICTURE:
             return Literal(TakesPicture(topic.room))
-        case Scenario.TAKE_TREASURE:
-            return Literal(NamesTreasure(topic.room))
+        case Scenario.TAKE_TREASURE | Scenario.UNSURE_NAME:
+            return Literal(NamesTreasureAs(topic.room, topic.name) if topic.name else NamesTreasure(topic.room))
         case _:
             return Literal(NextRoom(topic.robot, topic.room))
 
@@ -478,12 +482,12 @@ def _is_settled(dialogue: Dialogue) -> bool:
 
 
 def _may_override(dialogue: Dialogue) -> bool:
-    return dialogue.topic.scenario is not Scenario.DONT_KNOW
+    return dialogue.topic.scenario not in _ASKED
 
 
 def _about(dialogue: Dialogue, agreed: Literal) -> Dialogue:
     """The dialogue, about what was agreed upon in the end."""
-    scenario, room = dialogue.topic.scenario, dialogue.topic.room
+    scenario, room, name = dialogue.topic.scenario, dialogue.topic.room, ""
     match agreed.parts[0].proposition:
         case NextRoom(room=room) | VisitOrder(room=room):
             pass
@@ -491,7 +495,9 @@ def _about(dialogue: Dialogue, agreed: Literal) -> Dialogue:
             scenario = Scenario.TAKE_PICTURE
         case NamesTreasure(room=room):
             scenario = Scenario.TAKE_TREASURE
-    return replace(dialogue, topic=replace(dialogue.topic, scenario=scenario, room=room))
+        case NamesTreasureAs(room=room, name=name):
+            scenario = Scenario.TAKE_TREASURE
+    return replace(dialogue, topic=replace(dialogue.topic, scenario=scenario, room=room, name=name))
 
 
 def _last_said(dialogue: Dialogue) -> Explain:

@@ -21,16 +21,21 @@ from thbridge.dialogue.propositions import (
     LeftBehind,
     LessThan,
     NamesTreasure,
+    NamesTreasureAs,
     NamingCost,
     NextRoom,
     NoWay,
     PictureCost,
     PictureTaken,
+    PropertyFound,
+    PropertyListed,
+    SeenInPicture,
     Settled,
     ShorterPlan,
     TakesPicture,
     TeamPlan,
     Tour,
+    TreasureIn,
     UnderWay,
     VisitOrder,
     Wanted,
@@ -85,6 +90,21 @@ class WhereFacts:
 
 
 @dataclass(frozen=True, slots=True)
+class Misfit:
+    """Property of a treasure in which a name does not fit it; values are parts of sentences.
+
+    Attributes:
+        found: what was found.
+        listed: what treasures of that name have.
+        is_told: True when the participant told it.
+    """
+
+    found: str
+    listed: str
+    is_told: bool
+
+
+@dataclass(frozen=True, slots=True)
 class WhatFacts:
     """Facts of a robot about a treasure that was found.
 
@@ -96,6 +116,9 @@ class WhatFacts:
         names: that fit all that is known of it, in alphabetical order.
         has_picture: True when there is a picture of it.
         at: simulated time, s.
+        claimed: name that the participant wants to give it; empty: she has said none.
+        against: properties in which that name does not fit what was found, as parts of sentences.
+        unsure: True when she asks the robot what it is.
     """
 
     room: Room
@@ -105,13 +128,16 @@ class WhatFacts:
     names: tuple[str, ...]
     has_picture: bool
     at: float = 0.0
+    claimed: str = ""
+    against: tuple[Misfit, ...] = ()
+    unsure: bool = False
 
 
 def situation_of(facts: WhereFacts | WhatFacts) -> WhereFacts | WhatFacts:
     """Return the facts without what depends on the time, or on what was asked: equal ones are the same situation."""
     if isinstance(facts, WhereFacts):
         return replace(facts, at=0.0, advised=None, left_behind={})
-    return replace(facts, at=0.0)
+    return replace(facts, at=0.0, claimed="", against=(), unsure=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,11 +148,13 @@ class Evidence:
         beliefs: sensed and computed, with the rules of the language, and its decision.
         decision: what it would do; None where it sees nothing to do.
         order: of its tour up to the room it is compared with; None where that room is not a later stop of it.
+        doubt: what it does not know, and may be asked for; None where it has a decision.
     """
 
     beliefs: Beliefs
     decision: Literal | None
     order: Literal | None = None
+    doubt: Literal | None = None
 
 
 def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = None) -> Evidence:
@@ -166,13 +194,13 @@ def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = N
 
 def is_decision(literal: Literal) -> bool:
     """Return True for what is decided, or wished, in one situation only."""
-    decided = NextRoom | VisitOrder | Tour | Conjunction | TakesPicture | NamesTreasure | Wanted
+    decided = NextRoom | VisitOrder | Tour | Conjunction | TakesPicture | NamesTreasure | NamesTreasureAs | Wanted
     return isinstance(literal.proposition, decided)
 
 
 def is_hearsay(literal: Literal) -> bool:
     """Return True for what a robot holds only because a person has persuaded it."""
-    return is_decision(literal) or isinstance(literal.proposition, InTheWay)
+    return is_decision(literal) or isinstance(literal.proposition, InTheWay | SeenInPicture)
 
 
 def what(facts: WhatFacts, told: Beliefs | None = None) -> Evidence:
@@ -180,20 +208,30 @@ def what(facts: WhatFacts, told: Beliefs | None = None) -> Evidence:
     case = _Case(facts.at, told)
     level = case.knows(EnergyLevel(facts.energy))
     picture, naming = case.knows(PictureCost(facts.picture_cost)), case.knows(NamingCost(facts.naming_cost))
-    takes, names = Literal(TakesPicture(facts.room)), Literal(NamesTreasure(facts.room))
-    decision = None
+    takes, names = Literal(TakesPicture(facts.room)), named(facts)
     both = (facts.picture_cost, facts.naming_cost)
+    decision = None
+    for misfit in facts.against:
+        source = Source.TOLD if misfit.is_told else Source.SENSED
+        found = case.knows(PropertyFound(facts.room, misfit.found), source=source)
+        case.rule((found, case.knows(PropertyListed(facts.claimed, misfit.listed))), ~names)
+    if facts.claimed:
+        # Whoever sees the picture may tell.
+        case.rule((Literal(SeenInPicture(facts.room, facts.claimed)),), names)
+    # Where she has no name, or none that fits, the robot looks for its own.
+    own_name = facts.unsure or bool(facts.against)
     if facts.has_picture:
         taken = case.knows(PictureTaken(facts.room))
         case.rule((taken,), ~takes)
-        case.rule((taken,), names)
-        decision = names
-    elif len(facts.names) == 1:
+        if not own_name:
+            case.rule((taken,), names)
+            decision = names
+    if len(facts.names) == 1 and (own_name or not facts.has_picture):
         settled = case.knows(Settled(facts.room, facts.names[0]))
         case.rule((settled, picture), ~takes)
-        case.rule((settled, naming, level), names)
-        decision = names
-    else:
+        decision = Literal(NamesTreasureAs(facts.room, facts.names[0])) if own_name else names
+        case.rule((settled, naming, level), decision)
+    elif not facts.has_picture:
         several = case.knows(CouldBe(facts.room, facts.names))
         case.rule((several, picture), ~names)
         if sum(both) <= facts.energy:
@@ -208,7 +246,14 @@ def what(facts: WhatFacts, told: Beliefs | None = None) -> Evidence:
     if sum(both) > facts.energy:
         short = case.knows(LessThan((facts.energy,), sum(both)))
         case.rule((picture, naming, level, short), ~takes)
-    return case.evidence(decision, tuple(~other for other in (takes, names) if decision and other != decision))
+    rest = tuple(~other for other in (takes, names) if decision and other != decision)
+    doubt = Literal(TreasureIn(facts.names[0], facts.room)) if own_name and decision is None and facts.names else None
+    return replace(case.evidence(decision, rest), doubt=doubt)
+
+
+def named(facts: WhatFacts) -> Literal:
+    """Return that the treasure is named now: by the name claimed, where there is one."""
+    return Literal(NamesTreasureAs(facts.room, facts.claimed) if facts.claimed else NamesTreasure(facts.room))
 
 
 def is_below(energy: float, other: float) -> bool:
@@ -237,6 +282,9 @@ def reasons_of_a_person(claim: Literal, facts: WhereFacts | WhatFacts) -> Belief
         elif len(facts.costs) > 1 and (cost := facts.costs.get(room)) == min(facts.costs.values()) and cost is not None:
             nearest = Literal(EnergyCost(facts.here, room, cost))
             reasons[nearest] = Rule((nearest,), claim, is_said=False)
+    if isinstance(facts, WhatFacts) and claim == named(facts) and facts.claimed and facts.has_picture:
+        seen = Literal(SeenInPicture(facts.room, facts.claimed))
+        reasons[seen] = Rule((seen,), claim, is_said=False)
     return Beliefs.of(reasons, reasons.values(), Source.TOLD)
 
 
@@ -249,11 +297,11 @@ class _Case:
         self._gathered: dict[Literal, Origin] = {}
         self._rules: dict[Rule, None] = {}
 
-    def knows(self, proposition: Proposition, *, confidence: float = 1.0) -> Literal:
-        literal = Literal(proposition)
+    def knows(self, proposition: Proposition, *, confidence: float = 1.0, source: Source | None = None) -> Literal:
+        literal, usual = Literal(proposition), _SOURCES.get(type(proposition), Source.COMPUTED)
         # Reasons are given in this order: what compares others comes after all of them.
         self._gathered.pop(literal, None)
-        self._gathered[literal] = Origin(_SOURCES.get(type(proposition), Source.COMPUTED), self._at, confidence)
+        self._gathered[literal] = Origin(source or usual, self._at, confidence)
         return literal
 
     def rule(self, premises: tuple[Literal, ...], conclusion: Literal) -> None:

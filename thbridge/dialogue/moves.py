@@ -30,6 +30,8 @@ class Scenario(StrEnum):
     """To take a picture of the treasure where the robot stands, or not."""
     TAKE_TREASURE = "take-treasure"
     """To take the treasure where the robot stands, that is, to identify it, or not."""
+    UNSURE_NAME = "unsure-name"
+    """What the treasure is where the robot stands, which the person does not know; only robots that argue are asked."""
 
 
 class Speaker(StrEnum):
@@ -76,6 +78,7 @@ class DialogueTopic:
         confidence: stated in its suggestion, 0 to 1; None where it states none.
         facts: the robot's, for arguments; None where robots do not argue.
         opener: the side that brings it up; a robot suggests a room without being asked.
+        name: that the treasure is to be given; empty where none was said.
     """
 
     scenario: Scenario
@@ -90,6 +93,7 @@ class DialogueTopic:
     confidence: float | None = None
     facts: WhereFacts | WhatFacts | None = None
     opener: Speaker = Speaker.PERSON
+    name: str = ""
 
 
 @dataclass(frozen=True, slots=True)

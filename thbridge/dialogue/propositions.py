@@ -368,6 +368,78 @@ class NamesTreasure(Proposition):
 
 
 @dataclass(frozen=True, slots=True)
+class NamesTreasureAs(Proposition):
+    """The treasure in a room is named now, by this name.
+
+    Attributes:
+        room: where it is.
+        name: of the treasure.
+    """
+
+    room: Room
+    name: str
+
+    def excludes(self, other: Proposition) -> bool:
+        """Return True for another name of this treasure."""
+        return isinstance(other, NamesTreasureAs) and self.room == other.room and self != other
+
+    def __str__(self) -> str:
+        return f"name_as({_room(self.room)}, {self.name})"
+
+
+@dataclass(frozen=True, slots=True)
+class PropertyFound(Proposition):
+    """The treasure in a room was found to have a property.
+
+    Attributes:
+        room: where it is.
+        value: of the property, as part of a sentence: `round and large`, `made of wood`.
+    """
+
+    room: Room
+    value: str
+
+    def __str__(self) -> str:
+        return f"found({_room(self.room)}, {self.value})"
+
+
+@dataclass(frozen=True, slots=True)
+class PropertyListed(Proposition):
+    """The list of treasures, which everybody knows, has it that a treasure of this name has a property.
+
+    Attributes:
+        name: of the treasure.
+        value: of the property, as part of a sentence.
+    """
+
+    name: str
+    value: str
+
+    def __str__(self) -> str:
+        return f"listed({self.name}, {self.value})"
+
+
+@dataclass(frozen=True, slots=True)
+class SeenInPicture(Proposition):
+    """A person sees this treasure in the picture of the one in a room.
+
+    Attributes:
+        room: where it is.
+        name: of the treasure.
+    """
+
+    room: Room
+    name: str
+
+    def excludes(self, other: Proposition) -> bool:
+        """Return True for another treasure in this picture."""
+        return isinstance(other, SeenInPicture) and self.room == other.room and self != other
+
+    def __str__(self) -> str:
+        return f"seen({_room(self.room)}, {self.name})"
+
+
+@dataclass(frozen=True, slots=True)
 class CouldBe(Proposition):
     """All that is known of the treasure in a room fits several names.
 

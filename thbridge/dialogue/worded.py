@@ -143,7 +143,7 @@ def _override(words: Wording, dialogue: Dialogue, chance: float) -> str:
     match dialogue.topic.scenario:
         case Scenario.TAKE_PICTURE:
             return words.line(LineKey.OVERRIDE_PICTURE, chance=chance)
-        case Scenario.TAKE_TREASURE:
+        case Scenario.TAKE_TREASURE | Scenario.UNSURE_NAME:
             return words.line(LineKey.OVERRIDE_NAME, chance=chance)
         case _:
             return words.line(LineKey.OVERRIDE, chance=chance, room=dialogue.topic.room)

@@ -280,6 +280,7 @@ class DialogueOpened(_Event, frozen=True, omit_defaults=True, tag="talk"):
         advised: the room that the robot's planner chose; None where it had none.
         reason: of a suggestion, as part of a sentence.
         confidence: stated in a suggestion, 0 to 1; None where none was.
+        name: that the treasure there is to be given; empty where none was said.
     """
 
     dialogue: int
@@ -291,6 +292,7 @@ class DialogueOpened(_Event, frozen=True, omit_defaults=True, tag="talk"):
     advised: Room | None = None
     reason: str = ""
     confidence: Number | None = None
+    name: str = ""
 
 
 class DialogueSaid(_Event, frozen=True, tag="said"):

@@ -182,11 +182,19 @@ class LastWords:
 
 @dataclass(frozen=True, slots=True)
 class Consent:
-    """Agreement of participant and robot, which the participant may now act upon."""
+    """Agreement of participant and robot, which the participant may now act upon.
+
+    Attributes:
+        robot: index of the robot, from 0.
+        matter: that they agreed on.
+        room: the room it is about, as people count.
+        name: of the treasure, where they agreed on that; empty: any.
+    """
 
     robot: int
     matter: DialogueMatter
     room: int
+    name: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -372,11 +380,19 @@ class TellProperty(NoticeValue, frozen=True, tag="Tell"):
 
 
 class OpenDialogue(NoticeValue, frozen=True, tag="Discuss"):
-    """Open a dialogue about taking a picture, or the treasure."""
+    """Open a dialogue about taking a picture, or the treasure.
+
+    Attributes:
+        robot: index of the robot, from 0.
+        matter: of the dialogue.
+        room: where the treasure is.
+        name: that it is to be given; empty: the participant asks the robot what it is; None: she does not say.
+    """
 
     robot: int
     matter: Literal["take-picture", "take-treasure"]
     room: int
+    name: str | None = None
 
 
 class TakePicture(NoticeValue, frozen=True, tag="TakePicture"):

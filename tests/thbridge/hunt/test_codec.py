@@ -79,7 +79,17 @@ events = st.one_of(
     st.builds(TreasureTakenUp, rooms),
     st.builds(GameEnded, st.sampled_from(EndReason), st.integers()),
     st.builds(
-        DialogueOpened, robots, texts, robots, rooms, numbers, texts, st.none() | rooms, texts, st.none() | shares
+        DialogueOpened,
+        robots,
+        texts,
+        robots,
+        rooms,
+        numbers,
+        texts,
+        st.none() | rooms,
+        texts,
+        st.none() | shares,
+        texts,
     ),
     st.builds(DialogueSaid, robots, robots, texts, texts, texts, texts),
 )
@@ -98,7 +108,7 @@ def test_a_field_more_or_less_is_refused(event, data):
     with pytest.raises(ValueError, match=r"unknown field `extra`|Expected `str`.*properties"):
         from_json(json.dumps(fields | {"extra": 1}))
     optional = {"at"} if isinstance(event, ConsentGiven) else set()
-    optional |= {"advised", "reason", "confidence"} if isinstance(event, DialogueOpened) else set()
+    optional |= {"advised", "reason", "confidence", "name"} if isinstance(event, DialogueOpened) else set()
     optional |= {"properties"} if isinstance(event, GameStarted) else set()
     optional |= event.properties.keys() if isinstance(event, TreasureSensed) else set()
     missing = data.draw(st.sampled_from(sorted(fields.keys() - optional)))

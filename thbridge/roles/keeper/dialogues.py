@@ -40,6 +40,7 @@ MATTERS: dict[Scenario, DialogueMatter] = {
     Scenario.DONT_KNOW: "select-room",
     Scenario.TAKE_PICTURE: "take-picture",
     Scenario.TAKE_TREASURE: "take-treasure",
+    Scenario.UNSURE_NAME: "take-treasure",
 }
 
 
@@ -126,6 +127,7 @@ class GameDialogues:
         *,
         facts: WhereFacts | WhatFacts | None = None,
         opener: Speaker = Speaker.PERSON,
+        name: str = "",
         restored: int | None = None,
     ) -> None:
         """Open a dialogue; an earlier one with this robot is withdrawn, and an agreement on the same matter too.
@@ -139,12 +141,13 @@ class GameDialogues:
             confidence: to be stated in a suggestion, 0 to 1, or None.
             facts: of a robot that argues.
             opener: the side that brings it up.
+            name: that the treasure is to be given.
             restored: the number that it had before the game was cut off; what was said follows by `retake`.
         """
         self._forget(robot, MATTERS[scenario])
-        name = self._room_names.name(room.people) or str(room)
-        topic = replace(_topic(state, scenario, robot, room, name), reason=reason, confidence=confidence)
-        topic = replace(topic, facts=facts, opener=opener)
+        room_name = self._room_names.name(room.people) or str(room)
+        topic = replace(_topic(state, scenario, robot, room, room_name), reason=reason, confidence=confidence)
+        topic = replace(topic, facts=facts, opener=opener, name=name)
         former = None if facts is None else self._remembered(robot, facts)
         self._opened = self.next_number if restored is None else restored
         held = restored is not None or robot in self.puppets
@@ -265,9 +268,12 @@ class GameDialogues:
 
     # Agreements
 
-    def is_agreed(self, robot: int, matter: DialogueMatter, room: Room) -> bool:
-        """Return True when the participant may act on this now."""
-        return Consent(robot, matter, room.people) in self.consents
+    def is_agreed(self, robot: int, matter: DialogueMatter, room: Room, name: str = "") -> bool:
+        """Return True when the participant may act on this now; of an agreement on a name, by this name."""
+        return any(
+            (consent.robot, consent.matter, consent.room) == (robot, matter, room.people) and consent.name in {"", name}
+            for consent in self.consents
+        )
 
     def withdraw_consent(self, robot: int, matter: DialogueMatter) -> None:
         """Withdraw an agreement, because it was acted upon or the matter is open again."""
@@ -295,10 +301,11 @@ class GameDialogues:
             for consent in self.consents
             if _still_open(state, consent.robot, consent.matter, Room(consent.room))
         )
+        agreed = {(consent.robot, consent.matter, consent.room) for consent in self.consents}
         self.last_words = tuple(
             words
             for words in self.last_words
-            if _still_matters(state, words) or Consent(words.robot, words.matter, words.room) in self.consents
+            if _still_matters(state, words) or (words.robot, words.matter, words.room) in agreed
         )
         self.asked_for_advice = tuple(
             robot
@@ -354,7 +361,7 @@ class GameDialogues:
         self._utterances += _true(step.utterances, agreed=agreed)
         self._keep_last_words(step.dialogue, agreed=agreed)
         if agreed:
-            self.consents += (Consent(topic.robot, matter, topic.room.people),)
+            self.consents += (Consent(topic.robot, matter, topic.room.people, topic.name),)
 
     def _keep_last_words(self, dialogue: Dialogue, *, agreed: bool) -> None:
         """Keep how a dialogue has ended; where robots do as they are told without a word, there is nothing to keep."""
@@ -401,7 +408,7 @@ def _topic(state: GameState, scenario: Scenario, robot: int, room: Room, room_na
     match scenario:
         case Scenario.TAKE_PICTURE:
             cost = state.started.picture_cost
-        case Scenario.TAKE_TREASURE:
+        case Scenario.TAKE_TREASURE | Scenario.UNSURE_NAME:
             cost = state.started.identify_cost
         case _:
             cost = state.cost(robot, room)

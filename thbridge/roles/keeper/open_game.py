@@ -221,13 +221,24 @@ class OpenGame:
         opened = self._opening(Scenario.DONT_KNOW, robot, room, opener, advice.room)
         self.record((advice.event(robot), structs.replace(opened, reason=advice.reason, confidence=advice.confidence)))
 
-    def discuss(self, state: GameState, scenario: Scenario, robot: int, room: Room) -> None:
-        """Open the dialogue about what the participant wants."""
+    def discuss(self, state: GameState, scenario: Scenario, robot: int, room: Room, name: str | None = None) -> None:
+        """Open the dialogue about what the participant wants.
+
+        Args:
+            state: of the game.
+            scenario: the decision.
+            robot: index in the team.
+            room: the room that it is about.
+            name: that the treasure is to be given; empty: she asks what it is; None: she does not say.
+        """
+        if name == "" and self.dialogues.argues:
+            scenario = Scenario.UNSURE_NAME
         advised = None
         if self.dialogues.argues and MATTERS[scenario] == "select-room":
             advice = self.advice(state, robot)
             advised = None if isinstance(advice, RequestRefused) else advice.room
-        self.record((self._opening(scenario, robot, room, Speaker.PERSON, advised),))
+        opened = self._opening(scenario, robot, room, Speaker.PERSON, advised)
+        self.record((structs.replace(opened, name=(name or "") if self.dialogues.argues else ""),))
 
     def _opening(
         self, scenario: Scenario, robot: int, room: Room, opener: Speaker, advised: Room | None
@@ -242,7 +253,8 @@ class OpenGame:
             rival = room if scenario is Scenario.SPECIFIC_ROOM else None
             facts = self._where_facts(state, robot, opened.advised, rival)
         elif self.dialogues.argues:
-            facts = what_facts(state, robot, room, self._kinds, self._tick)
+            facts = what_facts(state, robot, room, self._kinds, self._tick, opened.name)
+            facts = replace(facts, unsure=scenario is Scenario.UNSURE_NAME)
         self.dialogues.open(
             state,
             scenario,
@@ -252,6 +264,7 @@ class OpenGame:
             opened.confidence,
             facts=facts,
             opener=Speaker(opened.opener),
+            name=opened.name,
             restored=opened.dialogue if restored else None,
         )
 

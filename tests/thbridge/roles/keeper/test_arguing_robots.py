@@ -15,6 +15,7 @@ from thbridge.dialogue.wording.authors import WordingRequest
 from thbridge.files.game_files import read_rulebook
 from thbridge.files.word_files import read_language
 from thbridge.hunt.events import JournalEntry, RobotDeparted, TreasureLeft
+from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.robot_requests import WizardMode, WizardMove
 from thbridge.roles.view import (
@@ -47,10 +48,12 @@ class Table:
         patience: int | None = None,
         talk: ArguingEngine | None = None,
         history: Sequence[JournalEntry] = (),
+        kinds: Sequence[TreasureKind] | None = None,
     ) -> None:
         self.player = Script()
         self.talk = talk or arguing_engine(condition)
-        self.stage = Stage(participant=TabUI(self.player), talk=self.talk, patience=patience, history=history)
+        participant = TabUI(self.player)
+        self.stage = Stage(participant=participant, talk=self.talk, patience=patience, history=history, kinds=kinds)
         self.stage.run(10)
 
     def wish(self, *wishes: ParticipantRequest, ticks: int = 5) -> View:

@@ -5,7 +5,7 @@ from collections.abc import Collection, Sequence
 from functools import lru_cache
 
 from sim.common.observations import TICKS_PER_SECOND
-from thbridge.dialogue.evidence import WhatFacts, WhereFacts
+from thbridge.dialogue.evidence import Misfit, WhatFacts, WhereFacts
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Condition
 from thbridge.hunt.game import GameState
@@ -84,7 +84,9 @@ def where_facts(
     )
 
 
-def what_facts(state: GameState, robot: int, room: Room, kinds: Sequence[TreasureKind], tick: int) -> WhatFacts:
+def what_facts(
+    state: GameState, robot: int, room: Room, kinds: Sequence[TreasureKind], tick: int, claimed: str = ""
+) -> WhatFacts:
     """Return what a robot knows about a treasure that was found; the list of treasures is known to everybody.
 
     Args:
@@ -93,6 +95,7 @@ def what_facts(state: GameState, robot: int, room: Room, kinds: Sequence[Treasur
         room: where the treasure is.
         kinds: treasures that there are.
         tick: present tick.
+        claimed: name that the participant wants to give it; empty: none.
     """
     found = state.room(room)
     fitting = {
@@ -106,6 +109,21 @@ def what_facts(state: GameState, robot: int, room: Room, kinds: Sequence[Treasur
         names=tuple(sorted(fitting, key=str.casefold)),
         has_picture=found.image is not None,
         at=tick / TICKS_PER_SECOND,
+        claimed=claimed,
+        against=() if claimed in fitting else _against(state, room, kinds, claimed),
+    )
+
+
+def _against(state: GameState, room: Room, kinds: Sequence[TreasureKind], name: str) -> tuple[Misfit, ...]:
+    """Return the properties in which no treasure of a name fits what was found in a room."""
+    found = state.room(room)
+    listed = [kind.properties for kind in kinds if kind.name == name]
+    return tuple(
+        Misfit(each.phrase(found.known[each.name]), each.phrase(listed[0].get(each.name, "")), each.name in found.told)
+        for each in state.started.properties
+        if each.name in found.known
+        and listed
+        and all(of_kind.get(each.name) != found.known[each.name] for of_kind in listed)
     )
 
 

@@ -156,17 +156,19 @@ class LegacyLines:
             return legacy.PointsAwarded(decided).message()
         ruling = rules.identify(state, room, name)
         if needs_consent:
-            ruling = self._agreed(ruling, state, room, "take-treasure")
+            ruling = self._agreed(ruling, state, room, "take-treasure", name)
         if not self._game.apply_ruling(kind_of(IdentifyTreasure), ruling) or self._game.state is None:
             return None
         return legacy.PointsAwarded(self._game.state.room(room).points or 0).message()
 
-    def _agreed(self, ruling: rules.Ruling, state: GameState, room: Room, matter: DialogueMatter) -> rules.Ruling:
+    def _agreed(
+        self, ruling: rules.Ruling, state: GameState, room: Room, matter: DialogueMatter, name: str = ""
+    ) -> rules.Ruling:
         """Return the ruling if robot and participant agreed on it, else a refusal."""
         robot = state.decider(room)
         if isinstance(ruling, RequestRefused) or robot is None:
             return ruling
-        if not self._game.dialogues.is_agreed(robot, matter, room):
+        if not self._game.dialogues.is_agreed(robot, matter, room, name):
             return RequestRefused(KeeperReason.NO_CONSENSUS, f"You have not agreed on that with {robot_name(robot)}.")
         return ruling
 

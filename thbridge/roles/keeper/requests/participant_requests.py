@@ -58,7 +58,8 @@ def handle_participant_request(game: OpenGame, state: GameState, notice: Notice,
             _open(game, state, judge(now, request), Scenario.SPECIFIC_ROOM, request.robot, place(request.room))
         case OpenDialogue() as request:
             scenario = Scenario.TAKE_PICTURE if request.matter == "take-picture" else Scenario.TAKE_TREASURE
-            _open(game, state, judge(now, request), scenario, request.robot, place(request.room))
+            name = request.name if scenario is Scenario.TAKE_TREASURE else None
+            _open(game, state, judge(now, request), scenario, request.robot, place(request.room), name)
         case AnswerDialogue() as request:
             game.dialogues.answer(state, request.dialogue, request.turn, request.choice)
 
@@ -83,12 +84,20 @@ def suggest_or_await(game: OpenGame, state: GameState, number: int) -> None:
         game.suggest(state, number, advice)
 
 
-def _open(game: OpenGame, state: GameState, ruling: rules.Ruling, scenario: Scenario, robot: int, room: Room) -> None:
+def _open(
+    game: OpenGame,
+    state: GameState,
+    ruling: rules.Ruling,
+    scenario: Scenario,
+    robot: int,
+    room: Room,
+    name: str | None = None,
+) -> None:
     """Open a dialogue about something that the rules allow, or keep the refusal."""
     if isinstance(ruling, RequestRefused):
         game.refuse(MATTERS[scenario], ruling)
     else:
-        game.discuss(state, scenario, robot, room)
+        game.discuss(state, scenario, robot, room, name)
 
 
 def _decode_request(notice: Notice) -> ParticipantRequest | None:
