@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from sim.common import noise
 from thbridge.argumentation.arguments import Argument
 from thbridge.argumentation.beliefs import Beliefs, Source
-from thbridge.argumentation.cases import Side
+from thbridge.argumentation.cases import Side, Stance
 from thbridge.argumentation.propositions import Literal
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.engine import Choice, DialogueStep, Phrasing, announcement
@@ -161,7 +161,7 @@ class ArguingEngine:
             then = dialogue.turns[at + 1 : at + 2]
             if not then:
                 said += self._conclusion(dialogue)
-            elif then[0].speaker is Speaker.PERSON:
+            elif then[0].speaker is Speaker.PERSON and not _is_asked_by_the_robot(dialogue, at):
                 # It was not the robot's turn, so that a game had ended there.
                 said += self._told(replace(dialogue, turns=dialogue.turns[: at + 1]), None)
         return tuple(said)
@@ -233,7 +233,7 @@ class ArguingEngine:
         """What the robot says of the upshot, where a game or all of the dialogue has ended with the person's turn."""
         dialogue, outcome = self._outcome(dialogue)
         last = _last_move(dialogue)
-        if outcome is None and _current(dialogue) is not None:
+        if outcome is None and (_current(dialogue) is not None or self._asks(dialogue) is not None):
             return ()
         if outcome is not DialogueOutcome.CONSENSUS:
             return self._told(dialogue, None)
@@ -263,6 +263,8 @@ class ArguingEngine:
             return (self._answer(dialogue, last),) if speaker is Speaker.ROBOT else ()
         if play is not None and play.speaker is not _SIDES[speaker]:
             return ()
+        if play is None and (opening := self._asks(dialogue)) is not None:
+            return (opening.move,) if speaker is Speaker.ROBOT else ()
         if speaker is Speaker.ROBOT:
             return () if play is None else conversation.legal(play.number)
         manner = self.manner(dialogue.topic.robot)
@@ -275,7 +277,7 @@ class ArguingEngine:
         else:
             moves += [
                 move
-                for move in conversation.legal(play.number)
+                for move in _most_agreeable_first(play, conversation.legal(play.number))
                 if kind_of_content(move.content) is not ContentKind.ARGUMENT
             ]
         if manner.condition is DialogueCondition.ADVISER and _may_override(dialogue):
@@ -293,6 +295,7 @@ class ArguingEngine:
             self._opening(dialogue, Side.HUMAN, PERSUASION, hers),
             # Of a room that it would go to later, the robot tells in which order.
             self._opening(dialogue, Side.HUMAN, INFORMATION_SEEKING, evidence.order or evidence.decision),
+            self._question_of_refusal(dialogue, Side.HUMAN),
         ]
         asked = [opening.move for opening in found if opening is not None]
         last = _last_play(dialogue)
@@ -330,12 +333,35 @@ class ArguingEngine:
 
     # Sides
 
-    def _opening(self, dialogue: Dialogue, side: Side, game: str, topic: Literal | None) -> Opening | None:
+    def _question_of_refusal(self, dialogue: Dialogue, side: Side) -> Opening | None:
+        """The question that a side may put when its reason was refused; None where it has none.
+
+        Nobody doubts what she wishes. A robot that holds out asks what it does not know yet.
+        """
+        conversation = dialogue.conversation
+        refused = None if conversation is None else conversation.refused
+        if conversation is None or refused is None or refused.in_question is None:
+            return None
+        asked = refused.in_question
+        is_known = conversation.agents[side].picture.stance(asked.proposition) is not Stance.UNKNOWN
+        takes_it = side is Side.ROBOT and (is_known or self.manner(dialogue.topic.robot).persistence == 0)
+        if takes_it or asked.proposition.is_wish:
+            return None
+        return self._opening(dialogue, side, INFORMATION_SEEKING, asked, refused.number)
+
+    def _asks(self, dialogue: Dialogue) -> Opening | None:
+        """The question with which the robot, whose reason was refused just now, goes on; None where it has none."""
+        refused = isinstance(_last_move(dialogue), DialogueMove)
+        return self._question_of_refusal(dialogue, Side.ROBOT) if refused else None
+
+    def _opening(
+        self, dialogue: Dialogue, side: Side, game: str, topic: Literal | None, parent: int | None = None
+    ) -> Opening | None:
         conversation = dialogue.conversation
         if topic is None or conversation is None:
             return None
         name = game if self.manner(dialogue.topic.robot).talkative else game + IN_BRIEF
-        return next(iter(conversation.opening(side, name, topic)), None)
+        return next(iter(conversation.opening(side, name, topic, parent)), None)
 
     def _heard(self, dialogue: Dialogue, move: Move) -> Move:
         """Return the move that the robot hears: another one at the rate at which it mishears."""
@@ -361,11 +387,15 @@ class ArguingEngine:
                 conversation = conversation.say(play.number, move, at=at)
             else:
                 side, topic = _SIDES[turn.speaker], move.content if isinstance(move.content, Literal) else None
+                asked = self._question_of_refusal(dialogue, side)
                 ways = [self._opening(dialogue, side, game, topic) for game in (PERSUASION, INFORMATION_SEEKING)]
-                opening = next(each for each in ways if each is not None and each.move == move)
-                conversation = conversation.open(side, opening, at=at)
+                opening = next(each for each in (asked, *ways) if each is not None and each.move == move)
+                # What was said last is the refusal that is asked about.
+                parent = conversation.record[-1].dialogue if opening is asked else None
+                conversation = conversation.open(side, opening, parent=parent, at=at)
         if conversation is not None and isinstance(move, Leave | Override) and play is not None:
-            conversation = conversation.withdraw(play.number)
+            # With the outermost game those inside it are left, too.
+            conversation = conversation.withdraw(conversation.open_plays[0].number)
         if conversation is not None and not conversation.open_plays:
             conversation = _sensed(dialogue.topic, conversation)
         formal = () if conversation is None else conversation.record[said_before:]
@@ -470,9 +500,26 @@ def _last_move(dialogue: Dialogue) -> Move | None:
     return next((turn.move for turn in reversed(dialogue.turns) if not isinstance(turn.move, Echo)), None)
 
 
-def _last_play(dialogue: Dialogue) -> GamePlay | None:
+def _most_agreeable_first(play: GamePlay, moves: tuple[DialogueMove, ...]) -> list[DialogueMove]:
+    """Moves of the person; of the answers to whether a reason is not so, that it is not so comes last."""
+    return sorted(moves, key=lambda move: play.questions_refusal and move.content == play.topic)
+
+
+def _is_asked_by_the_robot(dialogue: Dialogue, at: int) -> bool:
+    """True for a turn in a game in which the robot questions a no of hers, and after which she goes on."""
     conversation = dialogue.conversation
-    return None if conversation is None or not conversation.plays else conversation.plays[-1]
+    if conversation is None or not isinstance(dialogue.turns[at].move, DialogueMove):
+        return False
+    later = sum(isinstance(turn.move, DialogueMove) for turn in dialogue.turns[at:])
+    said = [said for said in conversation.record if not said.is_booked][-later]
+    play = conversation.play(said.dialogue)
+    return play.questions_refusal and play.initiator is Side.ROBOT
+
+
+def _last_play(dialogue: Dialogue) -> GamePlay | None:
+    """The last game that is not inside another one, or None."""
+    plays = () if dialogue.conversation is None else dialogue.conversation.plays
+    return next((play for play in reversed(plays) if play.parent is None), None)
 
 
 def _is_settled(dialogue: Dialogue) -> bool:

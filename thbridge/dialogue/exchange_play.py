@@ -43,7 +43,7 @@ def turn_in(conversation: Conversation) -> tuple[int, Side] | None:
 def acts(
     exchange: Exchange, conversation: Conversation, side: Side, game: str | None = None
 ) -> tuple[ExchangeAct, ...]:
-    """Return all that a side may do now: moves in the dialogue that goes on, then openings of others.
+    """Return all that a side may do now: moves in the dialogue that goes on, openings of others, questions of a no.
 
     Args:
         exchange: its topics, and what these are made of, are talked over.
@@ -54,12 +54,22 @@ def acts(
     number = turn[0] if (turn := turn_in(conversation)) is not None else None
     moves = () if number is None else conversation.legal(number)
     said = tuple(ExchangeAct(move, number) for move in moves)
+    asked = tuple(_questions(conversation, side, game))
     found = (
         ExchangeAct(opening.move, number, opening)
         for matter in _matters(exchange, conversation)
         for opening in _openings(conversation, side, matter, number, game)
     )
-    return (*said, *dict.fromkeys(found))
+    return (*said, *dict.fromkeys(found), *asked)
+
+
+def _questions(conversation: Conversation, side: Side, game: str | None) -> Iterator[ExchangeAct]:
+    """Yield the questions about a refusal with which a dialogue has just ended."""
+    refused = conversation.refused
+    if refused is None or refused.in_question is None:
+        return
+    for opening in conversation.opening(side, game or "information-seeking", refused.in_question, refused.number):
+        yield ExchangeAct(opening.move, refused.number, opening)
 
 
 def _openings(

@@ -91,7 +91,8 @@ class WordedPhrasing:
         words, chance = self._words(dialogue)
         side = Side.ROBOT if speaker is Speaker.ROBOT else Side.HUMAN
         match move:
-            case DialogueMove("question", Literal()) if side is Side.HUMAN:
+            # What is not so she asks only where a reason of hers was refused.
+            case DialogueMove("question", Literal(holds=True)) if side is Side.HUMAN:
                 where = LineKey.WHERE_THEN if dialogue.turns else LineKey.WHERE
                 key = where if _is_about_a_room(move) else LineKey.WHAT_THEN
                 return words.line(key, chance=chance)

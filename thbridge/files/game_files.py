@@ -10,7 +10,7 @@ from typing import Literal
 from sim.parameters import param
 from thbridge.dialogue.games.contents import ContentKind
 from thbridge.dialogue.games.locutions import CONDITIONS, CONTRADICTIONS, EFFECTS, Locution
-from thbridge.dialogue.games.positions import NO_CLAIM, Obstacle, obstacle, positions, speaker_in
+from thbridge.dialogue.games.positions import NO_CLAIM, Obstacle, obstacle, positions, refuses_support, speaker_in
 from thbridge.dialogue.games.tables import DialogueEnd, GameRole, GameStage, GameTable, Reply, Rulebook, Slot
 from thbridge.files.errors import BadFile, BadFiles, FaultCollection
 from thbridge.files.resources import PACKAGE
@@ -50,6 +50,7 @@ class _ReplyYaml:
     of: Slot
     next: str
     last: str | None = None
+    questioned: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,7 +190,8 @@ def _locutions(loaded: Loaded[_LocutionsYaml]) -> list[Locution]:
 def _table(written: _GameYaml) -> GameTable:
     stages = {
         stage.name: GameStage(
-            stage.turn, tuple(Reply(reply.say, reply.of, reply.next, reply.last) for reply in stage.replies)
+            stage.turn,
+            tuple(Reply(reply.say, reply.of, reply.next, reply.last, reply.questioned) for reply in stage.replies),
         )
         for stage in written.stages
     }
@@ -221,6 +223,7 @@ def _faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile]:
             yield loaded.fault(f"{key}.replies", "nothing can be said in this stage", "Add a reply, or take it away")
         for at, reply in enumerate(stage.replies):
             yield from _reply_faults(loaded, f"{key}.replies[{at}]", reply, targets, forms)
+            yield from _questioned_faults(loaded, f"{key}.replies[{at}]", reply, names)
             if any((reply.say, reply.of) == (other.say, other.of) for other in stage.replies[:at]):
                 problem = f"{reply.say} of {reply.of} is a reply of this stage already"
                 yield loaded.fault(f"{key}.replies[{at}]", problem, "Keep one of them")
@@ -270,6 +273,18 @@ def _reply_faults(
         yield loaded.fault(f"{key}.last", problem, "Take it away, or write of: support or of: argument")
 
 
+def _questioned_faults(
+    loaded: Loaded[_GameYaml], key: str, reply: _ReplyYaml, names: Collection[str]
+) -> Iterator[BadFile]:
+    if reply.questioned is None:
+        return
+    if reply.questioned not in names:
+        yield _no_such(loaded, f"{key}.questioned", "stage", reply.questioned, names)
+    if reply.next in names:
+        problem = "`questioned` is for a refusal that ends the game, and this reply does not"
+        yield loaded.fault(f"{key}.questioned", problem, "Take it away, or write an end as next")
+
+
 def _course_faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile]:
     """Turns of nobody, and replies that are legal in no play of the game."""
     table = _table(loaded.value)
@@ -290,13 +305,20 @@ def _course_faults(loaded: Loaded[_GameYaml], forms: _Forms) -> Iterator[BadFile
             if obstacles and all(obstacles) and isinstance(first := obstacles[0], Obstacle):
                 problem = f"{reply.locution} of {reply.slot} is never legal here: {first.problem}"
                 yield loaded.fault(f"stages[{place}].replies[{at}].of", problem, first.remedy)
+            elif reply.questioned is not None and not any(
+                refuses_support(table, position, reply, form_of) for position in here
+            ):
+                problem = "nothing is refused here that could be questioned: it is no answer to a support"
+                remedy = "Take it away, or move the reply to a stage in which the challenger answers `of: support`"
+                yield loaded.fault(f"stages[{place}].replies[{at}].questioned", problem, remedy)
 
 
 def _stage_faults(loaded: Loaded[_GameYaml], names: Collection[str]) -> Iterator[BadFile]:
     """Stages that are never reached, and those from which no end is."""
     written = loaded.value
     after = {
-        stage.name: {to for reply in stage.replies for to in (reply.next, reply.last) if to} for stage in written.stages
+        stage.name: {to for reply in stage.replies for to in (reply.next, reply.last, reply.questioned) if to}
+        for stage in written.stages
     }
     reached, waiting = set[str](), [written.opening]
     while waiting:

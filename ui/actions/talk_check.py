@@ -103,11 +103,14 @@ def _game_lines(game: GameTable) -> Iterator[str]:
 
 
 def _targets(reply: Reply) -> str:
-    return reply.next if reply.last is None else f"{reply.next}; {reply.last}, when no support is left"
+    last = "" if reply.last is None else f"; {reply.last}, when no support is left"
+    return f"{reply.next}{last}" + (
+        "" if reply.questioned is None else f"; {reply.questioned}, when that is questioned"
+    )
 
 
 def _ends(game: GameTable) -> list[str]:
-    named = {target for stage in game.stages.values() for reply in stage.replies for target in (reply.next, reply.last)}
+    named = {target for stage in game.stages.values() for reply in stage.replies for target in reply.targets}
     return [end for end in DialogueEnd if end in named - {DialogueEnd.STALEMATE}]
 
 
@@ -123,7 +126,13 @@ def _game_as_json(game: GameTable) -> Mapping[str, object]:
                 "name": name,
                 "turn": stage.turn,
                 "replies": [
-                    {"say": reply.locution, "of": reply.slot, "next": reply.next, "last": reply.last}
+                    {
+                        "say": reply.locution,
+                        "of": reply.slot,
+                        "next": reply.next,
+                        "last": reply.last,
+                        "questioned": reply.questioned,
+                    }
                     for reply in stage.replies
                 ],
             }
@@ -141,7 +150,11 @@ def words() -> Iterator[str]:
     )
     yield from _section("turn: whose turn it is in a stage", _meanings(GameRole))
     yield from _section("of: what a reply is about", _meanings(Slot))
-    yield from _section("next, last: the stage that follows a reply, or an end", _meanings(DialogueEnd))
+    yield from _section(
+        "next, last: the stage that follows a reply, or an end; questioned: the stage that follows when the game has "
+        "ended by the reply, and that is questioned in another game",
+        _meanings(DialogueEnd),
+    )
     yield from _section(
         "of: what a phrase says, with the reserved words for its values; of a room, £to_room£, too", _predicates()
     )

@@ -13,8 +13,9 @@ from thbridge.dialogue.arguing import MOST_CHOICES, ArguingEngine
 from thbridge.dialogue.conditions import DialogueCondition, Manner
 from thbridge.dialogue.engine import DialogueStep
 from thbridge.dialogue.evidence import WhatFacts, WhereFacts, where
-from thbridge.dialogue.games.contents import DialogueMove, propositions_in
+from thbridge.dialogue.games.contents import DialogueMove, Unknown, propositions_in
 from thbridge.dialogue.games.strategies import Attitude
+from thbridge.dialogue.games.tables import DialogueEnd
 from thbridge.dialogue.moves import (
     CloseQuestions,
     Conclude,
@@ -33,8 +34,10 @@ from thbridge.dialogue.moves import (
     Speaker,
     Upshot,
 )
-from thbridge.dialogue.propositions import CostsMore, NextRoom, Wanted
+from thbridge.dialogue.propositions import CostsMore, InTheWay, NextRoom, Wanted
+from thbridge.dialogue.worded import WordedPhrasing
 from thbridge.files.game_files import read_rulebook
+from thbridge.files.word_files import read_language
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.team_tour import PlanValue
 
@@ -127,7 +130,8 @@ def test_a_robot_says_only_what_it_believes(topic: DialogueTopic, manner: Manner
             if isinstance(turn.move, Explain) and turn.move.question in {Question.WHY_THIS, Question.WHY_NOT}:
                 assert {literal.proposition for literal in turn.move.because} <= held
             if isinstance(turn.move, DialogueMove) and turn.move.locution in {"assert", "accept"}:
-                assert propositions_in(turn.move.content) <= held
+                told = propositions_in(turn.move.content)
+                assert told.isdisjoint(held) if isinstance(turn.move.content, Unknown) else told <= held
 
 
 @given(topics(), manners, st.data())
@@ -247,6 +251,90 @@ def test_a_wish_is_no_reason_for_a_robot_that_has_better_ones() -> None:
     step = said(talker, step, "assert(wanted(next(Robot1, Room1)))")
     assert step.outcome is None
     assert str(step.dialogue.turns[-1].move) == "reject(next(Robot1, Room1))"
+
+
+def refused_by_the_person(manner: Manner, *, held: bool = False) -> tuple[ArguingEngine, DialogueStep]:
+    """A robot has said why it would go to room 2, and she has refused the first of its reasons."""
+    talker = engine(manner)
+    topic = DialogueTopic(Scenario.DONT_KNOW, 0, Room(2), 80.0, 500.0, facts=FACTS, opener=Speaker.ROBOT)
+    step = said(talker, talker.open(1, topic), "challenge(next(Robot1, Room2))")
+    no = next(choice.move for choice in talker.choices(step.dialogue) if choice.text == "reject(next(Robot1, Room2))")
+    return talker, talker.move(step.dialogue, no, held=held)
+
+
+PLAN = "plan(Robot1, Room1, 3, 300)"
+
+
+def test_a_robot_whose_reason_was_refused_asks_whether_it_is_not_so_and_she_may_accept_it_after_all() -> None:
+    talker, step = refused_by_the_person(Manner(talkative=True))
+    assert str(step.dialogue.turns[-1].move) == f"question(not {PLAN})"
+    answers = [f"assert({PLAN})", f"assert(U({PLAN}))", f"assert(not {PLAN})"]
+    assert [choice.text for choice in talker.choices(step.dialogue)][:3] == answers
+    step = said(talker, step, f"assert(U({PLAN}))")
+    assert [choice.text for choice in talker.choices(step.dialogue)][:2] == [f"accept({PLAN})", f"reject({PLAN})"]
+    accepted = said(talker, step, f"accept({PLAN})")
+    while accepted.outcome is None:
+        accepted = talker.move(accepted.dialogue, talker.choices(accepted.dialogue)[0].move)
+    assert accepted.outcome is DialogueOutcome.CONSENSUS and accepted.dialogue.topic.room == Room(2)
+    # For good it is said once, and asked about no more.
+    step = said(talker, step, f"reject({PLAN})")
+    assert step.outcome is None and str(step.dialogue.turns[-1].move) == f"reject({PLAN})"
+
+
+def test_what_she_holds_against_it_a_robot_asks_her_to_argue_for_and_says_nothing_twice() -> None:
+    talker, step = refused_by_the_person(Manner(talkative=True))
+    step = said(talker, step, f"assert(not {PLAN})")
+    assert str(step.dialogue.turns[-1].move) == f"challenge(not {PLAN})"
+    step = said(talker, step, f"reject({PLAN})")
+    moves = [turn.move for turn in step.dialogue.turns if turn.speaker is Speaker.ROBOT]
+    assert len(set(moves)) == len(moves)
+
+
+@pytest.mark.parametrize("manner", [Manner(talkative=True, persistence=0), Manner(talkative=False)])
+def test_a_robot_that_gives_in_at_once_or_argues_in_brief_takes_a_no(manner: Manner) -> None:
+    _, step = refused_by_the_person(manner)
+    assert str(step.dialogue.turns[-1].move) == "reject(next(Robot1, Room2))"
+
+
+def test_whoever_speaks_for_a_robot_asks_in_its_place_and_until_then_nothing_has_come_of_it() -> None:
+    talker, step = refused_by_the_person(Manner(talkative=True), held=True)
+    assert talker.choices(step.dialogue) == ()
+    (asks,) = talker.choices(step.dialogue, Speaker.ROBOT)
+    step = talker.speak(step.dialogue, asks.move)
+    step = said(talker, step, f"assert(U({PLAN}))")
+    assert not any(isinstance(each.move, Conclude) for each in talker.utterances(step.dialogue))
+    assert [choice.text for choice in talker.choices(step.dialogue)][:2] == [f"accept({PLAN})", f"reject({PLAN})"]
+
+
+def test_who_leaves_in_the_middle_of_a_question_leaves_all_of_it() -> None:
+    talker, step = refused_by_the_person(Manner(talkative=True))
+    step = talker.move(step.dialogue, Leave())
+    assert step.outcome is DialogueOutcome.NO_CONSENSUS
+    conversation = step.dialogue.conversation
+    assert conversation is not None and conversation.open_plays == ()
+    assert [play.end for play in conversation.plays] == [DialogueEnd.DISAGREEMENT, DialogueEnd.WITHDRAWN]
+
+
+@pytest.mark.parametrize("talkative", [True, False])
+@pytest.mark.parametrize("condition", [DialogueCondition.COLLABORATOR, DialogueCondition.ADVISER])
+def test_a_person_may_ask_about_her_reason_that_was_refused_but_not_about_a_wish(
+    condition: DialogueCondition, talkative: bool
+) -> None:
+    talker = engine(Manner(condition, Attitude.SCEPTICAL, talkative=talkative))
+    topic = DialogueTopic(Scenario.DONT_KNOW, 0, Room(2), 80.0, 500.0, facts=FACTS, opener=Speaker.ROBOT)
+    defended = said(talker, talker.open(1, topic), "assert(not next(Robot1, Room2))")
+    wish = said(talker, defended, "assert(wanted(not next(Robot1, Room2)))")
+    assert not any(choice.text.startswith("question(not") for choice in talker.choices(wish.dialogue))
+    step = said(talker, defended, "assert(in_the_way(Room2))")
+    assert str(step.dialogue.turns[-1].move) == "reject(not next(Robot1, Room2))"
+    asks = DialogueMove("question", ~Literal(InTheWay(Room(2))))
+    worded = WordedPhrasing(read_language(), condition, seed=3)
+    assert worded.say(step.dialogue, asks, Speaker.PERSON) == "Do you think that nothing is in the way to room 2?"
+    step = said(talker, step, str(asks))
+    answers = ["assert(U(in_the_way(Room2)))", "reject(in_the_way(Room2))"]
+    assert [str(turn.move) for turn in step.dialogue.turns[-2:]] == answers
+    assert step.outcome is None
+    assert not any(choice.text == "question(not in_the_way(Room2))" for choice in talker.choices(step.dialogue))
 
 
 @given(topics(), manners, st.data())

@@ -23,7 +23,7 @@ LOCUTIONS = "locutions.yaml"
 OPENING = "{say: assert, of: topic, next: claimed}"
 ACCEPT = "{say: accept, of: claim, next: agreement}"
 OFFERED = """{say: accept, of: support, next: challenged, last: agreement}
-      - {say: reject, of: claim, next: disagreement}"""
+      - {say: reject, of: claim, next: disagreement, questioned: reconsidered}"""
 OPPOSITE = "{say: assert, of: not topic, next: countered}"
 
 FAULTS = [
@@ -120,6 +120,27 @@ FAULTS = [
         "{say: assert, of: support, next: late}\n  - name: late\n    turn: defender\n    replies:\n"
         "      - {say: assert, of: argument, next: offered}\n  - name: offered",
         "the argument as a whole comes before its support",
+    ),
+    # What is questioned.
+    (PERSUASION, "questioned: reconsidered", "questioned: reconsiderd", "there is no stage reconsiderd. The nearest"),
+    (PERSUASION, "questioned: reconsidered", "questioned: disagreement", "there is no stage disagreement"),
+    (
+        PERSUASION,
+        "next: disagreement, questioned",
+        "next: announced, questioned",
+        "line 34, stages[5].replies[1].questioned: `questioned` is for a refusal that ends the game",
+    ),
+    (
+        PERSUASION,
+        "      - {say: reject, of: claim, next: disagreement}",
+        "      - {say: reject, of: claim, next: disagreement, questioned: reconsidered}",
+        "nothing is refused here that could be questioned",
+    ),
+    (
+        PERSUASION,
+        "{say: accept, of: support, next: resumed, last: agreement}",
+        "{say: accept, of: support, next: agreement, questioned: resumed}",
+        "nothing is refused here that could be questioned",
     ),
     # Games beside each other.
     (PERSUASION, "name: persuasion", "name: inquiry", "line 2, name: inquiry.yaml has a game inquiry, too"),

@@ -134,6 +134,22 @@ def test_moves_are_said_in_a_language(tmp_path: Path) -> None:
     assert "moves.yaml, line 1," in talk("check", tmp_path, code=2)
 
 
+def test_a_no_may_be_questioned_and_the_dialogue_that_has_ended_goes_on() -> None:
+    typed = "1\n2\n1\n1\n2\n2\n3\n1\nq\n"
+    told = talk(*EXAMPLE, "--exchange", 2, "--robot", "person", typed=typed)
+    level = "current_energy_level(1000)"
+    course = [
+        "human: reject(selected(Room3))",
+        "Dialogue 1 ends: disagreement, something was rejected",
+        f"Dialogue 2 opens: information-seeking about not {level}, inside dialogue 1, which waits",
+        f"robot: question(not {level})",
+        f"human: assert(U({level}))",
+        "Dialogue 2 ends: unknown, the one who was asked does not know",
+        f"human: accept({level})",
+    ]
+    assert [line.strip() for line in told.splitlines() if line.strip() in course] == course
+
+
 def test_of_a_folder_only_its_own_games_are_told(tmp_path: Path) -> None:
     text = (SHIPPED_GAMES / "persuasion.yaml").read_text()
     (tmp_path / "dispute.yaml").write_text(text.replace("name: persuasion", "name: dispute"))
@@ -142,8 +158,10 @@ def test_of_a_folder_only_its_own_games_are_told(tmp_path: Path) -> None:
     assert told["games"][0]["stages"][0] == {
         "name": "opening",
         "turn": "initiator",
-        "replies": [{"say": "assert", "of": "topic", "next": "claimed", "last": None}],
+        "replies": [{"say": "assert", "of": "topic", "next": "claimed", "last": None, "questioned": None}],
     }
+    shown = [line.strip() for line in talk("check", tmp_path).splitlines()]
+    assert "reject claim -> disagreement; reconsidered, when that is questioned" in shown
 
 
 def test_faults_of_all_folders_are_told_with_their_lines(tmp_path: Path) -> None:

@@ -76,6 +76,16 @@ class Conversation:
         """Return True while a dialogue waits for one inside it."""
         return any(play.parent == number for play in self.open_plays)
 
+    @property
+    def refused(self) -> GamePlay | None:
+        """The dialogue that has just ended with a refusal which its defender may question, or None."""
+        if not self.record or (number := self.record[-1].dialogue) <= self.since:
+            return None
+        play = self.play(number)
+        outer = None if play.parent is None else self.play(play.parent)
+        goes_on = outer is None or outer.end is None
+        return play if play.end is not None and play.in_question is not None and goes_on else None
+
     def case(self, proposition: Proposition) -> DialogueCase:
         """Return the case of what the robot thinks, and takes the person to think, of a proposition."""
         robot = self.agents[Side.ROBOT]
@@ -91,7 +101,8 @@ class Conversation:
         Args:
             side: who opens it.
             proposition: what it is about.
-            parent: number of a dialogue in which it is this side's turn, and which waits then.
+            parent: number of a dialogue in which it is this side's turn, or `refused` when this side is its defender;
+                it waits then.
         """
         case = self.case(proposition)
         yes = Literal(proposition)
@@ -126,7 +137,8 @@ class Conversation:
         if opening not in self._ways(opening.game, opening.topic, side, parent):
             raise IllegalMoveError(f"the {side} may not open {opening.game} with {opening.move}")
         fresh = self._new(opening.game, opening.topic, side, parent)
-        return replace(self, plays=(*self.plays, fresh))._after(fresh, opening.move, at)
+        now = self._with(self.play(parent).questioned()) if parent and fresh.questions_refusal else self
+        return replace(now, plays=(*now.plays, fresh))._after(fresh, opening.move, at)
 
     def say(self, number: int, move: DialogueMove, *, at: float = 0.0) -> "Conversation":
         """Return the conversation after a move of the side whose turn it is. Raises IllegalMoveError.
@@ -140,7 +152,7 @@ class Conversation:
 
     def withdraw(self, number: int) -> "Conversation":
         """Return the conversation after the end of a dialogue, and all inside it, whose matter is past."""
-        now = self._with(replace(self.play(number), end=DialogueEnd.WITHDRAWN))
+        now = self._with(self.play(number).ended(DialogueEnd.WITHDRAWN))
         for inner in self.open_plays:
             if inner.parent == number:
                 now = now.withdraw(inner.number)
@@ -174,7 +186,8 @@ class Conversation:
         return legal_replies(play, self.agents, self.rulebook, lambda what: self.able(listener, what))
 
     def _ways(self, game: str, topic: Belief, side: Side, parent: int | None) -> tuple[Opening, ...]:
-        if parent is not None:
+        fresh = self._new(game, topic, side, parent)
+        if parent is not None and not fresh.questions_refusal:
             outer = self.play(parent)
             if outer.end is not None or outer.speaker is not side or self.waits(parent):
                 return ()
@@ -182,7 +195,6 @@ class Conversation:
             return ()
         if any(play.topic == topic and play.game.name == game for play in self.open_plays):
             return ()
-        fresh = self._new(game, topic, side, parent)
         moves = self._legal(fresh)
         return tuple(Opening(game, topic, legal.move) for legal in moves if self._has_answer(fresh, legal))
 
@@ -193,15 +205,21 @@ class Conversation:
             for play in self.plays[self.since :]
             if (play.game.name, play.topic, play.initiator) == (game, topic, side)
             and play.end not in {None, DialogueEnd.AGREEMENT, DialogueEnd.WITHDRAWN}
-            and play.claims_at_once(self.rulebook)
+            and self.rulebook.makes_claim(play.moves[0][1])
         ]
         used = frozenset(play.moves[1][1] for play in failed if len(play.moves) > 1)
-        number = len(self.plays) + 1
-        return GamePlay(number, self.rulebook.games[game], topic, side, parent, barred=used)
+        number, refused = len(self.plays) + 1, self.refused
+        asks = refused is not None and (refused.number, refused.defender, refused.in_question) == (parent, side, topic)
+        return GamePlay(number, self.rulebook.games[game], topic, side, parent, asks, barred=used)
 
     def _has_answer(self, fresh: GamePlay, legal: LegalMove) -> bool:
-        """Return True when the other side has a reply that it has not used up in a dialogue that began likewise."""
-        if not fresh.barred:
+        """Return True when the other side has a reply that it has not used up in a dialogue that began likewise.
+
+        A refusal is questioned by what asks rather than claims, and of somebody who has an answer.
+        """
+        if fresh.questions_refusal and self.rulebook.makes_claim(legal.move):
+            return False
+        if not fresh.barred and not fresh.questions_refusal:
             return True
         play, agents, _ = say(fresh, self.agents, self.rulebook, legal, 0.0)
         able = lambda what: self.able(fresh.initiator, what)  # noqa: E731 - the listener changes with the speaker
@@ -212,14 +230,18 @@ class Conversation:
         if legal is None:
             raise IllegalMoveError(f"{move} is not legal in dialogue {play.number} ({play.game.name}, {play.stage})")
         play, agents, said = say(play, self.agents, self.rulebook, legal, at)
-        return replace(self, agents=agents, record=(*self.record, *said))._with(play)._settled()
+        now = replace(self, agents=agents, record=(*self.record, *said))._with(play)
+        if play.parent is not None and play.has_refuted:
+            # The claim of the dialogue that waited has lost its support.
+            now = now._with(now.play(play.parent).ended(DialogueEnd.DISAGREEMENT))
+        return now._settled()
 
     def _settled(self) -> "Conversation":
         """End each dialogue in which nothing is left to be said, as may come of what was said or sensed elsewhere."""
         for play in self.open_plays:
             if not self.waits(play.number) and not self._legal(play):
                 # Another that waited for it may have nothing left either.
-                return self._with(replace(play, end=DialogueEnd.STALEMATE))._settled()
+                return self._with(play.ended(DialogueEnd.STALEMATE))._settled()
         return self
 
     def _with(self, play: GamePlay) -> "Conversation":

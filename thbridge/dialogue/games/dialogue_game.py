@@ -29,6 +29,7 @@ class GamePlay:
         topic: what it is about.
         initiator: who opened it.
         parent: number of the dialogue that waits for this one; None without one.
+        questions_refusal: True when it asks whether the opposite holds of the support that was refused in its parent.
         stage: name of the present state; after the end, of the last one.
         claim: what is being defended; None before there is anything.
         defender: who defends it.
@@ -36,6 +37,8 @@ class GamePlay:
         argument: the argument that was announced as a whole; None without one.
         moves: all so far, with their speakers.
         barred: replies to the opening that were used up by earlier dialogues.
+        resumes: name of the state in which it goes on if the refusal that has ended it is questioned; None: it may not.
+        put_off: the end that a refusal has, from when it is questioned until another move is made.
         end: None while it goes on.
     """
 
@@ -44,6 +47,7 @@ class GamePlay:
     topic: Belief
     initiator: Side
     parent: int | None = None
+    questions_refusal: bool = False
     stage: str = ""
     claim: Belief | None = None
     defender: Side | None = None
@@ -51,6 +55,8 @@ class GamePlay:
     argument: Argument | None = None
     moves: tuple[tuple[Side, DialogueMove], ...] = ()
     barred: frozenset[DialogueMove] = frozenset()
+    resumes: str | None = None
+    put_off: DialogueEnd | None = None
     end: DialogueEnd | None = None
 
     @property
@@ -71,11 +77,24 @@ class GamePlay:
             case GameRole.CHALLENGER:
                 return other_side(self.defender or self.initiator)
 
-    def claims_at_once(self, rulebook: Rulebook) -> bool:
-        """Return True when the opening made a claim, rather than asked for one."""
-        opening = self.moves[0][1]
-        locution = rulebook.locution(opening.locution, opening.content)
-        return locution is not None and locution.makes_claim
+    @property
+    def in_question(self) -> Literal | None:
+        """Opposite of the support whose refusal has ended it, which the defender may ask about; None without one."""
+        refused = self.offered[-1] if self.resumes is not None and self.offered else None
+        return ~refused if isinstance(refused, Literal) else None
+
+    @property
+    def has_refuted(self) -> bool:
+        """True when the opposite of the support that was refused in its parent is agreed upon."""
+        return self.questions_refusal and self.end is DialogueEnd.AGREEMENT and self.claim == self.topic
+
+    def ended(self, end: DialogueEnd) -> "GamePlay":
+        """Return it after an end to which no move has led; a refusal that was questioned stands then."""
+        return replace(self, end=self.put_off or end)
+
+    def questioned(self) -> "GamePlay":
+        """Return it, ended by a refusal, as it waits until that has been questioned."""
+        return replace(self, stage=self.resumes or self.stage, resumes=None, put_off=self.end, end=None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +117,8 @@ def legal_replies(play: GamePlay, agents: Agents, rulebook: Rulebook, able: Able
     if play.end is not None or len(play.moves) >= play.game.most_turns:
         return ()
     speaker = agents[play.speaker]
-    at = Utterer(speaker, agents[other_side(play.speaker)], able, rulebook.committing)
+    in_question = play.topic if play.questions_refusal and not play.moves else None
+    at = Utterer(speaker, agents[other_side(play.speaker)], able, rulebook.committing, in_question)
     said = {move for side, move in play.moves if side is play.speaker}
     return tuple(
         LegalMove(move, reply)
@@ -155,7 +175,7 @@ def say(
         at: simulated time, s.
     """
     side, move, reply = play.speaker, legal.move, legal.reply
-    before, locution = play.stage or play.game.opening, rulebook.locution(move.locution, move.content)
+    before = play.stage or play.game.opening
     offers = reply.slot is Slot.SUPPORT and side is play.defender
     if offers and isinstance(move.content, Literal | Rule):
         play = replace(play, offered=(*play.offered, move.content))
@@ -164,8 +184,7 @@ def say(
     agents = _after(agents, rulebook, side, move, at)
     after = reply.leads_to(is_last=reply.last is not None and is_last_support(play, agents))
     if (
-        locution is not None
-        and locution.makes_claim
+        rulebook.makes_claim(move)
         and reply.slot in {Slot.TOPIC, Slot.OPPOSITE}
         and isinstance(move.content, Literal | Rule)
     ):
@@ -173,6 +192,7 @@ def say(
     end = play.game.end_of(after)
     utterances = [GameUtterance(play.number, play.parent, len(play.moves), side, move, before, after)]
     play = replace(play, moves=(*play.moves, (side, move)), stage=before if end else after, end=end)
+    play = replace(play, resumes=reply.questioned if end else None, put_off=None)
     booked = _follows(play, reply)
     if booked is not None:
         agents = _after(agents, rulebook, side, booked, at)

@@ -51,12 +51,14 @@ class Utterer:
         listener: the other.
         able: what the listener is thought able to tell.
         committing: names of locutions by which their speaker shows to hold the content.
+        in_question: what the speaker may ask though it has an opinion, for the listener has just refused the opposite.
     """
 
     speaker: Agent
     listener: Agent
     able: Able
     committing: frozenset[str]
+    in_question: Belief | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +107,8 @@ def after_saying(
 
 
 def _undecided(at: Utterer, content: Content) -> bool:
-    return isinstance(content, Literal | Unknown) and at.speaker.beliefs.is_undecided(content.proposition)
+    undecided = isinstance(content, Literal | Unknown) and at.speaker.beliefs.is_undecided(content.proposition)
+    return undecided or content == at.in_question
 
 
 def _held(at: Utterer, content: Content) -> bool:
@@ -143,12 +146,14 @@ def _answerable(at: Utterer, content: Content) -> bool:
     picture = at.speaker.picture
     if not isinstance(content, Literal) or (proposition := content.proposition) in picture.unknown:
         return False
-    return picture.stance(proposition) is not Stance.UNKNOWN or at.able(proposition)
+    tells = picture.stance(proposition) is not Stance.UNKNOWN or at.able(proposition)
+    return tells or content == at.in_question
 
 
 def _shown(at: Utterer, content: Content) -> bool:
     proposition = content.proposition if isinstance(content, Literal | Unknown) else None
-    return proposition is not None and at.listener.picture.stance(proposition) is not Stance.UNKNOWN
+    has_opinion = proposition is not None and at.listener.picture.stance(proposition) is not Stance.UNKNOWN
+    return has_opinion and content != at.in_question
 
 
 def _premises_held(at: Utterer, content: Content) -> bool:
@@ -175,7 +180,7 @@ CONDITIONS: Mapping[str, Precondition] = {
         "the speaker has no argument for the content", lambda at, content: not _argued(at, content)
     ),
     "undecided": Precondition(
-        "the speaker believes neither the content nor its opposite",
+        "the speaker believes neither the content nor its opposite, or was just refused the opposite",
         _undecided,
     ),
     "news": Precondition("the listener is not taken to hold the content, nor the conclusion of an argument", _news),
@@ -186,13 +191,14 @@ CONDITIONS: Mapping[str, Precondition] = {
         "the listener is taken to have an argument for the content", _thought_to_argue, _CLAIMS
     ),
     "answerable": Precondition(
-        "the listener is taken to have an opinion on the content, or to be able to tell",
+        "the listener is taken to have an opinion on the content, or to be able to tell; or has refused the opposite",
         _answerable,
         frozenset({ContentKind.LITERAL}),
     ),
     "said": Precondition("the listener has said the content, or accepted it", _said),
     "not shown": Precondition(
-        "the speaker has not shown an opinion on the content", lambda at, content: not _shown(at, content)
+        "the speaker has not shown an opinion on the content, or was just refused the opposite",
+        lambda at, content: not _shown(at, content),
     ),
     "premises held": Precondition(
         "the speaker believes what a rule rests on, or the content",

@@ -63,6 +63,12 @@ def speaker_in(table: GameTable, position: TablePosition) -> GameRole | None:
     return GameRole.RESPONDENT if position.defender is GameRole.INITIATOR else GameRole.INITIATOR
 
 
+def refuses_support(table: GameTable, position: TablePosition, reply: Reply, form_of: FormOf) -> bool:
+    """Return True when a reply does not agree to a support that was said before it. Arguments as in `obstacle`."""
+    agrees = {"shown", "concluded"} & set(form_of(reply).after)
+    return position.is_offered and speaker_in(table, position) is not position.defender and not agrees
+
+
 def obstacle(table: GameTable, position: TablePosition, reply: Reply, form_of: FormOf) -> Obstacle | None:
     """Return the reason for which a reply is never legal in a position, whatever both sides believe, or None.
 
@@ -105,9 +111,7 @@ def positions(table: GameTable, form_of: FormOf) -> tuple[TablePosition, ...]:
         for reply in table.stages[position.stage].replies:
             if obstacle(table, position, reply, form_of) is None:
                 after = _after(table, position, reply, form_of)
-                waiting += [
-                    replace(after, stage=name) for name in (reply.next, reply.last) if name in table.stages and name
-                ]
+                waiting += [replace(after, stage=name) for name in reply.targets if name in table.stages]
     return tuple(found)
 
 

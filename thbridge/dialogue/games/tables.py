@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
-from thbridge.dialogue.games.contents import Content, ContentKind, TableWord, kind_of_content
+from thbridge.dialogue.games.contents import Content, ContentKind, DialogueMove, TableWord, kind_of_content
 from thbridge.dialogue.games.locutions import Locution
 
 
@@ -48,16 +48,24 @@ class Reply:
         slot: what it is about.
         next: name of the state, or the end, that follows.
         last: the same when no support is left that the listener does not have; None: as `next`.
+        questioned: of a refusal of support, which ends the game, name of the state in which it goes on instead when
+            the defender questions that; None: nobody may.
     """
 
     locution: str
     slot: Slot
     next: str
     last: str | None = None
+    questioned: str | None = None
 
     def leads_to(self, *, is_last: bool) -> str:
         """Return the name of the state, or of the end, that follows."""
         return self.last if is_last and self.last is not None else self.next
+
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """Names of all states and ends that may follow."""
+        return tuple(target for target in (self.next, self.last, self.questioned) if target is not None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +118,11 @@ class Rulebook:
     def locution(self, name: str, content: Content) -> Locution | None:
         """Return the form of a locution for a content, or None when it has none."""
         return self._forms.get((name, kind_of_content(content)))
+
+    def makes_claim(self, move: DialogueMove) -> bool:
+        """Return True for a move whose content its speaker has to defend."""
+        locution = self.locution(move.locution, move.content)
+        return locution is not None and locution.makes_claim
 
     @cached_property
     def committing(self) -> frozenset[str]:

@@ -81,7 +81,9 @@ class ReplyPolicy:
         if "open-questions" in dialogue.acts and self._chance("questions", dialogue) < QUESTION_PROBABILITY:
             return ("open-questions",)
         insists = ("override", "assert") if is_own else ()
-        return ("enquire", "challenge", *insists, "reject" if doubts else "accept", "question", "leave")
+        # Whoever is asked has three answers: that it is so, that it is not so, and not to know.
+        answers = ("assert",) if dialogue.acts.count("assert") == 3 else ()
+        return ("enquire", "challenge", *insists, "reject" if doubts else "accept", "question", *answers, "leave")
 
     def _chance(self, of: str, dialogue: DialogueView) -> float:
         return noise.uniform(noise.key(self.seed, "participant", of), dialogue.dialogue, dialogue.turn)

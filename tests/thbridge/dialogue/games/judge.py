@@ -189,6 +189,9 @@ class Talk:
     """An argument was announced of which nothing was left to say, or which is judged as a whole."""
     booked: int = 0
     end: str | None = None
+    is_in_question: bool = False
+    """It ended by a no, which has been questioned; nothing was said in it since."""
+    asks_about_a_no: bool = False
 
     @property
     def kind(self) -> str:
@@ -216,6 +219,18 @@ class Talk:
                     found.append(move.content)
         return tuple(found)
 
+    @property
+    def refusals(self) -> int:
+        return sum(move.locution == "reject" for _, move in self.lines)
+
+    @property
+    def refused(self) -> Literal | None:
+        """What a no was said to that has ended the dialogue. Who has said no twice has no third name for it."""
+        if self.end != "disagreement" or self.lines[-1][1].locution != "reject" or self.refusals > 1:
+            return None
+        support = self.offered[-1] if self.offered else None
+        return support if isinstance(support, Literal) else None
+
 
 def rival(side: Side) -> Side:
     return {Side.ROBOT: Side.HUMAN, Side.HUMAN: Side.ROBOT}[side]
@@ -228,6 +243,8 @@ class Judge:
     parties: dict[Side, Party]
     able: dict[Side, frozenset[Proposition]] = field(default_factory=dict)
     talks: tuple[Talk, ...] = ()
+    latest: int = 0
+    """The dialogue in which something was said last."""
 
     # --- whose turn it is, and what the protocol lets be said
 
@@ -243,7 +260,8 @@ class Judge:
         if isinstance(move.content, Argument):
             # Who announces an argument keeps the turn, unless nothing of it is left to say.
             return rival(side) if talk.is_weighed else side
-        return rival(side)
+        # Who said no goes on: was it a no?
+        return side if talk.is_in_question else rival(side)
 
     def legal(self, talk: Talk) -> set[DialogueMove]:
         if talk.end is not None or self.waits(talk):
@@ -279,6 +297,11 @@ class Judge:
 
     def _later(self, talk: Talk) -> Iterator[DialogueMove]:
         last, (_, claim) = talk.lines[-1][1], talk.claim
+        if talk.is_in_question or (talk.refusals and last.locution in {"assert", "propose"}):
+            # Another no cannot have the name of the first: the paper's other one is reject(s).
+            yield DialogueMove("accept", talk.offered[-1])
+            yield DialogueMove("reject", talk.offered[-1])
+            return
         support_word = "propose" if talk.kind == "inquiry" else "assert"
         if len(talk.lines) == 2 and last.locution == "assert":
             yield DialogueMove("accept", claim)
@@ -322,8 +345,11 @@ class Judge:
 
     # --- what must hold before: the paper's figure 4
 
-    def may_say(self, side: Side, locution: str, content: Content) -> bool:
+    def may_say(self, side: Side, locution: str, content: Content, *, after_a_no: bool = False) -> bool:
         i, j = self.parties[side], self.parties[rival(side)]
+        if after_a_no and isinstance(content, Literal):
+            # It takes j to have an opinion on what j has refused, unless it has learnt that j knows nothing of it.
+            return i.is_person or content.proposition not in i.gamma_unknown
         if i.is_person:
             # Nobody reads what she believes: only what she has shown counts.
             if locution == "question" or isinstance(content, Unknown):
@@ -362,7 +388,7 @@ class Judge:
     def after(self, number: int, move: DialogueMove) -> "Judge":
         talk = self.talks[number - 1]
         side = self.turn(talk)
-        now = self._spoken(talk, side, move)
+        now = self._spoken(replace(talk, is_in_question=False), side, move)
         talk = now.talks[number - 1]
         match move.locution, move.content:
             case "reject", _:
@@ -377,14 +403,22 @@ class Judge:
             case "accept", _ if not all(now.due(talk)):
                 now = now._spoken(talk, side, DialogueMove("accept", talk.claim[1]))
                 now = now._with(replace(now.talks[number - 1], end="agreement", booked=1))
+        talk = now.talks[number - 1]
+        if talk.end == "agreement" and talk.asks_about_a_no and talk.claim[1] == talk.topic and talk.parent is not None:
+            # The questioner gave up its own support, so that the claim of the outer dialogue has lost it.
+            now = now._with(now._stopped(now.talks[talk.parent - 1], "disagreement"))
         return now.settled()
 
     def settled(self) -> "Judge":
         """Where no legal move is left, there is a stalemate; what waits for it goes on, or is stuck in turn."""
         for talk in self.talks:
             if talk.end is None and not self.waits(talk) and not self.legal(talk):
-                return self._with(replace(talk, end="stalemate")).settled()
+                return self._with(self._stopped(talk, "stalemate")).settled()
         return self
+
+    def _stopped(self, talk: Talk, end: str) -> Talk:
+        """A no that was questioned, and is followed by nothing, has been a no."""
+        return replace(talk, end="disagreement" if talk.is_in_question else end)
 
     def _spoken(self, talk: Talk, side: Side, move: DialogueMove) -> "Judge":
         i, j = self.parties[side], self.parties[rival(side)]
@@ -409,7 +443,8 @@ class Judge:
             case "assert", _:
                 j = j.attributing(content)
         parties = {side: i, rival(side): j}
-        return replace(self, parties=parties)._with(replace(talk, lines=(*talk.lines, (side, move))))
+        now = replace(self, parties=parties, latest=talk.number)
+        return now._with(replace(talk, lines=(*talk.lines, (side, move))))
 
     # --- opening
 
@@ -417,7 +452,8 @@ class Judge:
         """The dialogue before its opening, or None where it may not be opened."""
         if any(talk.end is None and (talk.game, talk.topic) == (game, topic) for talk in self.talks):
             return None
-        if parent is not None:
+        asks = parent is not None and self._may_question(side, game, topic, parent)
+        if parent is not None and not asks:
             outer = self.talks[parent - 1]
             if outer.end is not None or self.waits(outer) or self.turn(outer) is not side:
                 return None
@@ -429,20 +465,31 @@ class Judge:
             and not game.startswith("information-seeking")
         ]
         used = frozenset(talk.lines[1][1] for talk in failed if len(talk.lines) > 1)
-        talk = Talk(len(self.talks) + 1, game, topic, side, parent, used=used)
+        talk = Talk(len(self.talks) + 1, game, topic, side, parent, used=used, asks_about_a_no=asks)
         (move,) = self._protocol(talk) if list(self._protocol(talk)) else (None,)
-        if move is None or not self.may_say(side, move.locution, move.content):
+        if move is None or not self.may_say(side, move.locution, move.content, after_a_no=asks):
             return None
         spoken = self._with(talk)._spoken(talk, side, move)
-        return talk if not used or spoken.legal(spoken.talks[-1]) else None
+        return talk if not (used or asks) or spoken.legal(spoken.talks[-1]) else None
+
+    def _may_question(self, side: Side, game: str, topic: Belief, parent: int) -> bool:
+        """The other has just said no to a support of this side, which asks whether its opposite holds."""
+        outer = self.talks[parent - 1]
+        if outer.refused is None or self.latest != parent or outer.claim[0] is not side:
+            return False
+        waiting = outer.parent is not None and self.talks[outer.parent - 1].end is not None
+        return game.startswith("information-seeking") and topic == ~outer.refused and not waiting
 
     def opened(self, talk: Talk) -> "Judge":
         (move,) = self._protocol(talk)
-        return self._with(talk).after(talk.number, move)
+        now = self._with(talk)
+        if talk.asks_about_a_no and talk.parent is not None:
+            now = now._with(replace(self.talks[talk.parent - 1], end=None, is_in_question=True))
+        return now.after(talk.number, move)
 
     def withdrawn(self, number: int) -> "Judge":
         """The judge after a dialogue, and all inside it, was given up."""
-        now = self._with(replace(self.talks[number - 1], end="withdrawn"))
+        now = self._with(self._stopped(self.talks[number - 1], "withdrawn"))
         for inner in self.talks:
             if inner.parent == number and inner.end is None:
                 now = now.withdrawn(inner.number)

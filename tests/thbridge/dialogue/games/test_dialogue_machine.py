@@ -61,6 +61,7 @@ def judged(now: Conversation, judge: Judge) -> None:
     for play, talk in zip(now.plays, judge.talks, strict=True):
         assert play.moves == talk.lines
         assert play.end == talk.end
+        assert (play is now.refused) <= (talk.refused is not None)
         legal = now.legal(play.number)
         assert set(legal) == judge.legal(talk)
         assert len(set(legal)) == len(legal)
@@ -144,12 +145,28 @@ class Talking(RuleBasedStateMachine):
         robot_for = robot.holds(yes)
         return [(kind, yes if kind != "persuasion" or robot_for == (side is Side.ROBOT) else ~yes)]
 
+    @precondition(lambda self: self.now.refused is not None)
+    @rule(rng=RANDOM)
+    def question_a_no(self, rng: random.Random) -> None:
+        outer = self.now.refused
+        assert outer is not None and outer.defender is not None and outer.in_question is not None
+        number, topic = outer.number, outer.in_question
+        # Most others would not be legal.
+        side = rng.choice([*Side, outer.defender, outer.defender])
+        game = rng.choice([*GAMES, "information-seeking", "information-seeking-in-brief"])
+        openings, fresh = self.now.opening(side, game, topic, number), self.judge.fresh(side, game, topic, number)
+        assert len(openings) == (fresh is not None)
+        if fresh is not None:
+            (opening,) = openings
+            self.step(lambda now: now.open(side, opening, parent=number), self.judge.opened(fresh))
+
     @precondition(lambda self: self.now.open_plays)
     @rule(rng=RANDOM, count=st.integers(1, 8), argues=st.booleans())
     def speak(self, rng: random.Random, count: int, argues: bool) -> None:
         for _ in range(count):
             ready = [play.number for play in self.now.open_plays if not self.now.waits(play.number)]
-            if not ready:
+            # A no can be questioned only at once.
+            if not ready or (self.now.refused is not None and rng.random() < 0.7):
                 return
             number = rng.choice(ready)
             legal = self.now.legal(number)
@@ -159,7 +176,7 @@ class Talking(RuleBasedStateMachine):
             # Support is heard only if somebody wants to hear it.
             patient = [move for move in legal if move.locution == "challenge"]
             patient = patient or [move for move in legal if move.locution != "reject"]
-            chosen = rng.choice(patient if argues and patient else legal)
+            chosen = rng.choice(patient if argues and patient and rng.random() < 0.8 else legal)
             self.say(number, chosen)
 
     @precondition(lambda self: self.now.plays)
@@ -221,9 +238,12 @@ def keeps_promises(now: Conversation, number: int) -> None:
     assert [each.index for each in said] == list(range(len(said)))
     assert len(set(play.moves)) == len(said), "nothing is said twice"
     spoken = [each for each in said if not each.is_booked]
+    asked = [each for each in now.plays if each.parent == number and each.questions_refusal]
+    refusals = [each for each in spoken if each.move.locution == "reject"]
+    assert len(asked) <= 1 and len(refusals) <= 1 + len(asked)
     for one, other in pairwise(spoken):
-        announces = not isinstance(one.move.content, Literal | Rule | Unknown)
-        assert one.side is not other.side or announces
+        keeps_turn = not isinstance(one.move.content, Literal | Rule | Unknown) or one in refusals
+        assert one.side is not other.side or keeps_turn
     words = [each.move.locution for each in said]
     match play.end:
         case DialogueEnd.AGREEMENT:
@@ -236,7 +256,7 @@ def keeps_promises(now: Conversation, number: int) -> None:
         case DialogueEnd.UNKNOWN:
             assert isinstance(said[-1].move.content, Unknown)
         case DialogueEnd.STALEMATE | DialogueEnd.WITHDRAWN | None:
-            assert words[-1] != "reject"
+            assert words[-1] != "reject" or (play.end is None and asked)
     if play.end is not None:
         assert now.legal(number) == ()
 
@@ -252,7 +272,9 @@ def talk(seed: int) -> None:
     sides.meet(rng=rng)
     for _ in range(25):
         step = rng.choices(["like", "call for", "speak", "illegal", "sense", "withdraw"], [20, 20, 35, 10, 7, 3])[0]
-        if step == "like":
+        if sides.now.refused is not None and rng.random() < 0.8:
+            sides.question_a_no(rng=rng)
+        elif step == "like":
             sides.open_what_a_side_likes(rng=rng)
         elif step == "call for":
             sides.open_what_the_nine_cases_call_for(rng=rng)

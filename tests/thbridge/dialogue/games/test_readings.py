@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Collection
+from dataclasses import replace
 
 import pytest
 
@@ -110,16 +111,88 @@ def test_nothing_left_to_say_is_a_stalemate_and_only_a_no_is_disagreement() -> N
     assert said(within, "reject(b)").play(1).end is DialogueEnd.DISAGREEMENT
 
 
-@pytest.mark.parametrize("is_person", [True, False])
-def test_a_no_to_a_support_ends_the_dialogue_and_whoever_said_it_may_not_question_that(is_person: bool) -> None:
-    sides = {True: HUMAN, False: ROBOT}
-    rule, who = Rule((A,), B, is_said=False), sides[is_person]
-    mine, other = side(who, [A, B], [rule], is_person=is_person), side(sides[not is_person], is_person=not is_person)
-    now = opened(conversation(*((other, mine) if is_person else (mine, other))), who, "persuasion", B)
-    now = said(now, "challenge(b)", "assert({a}, b)", "assert(a)", "reject(b)")
+def refused(who: Side, holds: Collection[Literal] = ()) -> Conversation:
+    """A persuasion about b, of which one side, a person or a program, has refused the support a."""
+    rule, other = Rule((A, C), B, is_said=False), HUMAN if who is ROBOT else ROBOT
+    agents = {
+        who: side(who, [A, C, B], [rule], is_person=who is HUMAN),
+        other: side(other, holds, is_person=other is HUMAN),
+    }
+    now = opened(conversation(agents[ROBOT], agents[HUMAN]), who, "persuasion", B)
+    return said(now, "challenge(b)", "assert({a, c}, b)", "assert(a)", "reject(b)")
+
+
+@pytest.mark.parametrize("who", [ROBOT, HUMAN])
+def test_a_no_to_a_support_is_the_end_unless_its_defender_asks_at_once_whether_the_opposite_holds(who: Side) -> None:
+    now, other = refused(who), HUMAN if who is ROBOT else ROBOT
     assert now.play(1).end is DialogueEnd.DISAGREEMENT
-    # Asking is for those who do not know, and have not just said it.
+    # To ask is for those who do not know; it takes a no to ask about what one has just said.
     assert all(now.opening(who, "information-seeking", topic) == () for topic in (A, ~A))
+    assert all(now.opening(who, game, A, 1) == () for game in RULEBOOK.games)
+    assert all(now.opening(other, game, ~A, 1) == () for game in RULEBOOK.games)
+    assert now.opening(who, "persuasion", ~A, 1) == ()
+    asks = opened(now, who, "information-seeking", ~A, 1)
+    assert str(asks.record[-1].move) == "question(not a)"
+    assert asks.play(1).end is None and asks.waits(1)
+    # Anything else that is said leaves the no as it is.
+    later = opened(now, who, "persuasion", C)
+    assert later.opening(who, "information-seeking", ~A, 1) == ()
+
+
+@pytest.mark.parametrize("who", [ROBOT, HUMAN])
+def test_after_the_question_the_same_side_goes_on_and_a_second_no_has_the_other_name_and_stands(who: Side) -> None:
+    now = said(opened(refused(who), who, "information-seeking", ~A, 1), "assert(U(a))", number=2)
+    assert now.play(2).end is DialogueEnd.UNKNOWN and now.play(1).speaker is not who
+    assert legal(now) == {"accept(a)", "reject(a)"}
+    stands = said(now, "reject(a)")
+    assert stands.play(1).end is DialogueEnd.DISAGREEMENT
+    assert stands.opening(who, "information-seeking", ~A, 1) == ()
+    goes_on = said(now, "accept(a)", "assert(c)")
+    assert legal(goes_on) == {"accept(c)", "reject(c)"}
+    assert said(goes_on, "accept(c)").play(1).end is DialogueEnd.AGREEMENT
+    twice = said(goes_on, "reject(c)")
+    assert twice.play(1).end is DialogueEnd.DISAGREEMENT
+    assert twice.opening(who, "information-seeking", ~C, 1) == ()
+
+
+@pytest.mark.parametrize("who", [ROBOT, HUMAN])
+def test_who_accepts_the_opposite_of_its_support_has_nothing_to_defend_its_claim_with(who: Side) -> None:
+    now = opened(refused(who, [~A]), who, "information-seeking", ~A, 1)
+    now = said(now, "assert(not a)", "accept(not a)", number=2)
+    assert [now.play(number).end for number in (1, 2)] == [DialogueEnd.DISAGREEMENT, DialogueEnd.AGREEMENT]
+    assert ~A in now.agents[who].beliefs and A not in now.agents[who].beliefs
+
+
+def test_who_has_no_answer_or_is_known_not_to_know_is_not_asked_about_a_no() -> None:
+    # A program that holds the support itself has said no to the claim: there is nothing to ask about.
+    assert refused(HUMAN, [A]).opening(HUMAN, "information-seeking", ~A, 1) == ()
+    now = refused(ROBOT)
+    robot = now.agents[ROBOT]
+    now = now.with_agent(replace(robot, picture=robot.picture.gaining(Unknown(A.proposition))))
+    assert now.opening(ROBOT, "information-seeking", ~A, 1) == ()
+
+
+def test_a_refusal_that_is_being_questioned_stands_when_the_matter_is_past() -> None:
+    now = opened(refused(ROBOT), ROBOT, "information-seeking", ~A, 1).withdraw(1)
+    assert [now.play(number).end for number in (1, 2)] == [DialogueEnd.DISAGREEMENT, DialogueEnd.WITHDRAWN]
+
+
+def test_a_refusal_inside_a_dialogue_that_has_ended_with_it_is_questioned_no_more() -> None:
+    d = Literal(Fact("d"))
+    robot = side(ROBOT, [A, C, B, d], [Rule((A,), B, is_said=False), Rule((A, C), d, is_said=False)])
+    now = said(opened(conversation(robot, side(HUMAN, is_person=True)), ROBOT, "persuasion", B), "challenge(b)")
+    now = opened(said(now, "assert({a}, b)"), ROBOT, "persuasion", d, 1)
+    now = said(now, "challenge(d)", "assert({a, c}, d)", "assert(a)", "accept(a)", "assert(c)", "reject(d)", number=2)
+    # That she holds a was all that was left to be said in the outer one.
+    assert [play.end for play in now.plays] == [DialogueEnd.STALEMATE, DialogueEnd.DISAGREEMENT]
+    assert now.refused is None
+
+
+def test_an_argument_that_was_refused_as_a_whole_leaves_nothing_to_ask_about() -> None:
+    now = conversation(side(ROBOT, [A, B], [Rule((A,), B, is_said=False)]), side(HUMAN, is_person=True))
+    now = said(opened(now, ROBOT, "persuasion-in-brief", B), "challenge(b)", "assert({a}, b)", "reject(b)")
+    assert now.refused is None
+    assert now.opening(ROBOT, "information-seeking", ~A, 1) == ()
 
 
 def test_the_last_support_implies_the_claim_and_none_before_it_does() -> None:

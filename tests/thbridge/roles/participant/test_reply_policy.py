@@ -13,8 +13,9 @@ CLAIMED = ("accept", "challenge", "open-questions", "leave")
 WEIGHED = ("accept", "reject", "open-questions", "leave")
 DEFENDED = ("assert", "assert", "override", "open-questions", "leave")
 ASKED = ("enquire", "enquire", "close-questions")
+QUESTIONED = ("assert", "assert", "assert", "open-questions", "leave")
 ENDED = ("assert", "question", "leave")
-OFFERS = [SCRIPT, CLAIMED, WEIGHED, DEFENDED, ASKED, ENDED]
+OFFERS = [SCRIPT, CLAIMED, WEIGHED, DEFENDED, ASKED, QUESTIONED, ENDED]
 OPINIONS = st.builds(Opinion, st.booleans(), st.booleans(), st.booleans())
 
 
@@ -42,6 +43,7 @@ def test_the_credulous_make_the_first_choice(acts, replies, opinion):
         (WEIGHED, Opinion(is_dear=True), "accept"),
         (DEFENDED, Opinion(is_own=True), "assert"),
         (ENDED, Opinion(is_own=True), "question"),
+        (QUESTIONED, Opinion(), "assert"),
         (SCRIPT, Opinion(), "continue"),
         (SCRIPT, Opinion(is_dear=True), "stop"),
         (SCRIPT, Opinion(is_own=True, is_dear=True), "continue"),
@@ -62,7 +64,9 @@ def test_sceptics_challenge_hold_to_their_choice_reject_ask_and_put_forward_seve
     assert acts_of(ENDED, Opinion()) == {"question"}
     assert acts_of(SCRIPT, Opinion()) == {"continue", "stop"}
     assert acts_of(SCRIPT, Opinion(is_own=True)) == {"continue"}
+    assert acts_of(QUESTIONED, Opinion()) == {"assert", "open-questions"}
     sceptic = ReplyPolicy(Attitude.SCEPTICAL, 1)
+    assert {sceptic.reply(offer(QUESTIONED, number), Opinion()) for number in range(50)} == {0, 1, 2, 3}
     assert {sceptic.reply(offer(ASKED, number), Opinion()) for number in range(20)} == {0, 1}
 
 
