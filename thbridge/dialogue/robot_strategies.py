@@ -1,20 +1,13 @@
 """Strategies of robots that argue: their own by manner, and programs of others, whose faults do no harm."""
 
-import re
-import traceback
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from thbridge.dialogue.conditions import Manner
 from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.games.strategies import ArguingStrategy, GameStrategy
-
-LONGEST_FAULT = 300
-"""Greatest length of a fault, in characters."""
-_PACKAGE = Path(__file__).parents[1]
-_ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
+from thbridge.dialogue.other_programs import RAISED, in_a_line, told_error
 
 
 class StrategyFactory(Protocol):
@@ -63,28 +56,15 @@ def choose_by(
         number: of the dialogue, in which it is the robot's turn.
     """
     try:
-        chosen: object = factory(manner, seed).choose(conversation, number)
+        # A copy, so that what it does to what it is given stays with it.
+        given = replace(conversation, agents=dict(conversation.agents))
+        chosen: object = factory(manner, seed).choose(given, number)
         legal = conversation.legal(number)
         if isinstance(chosen, DialogueMove) and chosen in legal:
             return ChosenMove(legal[legal.index(chosen)])
         is_move = isinstance(chosen, DialogueMove)
-        fault = f"{_in_a_line(str(chosen))} is not legal here" if is_move else f"a {type(chosen).__name__} is no move"
-    except (Exception, SystemExit) as error:
+        fault = f"{in_a_line(str(chosen))} is not legal here" if is_move else f"a {type(chosen).__name__} is no move"
+    except RAISED as error:
         # Whatever a program of others does, the game goes on.
         fault = told_error(error)
     return ChosenMove(own_strategy(manner).choose(conversation, number), fault)
-
-
-def told_error(error: BaseException) -> str:
-    """Return an error of a program of others, with its place there; it reads the same on each machine."""
-    text = _in_a_line(traceback.format_exception_only(error)[-1])
-    frames = traceback.extract_tb(error.__traceback__)
-    # The last one in the program itself, which may have called us again.
-    theirs = [frame for frame in frames if not Path(frame.filename).is_relative_to(_PACKAGE)]
-    return f"{text} ({Path(theirs[-1].filename).name}, line {theirs[-1].lineno})" if theirs else text
-
-
-def _in_a_line(text: str) -> str:
-    """A text of a program of others as it can be recorded, without addresses, which differ each time."""
-    line = " ".join(_ADDRESS.sub("", text).split()).encode("utf-8", "replace").decode()
-    return line if len(line) <= LONGEST_FAULT else f"{line[:LONGEST_FAULT]}..."

@@ -128,6 +128,23 @@ def try_strategy(factory: StrategyFactory, rulebook: Rulebook, conversations: in
     return trial
 
 
+def moves_of_robots(rulebook: Rulebook, conversations: int, seed: int) -> tuple[DialogueMove, ...]:
+    """Return all that robots say by their own strategy in the conversations of a trial, each once, as first said."""
+    said: dict[DialogueMove, None] = {}
+
+    @dataclass(frozen=True, slots=True)
+    class Heard:
+        strategy: GameStrategy
+
+        def choose(self, conversation: Conversation, number: int) -> DialogueMove:
+            move = self.strategy.choose(conversation, number)
+            said[move] = None
+            return move
+
+    try_strategy(lambda manner, chance: Heard(own_strategy(manner, chance)), rulebook, conversations, seed)
+    return tuple(said)
+
+
 class _Draws:
     """Chance of one conversation."""
 

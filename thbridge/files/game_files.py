@@ -348,7 +348,7 @@ def _stage_faults(loaded: Loaded[_GameYaml], names: Collection[str]) -> Iterator
 def _no_such(
     loaded: Loaded[_GameYaml] | Loaded[_LocutionsYaml], key: str, what: str, name: str, known: Iterable[str]
 ) -> BadFile:
-    choices = sorted(known)
+    choices = sorted(set(known))
     near = difflib.get_close_matches(name, choices, n=1)
     remedy = f"The nearest is {near[0]}" if near else f"There are: {', '.join(choices) or 'none'}"
     return loaded.fault(key, f"there is no {what} {name}", remedy)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import difflib
+import unicodedata
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 from thbridge.argumentation.cases import Side
 from thbridge.dialogue.games.contents import ContentKind
 from thbridge.dialogue.games.locutions import Locution
+from thbridge.dialogue.wording.authors import can_be_found
 from thbridge.dialogue.wording.language import AboutRobot, Grammar, Language, MoveWording, PhraseWording
 from thbridge.dialogue.wording.lines import LINES, LineKey
 from thbridge.dialogue.wording.predicates import PREDICATES, Predicate, ValueKind, reserved_words
@@ -256,6 +258,11 @@ def _grammar_faults(loaded: Loaded[_WordsYaml], grammar: _GrammarYaml) -> Iterat
     if not grammar.negations:
         remedy = "Write all words that deny what a sentence says"
         yield loaded.fault("grammar.negations", "a language has negations", remedy)
+    for name, listed in (("negations", grammar.negations), ("bound", grammar.bound)):
+        for place, word in enumerate(listed):
+            if not can_be_found(word.casefold()):
+                remedy = "Write each word by itself, without blanks and signs; with a * before it, the end of words"
+                yield loaded.fault(f"grammar.{name}[{place}]", f"{word!r} is not one word", remedy)
 
 
 def _phrase_faults(loaded: Loaded[_WordsYaml], key: str, phrase: PhraseWording) -> Iterator[BadFile]:
@@ -333,8 +340,9 @@ def _wrong_in(wording: str, allowed: Mapping[str, str], *ways: Collection[str]) 
     """Problems of a wording, with their remedies."""
     if not wording.strip():
         yield "there are no words", "Write some"
-    if not wording.isprintable():
-        yield "a line break, or another sign that cannot be printed", "Write it on one line, with printable signs"
+    if strange := next((sign for sign in wording if not sign.isprintable()), None):
+        told = f"{unicodedata.name(strange, 'a line break or control sign').lower()}, U+{ord(strange):04X}"
+        yield f"a sign that cannot be printed: {told}", "Write it on one line, with printable signs and plain blanks"
     if len(wording) > LONGEST_WORDING:
         yield f"{len(wording)} characters are too many", f"Write at most {LONGEST_WORDING}"
     fault = spelling_fault(wording, allowed)

@@ -100,18 +100,24 @@ def talk_check(
         str | None,
         typer.Option(help="A strategy of yours that is installed: it is played in these and the shipped games."),
     ] = None,
-    conversations: Annotated[int, typer.Option(help="How many of each kind a strategy plays.", min=1, max=1000)] = 2,
+    author: Annotated[
+        str | None,
+        typer.Option(help="An author of wordings of yours that is installed: it words what robots say there."),
+    ] = None,
+    conversations: Annotated[
+        int, typer.Option(help="How many of each kind a strategy or an author is tried in.", min=1, max=1000)
+    ] = 2,
     seed: Seed = 0,
     as_json: AsJson = False,
 ) -> None:
-    """Check dialogue games, words and strategies; of games it tells who may say what, and how they end."""
+    """Check games, words, strategies and authors of words; of games it tells who may say what, and how they end."""
     from ui.actions.talk_check import check_folder, rulebook_with, shipped_folder
 
-    checked = [check_folder(folder) for folder in folders or ([] if strategy else [shipped_folder()])]
-    ok = not any(each.faults for each in checked)
+    checked = [check_folder(folder) for folder in folders or ([] if strategy or author else [shipped_folder()])]
+    ok = readable = not any(each.faults for each in checked)
     told: dict[str, object] = {"folders": [each.as_json() for each in checked]}
     lines = [line for each in checked for line in each.lines()]
-    if strategy is not None and ok:
+    if strategy is not None and readable:
         from ui.actions.strategy_check import check_strategy
 
         with bad_input():
@@ -119,6 +125,15 @@ def talk_check(
         ok = tried.ok
         told["strategy"] = tried.as_json()
         lines += tried.lines()
+    if author is not None and readable:
+        from ui.actions.author_check import check_author
+
+        languages = [language for each in checked for language in each.languages]
+        with bad_input():
+            worded = check_author(author, languages, rulebook_with(folders or []), conversations, seed or 0)
+        ok &= worded.ok
+        told["author"] = worded.as_json()
+        lines += worded.lines()
     if as_json:
         print_json({"ok": ok, **told})
     else:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.app.compose.installed import installed_author, installed_strategy
+from thbridge.app.compose.installed import impatient_author, installed_author, installed_strategy
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.argumentation.propositions import Literal
 from thbridge.dialogue.conditions import Manner
@@ -27,6 +27,7 @@ SEVEN = 7
 MAY_GO_ON = abs
 
 def polite(request):
+    print("how do I say it?")
     return "Please: " + request.sentence
 
 def fussy():
@@ -44,6 +45,7 @@ class Stubborn:
 
     def choose(self, conversation, number):
         MAY_GO_ON(60)
+        print("no")
         return self.told
 """
 
@@ -68,6 +70,16 @@ def test_an_installed_author_words_a_move() -> None:
     request = request_of(Wording(read_language(), 0), DialogueMove("assert", Literal(NextRoom(0, Room(3)))))
     outcome = ask_author(installed_author("polite"), request)
     assert outcome.text == f"Please: {request.sentence}"
+
+
+def test_what_programs_of_others_print_stays_out_of_results(capsys: pytest.CaptureFixture[str]) -> None:
+    request = request_of(Wording(read_language(), 0), DialogueMove("assert", Literal(NextRoom(0, Room(3)))))
+    installed_author("polite")(request)
+    impatient_author("polite", 60.0)(request)
+    (exchange, *_) = jhri2015(read_rulebook())
+    installed_strategy("stubborn")(Manner(), 5).choose(exchange.start, 1)
+    printed = capsys.readouterr()
+    assert (printed.out, printed.err) == ("", "how do I say it?\nhow do I say it?\nno\n")
 
 
 @pytest.mark.parametrize(

@@ -81,6 +81,21 @@ def confused(_manner: Manner, _seed: int, /) -> GameStrategy:
     return Chooser(choose)
 
 
+def forging(_manner: Manner, _seed: int, /) -> GameStrategy:
+    def choose(conversation: Conversation, number: int) -> DialogueMove:
+        move = conversation.legal(number)[0]
+        object.__setattr__(conversation, "plays", ())
+        conversation.agents.clear()  # type: ignore[attr-defined]  # the mistake
+        return move
+
+    return Chooser(choose)
+
+
+def test_what_a_strategy_does_to_the_conversation_stays_with_it() -> None:
+    text, fault = first_answer(forging)
+    assert text and not fault
+
+
 def test_another_strategy_chooses_among_legal_moves() -> None:
     own, other = first_answer(None), first_answer(asks_why)
     assert own == ("assert(not next(Robot1, Room1))", "")

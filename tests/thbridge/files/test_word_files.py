@@ -38,7 +38,8 @@ BROKEN = {
     "phrases: [{of: visited, yes: ['£room£'], no: ['£room£']}]": ("the same words", "Deny it"),
     "phrases: [{of: visited}]": ("there is no wording", "at least one"),
     "phrases: [{of: visited, yes: ['']}]": ("there are no words",),
-    'phrases: [{of: visited, yes: ["a\\nb £room£"]}]': ("a line break",),
+    'phrases: [{of: visited, yes: ["a\\nb £room£"]}]': ("a line break or control sign, U+000A",),
+    'phrases: [{of: visited, yes: ["£room£\u00a0!"]}]': ("no-break space, U+00A0", "plain blanks"),
     "phrases: [{of: visited, yes: ['£room']}]": ("a pound sign without its partner",),
     "phrases: [{of: visited, speaker: cat, yes: ['£room£']}]": ("'cat' is no choice", "robot or human"),
     "phrases: [{of: visited, yes: ['£room£']}, {of: visited, no: ['£room£ not']}]": ("the same stands in ours.yaml",),
@@ -105,6 +106,8 @@ GRAMMAR = (SHIPPED_LANGUAGES / "en" / "language.yaml").read_text(encoding="utf-8
         ('last_or: " or "', r'last_or: "\n"', "there are no words"),
         ("{bottle: a bottle}", "{bottle: a £thing£}", "unknown reserved word £thing£"),
         ("£premises£; then", "so;", "has to carry £premises£"),
+        ("[not, ", "[no way, ", "'no way' is not one word"),
+        ("bound:\n    [room, ", "bound:\n    ['*', room, ", "'*' is not one word"),
     ],
 )
 def test_a_broken_grammar_is_told(tmp_path: Path, right: str, wrong: str, told: str) -> None:

@@ -211,3 +211,38 @@ def test_a_strategy_that_is_installed_is_checked(tmp_path: Path, monkeypatch: py
     assert not told["ok"] and fault["problem"] == "a NoneType is no move" and "legal(number)" in fault["remedy"]
     done = CliRunner().invoke(app, ["talk", "check", "--strategy", "sillent"])
     assert done.exit_code == 2 and "The nearest is silent" in done.output
+
+
+AUTHORS = """
+def polite(request):
+    print("worded")
+    return "Please note: " + request.sentence
+
+
+def liar(request):
+    return request.sentence.replace("not ", "")
+
+
+def fickle(request, times=[0]):
+    times[0] += 1
+    return request.sentence + "!" * (times[0] % 2)
+"""
+
+
+def test_an_author_that_is_installed_is_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "lab_of_words-1.0.dist-info"
+    folder.mkdir()
+    (folder / "METADATA").write_text("Metadata-Version: 2.1\nName: lab-of-words\nVersion: 1.0\n")
+    names = ("polite", "liar", "fickle")
+    (folder / "entry_points.txt").write_text(
+        "[thbridge.wordings]\n" + "".join(f"{name} = lab_of_words:{name}\n" for name in names)
+    )
+    (tmp_path / "lab_of_words.py").write_text(AUTHORS)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    told = json.loads(talk("check", "--author", "polite", "--conversations", 1, "--json"))
+    assert told["ok"] and told["author"]["taken"] == told["author"]["sentences"] > 100
+    refused = talk("check", "--author", "liar", "--conversations", 1, code=2)
+    assert "liar: a sentence is refused (other-values) (" in refused and "it has to say, in this order: not" in refused
+    assert "it offered different ones" in talk("check", "--author", "fickle", "--conversations", 1, code=2)
+    done = CliRunner().invoke(app, ["talk", "check", "--author", "lier"])
+    assert done.exit_code == 2 and "The nearest is liar" in done.output

@@ -2,7 +2,9 @@
 
 import difflib
 import logging
+import sys
 from collections.abc import Callable
+from contextlib import AbstractContextManager, redirect_stdout
 from dataclasses import dataclass
 from functools import partial
 from importlib.metadata import entry_points
@@ -12,12 +14,13 @@ from typing import TYPE_CHECKING, Any
 from thbridge.dialogue.conditions import Manner
 from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.games.control import Conversation
-from thbridge.dialogue.robot_strategies import StrategyFactory, told_error
+from thbridge.dialogue.other_programs import RAISED, told_error
+from thbridge.dialogue.robot_strategies import StrategyFactory
 from thbridge.files.errors import BadFile
 from thbridge.timing.slow_calls import ImpatientCaller, told_if_slow
 
 if TYPE_CHECKING:
-    from thbridge.dialogue.wording.authors import WordingAuthor
+    from thbridge.dialogue.wording.authors import WordingAuthor, WordingRequest
 
 _log = logging.getLogger(__name__)
 
@@ -47,7 +50,7 @@ class WatchedStrategy:
     def choose(self, conversation: Conversation, number: int) -> DialogueMove:
         """Return the strategy's move; see `GameStrategy`."""
         told = f"the strategy {self.name} has not chosen a move for {PATIENCE:g} s; the game waits for it"
-        with told_if_slow(PATIENCE, lambda: _log.warning(told)):
+        with told_if_slow(PATIENCE, lambda: _log.warning(told)), _printing_aside():
             return self.factory(self.manner, self.seed).choose(conversation, number)
 
 
@@ -69,7 +72,8 @@ class ImpatientStrategy:
 
     def choose(self, conversation: Conversation, number: int) -> DialogueMove:
         """Return the strategy's move; see `GameStrategy`. Raises TimeoutError when there is none in time."""
-        return self.caller.call(lambda: self.factory(self.manner, self.seed).choose(conversation, number))
+        with _printing_aside():
+            return self.caller.call(lambda: self.factory(self.manner, self.seed).choose(conversation, number))
 
 
 def installed_author(name: str) -> "WordingAuthor":
@@ -78,7 +82,30 @@ def installed_author(name: str) -> "WordingAuthor":
     Raises:
         BadFile: none of this name is installed, or it cannot be imported, or called.
     """
-    return _installed(WORDINGS, name, "author of wordings")
+    author: WordingAuthor = _installed(WORDINGS, name, "author of wordings")
+    told = f"the author {name} has not worded a sentence for {PATIENCE:g} s; the game waits for it"
+
+    def watched(request: "WordingRequest", /) -> str | None:
+        with told_if_slow(PATIENCE, lambda: _log.warning(told)), _printing_aside():
+            return author(request)
+
+    return watched
+
+
+def impatient_author(name: str, seconds: float) -> "WordingAuthor":
+    """Return the author of wordings of a name, for trials; it raises TimeoutError after these seconds of wall time.
+
+    Raises:
+        BadFile: as for `installed_author`.
+    """
+    author: WordingAuthor = _installed(WORDINGS, name, "author of wordings")
+    caller = ImpatientCaller[str | None](seconds)
+
+    def impatient(request: "WordingRequest", /) -> str | None:
+        with _printing_aside():
+            return caller.call(lambda: author(request))
+
+    return impatient
 
 
 def installed_strategy(name: str) -> StrategyFactory:
@@ -107,8 +134,9 @@ def _strategy(name: str) -> StrategyFactory:
     factory: StrategyFactory = _installed(STRATEGIES, name, "strategy")
     remedy = "Name a class, or function, that takes a manner and a seed and returns what has a method `choose`"
     try:
-        made: object = factory(Manner(), 0)
-    except (Exception, SystemExit) as error:
+        with _printing_aside():
+            made: object = factory(Manner(), 0)
+    except RAISED as error:
         raise BadFile(Path(STRATEGIES), f"it cannot be made: {told_error(error)}", remedy, key=name) from error
     if not callable(getattr(made, "choose", None)):
         problem = f"it makes a {type(made).__name__}, which has no method choose"
@@ -126,10 +154,16 @@ def _installed(group: str, name: str, what: str) -> Callable[..., Any]:  # type:
         raise BadFile(Path(group), f"no {what} {name} is installed", remedy, key=name)
     entry = found[name]
     try:
-        program: object = entry.load()
-    except (Exception, SystemExit) as error:
+        with _printing_aside():
+            program: object = entry.load()
+    except RAISED as error:
         problem = f"{entry.value} cannot be imported: {type(error).__name__}: {error}"
         raise BadFile(Path(group), problem, "Mend it, or install it anew", key=name) from error
     if not callable(program):
         raise BadFile(Path(group), f"{entry.value} is no function", "Name a function, or a class", key=name)
     return program
+
+
+def _printing_aside() -> AbstractContextManager[object]:
+    """Context in which what a program of others prints goes to standard error: standard output is for results."""
+    return redirect_stdout(sys.stderr)

@@ -6,7 +6,7 @@ robots and people never hear what nobody believes; what cannot be judged is refu
 
 import re
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Protocol
 
@@ -15,11 +15,16 @@ from thbridge.argumentation.cases import Side
 from thbridge.argumentation.propositions import Literal, Rule
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import Content, DialogueMove, Unknown
+from thbridge.dialogue.other_programs import RAISED, told_error
 from thbridge.dialogue.wording.language import Grammar
 from thbridge.dialogue.wording.predicates import ValueKind, predicate_of
 from thbridge.dialogue.wording.wording import Wording, reasons
 
-_TOKEN = re.compile(r"\d+(?:[.,]\d+)*|-(?=\s*\d)|[+−*/%=<>≤≥×÷±?]|[,;:.!…–—]|\w+(?:['’]\w+)*")
+_WORD = r"\w+(?:['’]\w+)*"
+_TOKEN = re.compile(rf"\d+(?:[.,]\d+)*\w*|-(?=\s*\d)|[+−*/%=<>≤≥×÷±?‰°$€£]|[,;:.!…–—]|{_WORD}")
+_LISTED = re.compile(rf"\*?{_WORD}")
+LONGEST_OFFERED = 2000
+"""Characters that are kept of a sentence that is not taken."""
 _DENIED = "not"
 _BREAK = ","
 _BREAKS = frozenset(",;:.!…–—")
@@ -150,14 +155,19 @@ def request_of(
 def ask_author(author: WordingAuthor, request: WordingRequest) -> AuthoredSentence:
     """Ask an author for a sentence, and judge what it offers; an author that raises an error is refused."""
     try:
-        offered: object = author(request)
-    except Exception as error:
+        # A copy, so that it is judged by what was asked whatever becomes of that.
+        offered: object = author(replace(request))
+        # A text may come with methods of its own.
+        said = str.__str__(offered) if isinstance(offered, str) else offered
+    except RAISED as error:
         # Whatever a program of others does, the sentence of the files is said.
-        why = f"the author failed: {type(error).__name__}: {error}"
+        why = f"the author failed: {told_error(error)}"
         return AuthoredSentence(request, refusal=SentenceRefusal(RefusalReason.AUTHOR_FAILED, why))
-    if offered is None:
+    if said is None:
         return AuthoredSentence(request)
-    return AuthoredSentence(request, str(offered), judge_sentence(offered, request))
+    refusal = judge_sentence(said, request)
+    text = said if isinstance(said, str) else f"a {type(said).__name__}"
+    return AuthoredSentence(request, text if refusal is None else text[:LONGEST_OFFERED], refusal)
 
 
 def judge_sentence(sentence: object, request: WordingRequest) -> SentenceRefusal | None:
@@ -167,8 +177,10 @@ def judge_sentence(sentence: object, request: WordingRequest) -> SentenceRefusal
     sentence, in the same order: `100 is less than 1000` is not `1000 is less than 100`. Clauses have to be parted by
     signs where theirs are. Beyond these, meaning is not judged.
     """
-    if not isinstance(sentence, str) or not sentence.strip():
-        return SentenceRefusal(RefusalReason.NO_TEXT, f"it is no text: {sentence!r}")
+    if not isinstance(sentence, str):
+        return SentenceRefusal(RefusalReason.NO_TEXT, f"it is no text: a {type(sentence).__name__}")
+    if not sentence.strip():
+        return SentenceRefusal(RefusalReason.NO_TEXT, "it is an empty text")
     if not sentence.isprintable():
         return SentenceRefusal(RefusalReason.NOT_PRINTABLE, "it has line breaks, or other signs that cannot be printed")
     longest = longest_sentence(request.sentence)
@@ -184,6 +196,11 @@ def judge_sentence(sentence: object, request: WordingRequest) -> SentenceRefusal
 def longest_sentence(sentence: str) -> int:
     """Return the greatest length that a sentence in place of another may have, in characters."""
     return 2 * len(sentence) + 80
+
+
+def can_be_found(listed: str) -> bool:
+    """Return True for what a grammar's negations and bound words may be: one word, or `*` and the end of words."""
+    return _LISTED.fullmatch(listed) is not None
 
 
 def _bound(text: str, request: WordingRequest) -> tuple[str, ...]:
@@ -202,7 +219,7 @@ def _parts(text: str, request: WordingRequest) -> Iterator[str]:
     """Numbers, names, negations, words that are bound, and all signs between clauses."""
     grammar, folded = request.grammar, text.casefold()
     names = sorted({name.casefold() for name in request.known}, key=lambda name: (-len(name), name))
-    endings = tuple(word.removeprefix("*") for word in grammar.negations if word.startswith("*"))
+    negations, bound = _Listed(grammar.negations), _Listed(grammar.bound)
     at = 0
     while at < len(folded):
         name = next((each for each in names if _stands_at(each, folded, at)), None)
@@ -214,13 +231,24 @@ def _parts(text: str, request: WordingRequest) -> Iterator[str]:
             word = found.group().replace("’", "'")
             if word in _BREAKS:
                 yield _BREAK
-            elif word in grammar.negations or (endings and word.endswith(endings)):
+            elif word in negations:
                 yield _DENIED
-            elif word in grammar.bound or not word[0].isalpha() or any(map(str.isnumeric, word)):
+            elif word in bound or not word[0].isalpha() or any(map(str.isnumeric, word)):
                 yield word
             at = found.end()
         else:
             at += 1
+
+
+class _Listed:
+    """Words that a grammar lists: `*n't` stands for all that end so."""
+
+    def __init__(self, words: Collection[str]) -> None:
+        self._words = words
+        self._endings = tuple(word.removeprefix("*") for word in words if word.startswith("*"))
+
+    def __contains__(self, word: str) -> bool:
+        return word in self._words or (bool(self._endings) and word.endswith(self._endings))
 
 
 def _stands_at(name: str, text: str, at: int) -> bool:

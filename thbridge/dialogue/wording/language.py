@@ -39,7 +39,8 @@ class Grammar:
         decimal: sign before the decimals of a number.
         capital_after_colon: True where a sentence after a colon begins with a capital.
         negations: words that deny what a sentence says; `*n't` stands for all words that end so.
-        bound: words whose place between values gives these their meaning, such as `less`, and numbers in words.
+        bound: words whose place between values gives these their meaning, such as `less`, and numbers in words; `*teen`
+            as above.
         names: values such as colours, as the language says them.
     """
 

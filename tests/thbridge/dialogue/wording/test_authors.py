@@ -22,6 +22,7 @@ from thbridge.dialogue.propositions import (
     Wanted,
 )
 from thbridge.dialogue.wording.authors import (
+    LONGEST_OFFERED,
     RefusalReason,
     WordingRequest,
     ask_author,
@@ -70,6 +71,16 @@ LIES = {
     "a fraction": (ROOM_3, "I would go to room 3, ½ of the way."),
     "a number of another script": (ROOM_3, "I would go to room ٣."),
     "a sign": (WAY, "The way from room 4 to room 3 costs -12.5 energy."),
+    "a number with a letter": (WAY, "The way from room 4 to room 3 costs 12.5k energy."),
+    "a per cent sign": (WAY, "The way from room 4 to room 3 costs 12.5% energy."),
+    "a currency": (WAY, "The way from room 4 to room 3 costs $12.5 energy."),
+    "per cent in words": (WAY, "The way from room 4 to room 3 costs 12.5 percent of the energy."),
+    "another decimal sign": (WAY, "The way from room 4 to room 3 costs 12,5 energy."),
+    "a group of digits": (LESS, "100 + 250 is less than 1,000."),
+    "a great number in words": (ROOM_3, "I would go to room 3, as fourteen people did."),
+    "a number within a name": (Literal(NextRoom(0, Room(2))), "I would go to room 2 (Kitchen 2)."),
+    "a hedge": (WAY, "The way from room 4 to room 3 costs about 12.5 energy."),
+    "a denial in a word": (ROOM_3, "It is a lie that I would go to room 3."),
     "another unit": (WAY, "The way from room 4 to room 3 costs 12.5 seconds."),
     "a room more": (ROOM_3, "I would go to room 3, then to room 4."),
     "a name more": (ROOM_3, "I would go to room 3, past the Kitchen."),
@@ -109,6 +120,7 @@ def test_a_sentence_that_says_something_else_is_refused(lie: str) -> None:
     ("offered", "reason"),
     [
         (7, RefusalReason.NO_TEXT),
+        (type("Mute", (), {"__repr__": None})(), RefusalReason.NO_TEXT),
         (b"room 3", RefusalReason.NO_TEXT),
         ("  ", RefusalReason.NO_TEXT),
         ("I would go\nto room 3.", RefusalReason.NOT_PRINTABLE),
@@ -140,6 +152,44 @@ def test_an_author_that_fails_or_has_nothing_leaves_the_files_sentence() -> None
     nothing = ask_author(lambda _: None, asked)
     assert (nothing.offered, nothing.refusal) == (None, None)
     assert failed.text == nothing.text == asked.sentence
+
+
+class MuteError(Exception):
+    def __str__(self) -> str:
+        raise ValueError(self.args)
+
+
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [
+        (SystemExit("bye"), "SystemExit: bye"),
+        (GeneratorExit(), "GeneratorExit"),
+        (MuteError(), "str() failed"),
+        (ValueError(f"{object()}"), "<object object>"),
+    ],
+)
+def test_whatever_an_author_raises_is_told_the_same_each_time(error: BaseException, told: str) -> None:
+    def fails(_: WordingRequest) -> str:
+        raise error
+
+    failed = ask_author(fails, request(ROOM_3))
+    assert failed.refusal is not None and failed.refusal.reason is RefusalReason.AUTHOR_FAILED
+    assert told in failed.refusal.why
+    assert "test_authors.py, line" in failed.refusal.why
+
+
+def test_an_author_cannot_change_what_it_is_judged_by() -> None:
+    def forges(asked: WordingRequest) -> str:
+        object.__setattr__(asked, "sentence", "I would go to room 4.")
+        return asked.sentence
+
+    asked = request(ROOM_3)
+    assert ask_author(forges, asked).text == "I would go to room 3 next."
+
+
+def test_of_a_sentence_without_an_end_the_beginning_is_kept() -> None:
+    outcome = ask_author(lambda asked: asked.sentence * 10_000, request(ROOM_3))
+    assert outcome.offered is not None and len(outcome.offered) == LONGEST_OFFERED
 
 
 def test_an_author_is_told_all_that_the_files_say() -> None:

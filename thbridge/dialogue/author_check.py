@@ -1,0 +1,108 @@
+"""Trial of an author of wordings: the robot's sentences of made-up conversations, in which its faults are collected."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+from sim.common import noise
+from thbridge.argumentation.cases import Side
+from thbridge.dialogue.conditions import DialogueCondition
+from thbridge.dialogue.games.tables import Rulebook
+from thbridge.dialogue.strategy_check import moves_of_robots
+from thbridge.dialogue.wording.authors import (
+    AuthoredSentence,
+    RefusalReason,
+    WordingAuthor,
+    ask_author,
+    request_of,
+)
+from thbridge.dialogue.wording.language import Language
+from thbridge.dialogue.wording.wording import Wording
+
+_REMEDIES = {
+    RefusalReason.AUTHOR_FAILED: "Mend it for this sentence, or let it return None there",
+    RefusalReason.NO_TEXT: "Let it return a text, or None to leave it at the sentence of the files",
+    RefusalReason.NOT_PRINTABLE: "Let it return one line of printable signs",
+    RefusalReason.TOO_LONG: "Let it be briefer",
+    RefusalReason.OTHER_VALUES: "Keep numbers, names, negations and bound words of the files' sentence, in their order",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class AuthorFault:
+    """Fault of an author, with the sentence at which it was found first.
+
+    Attributes:
+        problem: the problem as a clause.
+        remedy: what may be done.
+        position: what was to be said, and what was offered.
+        times: number of sentences for which it was found.
+    """
+
+    problem: str
+    remedy: str
+    position: tuple[str, ...]
+    times: int = 1
+
+
+@dataclass(slots=True)
+class AuthorTrial:
+    """Trial of an author.
+
+    Attributes:
+        sentences: number of those that it was asked for.
+        taken: number of its own that would have been said.
+        faults: by their problems.
+    """
+
+    sentences: int = 0
+    taken: int = 0
+    faults: dict[str, AuthorFault] = field(default_factory=dict)
+
+    def judge(self, ask: Callable[[], AuthoredSentence]) -> None:
+        """Ask for one sentence twice, and note what is wrong with it."""
+        first, again = ask(), ask()
+        self.sentences += 1
+        files = f"The files say: {first.request.sentence}"
+        offered = f"It offered: {first.offered}"
+        if first.refusal is not None:
+            reason, why = first.refusal.reason, first.refusal.why
+            problem = why if reason is RefusalReason.AUTHOR_FAILED else f"a sentence is refused ({reason})"
+            self._note(problem, _REMEDIES[reason], (files, *(() if first.offered is None else (offered, why))))
+        elif (first.offered, first.refusal) != (again.offered, again.refusal):
+            remedy = "Let it depend on its request alone, or no game can be replayed"
+            problem = "asked twice for the same sentence, it offered different ones"
+            self._note(problem, remedy, (files, offered, f"Then it offered: {again.offered}"))
+        else:
+            self.taken += first.offered is not None
+
+    def _note(self, problem: str, remedy: str, position: tuple[str, ...]) -> None:
+        fault = self.faults.get(problem) or AuthorFault(problem, remedy, position, 0)
+        self.faults[problem] = replace(fault, times=fault.times + 1)
+
+
+def try_author(
+    author: WordingAuthor, languages: Sequence[Language], rulebook: Rulebook, conversations: int, seed: int
+) -> AuthorTrial:
+    """Return the trial of an author by what robots say in the worked example, in all games, and in hunts.
+
+    Args:
+        author: the author.
+        languages: in each of which it is to word everything.
+        rulebook: of the games.
+        conversations: number of those of each kind.
+        seed: of all chance.
+    """
+    trial = AuthorTrial()
+    said = moves_of_robots(rulebook, conversations, seed)
+    for language in languages:
+        wording = Wording(language, 0)
+        for number, move in enumerate(said):
+            chance = noise.uniform(noise.key(seed, "author-check"), number, 0)
+            try:
+                request = request_of(wording, move, Side.ROBOT, condition=DialogueCondition.COLLABORATOR, chance=chance)
+            except ValueError:
+                # A lab's own locution may have no words yet.
+                continue
+            trial.judge(partial(ask_author, author, request))
+    return trial
