@@ -2,8 +2,8 @@
 
 import pytest
 
-from tests.ui.model.views import arguing, asking, view, with_robot
-from thbridge.roles.view import AnswerDialogue, Consent, LastWords, SendRobot, View
+from tests.ui.model.views import arguing, asking, view, with_robot, with_room
+from thbridge.roles.view import AnswerDialogue, Consent, IdentificationVerdict, LastWords, SendRobot, View
 from ui.model.keys import act_for, help_lines
 from ui.model.participant import Participant
 from ui.model.screen import ChooseRobot, ChooseRoom, GiveAnswer, ShowNext, TypeDigit
@@ -181,3 +181,11 @@ def test_a_robot_that_says_nothing_because_all_was_said_is_explained():
 def test_the_sheet_of_keys_has_those_of_numbered_answers():
     assert "1 to 5" in dict(help_lines(8, numbered=True))
     assert "1 to 5" not in dict(help_lines(8))
+
+
+@pytest.mark.parametrize(("who", "told"), [("robot", "Robot 1 has named it by itself. "), ("both", "")])
+def test_a_name_that_a_robot_has_given_by_itself_is_told_as_its_own(who, told):
+    found = with_room(with_robot(argued(who=who), 0, place=3), 3, state="visited", robot=0, sensed={"colour": "Pink"})
+    model = model_of(found)
+    model.receive(with_room(found, 3, verdict=IdentificationVerdict("Pink can", 30)), 1.0)
+    assert model.screen(1.0).popup.verdict == f"{told}Pink can is right, 30 points won."

@@ -215,6 +215,7 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
                 return
             elif not _refused(memory, why_not_name(hunt.known, item.robot, room), now):
                 hunt.submitted_names[room] = name
+                hunt.named.add(room)
                 memory.history.add_request(item.robot, name_request(name))
                 _discuss(hunt, OpenDialogue(item.robot, "take-treasure", room))
         case LeaveTreasure():

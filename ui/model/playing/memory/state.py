@@ -69,6 +69,7 @@ class HuntMemory:
         reroutes: by robot that is called back, the room where it is to go then.
         choice: the name picked in the pop-up shown, not confirmed yet.
         submitted_names: by room, the name that the participant has chosen to submit, while it is discussed.
+        named: rooms whose treasure the participant has asked to be named here.
         verdicts: rooms whose verdict is not closed yet, and the robot that stands there.
         popups: the pop-up shown, and those that wait.
         picture_times: by room, when the view first showed its picture as taken.
@@ -85,6 +86,7 @@ class HuntMemory:
     reroutes: dict[int, int] = field(default_factory=dict)
     choice: NameChoice | None = None
     submitted_names: dict[int, str] = field(default_factory=dict)
+    named: set[int] = field(default_factory=set)
     verdicts: dict[int, int] = field(default_factory=dict)
     popups: PopupQueue = field(default_factory=PopupQueue)
     picture_times: dict[int, float] = field(default_factory=dict)

@@ -70,7 +70,7 @@ def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: flo
         picked=hunt.submitted_names.get(item.room) or hunt.picked,
         name_it=_name_it(hunt, item),
         leave=_leave(hunt, item),
-        verdict=None if room.verdict is None else verdict_words(room.verdict.name, room.verdict.points),
+        verdict=_verdict(hunt, item, room),
         points=None if room.verdict is None else room.verdict.points,
         aside=later if room.undecided else close,
         picture_note=_picture_note(hunt, room, now) if picture is None else "",
@@ -78,6 +78,16 @@ def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: flo
         worth=view.worth,
         talk=_talk(hunt, item),
     )
+
+
+def _verdict(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str | None:
+    """What came of a name; robots that decide in the end may have given it by themselves."""
+    if room.verdict is None:
+        return None
+    words = verdict_words(room.verdict.name, room.verdict.points)
+    decides = hunt.view.has_last_word == "robot" and not hunt.view.robots[item.robot].other_commander
+    alone = decides and item.room not in hunt.named
+    return f"{titled(item.robot)} has named it by itself. {words}" if alone else words
 
 
 def _talk(hunt: HuntMemory, item: TreasureItem) -> str:
