@@ -52,6 +52,7 @@ HELP = """\
   m 4 WHAT   let the robot sense one more property of what is in room 4, where the game has such
   t 4 WHAT VALUE   tell what you see on the picture of room 4, where the game asks for it
   n 4 NAME   name the treasure in room 4 (the list: names)
+  n 4 ?      don't know: ask the robot what it is, where robots argue
   l 4        leave the treasure in room 4
   u 4        take it up again, while the robot stands there
   b 1        call robot 1 back
@@ -124,6 +125,8 @@ class TerminalPlayer:
                 self._answer_by_number(view, index_of(int(parts[0])), int(parts[1]))
             case ["p", room] if _is_number(room):
                 self._discuss(view, int(room), "take-picture")
+            case ["n", room, "?"] if _is_number(room) and view.has_last_word is not None:
+                self._discuss(view, int(room), "take-treasure", "")
             case ["n", room, *words] if _is_number(room) and words:
                 self._name(view, int(room), " ".join(words))
             case ["m", room, *words] if _is_number(room) and words:
@@ -180,7 +183,7 @@ class TerminalPlayer:
             self.show(f"{typed} is not one of: {_listed(view.names)}" if view.names else NO_NAMES)
             return
         self._names[room] = fitting[0]
-        self._discuss(view, room, "take-treasure")
+        self._discuss(view, room, "take-treasure", None if view.has_last_word is None else fitting[0])
 
     def _measure(self, view: View, room: int, words: Sequence[str]) -> None:
         asked = _begun([each for each in view.properties if each.is_measured], words)
@@ -200,12 +203,14 @@ class TerminalPlayer:
         else:
             self._wanted = (TellProperty(room, told.name, value),)
 
-    def _discuss(self, view: View, room: int, matter: Literal["take-picture", "take-treasure"]) -> None:
+    def _discuss(
+        self, view: View, room: int, matter: Literal["take-picture", "take-treasure"], name: str | None = None
+    ) -> None:
         robot = view.room(room).robot if 0 < room <= len(view.rooms) else None
         if robot is None:
             self.show(f"No robot stands in room {self.rooms().numbered(room)}.")
         else:
-            self._wanted = (OpenDialogue(robot, matter, room),)
+            self._wanted = (OpenDialogue(robot, matter, room, name),)
 
     def _follow(self, consent: Consent) -> ParticipantRequest | None:
         match consent.matter:
@@ -214,8 +219,8 @@ class TerminalPlayer:
             case "take-picture":
                 return TakePicture(consent.room)
             case "take-treasure":
-                name = self._names.get(consent.room)
-                return None if name is None else IdentifyTreasure(consent.room, name)
+                name = consent.name or self._names.get(consent.room, "")
+                return IdentifyTreasure(consent.room, name) if name else None
 
 
 def _begun(properties: Sequence[TreasureProperty], words: Sequence[str]) -> TreasureProperty | None:

@@ -156,6 +156,11 @@ class SubmitName(Act):
 
 
 @dataclass(frozen=True, slots=True)
+class AskWhatItIs(Act):
+    """Ask the robot, which argues, what the treasure shown is."""
+
+
+@dataclass(frozen=True, slots=True)
 class LeaveTreasure(Act):
     """Leave the treasure shown where it is; `TakeUpAgain` takes that back until its robot sets out."""
 
@@ -413,6 +418,7 @@ class TreasurePopup:
         picture_note: text in the picture's place: that it is on its way, or why it cannot be shown.
         typed: the letters of a name typed so far.
         talk: how a dialogue about it has ended, in words, unless that is done; empty where none has.
+        unsure: asks the robot what it is; None where robots do not argue.
     """
 
     robot: int
@@ -432,6 +438,7 @@ class TreasurePopup:
     typed: str = ""
     worth: tuple[int | None, ...] = ()
     talk: str = ""
+    unsure: Action | None = None
 
     @property
     def acts(self) -> tuple[Action, ...]:

@@ -3,7 +3,8 @@
 import pytest
 
 from tests.thbridge.roles.keeper.test_arguing_robots import arguing_engine
-from tests.thbridge.roles.stage import Stage
+from tests.thbridge.roles.stage import Stage, templates
+from thbridge.app.compose.game import known_treasures
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.engine import DialogueEngine
 from thbridge.hunt.events import Condition, ConsentGiven, RobotDeparted, TreasureIdentified, TreasuresHidden
@@ -246,3 +247,20 @@ def test_robots_that_wait_at_once_are_answered_in_any_order():
 
 def test_what_is_a_persons_own_decision_is_marked():
     assert any(line.endswith("This is your decision.") for line in arguing(DialogueCondition.ADVISER).type("1 6"))
+
+
+def test_who_does_not_know_what_was_found_asks_a_robot_that_argues():
+    chosen = templates()
+    names, kinds = tuple(sorted(kind.name for kind in chosen.kinds)), known_treasures(chosen)
+    briefing = Briefing(
+        names=names, properties=chosen.properties, kinds=kinds, condition=DialogueCondition.COLLABORATOR
+    )
+    seat = Seat(briefing, talk=arguing_engine(DialogueCondition.COLLABORATOR))
+    seat.type("1 ?")
+    room = seat.stage.view().dialogues[0].room
+    seat.type("1", ticks=60)
+    answer = " ".join(seat.type(f"n {room} ?"))
+    assert "I would say the treasure" in answer
+    seat.type("1")
+    (named,) = [event for event in seat.stage.log.events if isinstance(event, TreasureIdentified)]
+    assert named.name is not None and named.name in answer and named.points > 0

@@ -1,12 +1,22 @@
 """The screen while robots argue."""
 
 import pytest
+from msgspec import structs
 
 from tests.ui.model.views import arguing, asking, view, with_robot, with_room
-from thbridge.roles.view import AnswerDialogue, Consent, IdentificationVerdict, LastWords, SendRobot, View
+from thbridge.roles.view import (
+    AnswerDialogue,
+    Consent,
+    IdentificationVerdict,
+    IdentifyTreasure,
+    LastWords,
+    OpenDialogue,
+    SendRobot,
+    View,
+)
 from ui.model.keys import act_for, help_lines
 from ui.model.participant import Participant
-from ui.model.screen import ChooseRobot, ChooseRoom, GiveAnswer, ShowNext, TypeDigit
+from ui.model.screen import AskWhatItIs, ChooseRobot, ChooseRoom, GiveAnswer, PickName, ShowNext, SubmitName, TypeDigit
 
 ANSWERS = ("accept", "challenge", "open-questions", "leave")
 QUESTIONS = ("enquire", "enquire", "close-questions")
@@ -189,3 +199,36 @@ def test_a_name_that_a_robot_has_given_by_itself_is_told_as_its_own(who, told):
     model = model_of(found)
     model.receive(with_room(found, 3, verdict=IdentificationVerdict("Pink can", 30)), 1.0)
     assert model.screen(1.0).popup.verdict == f"{told}Pink can is right, 30 points won."
+
+
+def test_a_name_is_said_to_robots_that_argue_and_what_was_agreed_is_what_it_is_named():
+    found = with_room(argued(), 2, state="visited", robot=0, sensed={"colour": "Blue"})
+    found = structs.replace(with_robot(found, 0, place=2), names=("Cup", "Vase"))
+    model = model_of(found)
+    model.do(PickName("Cup"), 0.0)
+    model.screen(0.0)
+    model.do(SubmitName(), 0.0)
+    assert OpenDialogue(0, "take-treasure", 2, "Cup") in model.requests()
+    agreed = structs.replace(found, consents=(Consent(0, "take-treasure", 2, "Vase"),))
+    model.receive(agreed, 0.0)
+    assert IdentifyTreasure(2, "Vase") in model.requests()
+    assert IdentifyTreasure(2, "Cup") not in model.requests()
+
+
+def test_who_does_not_know_what_was_found_asks_the_robot_by_button_or_key():
+    found = with_room(argued(), 2, state="visited", robot=0, sensed={"colour": "Blue"})
+    found = structs.replace(with_robot(found, 0, place=2), names=("Cup", "Vase"))
+    model = model_of(found)
+    screen = model.screen(0.0)
+    assert screen.popup.unsure.enabled and act_for("Ctrl+K", screen) == AskWhatItIs()
+    model.do(AskWhatItIs(), 0.0)
+    assert OpenDialogue(0, "take-treasure", 2, "") in model.requests()
+    assert not model.screen(0.0).popup.unsure.enabled
+
+
+def test_robots_that_do_not_argue_are_not_asked_what_they_found():
+    found = with_room(view(), 2, state="visited", robot=0, sensed={"colour": "Blue"})
+    model = model_of(structs.replace(with_robot(found, 0, place=2), names=("Cup", "Vase")))
+    assert model.screen(0.0).popup.unsure is None
+    model.do(AskWhatItIs(), 0.0)
+    assert not [each for each in model.requests() if isinstance(each, OpenDialogue)]

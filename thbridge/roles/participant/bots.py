@@ -256,7 +256,7 @@ class Bot:
             return (
                 IdentifyTreasure(room.room, name)
                 if "take-treasure" in agreed
-                else self._talk(robot, "take-treasure", room)
+                else self._talk(robot, "take-treasure", room, None if view.has_last_word is None else name)
             )
         beside = robot.place == room.room and robot.moving_to is None
         can_look = beside and room.picture is None and robot.energy >= view.picture_cost + view.identify_cost
@@ -267,11 +267,15 @@ class Bot:
         return GiveUpTreasure(room.room)
 
     def _talk(
-        self, robot: RobotView, matter: Literal["take-picture", "take-treasure"], room: RoomView
+        self,
+        robot: RobotView,
+        matter: Literal["take-picture", "take-treasure"],
+        room: RoomView,
+        name: str | None = None,
     ) -> ParticipantRequest:
         if self._vain_matters[matter, room.room] >= MAX_ATTEMPTS:
             return GiveUpTreasure(room.room)
-        return OpenDialogue(robot.robot, matter, room.room)
+        return OpenDialogue(robot.robot, matter, room.room, name)
 
     def _name(self, room: RoomView) -> str | None:
         """Return the name of the treasure in a room, or None while several names fit."""

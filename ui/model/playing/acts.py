@@ -18,6 +18,7 @@ from thbridge.roles.view import (
     SelectRoom,
     TakeUpTreasure,
     TellProperty,
+    View,
 )
 from ui.model.playing.cards import card_sentence
 from ui.model.playing.memory.name_choice import NameChoice
@@ -46,13 +47,14 @@ from ui.model.playing.possible import (
 )
 from ui.model.playing.sounds import why_silent
 from ui.model.playing.view_update import is_open, note, settle
-from ui.model.playing.words import name_request, titled
+from ui.model.playing.words import UNSURE_NAME, name_request, titled
 from ui.model.screen import (
     Act,
     AgreeToTakePart,
     AnotherGame,
     AskAdvice,
     AskForRobot,
+    AskWhatItIs,
     Cancel,
     ChooseRobot,
     ChooseRoom,
@@ -217,7 +219,11 @@ def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureIt
                 hunt.submitted_names[room] = name
                 hunt.named.add(room)
                 memory.history.add_request(item.robot, name_request(name))
-                _discuss(hunt, OpenDialogue(item.robot, "take-treasure", room))
+                _discuss(hunt, OpenDialogue(item.robot, "take-treasure", room, name if _argues(view) else None))
+        case AskWhatItIs():
+            if _argues(view) and not _refused(memory, why_not_name(hunt.known, item.robot, room), now):
+                memory.history.add_request(item.robot, UNSURE_NAME)
+                _discuss(hunt, OpenDialogue(item.robot, "take-treasure", room, ""))
         case LeaveTreasure():
             if ends_game(hunt.known, TreasureLeft(Room(room))):
                 hunt.pending_step = LeaveLast(room)
@@ -233,9 +239,16 @@ def _pick(memory: ParticipantMemory, hunt: HuntMemory, choice: NameChoice) -> No
     hunt.choice = choice
 
 
+def _argues(view: View) -> bool:
+    """Return True where robots argue."""
+    return view.has_last_word is not None
+
+
 def _discuss(hunt: HuntMemory, request: OpenDialogue) -> None:
     """Open a dialogue about it, unless that is agreed on already."""
-    if all((consent.matter, consent.room) != (request.matter, request.room) for consent in hunt.view.consents):
+    agreed = [each for each in hunt.view.consents if (each.matter, each.room) == (request.matter, request.room)]
+    # An agreement on another name is none on this one.
+    if all(each.name not in {"", request.name} for each in agreed):
         hunt.pending.ask(request, hunt.view)
 
 

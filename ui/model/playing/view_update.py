@@ -99,8 +99,8 @@ def open_requests(hunt: HuntMemory) -> tuple[ParticipantRequest, ...]:
                 agreed.append(SendRobot(consent.robot, consent.room))
             case "take-picture":
                 agreed.append(TakePicture(consent.room))
-            case "take-treasure" if consent.room in hunt.submitted_names:
-                agreed.append(IdentifyTreasure(consent.room, hunt.submitted_names[consent.room]))
+            case "take-treasure" if name := consent.name or hunt.submitted_names.get(consent.room, ""):
+                agreed.append(IdentifyTreasure(consent.room, name))
     sense = [
         SenseTreasure(room.room) for room in view.rooms if room.undecided and not room.found and _can_look(hunt, room)
     ]

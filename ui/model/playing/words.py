@@ -54,6 +54,10 @@ def name_request(name: str) -> str:
     return f"Name it {name_in_words(name)}."
 
 
+UNSURE_NAME = "I don't know what it is."
+"""The sentence with which the participant asks a robot what it has found."""
+
+
 def verdict_words(name: str, points: int) -> str:
     """The outcome of naming a treasure, as a sentence."""
     named = name_in_words(name) or "That"

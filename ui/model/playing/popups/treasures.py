@@ -9,7 +9,7 @@ from thbridge.hunt.events import TreasureIdentified, TreasureLeft
 from thbridge.hunt.properties import Teller, TreasureProperty, value_in_words
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import name_in_words
-from thbridge.roles.view import GiveUpTreasure, MeasureProperty, OpenDialogue, RoomView, View
+from thbridge.roles.view import Consent, GiveUpTreasure, MeasureProperty, OpenDialogue, RoomView, View
 from ui.model.keys import keyed
 from ui.model.playing.memory.history import spoken
 from ui.model.playing.memory.pictures import Pictures
@@ -27,6 +27,7 @@ from ui.model.playing.possible import (
 from ui.model.playing.words import counted, outcome_of, percent, titled, verdict_words
 from ui.model.screen import (
     Action,
+    AskWhatItIs,
     DialoguePopup,
     LeaveTreasure,
     SenseMore,
@@ -77,6 +78,7 @@ def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: flo
         typed="" if hunt.choice is None else hunt.choice.typed(now),
         worth=view.worth,
         talk=_talk(hunt, item),
+        unsure=_unsure(hunt, item),
     )
 
 
@@ -96,7 +98,8 @@ def _talk(hunt: HuntMemory, item: TreasureItem) -> str:
     if words is None or words.matter == "select-room" or words.room != item.room:
         return ""
     if words.agreed:
-        open_name = words.matter == "take-treasure" and item.room not in hunt.submitted_names
+        nameless = Consent(item.robot, "take-treasure", item.room) in hunt.view.consents
+        open_name = nameless and item.room not in hunt.submitted_names
         return "You have agreed to name it. Pick what it is." if open_name else ""
     said = [sentence for speaker, sentence in spoken(words) if speaker == "robot"]
     # That nothing is done it has said as well, and it is said here anyhow.
@@ -197,6 +200,15 @@ def _name_it(hunt: HuntMemory, item: TreasureItem) -> Action:
         cost += " Then the game ends."
     label = "Name it" if picked is None else f"Name it {name_in_words(picked)}"
     return keyed(SubmitName(), label, refused is None and not busy, refused or cost, busy)
+
+
+def _unsure(hunt: HuntMemory, item: TreasureItem) -> Action | None:
+    if hunt.view.has_last_word is None:
+        return None
+    busy = OpenDialogue(item.robot, "take-treasure", item.room, "") in hunt.pending
+    refused = why_not_name(hunt.known, item.robot, item.room)
+    possible = refused is None and not busy and item.room not in hunt.submitted_names
+    return keyed(AskWhatItIs(), "I don't know", possible, refused or "Asks the robot what it is; free.", busy)
 
 
 def _stakes(view: View, picked: str | None) -> str:

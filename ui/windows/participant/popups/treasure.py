@@ -50,15 +50,17 @@ class TreasurePanel(TitledPanel):
         left.addStretch(1)
         self._asking = look.label("What is it?", bold=True)
         self.name_it, self.leave = ActionButton("main", hints=True), ActionButton("plain", hints=True)
+        self.unsure = ActionButton("plain", hints=True)
         for widget, stretch in (
             (self._asking, 0),
             (self.names, 1),
             (self.verdict, 1),
             (self.name_it, 0),
+            (self.unsure, 0),
             (self.leave, 0),
         ):
             right.addWidget(widget, stretch)
-        for button in (self.aside, self.take_picture, self.name_it, self.leave):
+        for button in (self.aside, self.take_picture, self.name_it, self.unsure, self.leave):
             button.requested.connect(self.requested)
         self.names.picked.connect(self._ask_for_pick)
 
@@ -90,6 +92,7 @@ class TreasurePanel(TitledPanel):
         self.verdict.setVisible(decided)
         if pop.verdict is not None:
             self.verdict.show_verdict(pop.verdict, pop.points)
-        for button, action in ((self.name_it, pop.name_it), (self.leave, pop.leave)):
-            button.show_action(action)
-            button.setVisible(not decided)
+        for button, action in ((self.name_it, pop.name_it), (self.unsure, pop.unsure), (self.leave, pop.leave)):
+            if action is not None:
+                button.show_action(action)
+            button.setVisible(action is not None and not decided)
