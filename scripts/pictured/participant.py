@@ -40,6 +40,7 @@ from ui.model.screen import (
     ShowWaiting,
     SubmitName,
     TakeThePicture,
+    TreasurePopup,
 )
 from ui.model.theme import LIGHT
 from ui.windows.link import ParticipantLink, ReceivedEvent, ServerReached
@@ -336,11 +337,26 @@ def arguing() -> Iterator[Shot]:
     hunt.say("All right")
     hunt.run(3.0)
     yield shot("argue-agreed", window)
+    hunt.until(lambda screen: bool(getattr(screen.popup, "facts", ())))
+    yield shot("argue-found", window)
+    hunt.do(PickName(_misfit(hunt.screen.popup)))
+    hunt.do(SubmitName())
+    hunt.asked()
+    hunt.say("Why not")
+    yield shot("argue-name", window)
     advised = PicturedHunt(_argued(DialogueCondition.ADVISER))
     advised.do(ChooseRoom(6))
     advised.asked()
     advised.say("Why not")
     yield shot("argue-adviser", window_on(advised.model, lambda: advised.now))
+
+
+def _misfit(pop: object) -> str:
+    """A name of another colour than that of what was found."""
+    if not isinstance(pop, TreasurePopup):
+        raise TypeError("no treasure is shown")
+    colour = (pop.facts or ())[0].value
+    return next(name for name in pop.names if colour not in name)
 
 
 def _argued(condition: DialogueCondition) -> Study:
@@ -437,6 +453,8 @@ STORIES = (
             "argue-two": "Robot 2 asks while robot 1 waits for an answer, too",
             "argue-left": "What was left without an agreement",
             "argue-agreed": "What was agreed is done",
+            "argue-found": "What was found, and a way to ask the robot what it is",
+            "argue-name": "A name that does not fit what was found",
             "argue-adviser": "The participant has the last word",
         },
         arguing,
