@@ -7,7 +7,14 @@ import pytest
 
 from tests.system.test_play import thbridge
 from thbridge.hunt.codec import from_json
-from thbridge.hunt.events import CostsEstimated, GameStarted, MoveFailed, RobotDeparted
+from thbridge.hunt.events import (
+    CostsEstimated,
+    DialogueOpened,
+    DialogueSaid,
+    GameStarted,
+    MoveFailed,
+    RobotDeparted,
+)
 from thbridge.hunt.game import GameState, apply, begin
 
 STUDY = """\
@@ -29,7 +36,8 @@ def hunt(folder: Path, study: str, seconds: int) -> list[tuple[GameState, object
     done = thbridge(folder, "play", "--headless", "--json", *limits, "study.yaml", "--bag", "hunt.bag")
     assert json.loads(done.stdout)["sim_seconds"] <= seconds, done.stderr
     (journal,) = (folder / "hunt.journal").glob("*.jsonl")
-    first, *events = (from_json(line) for line in journal.read_text().splitlines())
+    first, *entries = (from_json(line) for line in journal.read_text().splitlines())
+    events = [entry for entry in entries if not isinstance(entry, DialogueOpened | DialogueSaid)]
     assert isinstance(first, GameStarted)
     state, told = begin(first), []
     for event in events:

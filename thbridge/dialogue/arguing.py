@@ -230,7 +230,7 @@ class ArguingEngine:
         return dialogue, None
 
     def _conclusion(self, dialogue: Dialogue) -> tuple[DialogueUtterance, ...]:
-        """What the robot says of the upshot, where a game or all of the dialogue has ended with the person's turn."""
+        """The sentence about the upshot, where a game, or all of the dialogue, has ended with the person's turn."""
         dialogue, outcome = self._outcome(dialogue)
         last = _last_move(dialogue)
         if outcome is None and (_current(dialogue) is not None or self._asks(dialogue) is not None):
@@ -548,7 +548,7 @@ def _about(dialogue: Dialogue, agreed: Literal) -> Dialogue:
 
 
 def _last_said(dialogue: Dialogue) -> Explain:
-    """What the robot has argued with last, to be said again; nothing where it was that, or there were no reasons."""
+    """The robot's last reasons, to be said again; none where it was that, or there were no reasons."""
     robot = (turn.move for turn in reversed(dialogue.turns) if turn.speaker is Speaker.ROBOT)
     last = next((move for move in robot if not isinstance(move, Echo)), None)
     match last:

@@ -29,12 +29,12 @@ from thbridge.dialogue.propositions import (
     PictureTaken,
     PropertyFound,
     PropertyListed,
+    RoomSequence,
     SeenInPicture,
     Settled,
     ShorterPlan,
     TakesPicture,
     TeamPlan,
-    Tour,
     TreasureIn,
     UnderWay,
     VisitOrder,
@@ -194,7 +194,9 @@ def where(facts: WhereFacts, told: Beliefs | None = None, rival: Room | None = N
 
 def is_decision(literal: Literal) -> bool:
     """Return True for what is decided, or wished, in one situation only."""
-    decided = NextRoom | VisitOrder | Tour | Conjunction | TakesPicture | NamesTreasure | NamesTreasureAs | Wanted
+    decided = (
+        NextRoom | VisitOrder | RoomSequence | Conjunction | TakesPicture | NamesTreasure | NamesTreasureAs | Wanted
+    )
     return isinstance(literal.proposition, decided)
 
 
@@ -391,7 +393,7 @@ def _order(tour: tuple[Room, ...], first: Room, later: Room) -> Literal | None:
     """Return the order of a tour up to a later room; None where the tour does not begin with the first one."""
     if tour[:1] != (first,) or later not in tour[1:]:
         return None
-    return Literal(Tour(tour[: tour.index(later) + 1]))
+    return Literal(RoomSequence(tour[: tour.index(later) + 1]))
 
 
 def _compared(case: _Case, facts: WhereFacts, best: Room, room: Room) -> tuple[Literal, ...]:

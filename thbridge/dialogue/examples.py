@@ -19,9 +19,9 @@ from thbridge.dialogue.propositions import (
     EnergyLevel,
     InImage,
     LessThan,
+    RoomSequence,
     Selected,
     TooFar,
-    Tour,
     TreasureIn,
     Visited,
     VisitOrder,
@@ -139,9 +139,9 @@ order(1, Room1) and order(2, Room3))
 """The courses of the exchanges, a move a line, with a bar between those of which the example takes any."""
 
 
-def order(*rooms: int) -> Tour:
+def order(*rooms: int) -> RoomSequence:
     """Return the proposition that these rooms are visited in this order."""
-    return Tour(tuple(map(Room, rooms)))
+    return RoomSequence(tuple(map(Room, rooms)))
 
 
 BOTTLE_IN_5, BOTTLE_IN_2 = InImage("bottle", "image5"), InImage("bottle", "image2")

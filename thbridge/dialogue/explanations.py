@@ -98,7 +98,7 @@ def _contrast(evidence: Evidence, about: Literal) -> tuple[Literal, ...]:
 
 
 def _premises(argument: Argument | None) -> tuple[Literal, ...]:
-    """What an argument rests on, in the order in which it is said."""
+    """Premises of an argument, in the order in which it is said."""
     if argument is None:
         return ()
     return tuple(reason for reason in reasons(argument.premises, argument.conclusion) if isinstance(reason, Literal))

@@ -34,7 +34,7 @@ class VisitOrder(Proposition):
 
 
 @dataclass(frozen=True, slots=True)
-class Tour(Proposition):
+class RoomSequence(Proposition):
     """Rooms are visited in this order: for each one at which place it comes.
 
     Attributes:
@@ -205,7 +205,7 @@ class NextRoom(Proposition):
 
 @dataclass(frozen=True, slots=True)
 class TeamPlan(Proposition):
-    """What the team reaches when a robot goes to a room next: so many rooms, for so much energy in all.
+    """Best that the team reaches when a robot goes to a room next: so many rooms, for so much energy in all.
 
     Where two are compared, each is the best that the team can do.
 

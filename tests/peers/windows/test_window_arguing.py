@@ -97,6 +97,26 @@ def test_a_person_argues_with_two_robots(screen: Desktop, tmp_path: Path) -> Non
                 break
             player.say(player.by_click, "All right")
         player.until("robot 2 to set out", lambda seen: "travelling" in seen.robot(2))
+
+        # One find she names wrongly, by keys, and is told why not; of the other she asks what it is.
+        found = player.until(
+            "a find", lambda seen: seen.treasure and seen.names and seen.button("I don't know")
+        ).treasure
+        assert found is not None
+        wrong = next(name for name in ("Blue Bottle", "Pink can") if name != found)
+        player.insist("a wrong name", lambda: screen.press(wrong[0].lower()), lambda seen: seen.picked == wrong)
+        player.insist("the dialogue", lambda: screen.press("Return"), lambda seen: seen.answers)
+        seen = player.say(player.by_key, "Why not")
+        assert any("My reasons" in one.name for one in seen.things)
+        player.say(player.by_key, "All right, the treasure")
+        player.say(player.by_key, "What would you do, then")
+        player.say(player.by_key, "All right, the treasure")
+        player.until("the verdict", lambda seen: seen.named(f"{found} is right"))
+        player.insist("it to close", lambda: screen.press("Escape"), lambda seen: not seen.named(f"{found} is right"))
+        player.until("the other find", lambda seen: seen.treasure and seen.button("I don't know"))
+        player.insist("the robot's answer", lambda: screen.press("ctrl+k"), lambda seen: seen.answers)
+        player.say(player.by_key, "All right, the treasure")
+        player.until("the verdict", lambda seen: any(" is right, " in one.name for one in seen.things))
         screen.leave_game()
         assert program.process.wait(60) == 0, program.text
     finally:

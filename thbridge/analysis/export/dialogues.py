@@ -8,6 +8,7 @@ from itertools import groupby
 
 import numpy as np
 
+from sim.common.robot_numbers import number_of
 from thbridge.analysis.export.tables import SECONDS, Table, TableRows
 from thbridge.analysis.report.dialogues import DialogueGatherer, RecordedGame
 from thbridge.dialogue.portrait import DialoguePortrait, read_portrait
@@ -146,7 +147,7 @@ class DialogueTables:
 
 
 def _held(portrait: DialoguePortrait) -> dict[_Key, _HeldBelief]:
-    """What a robot believes, and takes the participant to believe."""
+    """Beliefs of a robot, and those it takes the participant to have."""
     held = [_HeldBelief("robot", each.literal, each.source, each.at, each.confidence) for each in portrait.sigma]
     held += [_HeldBelief("robot", rule, "rule") for rule in portrait.rules]
     held += [_HeldBelief("human", literal, "held") for literal in portrait.held]
@@ -156,7 +157,7 @@ def _held(portrait: DialoguePortrait) -> dict[_Key, _HeldBelief]:
 
 def _of_game(game: RecordedGame) -> _Row:
     about = (game.kind, game.topic, game.opener, game.end, game.moves, game.challenges, game.gave_in)
-    return (game.robot + 1, game.began, game.talk, game.number, game.parent, *about, game.ended, game.replied)
+    return (number_of(game.robot), game.began, game.talk, game.number, game.parent, *about, game.ended, game.replied)
 
 
 def _move(told: Mapping[str, object]) -> DialogueMoveRecord:

@@ -1,1 +1,1 @@
-"""What the commands of `thbridge bag` do."""
+"""The work of the commands of `thbridge bag`."""

@@ -1,1 +1,1 @@
-"""What the commands of `thbridge maps` do."""
+"""The work of the commands of `thbridge maps`."""

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from thbridge.argumentation.arguments import Argument
 from thbridge.argumentation.propositions import Conjunction, Literal, Proposition, Rule
 from thbridge.dialogue.games.contents import Content, ContentKind, DialogueMove, Unknown
-from thbridge.dialogue.propositions import Tour
+from thbridge.dialogue.propositions import RoomSequence
 from thbridge.dialogue.wording.predicates import PREDICATES, Predicate, ValueKind, predicate_of
 from thbridge.files.game_files import read_rulebook
 from thbridge.hunt.costs import energy_text
@@ -71,7 +71,7 @@ def literals_in(content: Content) -> Iterator[Literal]:
     match content:
         case Unknown(proposition):
             yield from literals_in(Literal(proposition))
-        case Literal(Tour()):
+        case Literal(RoomSequence()):
             yield content
         case Literal():
             yield from content.parts

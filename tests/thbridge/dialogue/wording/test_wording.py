@@ -13,7 +13,7 @@ from thbridge.argumentation.propositions import Literal, Proposition
 from thbridge.dialogue import propositions
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.contents import DialogueMove
-from thbridge.dialogue.propositions import EnergyLevel, FewerRooms, NextRoom, TeamPlan, Tour, Wanted
+from thbridge.dialogue.propositions import EnergyLevel, FewerRooms, NextRoom, RoomSequence, TeamPlan, Wanted
 from thbridge.dialogue.wording.authors import judge_sentence, request_of
 from thbridge.dialogue.wording.lines import LINES, LineKey
 from thbridge.dialogue.wording.predicates import PREDICATES, ValueKind
@@ -121,7 +121,7 @@ def test_the_order_of_a_tour_is_recovered_from_its_sentences_and_no_other_one_is
 ) -> None:
     wording = WORDINGS[name]
     for locution in ("assert", "challenge", "accept", "reject"):
-        move = DialogueMove(locution, Literal(Tour(tuple(rooms)), holds))
+        move = DialogueMove(locution, Literal(RoomSequence(tuple(rooms)), holds))
         sentence = wording.sentence(move, side, chance=chance)
         said = re.findall(r"(?:room|Raum) (\d+)", sentence)
         assert [int(room) for room in said] == [room.people for room in rooms]
@@ -129,16 +129,16 @@ def test_the_order_of_a_tour_is_recovered_from_its_sentences_and_no_other_one_is
             side is Side.HUMAN and locution == "reject"
         )
         request = request_of(wording, move, side, chance=chance)
-        turned = DialogueMove(locution, Literal(Tour((*rooms[1:], rooms[0])), holds))
+        turned = DialogueMove(locution, Literal(RoomSequence((*rooms[1:], rooms[0])), holds))
         assert judge_sentence(wording.sentence(turned, side, chance=chance), request) is not None
 
 
 def test_an_order_of_rooms_is_said_as_people_say_it() -> None:
-    tour = Literal(Tour((Room(2), Room(5), Room(1))))
+    tour = Literal(RoomSequence((Room(2), Room(5), Room(1))))
     said = "to room 2 (Kitchen) first, then to room 5 (Lab 7), then to room 1"
     assert ENGLISH.sentence(DialogueMove("assert", tour)) == f"I would go {said}."
     assert ENGLISH.sentence(DialogueMove("reject", ~tour)) == f"I still want to go {said}."
-    assert WORDINGS["de"].sentence(DialogueMove("assert", Literal(Tour((Room(1), Room(3)))))) == (
+    assert WORDINGS["de"].sentence(DialogueMove("assert", Literal(RoomSequence((Room(1), Room(3)))))) == (
         "Ich würde erst zu Raum 1, dann zu Raum 3 fahren."
     )
 

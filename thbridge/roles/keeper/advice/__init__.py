@@ -1,1 +1,1 @@
-"""What robots know of the game, suggest, and decide by themselves when nobody attends to them."""
+"""Robots' knowledge of the game, suggestions, and decisions of their own when nobody attends to them."""

@@ -83,7 +83,7 @@ def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: flo
 
 
 def _verdict(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str | None:
-    """What came of a name; robots that decide in the end may have given it by themselves."""
+    """Outcome of a name; robots that decide in the end may have given it by themselves."""
     if room.verdict is None:
         return None
     words = verdict_words(room.verdict.name, room.verdict.points)
