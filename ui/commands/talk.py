@@ -61,7 +61,7 @@ def talk(
     from thbridge.dialogue.wording.wording import Wording
     from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
     from thbridge.files.word_files import SHIPPED_LANGUAGES, read_language
-    from ui.actions.talk import Quit, TerminalTalk, print_utterance
+    from ui.actions.talk.examples import Quit, TerminalTalk, print_utterance
 
     with bad_input():
         rulebook = read_rulebook((SHIPPED_GAMES,) if games is None else (SHIPPED_GAMES, games))
@@ -111,14 +111,14 @@ def talk_check(
     as_json: AsJson = False,
 ) -> None:
     """Check games, words, strategies and authors of words; of games it tells who may say what, and how they end."""
-    from ui.actions.talk_check import check_folder, rulebook_with, shipped_folder
+    from ui.actions.talk.check import check_folder, rulebook_with, shipped_folder
 
     checked = [check_folder(folder) for folder in folders or ([] if strategy or author else [shipped_folder()])]
     ok = readable = not any(each.faults for each in checked)
     told: dict[str, object] = {"folders": [each.as_json() for each in checked]}
     lines = [line for each in checked for line in each.lines()]
     if strategy is not None and readable:
-        from ui.actions.strategy_check import check_strategy
+        from ui.actions.talk.strategy_check import check_strategy
 
         with bad_input():
             tried = check_strategy(strategy, rulebook_with(folders or []), conversations, seed or 0)
@@ -126,7 +126,7 @@ def talk_check(
         told["strategy"] = tried.as_json()
         lines += tried.lines()
     if author is not None and readable:
-        from ui.actions.author_check import check_author
+        from ui.actions.talk.author_check import check_author
 
         languages = [language for each in checked for language in each.languages]
         with bad_input():
@@ -146,7 +146,7 @@ def talk_check(
 @talk_app.command("words")
 def talk_words() -> None:
     """List the words of games' files, and those of files of wordings, with their meanings."""
-    from ui.actions.talk_check import words
+    from ui.actions.talk.check import words
 
     for line in words():
         say(line)

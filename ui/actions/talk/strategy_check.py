@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from thbridge.app.compose.installed import impatient_strategy
 from thbridge.dialogue.games.tables import Rulebook
-from thbridge.dialogue.strategy_check import StrategyTrial, try_strategy
-from ui.actions.talk_check import counted
+from thbridge.dialogue.trials.strategy_check import StrategyTrial, try_strategy
+from ui.actions.talk.check import counted
 
 LONGEST = 5.0
 """Seconds of wall time after which a strategy counts as one that never chooses."""

@@ -8,7 +8,7 @@ from sim.common import noise
 from thbridge.argumentation.cases import Side
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.tables import Rulebook
-from thbridge.dialogue.strategy_check import moves_of_robots
+from thbridge.dialogue.trials.strategy_check import moves_of_robots
 from thbridge.dialogue.wording.authors import (
     AuthoredSentence,
     RefusalReason,

@@ -4,12 +4,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from thbridge.app.compose.installed import impatient_author
-from thbridge.dialogue.author_check import AuthorTrial, try_author
 from thbridge.dialogue.games.tables import Rulebook
+from thbridge.dialogue.trials.author_check import AuthorTrial, try_author
 from thbridge.dialogue.wording.language import Language
 from thbridge.files.word_files import read_language
-from ui.actions.strategy_check import LONGEST, MOST_SHOWN
-from ui.actions.talk_check import counted
+from ui.actions.talk.check import counted
+from ui.actions.talk.strategy_check import LONGEST, MOST_SHOWN
 
 
 @dataclass(frozen=True, slots=True)

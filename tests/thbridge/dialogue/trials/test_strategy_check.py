@@ -8,7 +8,7 @@ from thbridge.dialogue.games.contents import DialogueMove
 from thbridge.dialogue.games.control import Conversation
 from thbridge.dialogue.games.strategies import GameStrategy
 from thbridge.dialogue.robot_strategies import own_strategy
-from thbridge.dialogue.strategy_check import try_strategy
+from thbridge.dialogue.trials.strategy_check import try_strategy
 from thbridge.files.game_files import read_rulebook
 
 RULEBOOK = read_rulebook()

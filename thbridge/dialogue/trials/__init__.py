@@ -1,0 +1,1 @@
+"""Trials of programs of labs, which choose or word what robots that argue say."""
