@@ -8,6 +8,7 @@ from sim.common import noise
 from thbridge.argumentation.cases import Side
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.tables import Rulebook
+from thbridge.dialogue.trials.faults import TrialFault
 from thbridge.dialogue.trials.strategy_check import moves_of_robots
 from thbridge.dialogue.wording.authors import (
     AuthoredSentence,
@@ -28,23 +29,6 @@ _REMEDIES = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class AuthorFault:
-    """Fault of an author, with the sentence at which it was found first.
-
-    Attributes:
-        problem: the problem as a clause.
-        remedy: what may be done.
-        position: what was to be said, and what was offered.
-        times: number of sentences for which it was found.
-    """
-
-    problem: str
-    remedy: str
-    position: tuple[str, ...]
-    times: int = 1
-
-
 @dataclass(slots=True)
 class AuthorTrial:
     """Trial of an author.
@@ -57,7 +41,7 @@ class AuthorTrial:
 
     sentences: int = 0
     taken: int = 0
-    faults: dict[str, AuthorFault] = field(default_factory=dict)
+    faults: dict[str, TrialFault] = field(default_factory=dict)
 
     def judge(self, ask: Callable[[], AuthoredSentence]) -> None:
         """Ask for one sentence twice, and note what is wrong with it."""
@@ -77,7 +61,7 @@ class AuthorTrial:
             self.taken += first.offered is not None
 
     def _note(self, problem: str, remedy: str, position: tuple[str, ...]) -> None:
-        fault = self.faults.get(problem) or AuthorFault(problem, remedy, position, 0)
+        fault = self.faults.get(problem) or TrialFault(problem, remedy, position, 0)
         self.faults[problem] = replace(fault, times=fault.times + 1)
 
 

@@ -18,6 +18,7 @@ from thbridge.dialogue.games.strategies import Attitude, GameStrategy
 from thbridge.dialogue.games.tables import Rulebook
 from thbridge.dialogue.moves import Dialogue, DialogueTopic, Move, Scenario, Speaker
 from thbridge.dialogue.robot_strategies import StrategyFactory, choose_by, own_strategy
+from thbridge.dialogue.trials.faults import TrialFault
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.team_tour import PlanValue
 
@@ -37,23 +38,6 @@ class StrategyOpponent(StrEnum):
     """The strategy that robots come with."""
 
 
-@dataclass(frozen=True, slots=True)
-class StrategyFault:
-    """Fault of a strategy, where it was found first.
-
-    Attributes:
-        problem: the problem as a clause.
-        remedy: what its author may do.
-        position: of the conversation: what is talked about, what was said, what is legal.
-        times: number of moves for which it was found.
-    """
-
-    problem: str
-    remedy: str
-    position: tuple[str, ...]
-    times: int = 1
-
-
 @dataclass(slots=True)
 class StrategyTrial:
     """Trial of a strategy.
@@ -68,7 +52,7 @@ class StrategyTrial:
     factory: StrategyFactory
     conversations: int = 0
     moves: int = 0
-    faults: dict[str, StrategyFault] = field(default_factory=dict)
+    faults: dict[str, TrialFault] = field(default_factory=dict)
 
     def on_trial(self, manner: Manner, seed: int, /) -> GameStrategy:
         """Return the strategy, whose faults are collected; see `StrategyFactory`."""
@@ -89,7 +73,7 @@ class StrategyTrial:
         return first.move
 
     def _note(self, problem: str, remedy: str, position: Iterable[str]) -> None:
-        fault = self.faults.get(problem) or StrategyFault(problem, remedy, tuple(position), 0)
+        fault = self.faults.get(problem) or TrialFault(problem, remedy, tuple(position), 0)
         self.faults[problem] = replace(fault, times=fault.times + 1)
 
 

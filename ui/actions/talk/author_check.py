@@ -9,7 +9,8 @@ from thbridge.dialogue.trials.author_check import AuthorTrial, try_author
 from thbridge.dialogue.wording.language import Language
 from thbridge.files.word_files import read_language
 from ui.actions.talk.check import counted
-from ui.actions.talk.strategy_check import LONGEST, MOST_SHOWN
+from ui.actions.talk.strategy_check import LONGEST
+from ui.actions.talk.trial_faults import fault_as_json, fault_lines
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,13 +32,8 @@ class AuthorCheck:
 
     def lines(self) -> Iterator[str]:
         """Yield what people are told."""
-        faults = list(self.trial.faults.values())
-        for fault in faults[:MOST_SHOWN]:
-            times = "" if fault.times == 1 else f" ({fault.times} times)"
-            yield f"{self.name}: {fault.problem}{times}. {fault.remedy}."
-            yield from (f"  {line}" for line in fault.position)
-        if len(faults) > MOST_SHOWN:
-            yield f"{self.name}: {len(faults) - MOST_SHOWN} more faults; mend these first"
+        faults = [*self.trial.faults.values()]
+        yield from fault_lines(self.name, faults)
         yield (
             f"{self.name}: {counted('sentence', range(self.trial.sentences))}, {self.trial.taken} worded by it, "
             f"{counted('fault', faults)}"
@@ -49,10 +45,7 @@ class AuthorCheck:
             "name": self.name,
             "sentences": self.trial.sentences,
             "taken": self.trial.taken,
-            "faults": [
-                {"problem": each.problem, "remedy": each.remedy, "position": each.position, "times": each.times}
-                for each in self.trial.faults.values()
-            ],
+            "faults": [*map(fault_as_json, self.trial.faults.values())],
         }
 
 

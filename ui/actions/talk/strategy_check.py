@@ -7,11 +7,10 @@ from thbridge.app.compose.installed import impatient_strategy
 from thbridge.dialogue.games.tables import Rulebook
 from thbridge.dialogue.trials.strategy_check import StrategyTrial, try_strategy
 from ui.actions.talk.check import counted
+from ui.actions.talk.trial_faults import fault_as_json, fault_lines
 
 LONGEST = 5.0
 """Seconds of wall time after which a strategy counts as one that never chooses."""
-MOST_SHOWN = 5
-"""Greatest number of faults that are shown with their positions."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,13 +32,8 @@ class StrategyCheck:
 
     def lines(self) -> Iterator[str]:
         """Yield what people are told."""
-        faults = list(self.trial.faults.values())
-        for fault in faults[:MOST_SHOWN]:
-            times = "" if fault.times == 1 else f" ({fault.times} times)"
-            yield f"{self.name}: {fault.problem}{times}. {fault.remedy}."
-            yield from (f"  {line}" for line in fault.position)
-        if len(faults) > MOST_SHOWN:
-            yield f"{self.name}: {len(faults) - MOST_SHOWN} more faults; mend these first"
+        faults = [*self.trial.faults.values()]
+        yield from fault_lines(self.name, faults)
         yield (
             f"{self.name}: {self.trial.moves} moves in {self.trial.conversations} conversations, "
             f"{counted('fault', faults)}"
@@ -51,15 +45,7 @@ class StrategyCheck:
             "name": self.name,
             "conversations": self.trial.conversations,
             "moves": self.trial.moves,
-            "faults": [
-                {
-                    "problem": fault.problem,
-                    "remedy": fault.remedy,
-                    "position": fault.position,
-                    "times": fault.times,
-                }
-                for fault in self.trial.faults.values()
-            ],
+            "faults": [*map(fault_as_json, self.trial.faults.values())],
         }
 
 
