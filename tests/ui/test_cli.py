@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.digest import digest_of
 from thbridge.ros.publisher import RosMessage, Topic
 from thbridge.study.study_file import load_study
 from ui.cli import NoteHandler, app
@@ -419,3 +420,11 @@ def test_what_is_logged_is_one_line_as_it_is(
     sentence = 'TabUI asked "%%goto TabUI SimR 0 39 39 45", refused: [bold]Room 40[/bold] is not a room of this game.'
     NoteHandler().emit(logging.makeLogRecord({"msg": sentence}))
     assert capsys.readouterr().err == sentence + "\n"
+
+
+def test_bag_info_tells_the_digest_of_the_messages() -> None:
+    write_bag(Path("a.bag"))
+    told = json_of("bag", "info", "a.bag", "--hash")["hash"]
+    assert told == digest_of(Path("a.bag"))
+    assert f"hash of the messages: {told}\n" in thbridge("bag", "info", "a.bag", "--hash").output
+    assert "hash" not in json_of("bag", "info", "a.bag")

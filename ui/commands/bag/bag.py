@@ -41,19 +41,29 @@ class Packing(StrEnum):
 
 
 @bag_app.command("info")
-def bag_info_command(bag: Bag, as_json: AsJson = False) -> None:
+def bag_info_command(
+    bag: Bag,
+    hashed: Annotated[
+        bool, typer.Option("--hash", help="Also the digest of all messages but the session's own record.")
+    ] = False,
+    as_json: AsJson = False,
+) -> None:
     """Say what is in a bag: topics, types, rates, gaps, and the session if it is ours."""
     import msgspec
 
     from thbridge.analysis.summary import summarise
+    from thbridge.recording.digest import digest_of
     from ui.actions.bag.info import show_summary
 
     with bad_input():
         found = summarise(bag)
+        digest = {"hash": digest_of(bag)} if hashed else {}
     if as_json:
-        print_json(msgspec.to_builtins(found, enc_hook=str))
-    else:
-        show_summary(found)
+        print_json(msgspec.to_builtins(found, enc_hook=str) | digest)
+        return
+    show_summary(found)
+    for name, value in digest.items():
+        say(f"{name} of the messages: {value}")
 
 
 @bag_app.command("check")
