@@ -2,11 +2,17 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary
+
 FloatArray = NDArray[np.float64]
+
+_cos_sin = lru_cache(maxsize=1024)(elementary.cos_sin)
+"""A frame is asked for the same directions tick after tick: where a robot's odometry began, where its laser stands."""
 
 
 def wrap_angle(angle: float) -> float:
@@ -32,14 +38,14 @@ class Pose2:
 
     def compose(self, other: "Pose2") -> "Pose2":
         """`a_in_b.compose(c_in_a)` is `c_in_b`."""
-        c, s = math.cos(self.theta), math.sin(self.theta)
+        c, s = _cos_sin(self.theta)
         x = self.x + c * other.x - s * other.y
         y = self.y + s * other.x + c * other.y
         return Pose2(float(x), float(y), wrap_angle(self.theta + other.theta))
 
     def inverse(self) -> "Pose2":
         """`a_in_b.inverse()` is `b_in_a`."""
-        c, s = math.cos(self.theta), math.sin(self.theta)
+        c, s = _cos_sin(self.theta)
         return Pose2(-c * self.x - s * self.y, s * self.x - c * self.y, wrap_angle(-self.theta))
 
     def between(self, other: "Pose2") -> "Pose2":
@@ -48,14 +54,13 @@ class Pose2:
 
     def distance(self, other: "Pose2") -> float:
         """Metres between the two origins."""
-        return math.hypot(other.x - self.x, other.y - self.y)
+        return elementary.hypot(other.x - self.x, other.y - self.y)
 
     def transform(self, points: FloatArray) -> FloatArray:
-        """(n, 2) points of this frame, seen from its parent."""
-        c, s = math.cos(self.theta), math.sin(self.theta)
-        rotation = np.array([[c, s], [-s, c]])
-        moved: FloatArray = points @ rotation + np.array([self.x, self.y])
-        return moved
+        """(..., 2) points of this frame, seen from its parent."""
+        c, s = _cos_sin(self.theta)
+        x, y = np.moveaxis(np.asarray(points), -1, 0)
+        return np.stack((self.x + c * x - s * y, self.y + s * x + c * y), axis=-1)
 
     def array(self) -> FloatArray:
         """(3,) x, y, theta."""

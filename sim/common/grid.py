@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray, Pose2
 
 Cells = NDArray[np.int8]
@@ -103,7 +104,7 @@ class OccupancyGrid:
     def frame(self) -> GridFrame:
         """Pose and resolution of the grid, for compiled kernels."""
         yaw = self.origin.theta
-        return GridFrame(self.origin.x, self.origin.y, math.cos(yaw), math.sin(yaw), self.resolution)
+        return GridFrame(self.origin.x, self.origin.y, *elementary.cos_sin(yaw), self.resolution)
 
     def cell_of(self, x: float, y: float) -> tuple[int, int]:
         """(row, col) of the cell that holds a world point; outside the grid it may be negative or too large."""

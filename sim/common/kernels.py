@@ -1,6 +1,7 @@
 """numba's compiler, with a folder for compiled code that belongs to these very sources."""
 
 import hashlib
+import inspect
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 from numba import config
 from numba.extending import register_jitable
 
+from sim.common import elementary
 from sim.common.geometry import wrap_angle
 
 if TYPE_CHECKING:
@@ -21,8 +23,10 @@ else:
 
 __all__ = ["is_compiled", "njit", "register_jitable"]
 
-# Plain code calls it, too, in programs that need no compiler.
+# Plain code calls these, too, in programs that need no compiler.
 register_jitable(wrap_angle)
+for _, _formula in inspect.getmembers(elementary, inspect.isfunction):
+    register_jitable(_formula)
 
 
 def _folder_of_compiled_code() -> Path:

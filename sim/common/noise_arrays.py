@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.common import noise
+from sim.common import elementary, noise
 from sim.common.geometry import FloatArray
 from sim.common.kernels import njit, register_jitable
 from sim.common.noise import key, uniform_pair
@@ -37,11 +37,12 @@ def normals(key: np.uint64, tick: int, out: FloatArray) -> None:
     for i in range(0, out.size, 2):
         first, second = uniform_pair(key, tick, i // 2)
         # 1 - first lies in (0, 1], where the logarithm is finite.
-        radius = math.sqrt(-2.0 * math.log(1.0 - first))
+        radius = math.sqrt(-2.0 * elementary.log(1.0 - first))
         angle = 2.0 * math.pi * second
-        out[i] = radius * math.cos(angle)
+        c, s = elementary.cos_sin(angle)
+        out[i] = radius * c
         if i + 1 < out.size:
-            out[i + 1] = radius * math.sin(angle)
+            out[i + 1] = radius * s
 
 
 @dataclass(frozen=True, slots=True)

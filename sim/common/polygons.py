@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_cdt
 
+from sim.common import elementary, elementary_arrays
 from sim.common.geometry import FloatArray
 from sim.common.grid import OCCUPIED, GridFrame, OccupancyGrid
 from sim.common.kernels import njit
@@ -36,7 +37,7 @@ def pack_polygons(polygons: Sequence[FloatArray]) -> Polygons:
     circles = np.empty((len(polygons), 3))
     for circle, polygon in zip(circles, polygons, strict=True):
         circle[:2] = polygon.mean(axis=0)
-        circle[2] = np.hypot(*(polygon - circle[:2]).T).max()
+        circle[2] = elementary_arrays.hypot(*(polygon - circle[:2]).T).max()
     for array in (corners, ends, circles):
         array.flags.writeable = False
     return Polygons(corners, ends, circles)
@@ -145,8 +146,7 @@ def within_margin(a: FloatArray, b: FloatArray, margin: float) -> bool:
 @njit(cache=True)
 def placed_at(footprint: FloatArray, x: float, y: float, theta: float) -> FloatArray:
     """(v, 2) corners of a body at a pose, map frame."""
-    c = math.cos(theta)
-    s = math.sin(theta)
+    c, s = elementary.cos_sin(theta)
     corners = np.empty_like(footprint)
     for k in range(footprint.shape[0]):
         corners[k, 0] = x + c * footprint[k, 0] - s * footprint[k, 1]

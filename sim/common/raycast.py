@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary, elementary_arrays
 from sim.common.geometry import FloatArray
 from sim.common.grid import OCCUPIED, Cells, GridFrame, OccupancyGrid
 from sim.common.kernels import njit
@@ -200,8 +201,7 @@ def cast_beams(
         dy = poses[i, 1] - frame.y
         col_start = (frame.cos * dx + frame.sin * dy) / frame.resolution
         row_start = (frame.cos * dy - frame.sin * dx) / frame.resolution
-        c = math.cos(poses[i, 2])
-        s = math.sin(poses[i, 2])
+        c, s = elementary.cos_sin(poses[i, 2])
         # The sensor's axes, in cells per metre along the grid's.
         ahead_cols = (frame.cos * c + frame.sin * s) / frame.resolution
         ahead_rows = (frame.cos * s - frame.sin * c) / frame.resolution
@@ -224,7 +224,7 @@ def _circle(polygon: FloatArray) -> tuple[float, float, float]:
     x, y = polygon[:, 0].mean(), polygon[:, 1].mean()
     radius = 0.0
     for k in range(polygon.shape[0]):
-        radius = max(radius, math.hypot(polygon[k, 0] - x, polygon[k, 1] - y))
+        radius = max(radius, elementary.hypot(polygon[k, 0] - x, polygon[k, 1] - y))
     return x, y, radius
 
 
@@ -240,7 +240,7 @@ def shorten_by_polygon(polygon: FloatArray, directions: FloatArray, max_range: f
     """
     corners = polygon.shape[0]
     centre_x, centre_y, radius = _circle(polygon)
-    if math.hypot(centre_x, centre_y) > max_range + radius:
+    if elementary.hypot(centre_x, centre_y) > max_range + radius:
         return
     for j in range(directions.shape[0]):
         c = directions[j, 0]
@@ -280,13 +280,13 @@ def shorten_fan_by_polygon(polygon: FloatArray, fan: BeamFan, max_range: float, 
     """Do the same as `shorten_by_polygon`, but look only at the beams that may meet the polygon."""
     beams = fan.directions.shape[0]
     centre_x, centre_y, radius = _circle(polygon)
-    away = math.hypot(centre_x, centre_y)
+    away = elementary.hypot(centre_x, centre_y)
     # From nearer by, beams that lead away from its centre may meet it too.
     if away < 2.0 * radius:
         shorten_by_polygon(polygon, fan.directions, max_range, ranges)
         return
-    half = math.asin(radius / away)
-    begin = (math.atan2(centre_y, centre_x) - half - fan.angle_min) / fan.angle_increment
+    half = elementary.atan2(radius, math.sqrt((away - radius) * (away + radius)))
+    begin = (elementary.atan2(centre_y, centre_x) - half - fan.angle_min) / fan.angle_increment
     end = begin + 2.0 * half / fan.angle_increment
     turn = math.tau / fan.angle_increment
     for turns in (-1, 0, 1):
@@ -299,7 +299,7 @@ def shorten_fan_by_polygon(polygon: FloatArray, fan: BeamFan, max_range: float, 
 
 def directions_of(angles: FloatArray) -> FloatArray:
     """(m, 2) cosine and sine of (m,) angles, the form in which kernels take beams."""
-    return np.column_stack((np.cos(angles), np.sin(angles)))
+    return np.column_stack((elementary_arrays.cos(angles), elementary_arrays.sin(angles)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

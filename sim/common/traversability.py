@@ -53,7 +53,8 @@ class TraversabilityMap:
 
     def obstructed_by(self, other: Pose2) -> Mask:
         """Cells in which no robot's centre can be while another stands there, however the two are turned."""
-        return np.hypot(self.x - other.x, self.y - other.y) <= self.inscribed + self.circumscribed
+        away: FloatArray = np.sqrt((self.x - other.x) ** 2 + (self.y - other.y) ** 2)
+        return away <= self.inscribed + self.circumscribed
 
     def reachable(self, start: Pose2, obstructed: Mask) -> Mask:
         """Cells to which a robot's centre gets from a pose.

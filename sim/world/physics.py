@@ -13,6 +13,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary, elementary_arrays
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.grid import GridFrame, OccupancyGrid
 from sim.common.kernels import njit
@@ -144,14 +145,14 @@ def _touches(
     if not is_clear_of_walls(x, y, radius + margin, clearance, frame):
         wall = near_wall(placed_at(footprint, x, y, theta), clearance, frame, margin)
     for j in range(poses.shape[0]):
-        if j == robot or math.hypot(poses[j, 0] - x, poses[j, 1] - y) > 2.0 * radius + margin:
+        if j == robot or elementary.hypot(poses[j, 0] - x, poses[j, 1] - y) > 2.0 * radius + margin:
             continue
         body = placed_at(footprint, poses[j, 0], poses[j, 1], poses[j, 2])
         if within_margin(placed_at(footprint, x, y, theta), body, margin):
             touched[j] = True
             other = True
     for k in range(bodies.circles.shape[0]):
-        distance = math.hypot(bodies.circles[k, 0] - x, bodies.circles[k, 1] - y)
+        distance = elementary.hypot(bodies.circles[k, 0] - x, bodies.circles[k, 1] - y)
         if thing or distance > radius + bodies.circles[k, 2] + margin:
             continue
         body = bodies.corners[bodies.ends[k] : bodies.ends[k + 1]]
@@ -171,7 +172,7 @@ def _chord(linear: float, angular: float, time: float) -> tuple[float, float]:
     """Signed length of the chord of an arc, and half the angle turned: the chord's own angle to the start's heading."""
     half = 0.5 * angular * time
     # Below this angle sin(half) / half is 1 to the last bit.
-    shrink = math.sin(half) / half if abs(half) > 1e-9 else 1.0
+    shrink = elementary.sin(half) / half if abs(half) > 1e-9 else 1.0
     return linear * time * shrink, half
 
 
@@ -215,8 +216,9 @@ def _step(
         blocked = False
         for look in range(1, looks + 1):
             chord, half = _chord(linear, angular, TICK * look / looks)
-            poses[i, 0] = x + chord * math.cos(theta + half)
-            poses[i, 1] = y + chord * math.sin(theta + half)
+            c, s = elementary.cos_sin(theta + half)
+            poses[i, 0] = x + chord * c
+            poses[i, 1] = y + chord * s
             poses[i, 2] = wrap_angle(theta + 2.0 * half)
             wall, other, thing = _touches(i, poses, footprint, body.radius, clearance, frame, bodies, 0.0, contact)
             if wall or other or thing:
@@ -234,8 +236,9 @@ def _step(
         first_turn, measured_chord, second_turn = measured_increment(
             WheelNoise(w[0], w[1], w[2], w[3], w[4], w[5]), chord, half, draws
         )
-        odom[i, 0] += measured_chord * math.cos(odom[i, 2] + first_turn)
-        odom[i, 1] += measured_chord * math.sin(odom[i, 2] + first_turn)
+        c, s = elementary.cos_sin(odom[i, 2] + first_turn)
+        odom[i, 0] += measured_chord * c
+        odom[i, 1] += measured_chord * s
         odom[i, 2] = wrap_angle(odom[i, 2] + first_turn + second_turn)
         odom_twists[i, 0] = measured_chord / TICK
         odom_twists[i, 1] = (first_turn + second_turn) / TICK
@@ -304,7 +307,7 @@ class World:
         self._clearance = clearance_of(grid)
         self._frame = grid.frame
         self._footprint = np.array(parameters.footprint, dtype=np.float64)
-        radius = float(np.hypot(self._footprint[:, 0], self._footprint[:, 1]).max())
+        radius = float(elementary_arrays.hypot(self._footprint[:, 0], self._footprint[:, 1]).max())
         self._body = _Body(
             radius=radius,
             reach=(parameters.max_vel_x + parameters.max_vel_theta * radius) * TICK,

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary, elementary_arrays
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import GridFrame, OccupancyGrid
 from sim.common.kernels import njit
@@ -39,8 +40,9 @@ def _sweep(
     """
     theta = poses[robot, 2]
     laser = np.empty((1, 3))
-    laser[0, 0] = poses[robot, 0] + laser_x * math.cos(theta)
-    laser[0, 1] = poses[robot, 1] + laser_x * math.sin(theta)
+    ahead, left = elementary.cos_sin(theta)
+    laser[0, 0] = poses[robot, 0] + laser_x * ahead
+    laser[0, 1] = poses[robot, 1] + laser_x * left
     laser[0, 2] = theta
     ranges = np.empty((1, fan.directions.shape[0]))
     cast_beams(squares, frame, laser, fan.directions, range_max, ranges)
@@ -53,10 +55,9 @@ def _sweep(
         dy = poses[j, 1] - laser[0, 1]
         if abs(dx) > farthest or abs(dy) > farthest:
             continue
-        x = dx * math.cos(theta) + dy * math.sin(theta)
-        y = dy * math.cos(theta) - dx * math.sin(theta)
-        c = math.cos(poses[j, 2] - theta)
-        s = math.sin(poses[j, 2] - theta)
+        x = dx * ahead + dy * left
+        y = dy * ahead - dx * left
+        c, s = elementary.cos_sin(poses[j, 2] - theta)
         for k in range(footprint.shape[0]):
             body[k, 0] = x + c * footprint[k, 0] - s * footprint[k, 1]
             body[k, 1] = y + s * footprint[k, 0] + c * footprint[k, 1]
@@ -66,8 +67,8 @@ def _sweep(
         for corner in seen:
             dx = corner[0] - laser[0, 0]
             dy = corner[1] - laser[0, 1]
-            corner[0] = dx * math.cos(theta) + dy * math.sin(theta)
-            corner[1] = dy * math.cos(theta) - dx * math.sin(theta)
+            corner[0] = dx * ahead + dy * left
+            corner[1] = dy * ahead - dx * left
         shorten_fan_by_polygon(seen, fan, range_max, ranges[0])
     sweep: FloatArray = ranges[0]
     return sweep
@@ -157,7 +158,7 @@ class Sensors:
         self._period = TICKS_PER_SECOND // laser.rate
         self._fan = BeamFan(self.mount.angle_min, self.mount.angle_increment, directions_of(self.mount.angles()))
         self._footprint = np.array(parameters.footprint, dtype=np.float64)
-        self._radius = float(np.hypot(*self._footprint.T).max())
+        self._radius = float(elementary_arrays.hypot(*self._footprint.T).max())
         self._squares = free_squares_of(grid)
         self._frame = grid.frame
 

@@ -1,11 +1,11 @@
 """A thing: a body that no map shows, and the path that it walks."""
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from sim.common import elementary, elementary_arrays
 from sim.common.geometry import FloatArray, Pose2
 
 
@@ -53,7 +53,7 @@ class Thing:
     @cached_property
     def _distances(self) -> FloatArray:
         """(m,) metres from the start to each point."""
-        return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(self._points, axis=0).T))))
+        return np.concatenate(([0.0], np.cumsum(elementary_arrays.hypot(*np.diff(self._points, axis=0).T))))
 
     @property
     def length(self) -> float:
@@ -66,5 +66,5 @@ class Thing:
             return self.base_in_map
         leg = min(int(np.searchsorted(self._distances, walked, side="right")), len(self._distances) - 1)
         (x0, y0), (x1, y1) = self._points[leg - 1 : leg + 1].tolist()
-        share = (walked - float(self._distances[leg - 1])) / math.hypot(x1 - x0, y1 - y0)
-        return Pose2(x0 + share * (x1 - x0), y0 + share * (y1 - y0), math.atan2(y1 - y0, x1 - x0))
+        share = (walked - float(self._distances[leg - 1])) / elementary.hypot(x1 - x0, y1 - y0)
+        return Pose2(x0 + share * (x1 - x0), y0 + share * (y1 - y0), elementary.atan2(y1 - y0, x1 - x0))

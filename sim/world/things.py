@@ -8,6 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.kernels import njit
 from sim.common.observations import TICK, TICKS_PER_SECOND
@@ -59,13 +60,13 @@ def _would_run_into(
     body = placed_at(corners, here[0], here[1], here[2])
     reach = 0.0
     for k in range(corners.shape[0]):
-        reach = max(reach, math.hypot(corners[k, 0], corners[k, 1]))
+        reach = max(reach, elementary.hypot(corners[k, 0], corners[k, 1]))
     for j in range(poses.shape[0]):
         margin = ROBOT_MARGIN + BRAKING_TIME * abs(twists[j, 0])
-        distance = math.hypot(poses[j, 0] - here[0], poses[j, 1] - here[1])
+        distance = elementary.hypot(poses[j, 0] - here[0], poses[j, 1] - here[1])
         if distance > reach + radius + margin:
             continue
-        if distance >= math.hypot(poses[j, 0] - before[0], poses[j, 1] - before[1]):
+        if distance >= elementary.hypot(poses[j, 0] - before[0], poses[j, 1] - before[1]):
             continue
         if within_margin(body, placed_at(footprint, poses[j, 0], poses[j, 1], poses[j, 2]), margin):
             return True

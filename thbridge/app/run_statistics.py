@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sim.common import elementary
 from sim.common.geometry import wrap_angle
 from sim.common.observations import TICK
 from sim.common.robot_numbers import number_of
@@ -77,7 +78,7 @@ class RunStatistics:
                 x, y, theta = truth.poses[index]
                 believed = robot.estimate.base_in_map
                 error = np.array(
-                    [math.hypot(believed.x - x, believed.y - y), abs(wrap_angle(believed.theta - float(theta)))]
+                    [elementary.hypot(believed.x - x, believed.y - y), abs(wrap_angle(believed.theta - float(theta)))]
                 )
                 sums.samples += 1
                 sums.squares += error**2

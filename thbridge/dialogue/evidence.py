@@ -236,7 +236,7 @@ def what(facts: WhatFacts, told: Beliefs | None = None) -> Evidence:
     elif not facts.has_picture:
         several = case.knows(CouldBe(facts.room, facts.names))
         case.rule((several, picture), ~names)
-        if sum(both) <= facts.energy:
+        if math.fsum(both) <= facts.energy:
             enough = (picture, naming, level)
             case.rule((several, *enough), takes)
             decision = takes
@@ -245,8 +245,8 @@ def what(facts: WhatFacts, told: Beliefs | None = None) -> Evidence:
             decision = told_so
         elif case.was_told(~told_so) and decision == told_so:
             decision = None
-    if sum(both) > facts.energy:
-        short = case.knows(LessThan((facts.energy,), sum(both)))
+    if math.fsum(both) > facts.energy:
+        short = case.knows(LessThan((facts.energy,), math.fsum(both)))
         case.rule((picture, naming, level, short), ~takes)
     rest = tuple(~other for other in (takes, names) if decision and other != decision)
     doubt = Literal(TreasureIn(facts.names[0], facts.room)) if own_name and decision is None and facts.names else None

@@ -1,6 +1,7 @@
 """Propositions of the hunt: what robots and people may believe, and argue about; written as in Sklar and Azhar 2015."""
 
 from dataclasses import dataclass
+from math import fsum
 
 from sim.common.robot_numbers import number_of
 from thbridge.argumentation.propositions import Literal, Proposition
@@ -105,7 +106,7 @@ class LessThan(Proposition):
     @property
     def is_true(self) -> bool:
         """True when the numbers say so."""
-        return sum(self.terms) < self.limit
+        return fsum(self.terms) < self.limit
 
     def __str__(self) -> str:
         return f"less_than({' + '.join(map(energy_text, self.terms))}, {energy_text(self.limit)})"

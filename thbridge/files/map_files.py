@@ -13,6 +13,7 @@ from typing import Literal, TypeVar
 
 import numpy as np
 
+from sim.common import elementary
 from sim.common.geometry import Pose2, wrap_angle
 from sim.common.grid import FREE, OCCUPIED, UNKNOWN, MapMode, OccupancyGrid, interpret_image
 from sim.common.traversability import Polygon, TraversabilityMap, area, crosses_itself, inside
@@ -336,7 +337,7 @@ def _starts(entry: _StartsEntry) -> Iterator[tuple[str, Pose2]]:
     for index, (x, y, yaw) in enumerate(entry.poses):
         yield f"starts.poses[{index}]", _pose(x, y, yaw)
     for index, ((x0, y0), (x1, y1)) in enumerate(entry.rows):
-        length = math.hypot(x1 - x0, y1 - y0)
+        length = elementary.hypot(x1 - x0, y1 - y0)
         if length > MOST_STARTS * entry.spacing:
             continue
         for step in range(math.floor(length / entry.spacing + 1e-9) + 1):
@@ -378,7 +379,7 @@ def _faults_of_rooms(loaded: Loaded[_RoomsYaml]) -> Iterator[BadFile]:
         yield loaded.fault("rooms", problem, f"Number the {len(by_number)} rooms 1 to {len(by_number)}")
     starts = loaded.value.starts
     for index, (first, last) in enumerate(starts.rows):
-        if math.dist(first, last) > MOST_STARTS * starts.spacing:
+        if elementary.hypot(last[0] - first[0], last[1] - first[1]) > MOST_STARTS * starts.spacing:
             problem = f"more than {MOST_STARTS} starts in a row"
             yield loaded.fault(f"starts.rows[{index}]", problem, "Shorten the row, or widen starts.spacing")
     if not starts.poses and not starts.rows:

@@ -107,7 +107,7 @@ class PlanValue:
     @classmethod
     def of(cls, tours: Sequence[Tour]) -> "PlanValue":
         """Return the value of the plan with these tours."""
-        return cls(sum(len(tour.rooms) for tour in tours), sum(tour.cost for tour in tours))
+        return cls(sum(len(tour.rooms) for tour in tours), math.fsum(tour.cost for tour in tours))
 
 
 def alternatives(

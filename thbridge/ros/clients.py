@@ -11,6 +11,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import Twist
 from thbridge.ros.messages.cursor import FLOAT32, Cursor
@@ -24,7 +25,7 @@ _PLANAR = np.ix_((0, 1, 5), (0, 1, 5))
 """x, y and yaw among x, y, z, roll, pitch, yaw."""
 FARTHEST = 1e6
 """Metres: no map is that large, and the squares of larger numbers lose their precision."""
-_FLAT = math.cos(math.radians(10.0))
+_FLAT = elementary.cos(math.radians(10.0))
 """Cosine of the largest tilt of a goal: move_base, too, takes a few degrees for noise and more for a mistake."""
 
 
@@ -99,7 +100,12 @@ def is_covariance(matrix: FloatArray) -> bool:
     """Return True when a (3, 3) matrix is a covariance of a pose: positive semi-definite, and not too large."""
     if matrix.shape != (3, 3) or not bool((np.abs(matrix) <= FARTHEST**2).all()):
         return False
-    return bool(np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min() >= -1e-9)
+    # With a little more on the diagonal than rounding takes, all leading minors must be positive (Sylvester).
+    more = 1e-9 * max(1.0, float(np.trace(matrix)))
+    (xx, xy, xa), (_, yy, ya), (_, _, aa) = (0.5 * (matrix + matrix.T) + more * np.eye(3)).tolist()
+    plane = xx * yy - xy * xy
+    whole = xx * (yy * aa - ya * ya) - xy * (xy * aa - ya * xa) + xa * (xy * ya - yy * xa)
+    return bool(xx > 0.0 and plane > 0.0 and whole > 0.0)
 
 
 @_decoder
@@ -176,5 +182,5 @@ def _pose_in_map(cursor: Cursor, frame: str) -> Pose2 | InvalidMessage:
     qx, qy, qz, qw = qx / length, qy / length, qz / length, qw / length
     if 1.0 - 2.0 * (qx * qx + qy * qy) < _FLAT:
         return InvalidMessage("its pose is tilted; robots here drive in the plane")
-    yaw = math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
+    yaw = elementary.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
     return Pose2(x, y, yaw if yaw < math.pi else -math.pi)

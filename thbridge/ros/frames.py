@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from thbridge.ros.messages.unpack import SpatialTransform
 from thbridge.ros.names import frame_name
@@ -65,13 +66,27 @@ class FrameTree:
             return None
         frame_in_common = self._up_to(up[: up.index(common)])
         reference_in_common = self._up_to(down[: down.index(common)])
-        return np.asarray(np.linalg.solve(reference_in_common, frame_in_common), dtype=np.float64)
+        return _product(_inverse(reference_in_common), frame_in_common)
 
     def _up_to(self, chain: list[str]) -> FloatArray:
         whole = np.eye(4)
         for name in chain:
-            whole = self._above[name][1] @ whole
+            whole = _product(self._above[name][1], whole)
         return whole
+
+
+def _product(a: FloatArray, b: FloatArray) -> FloatArray:
+    """(4, 4) product, added up in a fixed order, as numpy's own is not."""
+    product: FloatArray = (a[:, :, np.newaxis] * b[np.newaxis]).sum(axis=1)
+    return product
+
+
+def _inverse(rigid: FloatArray) -> FloatArray:
+    """(4, 4) inverse of a rotation with a translation."""
+    inverse = np.eye(4)
+    inverse[:3, :3] = rigid[:3, :3].T
+    inverse[:3, 3] = -(inverse[:3, :3] * rigid[:3, 3]).sum(axis=1)
+    return inverse
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,10 +106,10 @@ class PlanarMount:
     @classmethod
     def of(cls, pose: FloatArray) -> "PlanarMount":
         """The mounting for a (4, 4) pose of the laser in the base frame."""
-        yaw = math.atan2(pose[1, 0], pose[0, 0])
+        yaw = elementary.atan2(pose[1, 0], pose[0, 0])
         upward = float(pose[2, 2])
         return cls(
             Pose2(float(pose[0, 3]), float(pose[1, 3]), wrap_angle(yaw)),
             upward < 0.0,
-            math.acos(min(1.0, abs(upward))),
+            elementary.atan2(math.sqrt(max(0.0, 1.0 - upward * upward)), abs(upward)),
         )

@@ -6,6 +6,7 @@ from typing import assert_never
 
 import numpy as np
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Twist
 from sim.robot.navigator.navigation import Navigation
@@ -105,7 +106,7 @@ class RobotPublisher:
             return
         believed = estimate.base_in_map
         yield self.topics.believed_pose, pack.pose_stamped(tick, MAP_FRAME, believed)
-        yield self.topics.position_error, pack.float64(math.hypot(believed.x - true.x, believed.y - true.y))
+        yield self.topics.position_error, pack.float64(elementary.hypot(believed.x - true.x, believed.y - true.y))
         yield self.topics.heading_error, pack.float64(wrap_angle(believed.theta - true.theta))
 
     def tick(

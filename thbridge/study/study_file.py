@@ -12,6 +12,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Never, cast
 
+from sim.common import elementary
 from sim.common.observations import TICKS_PER_SECOND
 from sim.common.robot_numbers import RobotNumber
 from sim.parameters import MIN_MAX_PAIRS, RobotParameters, WorldParameters, param
@@ -449,6 +450,6 @@ def _crossed(loaded: Loaded[Study], key: str, section: object, low: str, high: s
 def _surrounds_origin(corners: tuple[tuple[float, float], ...]) -> bool:
     """Return True when a polygon winds around (0, 0) once, without touching it."""
     sides = list(zip(corners, corners[1:] + corners[:1], strict=True))
-    angles = [math.atan2(x0 * y1 - y0 * x1, x0 * x1 + y0 * y1) for (x0, y0), (x1, y1) in sides]
+    angles = [elementary.atan2(x0 * y1 - y0 * x1, x0 * x1 + y0 * y1) for (x0, y0), (x1, y1) in sides]
     touches = any(abs(abs(angle) - math.pi) < 1e-9 for angle in angles)
-    return len(corners) > 2 and not touches and abs(abs(sum(angles)) - 2 * math.pi) < 1e-6
+    return len(corners) > 2 and not touches and abs(abs(math.fsum(angles)) - 2 * math.pi) < 1e-6

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TypeVar
 
+from sim.common import elementary
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from sim.common.robot_numbers import index_of
@@ -67,7 +68,7 @@ class ThingEntry:
             x, y, yaw = self.at
             return Thing(self.name, self._footprint(), Pose2(x, y, yaw))
         (x, y), *rest = self.path
-        start = Pose2(x, y, math.atan2(rest[0][1] - y, rest[0][0] - x))
+        start = Pose2(x, y, elementary.atan2(rest[0][1] - y, rest[0][0] - x))
         return Thing(self.name, self._footprint(), start, tuple(rest), self.speed, self.back_and_forth)
 
     def _footprint(self) -> Polygon:
@@ -76,7 +77,7 @@ class ThingEntry:
         length, width = self.size or SIZES[self.shape]
         if self.shape in ROUND:
             angles = [math.tau * (corner + 0.5) / ROUND_CORNERS for corner in range(ROUND_CORNERS)]
-            return tuple((0.5 * length * math.cos(angle), 0.5 * width * math.sin(angle)) for angle in angles)
+            return tuple((0.5 * length * c, 0.5 * width * s) for c, s in map(elementary.cos_sin, angles))
         return tuple((0.5 * length * i, 0.5 * width * j) for i, j in ((1, 1), (-1, 1), (-1, -1), (1, -1)))
 
 

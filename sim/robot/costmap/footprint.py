@@ -7,14 +7,13 @@ import math
 
 import numpy as np
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray
 
 
 def of_radius(radius: float) -> FloatArray:
     """(16, 2) corners of the polygon that costmap_2d takes for a round robot."""
-    angles = np.arange(16) * 2 * math.pi / 16
-    corners: FloatArray = radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    return corners
+    return radius * np.array([elementary.cos_sin(i * 2 * math.pi / 16) for i in range(16)])
 
 
 def pad(footprint: FloatArray, padding: float) -> FloatArray:
@@ -41,13 +40,13 @@ def radii(footprint: FloatArray) -> tuple[float, float]:
     lengths = np.maximum((edges**2).sum(axis=1), 1e-12)
     along = np.clip(-(footprint * edges).sum(axis=1) / lengths, 0.0, 1.0)
     nearest = footprint + along[:, np.newaxis] * edges
-    return float(np.hypot(*nearest.T).min()), float(np.hypot(*footprint.T).max())
+    return min(map(elementary.hypot, *nearest.T)), max(map(elementary.hypot, *footprint.T))
 
 
 def outline(footprint: FloatArray, spacing: float) -> FloatArray:
     """(m, 2) points along the outline, corners included, no farther apart than `spacing` metres."""
     points: list[FloatArray] = []
     for start, end in zip(footprint, np.roll(footprint, -1, axis=0), strict=True):
-        steps = max(1, math.ceil(float(np.hypot(*(end - start))) / spacing))
+        steps = max(1, math.ceil(elementary.hypot(*(end - start)) / spacing))
         points.extend(start + (end - start) * (step / steps) for step in range(steps))
     return np.array(points)

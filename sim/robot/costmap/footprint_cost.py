@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray
 from sim.common.kernels import njit
 from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
@@ -18,7 +19,7 @@ COLLIDES = -1.0
 @njit(cache=True)
 def in_cells(footprint: FloatArray, frame: CostFrame, x: float, y: float, theta: float) -> FloatArray:
     """(n, 2) column and row, in cells, of a footprint's (n, 2) corners when its base is at (x, y, theta) in the map."""
-    c, s = math.cos(theta), math.sin(theta)
+    c, s = elementary.cos_sin(theta)
     corners = np.empty_like(footprint)
     for i in range(footprint.shape[0]):
         corners[i, 0] = (x + c * footprint[i, 0] - s * footprint[i, 1] - frame.x) / frame.resolution
@@ -31,7 +32,7 @@ def circumscribed_radius(footprint: FloatArray) -> float:
     """Metres from the base frame's origin to the farthest of (n, 2) corners."""
     farthest = 0.0
     for i in range(footprint.shape[0]):
-        farthest = max(farthest, math.hypot(footprint[i, 0], footprint[i, 1]))
+        farthest = max(farthest, elementary.hypot(footprint[i, 0], footprint[i, 1]))
     return farthest
 
 
@@ -75,7 +76,7 @@ def footprint_cost(costs: Costs, frame: CostFrame, footprint: FloatArray, x: flo
     Returns:
         FREE to INSCRIBED, or COLLIDES.
     """
-    c, s = math.cos(theta), math.sin(theta)
+    c, s = elementary.cos_sin(theta)
     n = footprint.shape[0]
     last_x, last_y = footprint[n - 1, 0], footprint[n - 1, 1]
     row = math.floor((y + s * last_x + c * last_y - frame.y) / frame.resolution)

@@ -15,6 +15,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary
 from sim.common.kernels import njit
 from sim.parameters import InflationParameters
 from sim.robot.costmap.costs import FREE, INSCRIBED, LETHAL, UNKNOWN, Costs, Window
@@ -36,7 +37,7 @@ def cost_at(distance: float, inscribed_radius: float, cost_scaling_factor: float
         return LETHAL
     if distance <= inscribed_radius:
         return INSCRIBED
-    return int((INSCRIBED - 1) * math.exp(-cost_scaling_factor * (distance - inscribed_radius)))
+    return int((INSCRIBED - 1) * elementary.exp(-cost_scaling_factor * (distance - inscribed_radius)))
 
 
 @njit(cache=True)

@@ -9,6 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray
 from sim.common.kernels import njit
 from sim.robot.costmap.costs import FREE, Costs
@@ -26,7 +27,7 @@ def line(row: int, col: int, row_end: int, col_end: int, longest: int) -> NDArra
     dr, dc = abs(row_end - row), abs(col_end - col)
     step_r = 1 if row_end > row else -1
     step_c = 1 if col_end > col else -1
-    distance = math.hypot(dr, dc)
+    distance = elementary.hypot(dr, dc)
     scale = 1.0 if distance == 0.0 else min(1.0, longest / distance)
     along, across = max(dr, dc), min(dr, dc)
     steps = int(scale * along)
@@ -62,7 +63,7 @@ def clear_line(
     dr, dc = abs(row_end - row), abs(col_end - col)
     step_r = width if row_end > row else -width
     step_c = 1 if col_end > col else -1
-    distance = math.hypot(dr, dc)
+    distance = elementary.hypot(dr, dc)
     scale = 1.0 if distance == 0.0 else min(1.0, longest / distance)
     along, across = max(dr, dc), min(dr, dc)
     onward, sideways = (step_c, step_r) if dc >= dr else (step_r, step_c)

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary
 from sim.common.distance_fields import distance_field
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
@@ -84,7 +85,7 @@ def _sweep(
         valid = range_min <= reading < range_max or reading == np.inf
         readings[i] = reading if valid else np.nan
         angle = theta + angle_min + i * angle_increment
-        rays[i, 0], rays[i, 1] = math.cos(angle), math.sin(angle)
+        rays[i, 0], rays[i, 1] = elementary.cos_sin(angle)
     return Sweep(x, y, theta, angle_min, angle_increment, readings, rays)
 
 
@@ -149,11 +150,11 @@ def _clear_between_beams(
             if marks[r, c] != LETHAL:
                 continue
             dx, dy = frame.x + (c + 0.5) * size - sweep.x, frame.y + (r + 0.5) * size - sweep.y
-            distance = math.hypot(dx, dy)
+            distance = elementary.hypot(dx, dy)
             if distance > raytrace_range:
                 continue
             # The cell's bearing, counted in beams: it lies between the beams with the whole numbers around it.
-            ahead = (math.atan2(dy, dx) - sweep.theta - sweep.angle_min) / sweep.angle_increment
+            ahead = (elementary.atan2(dy, dx) - sweep.theta - sweep.angle_min) / sweep.angle_increment
             whole_turn = math.tau / abs(sweep.angle_increment)
             ahead -= math.floor(ahead / whole_turn) * whole_turn
             before = int(ahead)
@@ -203,7 +204,7 @@ def _mark(
             while not explained and k < known.discs.shape[0]:
                 reach = known.discs[k, 2] + known.distance
                 dx, dy = x - known.discs[k, 0], y - known.discs[k, 1]
-                explained = abs(dx) <= reach and abs(dy) <= reach and math.hypot(dx, dy) <= reach
+                explained = abs(dx) <= reach and abs(dy) <= reach and elementary.hypot(dx, dy) <= reach
                 k += 1
             if explained:
                 continue

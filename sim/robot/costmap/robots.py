@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sim.common import elementary, elementary_arrays
 from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
 from sim.common.kernels import njit
@@ -138,7 +139,7 @@ class RobotsLayer:
 
     def _moved_too_little(self, seen: _DrawnRobot, neighbour: Neighbour) -> bool:
         pose = neighbour.base_in_map
-        moved = math.hypot(pose.x - seen.x, pose.y - seen.y)
+        moved = elementary.hypot(pose.x - seen.x, pose.y - seen.y)
         turned = abs(math.remainder(pose.theta - seen.theta, math.tau))
         same_path = self._parameters.path_length == 0.0 or np.array_equal(seen.path, self._path_ahead(neighbour))
         return moved < MIN_MOTION and turned < 2 * MIN_MOTION and same_path
@@ -148,9 +149,9 @@ class RobotsLayer:
         if self._parameters.path_length == 0.0 or len(neighbour.path) < 2:
             return _NO_PATH
         path = neighbour.path[:, :2]
-        lengths = np.append(0.0, np.cumsum(np.hypot(*np.diff(path, axis=0).T)))
+        lengths = np.append(0.0, np.cumsum(elementary_arrays.hypot(*np.diff(path, axis=0).T)))
         end = min(self._parameters.path_length, lengths[-1])
-        last = [np.interp(end, lengths, path[:, axis]) for axis in (0, 1)]
+        last = [float(elementary_arrays.interp(end, lengths, path[:, axis])) for axis in (0, 1)]
         points = np.vstack([path[lengths < end], last])
         cells: FloatArray = (points - (self._frame.x, self._frame.y)) / self._frame.resolution
         return cells

@@ -15,6 +15,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary, elementary_arrays
 from sim.common.geometry import FloatArray, wrap_angle
 from sim.common.kernels import njit
 from sim.parameters import GlobalPlannerParameters
@@ -178,7 +179,7 @@ class GlobalPlanner:
         if len(seeds) > 1 and within and space.costs[across[0] * cols + across[1]] < BLOCKED:
             seeds.append(across)
         for r, c in seeds:
-            space.potential[r * cols + c] = self._parameters.neutral_cost * math.hypot(c - x, r - y)
+            space.potential[r * cols + c] = self._parameters.neutral_cost * elementary.hypot(c - x, r - y)
         return np.array([r * cols + c for r, c in seeds], np.uint32)
 
 
@@ -197,7 +198,7 @@ def orientations(points: FloatArray, mode: int, window: int, start: float, goal:
     index = np.arange(last + 1)
     chords = points[np.minimum(index + window, last)] - points[np.maximum(index - window, 0)]
     turned = {4: math.pi, 5: -math.pi / 2, 6: math.pi / 2}.get(mode, 0.0)
-    headings = wrapped(np.arctan2(chords[:, 1], chords[:, 0]) + turned)
+    headings = wrapped(elementary_arrays.atan2(chords[:, 1], chords[:, 0]) + turned)
     if mode == 0:
         headings[:] = 0.0
     begin = last

@@ -26,6 +26,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary, elementary_arrays
 from sim.common.geometry import FloatArray
 from sim.common.kernels import njit
 from sim.common.observations import Neighbour
@@ -101,18 +102,19 @@ def itineraries_of_moving(neighbours: Sequence[Neighbour]) -> OtherItineraries:
 
 def timed_itinerary(points: FloatArray, start_time: float) -> Itinerary:
     """Make the itinerary of (m, 2) points driven without a stop from `start_time` on."""
-    steps = np.hypot(*np.diff(points, axis=0).T)
+    steps = elementary_arrays.hypot(*np.diff(points, axis=0).T)
     return Itinerary(points, start_time + np.concatenate([[0.0], np.cumsum(steps)]) / ITINERARY_SPEED)
 
 
 def densified(itinerary: Itinerary) -> Itinerary:
     """Return the same itinerary with points no farther apart than POINT_SPACING."""
-    steps = np.hypot(*np.diff(itinerary.points, axis=0).T)
+    steps = elementary_arrays.hypot(*np.diff(itinerary.points, axis=0).T)
     counts = np.maximum(1, np.ceil(steps / POINT_SPACING - 1e-9).astype(np.int64))
     index = np.concatenate([[0.0], np.repeat(np.arange(len(steps)), counts) + _shares(counts)])
-    known = np.arange(len(itinerary.times))
-    x, y = (np.interp(index, known, column) for column in itinerary.points.T)
-    return replace(itinerary, points=np.column_stack([x, y]), times=np.interp(index, known, itinerary.times))
+    known = np.arange(float(len(itinerary.times)))
+    columns = itinerary.points[:, 0], itinerary.points[:, 1], itinerary.times
+    x, y, times = (elementary_arrays.interp(index, known, column) for column in columns)
+    return replace(itinerary, points=np.column_stack([x, y]), times=times)
 
 
 def _shares(counts: NDArray[np.int64]) -> FloatArray:
@@ -132,7 +134,10 @@ def start_time(now: float, x: float, y: float, others: OtherItineraries, separat
         if others.times[begin] >= earliest or others.times[begin] == -math.inf:
             continue
         for i in range(begin, end):
-            if others.times[i] < now and math.hypot(others.points[i, 0] - x, others.points[i, 1] - y) < separation:
+            if (
+                others.times[i] < now
+                and elementary.hypot(others.points[i, 0] - x, others.points[i, 1] - y) < separation
+            ):
                 earliest = others.times[begin]
                 break
     return earliest
@@ -170,24 +175,24 @@ def keeps_separation(points: FloatArray, times: FloatArray, others: OtherItinera
         begin, end = others.starts[k], others.starts[k + 1]
         ox, oy = _place(others.points, others.times, begin, end, times[0])
         # Near its start a robot may keep the distance that it has, less 2 cm, for it is never just where it planned.
-        present = math.hypot(ox - points[0, 0], oy - points[0, 1]) - 0.02
+        present = elementary.hypot(ox - points[0, 0], oy - points[0, 1]) - 0.02
         # Both move straight between points, so the distance is checked at the points of either, which lie close.
         for i in range(n):
             x, y = points[i, 0], points[i, 1]
             ox, oy = _place(others.points, others.times, begin, end, times[i])
             needed = separation
-            if math.hypot(x - points[0, 0], y - points[0, 1]) < NEAR_START:
+            if elementary.hypot(x - points[0, 0], y - points[0, 1]) < NEAR_START:
                 needed = min(needed, present)
-            if math.hypot(x - ox, y - oy) < needed:
+            if elementary.hypot(x - ox, y - oy) < needed:
                 return False
         for i in range(begin, end):
             if others.times[i] < times[0]:
                 continue
             x, y = _place(points, times, 0, n, others.times[i])
             needed = separation
-            if math.hypot(x - points[0, 0], y - points[0, 1]) < NEAR_START:
+            if elementary.hypot(x - points[0, 0], y - points[0, 1]) < NEAR_START:
                 needed = min(needed, present)
-            if math.hypot(x - others.points[i, 0], y - others.points[i, 1]) < needed:
+            if elementary.hypot(x - others.points[i, 0], y - others.points[i, 1]) < needed:
                 return False
     return True
 
@@ -207,9 +212,9 @@ def first_met(points: FloatArray, times: FloatArray, others: OtherItineraries, s
         for k in range(others.starts.shape[0] - 1):
             begin, end = others.starts[k], others.starts[k + 1]
             x, y = _place(others.points, others.times, begin, end, times[0])
-            present = math.hypot(points[0, 0] - x, points[0, 1] - y) - 0.02
+            present = elementary.hypot(points[0, 0] - x, points[0, 1] - y) - 0.02
             x, y = _place(others.points, others.times, begin, end, times[i])
-            if math.hypot(points[i, 0] - x, points[i, 1] - y) < min(separation, present):
+            if elementary.hypot(points[i, 0] - x, points[i, 1] - y) < min(separation, present):
                 return k
     return -1
 
@@ -250,8 +255,8 @@ def right_of_way(
                 ox, oy = others.points[m, 0], others.points[m, 1]
                 if abs(px - ox) >= separation or abs(py - oy) >= separation:
                     continue
-                distance = math.hypot(px - ox, py - oy)
-                if distance < separation and distance < math.hypot(x - ox, y - oy) - 0.02:
+                distance = elementary.hypot(px - ox, py - oy)
+                if distance < separation and distance < elementary.hypot(x - ox, y - oy) - 0.02:
                     return i - 1, k, others.times[m] == -math.inf
     return last, -1, False
 
@@ -329,8 +334,8 @@ def _open(
             if abs(px - ox) >= separation or abs(py - oy) >= separation:
                 continue
             # Unlike in `right_of_way` no 2 cm are given: in simulation robots are just where they planned to be.
-            distance = math.hypot(px - ox, py - oy)
-            if distance < separation and distance < math.hypot(x - ox, y - oy):
+            distance = elementary.hypot(px - ox, py - oy)
+            if distance < separation and distance < elementary.hypot(x - ox, y - oy):
                 return False
     return True
 
@@ -339,14 +344,14 @@ def _open(
 def reached_index(points: FloatArray, index: int, x: float, y: float) -> int:
     """Index of the point that a robot at (x, y) has reached: of those just ahead the nearest; it never goes back."""
     best = index
-    best_distance = math.hypot(points[index, 0] - x, points[index, 1] - y)
+    best_distance = elementary.hypot(points[index, 0] - x, points[index, 1] - y)
     along = 0.0
     for i in range(index + 1, points.shape[0]):
-        along += math.hypot(points[i, 0] - points[i - 1, 0], points[i, 1] - points[i - 1, 1])
+        along += elementary.hypot(points[i, 0] - points[i - 1, 0], points[i, 1] - points[i - 1, 1])
         # A loop to a place to wait and back again is longer than this: it must not be skipped.
         if along > 0.45:
             break
-        distance = math.hypot(points[i, 0] - x, points[i, 1] - y)
+        distance = elementary.hypot(points[i, 0] - x, points[i, 1] - y)
         if distance <= best_distance:
             best, best_distance = i, distance
     return best

@@ -12,6 +12,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary, elementary_arrays
 from sim.common.distance_fields import clearance_field
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
@@ -190,14 +191,18 @@ class ItineraryPlanner:
 
     def obstructs(self, place: FloatArray, wanted_path: FloatArray) -> bool:
         """Return True when a robot at a (2,) place obstructs another one on its (m, 2) path."""
-        return bool((np.hypot(wanted_path[:, 0] - place[0], wanted_path[:, 1] - place[1]) < self.separation).any())
+        return bool(
+            (
+                elementary_arrays.hypot(wanted_path[:, 0] - place[0], wanted_path[:, 1] - place[1]) < self.separation
+            ).any()
+        )
 
     def first_obstructing(self, neighbours: Sequence[Neighbour], wanted_path: FloatArray) -> int | None:
         """Return the first robot along a (m, 2) path that stands on it, or is to arrive on it."""
         met: list[tuple[int, int]] = []
         for other in neighbours:
             place = other.path[-1] if len(other.times) else other.base_in_map.array()[:2]
-            near = np.flatnonzero(np.hypot(*(wanted_path - place).T) < self.separation)
+            near = np.flatnonzero(elementary_arrays.hypot(*(wanted_path - place).T) < self.separation)
             if len(near):
                 met.append((int(near[0]), other.robot))
         return min(met)[1] if met else None
@@ -233,7 +238,7 @@ def _touched(points: FloatArray, marks: Costs, frame: CostFrame, radius: float) 
         col = math.floor((points[k, 0] - frame.x) / frame.resolution)
         for r in range(max(0, row - span), min(marks.shape[0], row + span + 1)):
             for c in range(max(0, col - span), min(marks.shape[1], col + span + 1)):
-                if marks[r, c] == LETHAL and math.hypot(r - row, c - col) * frame.resolution < radius:
+                if marks[r, c] == LETHAL and elementary.hypot(r - row, c - col) * frame.resolution < radius:
                     return True
     return False
 

@@ -7,6 +7,7 @@ Differs: poses head along the path, where ROS leaves all but the last one unturn
 
 import numpy as np
 
+from sim.common import elementary_arrays
 from sim.common.geometry import FloatArray
 from sim.parameters import NavfnParameters
 from sim.robot.costmap.costs import INSCRIBED, LETHAL, UNKNOWN
@@ -51,7 +52,9 @@ class Navfn:
         if self._use_astar and target >= 0:
             attraction = float(COST_NEUTRAL)
             threshold += float(
-                np.float32(np.hypot(target % cols - start % cols, target // cols - start // cols) * COST_NEUTRAL)
+                np.float32(
+                    elementary_arrays.hypot(target % cols - start % cols, target // cols - start // cols) * COST_NEUTRAL
+                )
             )
         spread(
             space.potential,

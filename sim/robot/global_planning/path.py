@@ -5,6 +5,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
+from sim.common import elementary_arrays
 from sim.common.geometry import FloatArray, Pose2
 from sim.robot.costmap.costs import CostFrame, Costs
 
@@ -41,7 +42,7 @@ class Path:
     @property
     def length(self) -> float:
         """Length in metres."""
-        return float(np.hypot(*np.diff(self.poses[:, :2], axis=0).T).sum())
+        return float(elementary_arrays.hypot(*np.diff(self.poses[:, :2], axis=0).T).sum())
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,4 +80,4 @@ class PathPlanner(Protocol):
 def headings(points: FloatArray, last: float) -> FloatArray:
     """(m, 3) poses on (m, 2) points: each heads for the next, the last has the heading given."""
     steps = np.diff(points, axis=0)
-    return np.column_stack([points, np.append(np.arctan2(steps[:, 1], steps[:, 0]), last)])
+    return np.column_stack([points, np.append(elementary_arrays.atan2(steps[:, 1], steps[:, 0]), last)])

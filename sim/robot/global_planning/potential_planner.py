@@ -12,6 +12,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary_arrays
 from sim.common.geometry import FloatArray, Pose2
 from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
 from sim.robot.global_planning.path import Path, PlanRefusal, plan_refusal
@@ -168,7 +169,7 @@ def _nearest_reached(space: Workspace, x: float, y: float, tolerance: float) -> 
     reached = np.argwhere(window < UNREACHED) + np.array([top, left])
     if len(reached) == 0:
         return None
-    away = np.hypot(reached[:, 1] - x, reached[:, 0] - y)
+    away = elementary_arrays.hypot(reached[:, 1] - x, reached[:, 0] - y)
     first = int(away.argmin())
     if away[first] > tolerance + 1e-9:
         return None

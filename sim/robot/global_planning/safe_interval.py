@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary, elementary_arrays
 from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
 from sim.common.kernels import njit
@@ -96,11 +97,11 @@ def _shade(
             cx, cy = centres[r, c, 0], centres[r, c, 1]
             if not free[r, c] or abs(cx - x) >= radius or abs(cy - y) >= radius:
                 continue
-            distance = math.hypot(cx - x, cy - y)
+            distance = elementary.hypot(cx - x, cy - y)
             if distance >= radius:
                 continue
             needed = radius
-            off = math.hypot(cx - start_x, cy - start_y)
+            off = elementary.hypot(cx - start_x, cy - start_y)
             if off < side:
                 # The cell that the start is rounded to may lie nearer to the other robot than the start itself does, by
                 # as much as a cell's half diagonal; the cells beside it may not, but for rounding.
@@ -122,7 +123,7 @@ def _traffic(
         begin, end = others.starts[k], others.starts[k + 1]
         # Before an itinerary begins, its robot stands at its first point.
         now_x, now_y = others.points[begin, 0], others.points[begin, 1]
-        present = math.hypot(now_x - start[0], now_y - start[1])
+        present = elementary.hypot(now_x - start[0], now_y - start[1])
         first = math.floor((others.times[begin] - time) / bin_length) if others.times[begin] > -math.inf else 0
         _shade(busy, free, centres, corner, side, now_x, now_y, separation, start[0], start[1], present, 0, first)
         for i in range(begin, end):
@@ -255,7 +256,7 @@ def _search(
                 # A diagonal step passes between its two side cells: both must be free, or a corner would be cut.
                 if dr != 0 and dc != 0 and not (free[r, nc] and free[nr, c]):
                     continue
-                length = math.hypot(centres[nr, nc, 0] - centres[r, c, 0], centres[nr, nc, 1] - centres[r, c, 1])
+                length = elementary.hypot(centres[nr, nc, 0] - centres[r, c, 0], centres[nr, nc, 1] - centres[r, c, 1])
                 takes = length / speed
                 target = nr * cols + nc
                 for k in range(first[target], first[target + 1]):
@@ -281,7 +282,7 @@ def _search(
         if n > 0:
             x, y = trajectory[n - 1, 0], trajectory[n - 1, 1]
             # A robot that does not set out at once waits here: the same point a second time.
-            leaves = trajectory[n - 1, 2] - math.hypot(x - centres[r, c, 0], y - centres[r, c, 1]) / speed
+            leaves = trajectory[n - 1, 2] - elementary.hypot(x - centres[r, c, 0], y - centres[r, c, 1]) / speed
             if leaves > arrival[state] + 1e-6:
                 trajectory[n] = centres[r, c, 0], centres[r, c, 1], leaves, to_go[r, c] / speed
                 n += 1
@@ -304,7 +305,7 @@ def _off_path(
         col, row = (x - corner[0]) / side, (y - corner[1]) / side
         for r in range(max(0, int(row - span)), min(rows, int(row + span) + 1)):
             for c in range(max(0, int(col - span)), min(cols, int(col + span) + 1)):
-                if math.hypot(centres[r, c, 0] - x, centres[r, c, 1] - y) < distance:
+                if elementary.hypot(centres[r, c, 0] - x, centres[r, c, 1] - y) < distance:
                     off[r, c] = False
     return off
 
@@ -319,7 +320,9 @@ def _nearest(roadmap: Roadmap, free: BoolArray, x: float, y: float, reach: float
     span = math.ceil(reach / roadmap.side)
     rows, cols = slice(max(0, row - span), row + span + 1), slice(max(0, col - span), col + span + 1)
     distances = np.where(
-        free[rows, cols], np.hypot(roadmap.centres[rows, cols, 0] - x, roadmap.centres[rows, cols, 1] - y), np.inf
+        free[rows, cols],
+        elementary_arrays.hypot(roadmap.centres[rows, cols, 0] - x, roadmap.centres[rows, cols, 1] - y),
+        np.inf,
     )
     if distances.size == 0 or distances.min() > reach:
         return None
@@ -359,7 +362,7 @@ def route(
     if itinerary is None:
         return None
     points = np.vstack([itinerary.points, goal])
-    last = float(np.hypot(*(goal - itinerary.points[-1]))) / ITINERARY_SPEED
+    last = float(elementary_arrays.hypot(*(goal - itinerary.points[-1]))) / ITINERARY_SPEED
     return replace(itinerary, points=points, times=np.append(itinerary.times, itinerary.times[-1] + last))
 
 

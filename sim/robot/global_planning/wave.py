@@ -18,11 +18,10 @@ cells out; a path never squeezes between two blocked cells that meet at a corner
 goes from cell to cell until it is lower than ever, so that a path is found wherever there is one.
 """
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary
 from sim.common.kernels import njit
 from sim.robot.costmap.costs import Costs
 
@@ -175,7 +174,7 @@ def spread(
             rank = value
             if attraction > 0.0:
                 row, col = cell // width, cell % width
-                away = math.hypot(float(col) - target_col, float(row) - target_row)
+                away = elementary.hypot(float(col) - target_col, float(row) - target_row)
                 rank += np.float32(np.float32(away) * attraction)
             # navfn's A* also asks a neighbour to be worse by this rank: cells once reached are seldom looked at again.
             # A neighbour is put in where this cell may lower it: by 0.7 of its own cost at least, the factor of a
@@ -224,7 +223,7 @@ def _slope(potential: Potential, cell: int, cols: int) -> tuple[np.float32, np.f
         dy += below - here
     if above < UNREACHED:
         dy += here - above
-    norm = np.float32(math.hypot(dx, dy))
+    norm = np.float32(elementary.hypot(float(dx), float(dy)))
     if norm == 0.0:
         return dx, dy
     norm = np.float32(1.0 / norm)
@@ -313,7 +312,7 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
             cell = lowest
             dx = dy = np.float32(0.0)
             continue
-        scale = np.float32(0.5 / math.hypot(step_x, step_y))
+        scale = np.float32(0.5 / elementary.hypot(float(step_x), float(step_y)))
         dx += step_x * scale
         dy += step_y * scale
         if dx > 1.0:

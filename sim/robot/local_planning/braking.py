@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.kernels import njit
 from sim.common.observations import Neighbour
@@ -119,8 +120,9 @@ def stopping_poses(
         w = _toward(w, 0.0 if braking else wanted_w, acc_lim_theta * dt)
         if braking and v == 0.0 and w == 0.0 and n > 0:
             break
-        x += v * math.cos(theta + 0.5 * w * dt) * dt
-        y += v * math.sin(theta + 0.5 * w * dt) * dt
+        c, s = elementary.cos_sin(theta + 0.5 * w * dt)
+        x += v * c * dt
+        y += v * s * dt
         theta += w * dt
         poses[n, 0], poses[n, 1], poses[n, 2] = x, y, theta
         n += 1
@@ -140,7 +142,7 @@ def wall_clearance(
         outline: (m, 2) points along the outline, base frame.
         x: place of the base in the map; so y and theta.
     """
-    c, s = math.cos(theta), math.sin(theta)
+    c, s = elementary.cos_sin(theta)
     rows, cols = clearance.shape
     least = np.inf
     for i in range(outline.shape[0]):
@@ -185,7 +187,7 @@ def beside_obstacles(
                 continue
             for i in range(max(low, r - span), min(high, r + span + 1)):
                 for j in range(max(left, c - span), min(right, c + span + 1)):
-                    away = np.float32(max(0.0, (math.hypot(i - r, j - c) - 0.5) * frame.resolution))
+                    away = np.float32(max(0.0, (elementary.hypot(i - r, j - c) - 0.5) * frame.resolution))
                     near[i - low, j - left] = min(near[i - low, j - left], away)
     return near, CostFrame(frame.x + left * frame.resolution, frame.y + low * frame.resolution, frame.resolution)
 
@@ -208,10 +210,8 @@ def _bodies(states: FloatArray, footprints: FloatArray, acc_lim_x: float, hold: 
         for part in range(3):
             time = 0.5 * part * coast
             turned = theta + w * time
-            middle = theta + 0.5 * w * time
-            out[3 * k + part] = placed_at(
-                footprints[k], x + v * time * math.cos(middle), y + v * time * math.sin(middle), turned
-            )
+            c, s = elementary.cos_sin(theta + 0.5 * w * time)
+            out[3 * k + part] = placed_at(footprints[k], x + v * time * c, y + v * time * s, turned)
     return out
 
 

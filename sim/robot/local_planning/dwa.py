@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray
 from sim.common.kernels import njit
 from sim.parameters import DwaPlannerParameters, InflationParameters
@@ -130,8 +131,9 @@ def _best(
             tried = trajectory_cost(costs, frame, begin, v, w, body, samples.sim_time, steps, steps - 1, free)
             if not tried.legal:
                 continue
-            nose_x = tried.x + critics.nose * math.cos(tried.theta)
-            nose_y = tried.y + critics.nose * math.sin(tried.theta)
+            c, s = elementary.cos_sin(tried.theta)
+            nose_x = tried.x + critics.nose * c
+            nose_y = tried.y + critics.nose * s
             nose = index_of(costs, frame, nose_x, nose_y)
             if nose < 0:
                 continue
@@ -150,10 +152,11 @@ def _best(
         spread(grid, cols, along, cells[: 2 * n], grid.path)
         spread(grid, cols, along[along.shape[0] - 1 :], cells[: 2 * n : 2], grid.goal)
         # The nose's goal lies as far beyond the path's end as the nose is forward of the centre.
-        bearing = math.atan2(last[1] - now.y, last[0] - now.x)
+        bearing = elementary.atan2(last[1] - now.y, last[0] - now.x)
         ahead = np.empty((1, 2))
-        ahead[0, 0] = last[0] + critics.nose * math.cos(bearing)
-        ahead[0, 1] = last[1] + critics.nose * math.sin(bearing)
+        c, s = elementary.cos_sin(bearing)
+        ahead[0, 0] = last[0] + critics.nose * c
+        ahead[0, 1] = last[1] + critics.nose * s
         beyond = cells_along(costs, frame, ahead)
         spread(
             grid, cols, beyond if beyond.shape[0] > 0 else along[along.shape[0] - 1 :], cells[1 : 2 * n : 2], grid.nose
@@ -206,7 +209,7 @@ class _OscillationCritic:
                 self.only[axis] = sign
                 self._since = now
             self._last[axis] = sign or self._last[axis]
-        moved = math.hypot(now.x - self._since.x, now.y - self._since.y)
+        moved = elementary.hypot(now.x - self._since.x, now.y - self._since.y)
         turned = abs(math.remainder(now.theta - self._since.theta, math.tau))
         if any(self.only) and (moved > self._reset_dist or turned > self._reset_angle):
             self._last, self.only = [0.0, 0.0], [0.0, 0.0]
@@ -271,7 +274,7 @@ class DwaPlanner(LocalPlanner):
     ) -> tuple[float, float, bool]:
         wanted = self._parameters
         samples = self._samples(now, greatest_v, stalled)
-        left = math.hypot(path[-1, 0] - now.x, path[-1, 1] - now.y)
+        left = elementary.hypot(path[-1, 0] - now.x, path[-1, 1] - now.y)
         near = left * left <= wanted.forward_point_distance**2 * wanted.cheat_factor
         critics = _Critics(
             wanted.path_distance_bias * frame.resolution,

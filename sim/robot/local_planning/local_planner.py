@@ -8,6 +8,7 @@ import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.kernels import njit
 from sim.common.observations import STANDSTILL, Twist
@@ -86,11 +87,11 @@ def _toward(path: FloatArray, x: float, y: float, lookahead: float) -> tuple[flo
     last = path.shape[0] - 1
     target = last
     for i in range(last):
-        if math.hypot(path[i, 0] - x, path[i, 1] - y) >= lookahead:
+        if elementary.hypot(path[i, 0] - x, path[i, 1] - y) >= lookahead:
             target = i
             break
-    heading = math.atan2(path[target, 1] - y, path[target, 0] - x)
-    return heading, math.hypot(path[last, 0] - x, path[last, 1] - y)
+    heading = elementary.atan2(path[target, 1] - y, path[target, 0] - x)
+    return heading, elementary.hypot(path[last, 0] - x, path[last, 1] - y)
 
 
 class LocalPlanner(ABC):

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray
 from sim.common.kernels import njit
 from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
@@ -96,13 +97,15 @@ def cells_along(costs: Costs, frame: CostFrame, path: FloatArray) -> Steps:
     """
     room = 1
     for i in range(1, path.shape[0]):
-        room += math.ceil(math.hypot(path[i, 0] - path[i - 1, 0], path[i, 1] - path[i - 1, 1]) / frame.resolution) + 1
+        room += (
+            math.ceil(elementary.hypot(path[i, 0] - path[i - 1, 0], path[i, 1] - path[i - 1, 1]) / frame.resolution) + 1
+        )
     out = np.empty(room, dtype=np.int32)
     n = 0
     for i in range(path.shape[0]):
         before = max(0, i - 1)
         dx, dy = path[i, 0] - path[before, 0], path[i, 1] - path[before, 1]
-        pieces = max(1, math.ceil(math.hypot(dx, dy) / frame.resolution))
+        pieces = max(1, math.ceil(elementary.hypot(dx, dy) / frame.resolution))
         for piece in range(1, pieces + 1):
             share = piece / pieces
             index = index_of(costs, frame, path[before, 0] + share * dx, path[before, 1] + share * dy)

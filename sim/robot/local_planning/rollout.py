@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray
 from sim.common.kernels import njit
 from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
@@ -97,7 +98,7 @@ def rollout(
     dt = sim_time / steps
     step_v, step_w = body.acc_lim_x * dt, body.acc_lim_theta * dt
     x, y, theta, v, w = now
-    cos, sin = math.cos(theta), math.sin(theta)
+    cos, sin = elementary.cos_sin(theta)
     turn_cos, turn_sin, turning = 1.0, 0.0, 0.0
     for i in range(steps):
         out[i, 0], out[i, 1], out[i, 2] = x, y, theta
@@ -108,7 +109,7 @@ def rollout(
         theta += w * dt
         if w * dt != turning:
             turning = w * dt
-            turn_cos, turn_sin = math.cos(turning), math.sin(turning)
+            turn_cos, turn_sin = elementary.cos_sin(turning)
         cos, sin = cos * turn_cos - sin * turn_sin, sin * turn_cos + cos * turn_sin
     return out
 
@@ -135,7 +136,7 @@ def trajectory_cost(
     dt = sim_time / steps
     step_v, step_w = body.acc_lim_x * dt, body.acc_lim_theta * dt
     x, y, theta, v, w = now
-    cos, sin = math.cos(theta), math.sin(theta)
+    cos, sin = elementary.cos_sin(theta)
     turn_cos, turn_sin, turning = 1.0, 0.0, 0.0
     per_cell = 1.0 / frame.resolution
     worst, total, doubtful = 0.0, 0.0, False
@@ -161,7 +162,7 @@ def trajectory_cost(
         theta += w * dt
         if w * dt != turning:
             turning = w * dt
-            turn_cos, turn_sin = math.cos(turning), math.sin(turning)
+            turn_cos, turn_sin = elementary.cos_sin(turning)
         cos, sin = cos * turn_cos - sin * turn_sin, sin * turn_cos + cos * turn_sin
     return TrajectoryCost(True, worst, total, doubtful, scored_x, scored_y, scored_theta)
 

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray, wrap_angle
 from sim.common.kernels import njit
 from sim.parameters import InflationParameters, TrajectoryPlannerParameters
@@ -78,7 +79,7 @@ def _steps(v: float, w: float, samples: _Samples, by_time: bool) -> int:
 @njit(cache=True)
 def _in_sight(costs: Costs, frame: CostFrame, x: float, y: float, to_x: float, to_y: float) -> bool:
     """Return True when no obstacle lies on the straight line between two map points."""
-    pieces = max(1, math.ceil(math.hypot(to_x - x, to_y - y) / (0.5 * frame.resolution)))
+    pieces = max(1, math.ceil(elementary.hypot(to_x - x, to_y - y) / (0.5 * frame.resolution)))
     for piece in range(pieces + 1):
         share = piece / pieces
         row = math.floor((y + share * (to_y - y) - frame.y) / frame.resolution)
@@ -93,7 +94,7 @@ def _heading_off(costs: Costs, frame: CostFrame, path: FloatArray, x: float, y: 
     """Radians from a heading to the farthest point of the path in sight; infinite when none is."""
     for i in range(path.shape[0] - 1, -1, -1):
         if _in_sight(costs, frame, x, y, path[i, 0], path[i, 1]):
-            return abs(wrap_angle(math.atan2(path[i, 1] - y, path[i, 0] - x) - theta))
+            return abs(wrap_angle(elementary.atan2(path[i, 1] - y, path[i, 0] - x) - theta))
     return np.inf
 
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.grid import OccupancyGrid
+from sim.common.matrices import covariance_of, product, root
 from sim.common.noise_arrays import NoiseStream
 from sim.common.observations import Imu, LaserMount, Odometry, Scan
 from sim.parameters import AmclParameters, RobotParameters
@@ -247,11 +248,8 @@ class Amcl:
     def _scatter(self, start: PosePrior, odometry: Odometry) -> ParticleBelief:
         """Draw as many particles as allowed around a pose that is known."""
         n = self._parameters.max_particles
-        values, vectors = np.linalg.eigh(start.covariance)
-        # A covariance may be singular (a heading known exactly), which Cholesky's factors do not bear.
-        root = vectors * np.sqrt(np.maximum(values, 0.0))
         noise = self._start_noise.normals(odometry.tick, 3 * n).reshape(n, 3)
-        particles = start.base_in_map.array() + noise @ root.T
+        particles = start.base_in_map.array() + product(noise, np.ascontiguousarray(root(start.covariance).T))
         particles[:, 2] = (particles[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
         return ParticleBelief(
             particles=read_only(particles),
@@ -273,7 +271,7 @@ class Amcl:
             tick=odometry.tick,
             base_in_odom=odometry.base_in_odom,
             odom_in_map=mean.compose(odometry.base_in_odom.inverse()),
-            covariance=read_only(np.cov(particles.T, bias=True)),
+            covariance=read_only(covariance_of(particles)),
             lost=True,
             uniform=True,
         )
@@ -316,7 +314,7 @@ class Amcl:
         # With selective resampling, a cloud whose effective number (1 / sum of squares) is above half of its particles
         # is kept: drawing anew would only lose hypotheses (Grisetti, Stachniss, Burgard 2007).
         due = updates % parameters.resample_interval == 0 and not (
-            parameters.selective_resampling and newcomers == 0.0 and 2.0 / np.sum(weights**2) > len(weights)
+            parameters.selective_resampling and newcomers == 0.0 and 2.0 / (weights**2).sum() > len(weights)
         )
         if due or newcomers == SCATTER_SHARE:
             particles = self._resample(particles, weights, bins, newcomers, points, odometry.tick)

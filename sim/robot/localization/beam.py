@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sim.common import elementary, elementary_arrays
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.kernels import njit
@@ -40,14 +41,14 @@ def _sums(
         measured = ranges[j]
         if math.isnan(measured):
             continue
-        short = z_short * lambda_short * math.exp(-lambda_short * measured)
+        short = z_short * lambda_short * elementary.exp(-lambda_short * measured)
         random = z_max if measured >= range_max else z_rand / range_max
         for i in range(expected.shape[0]):
             error = measured - min(expected[i, j], range_max)
-            p = z_hit * math.exp(-error * error / (2.0 * sigma_hit * sigma_hit)) + random
+            p = z_hit * elementary.exp(-error * error / (2.0 * sigma_hit * sigma_hit)) + random
             if error < 0.0:
                 p += short
-            out[i] += math.log(max(p, 1e-300))
+            out[i] += elementary.log(max(p, 1e-300))
     return out
 
 
@@ -73,7 +74,7 @@ class BeamModel:
     def expected(self, particles: FloatArray) -> FloatArray:
         """(n, m) metres that the beams should measure from (n, 3) base poses in the map; inf beyond `range_max`."""
         laser = self.beams.mount.laser_in_base
-        c, s = np.cos(particles[:, 2]), np.sin(particles[:, 2])
+        c, s = elementary_arrays.cos(particles[:, 2]), elementary_arrays.sin(particles[:, 2])
         poses = particles.copy()
         poses[:, 0] += c * laser.x - s * laser.y
         poses[:, 1] += s * laser.x + c * laser.y

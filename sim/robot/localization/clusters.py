@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.kernels import njit
 
@@ -151,11 +152,12 @@ def _summarise(
         if labels[of_particle[i]] == heaviest:
             x += weights[i] * particles[i, 0]
             y += weights[i] * particles[i, 1]
-            c += weights[i] * math.cos(particles[i, 2])
-            s += weights[i] * math.sin(particles[i, 2])
+            cosine, sine = elementary.cos_sin(particles[i, 2])
+            c += weights[i] * cosine
+            s += weights[i] * sine
     x /= mass[heaviest]
     y /= mass[heaviest]
-    theta = wrap_angle(math.atan2(s, c))
+    theta = wrap_angle(elementary.atan2(s, c))
     covariance = np.zeros((3, 3))
     variances = np.zeros(3)
     for i in range(weights.size):

@@ -1,7 +1,7 @@
 """An extended Kalman filter over (x, y, theta): wheels and gyroscope, corrected by scans matched to the map.
 
 Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), table 7.2, with odometry for control (section 5.4) and a
-matched pose for measurement; the algebra is filterpy's.
+matched pose for measurement.
 """
 
 import math
@@ -9,8 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.grid import OccupancyGrid
+from sim.common.matrices import inverse, product, solution
 from sim.common.observations import TICK, Imu, LaserMount, Odometry, Scan
 from sim.parameters import EkfParameters, RobotParameters
 from sim.robot.localization.estimate import Estimate, PosePrior, read_only
@@ -93,19 +95,30 @@ def _anywhere(grid: OccupancyGrid) -> FloatArray:
 _NOTHING = read_only(np.zeros((3, 3)))
 
 
-def _direct(_: FloatArray) -> FloatArray:
-    """The measurement's Jacobian: a match measures the pose itself."""
-    return np.eye(3)
-
-
 def _covariance(match: ScanMatch) -> FloatArray:
     """(3, 3) covariance of a match; read-only."""
-    covariance = np.linalg.inv(match.information + _LEAST_INFORMATION).astype(np.float64, copy=False)
+    covariance = inverse(match.information + _LEAST_INFORMATION)
     return read_only(covariance)
 
 
-def _itself(mean: FloatArray) -> FloatArray:
-    return mean
+def carried(covariance: FloatArray, jacobian: FloatArray) -> FloatArray:
+    """(n, n) covariance of what an (n, m) Jacobian makes of an (m, m) one; exactly symmetric."""
+    whole = product(product(jacobian, covariance), np.ascontiguousarray(jacobian.T))
+    return (whole + whole.T) / 2.0
+
+
+def corrected(covariance: FloatArray, noise: FloatArray, innovation: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return (3,) what an innovation changes of the mean, and the (3, 3) covariance afterwards.
+
+    The measurement is the state itself, with noise of a (3, 3) covariance.
+
+    Source: Bucy and Joseph, Filtering for stochastic processes with applications to guidance (1968), for the form of
+        the covariance, which stays symmetric and positive whatever is rounded.
+    """
+    # Both matrices are symmetric, so the transposed gain is the solution of a system.
+    gain = np.ascontiguousarray(solution(covariance + noise, covariance).T)
+    change = product(gain, innovation[:, np.newaxis])[:, 0]
+    return change, carried(covariance, np.eye(3) - gain) + carried(noise, gain)
 
 
 def _residual(measured: FloatArray, predicted: FloatArray) -> FloatArray:
@@ -127,14 +140,9 @@ class Ekf:
 
     def __init__(self, parameters: EkfParameters, grid: OccupancyGrid, mount: LaserMount) -> None:
         """A filter for one robot, on its static map, for the laser whose scans `update` will bring."""
-        # Its import takes 0.7 s, which only those who choose this localiser should wait for.
-        from filterpy.kalman import ExtendedKalmanFilter  # noqa: PLC0415
-
         self._mount = mount
         self._use(parameters)
         self._matcher = ScanMatcher.of(grid)
-        self._algebra = ExtendedKalmanFilter(dim_x=3, dim_z=3)
-        self._algebra.B = np.eye(3)
         variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
         self._belief: PosePrior | GaussianBelief = PosePrior(Pose2(0.0, 0.0, 0.0), read_only(np.diag(variances)))
         self._turned = 0.0  # radians that the gyroscope has counted since the last prediction
@@ -218,9 +226,9 @@ class Ekf:
 
     def _predict(self, belief: GaussianBelief, odometry: Odometry) -> GaussianBelief:
         """Carry mean and covariance on by wheels and gyroscope, over the ticks since the last prediction."""
-        parameters, algebra = self._parameters, self._algebra
+        parameters = self._parameters
         moved = belief.base_in_odom.between(odometry.base_in_odom)
-        distance = math.hypot(moved.x, moved.y)
+        distance = elementary.hypot(moved.x, moved.y)
         wheels_variance = parameters.odom_alpha1 * moved.theta**2 + parameters.odom_alpha2 * distance**2
         gyro_variance = (odometry.tick - belief.tick) * (parameters.gyro_noise * TICK) ** 2
         # Wheels that stand still are certain of it; then the gyroscope, which is only noise, does not count.
@@ -232,22 +240,22 @@ class Ekf:
 
         here = belief.base_in_map
         # The chord of an arc points half of the turn aside; so does a correction of the turn.
-        c, s = math.cos(here.theta + correction / 2.0), math.sin(here.theta + correction / 2.0)
+        c, s = elementary.cos_sin(here.theta + correction / 2.0)
         dx, dy = c * moved.x - s * moved.y, s * moved.x + c * moved.y
-        bearing = math.atan2(dy, dx)
-        to_noise = np.array(((math.cos(bearing), -dy / 2.0), (math.sin(bearing), dx / 2.0), (0.0, 1.0)))
-        algebra.x, algebra.P = here.array(), belief.covariance
-        algebra.F = np.array(((1.0, 0.0, -dy), (0.0, 1.0, dx), (0.0, 0.0, 1.0)))
-        algebra.Q = belief.motion_noise_scale * to_noise @ np.diag((drive_variance, turn_variance)) @ to_noise.T
-        after = np.array((here.x + dx, here.y + dy, here.theta + moved.theta + correction))
-        # filterpy predicts F x + B u; the motion is not linear, so u makes up for what F x lacks.
-        algebra.predict(u=after - algebra.F @ algebra.x)
-        mean, covariance = self._result()
+        bearing = elementary.atan2(dy, dx)
+        ahead, left = elementary.cos_sin(bearing)
+        to_noise = np.array(((ahead, -dy / 2.0), (left, dx / 2.0), (0.0, 1.0)))
+        motion = np.array(((1.0, 0.0, -dy), (0.0, 1.0, dx), (0.0, 0.0, 1.0)))
+        scale = belief.motion_noise_scale
+        covariance = carried(belief.covariance, motion) + carried(
+            np.diag((scale * drive_variance, scale * turn_variance)), to_noise
+        )
+        mean = Pose2(here.x + dx, here.y + dy, wrap_angle(here.theta + moved.theta + correction))
         return replace(
             belief,
             tick=odometry.tick,
             base_in_map=mean,
-            covariance=covariance,
+            covariance=read_only(covariance),
             base_in_odom=odometry.base_in_odom,
             odom_in_map=mean.compose(odometry.base_in_odom.inverse()),
         )
@@ -274,21 +282,21 @@ class Ekf:
         noise = _covariance(match)
         measured = match.base_in_map.array()
         innovation = _residual(measured, belief.base_in_map.array())
-        surprise = float(innovation @ np.linalg.solve(belief.covariance + noise, innovation))
+        surprise = float((innovation * solution(belief.covariance + noise, innovation[:, np.newaxis])[:, 0]).sum())
         lesson = _LEARNING * (min(surprise, GATE) / 3.0 - 1.0)
-        scale = min(max(belief.motion_noise_scale * math.exp(lesson), 1.0), _MAX_NOISE_SCALE)
+        scale = min(max(belief.motion_noise_scale * elementary.exp(lesson), 1.0), _MAX_NOISE_SCALE)
         if surprise > GATE:
             doubting = read_only(_DOUBTING * belief.covariance)
             return replace(belief, covariance=doubting, motion_noise_scale=scale, refused=belief.refused + 1), False
-        algebra = self._algebra
-        algebra.x, algebra.P = belief.base_in_map.array(), belief.covariance
-        algebra.update(measured, _direct, _itself, R=noise, residual=_residual)
-        mean, covariance = self._result()
+        correction, covariance = corrected(belief.covariance, noise, innovation)
+        dx, dy, turn = correction.tolist()
+        here = belief.base_in_map
+        mean = Pose2(here.x + dx, here.y + dy, wrap_angle(here.theta + turn))
         return (
             replace(
                 belief,
                 base_in_map=mean,
-                covariance=covariance,
+                covariance=read_only(covariance),
                 shared=read_only(_SHARED * noise),
                 odom_in_map=mean.compose(belief.base_in_odom.inverse()),
                 matched=belief.base_in_odom,
@@ -317,9 +325,3 @@ class Ekf:
             motion_noise_scale=1.0,
             refused=_LOST_AFTER,
         )
-
-    def _result(self) -> tuple[Pose2, FloatArray]:
-        """Mean and covariance as filterpy has computed them."""
-        x, y, theta = (float(value) for value in self._algebra.x)
-        covariance: FloatArray = (self._algebra.P + self._algebra.P.T) / 2.0
-        return Pose2(x, y, wrap_angle(theta)), read_only(covariance)

@@ -1,6 +1,5 @@
 """The likelihood field: the fit of a scan to the map from a place, by how near to walls its beams end."""
 
-import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -8,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
+from sim.common import elementary, elementary_arrays
 from sim.common.geometry import FloatArray
 from sim.common.grid import OCCUPIED, GridFrame, OccupancyGrid
 from sim.common.kernels import njit
@@ -81,7 +81,7 @@ def _sum_over_points(
     out = np.empty(particles.shape[0])
     for i in range(particles.shape[0]):
         dx, dy = particles[i, 0] - frame.x, particles[i, 1] - frame.y
-        c, s = math.cos(particles[i, 2]), math.sin(particles[i, 2])
+        c, s = elementary.cos_sin(particles[i, 2])
         base_col = (frame.cos * dx + frame.sin * dy) / frame.resolution
         base_row = (frame.cos * dy - frame.sin * dx) / frame.resolution
         cos = (c * frame.cos + s * frame.sin) / frame.resolution
@@ -150,7 +150,7 @@ class Beams:
         count = max(2, min(max_beams, mount.beams))
         indices = np.arange(count) * (mount.beams - 1) // (count - 1)
         angles = mount.angles()[indices] + mount.laser_in_base.theta
-        directions = np.stack((np.cos(angles), np.sin(angles)), axis=1)
+        directions = np.stack((elementary_arrays.cos(angles), elementary_arrays.sin(angles)), axis=1)
         range_max = min(max_range, mount.range_max) if max_range > 0.0 else mount.range_max
         range_min = max(min_range, mount.range_min)
         return cls(mount, indices, directions, range_min, range_max)
@@ -173,9 +173,9 @@ class Beams:
 def _log_probability(
     distance: FloatArray | NDArray[np.float32], z_hit: float, rand_density: float, sigma_hit: float
 ) -> FloatArray:
-    hit = z_hit * np.exp(-(distance**2) / (2.0 * sigma_hit**2))
+    hit = z_hit * elementary_arrays.exp(-(distance**2) / (2.0 * sigma_hit**2))
     # Without random readings a far cell's probability underflows; its logarithm must stay finite.
-    logs: FloatArray = np.log(np.maximum(hit + rand_density, np.finfo(np.float64).tiny))
+    logs: FloatArray = elementary_arrays.log(np.maximum(hit + rand_density, np.finfo(np.float64).tiny))
     return logs
 
 

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.kernels import njit
 
@@ -72,8 +73,8 @@ def diff_increment(before: Pose2, after: Pose2) -> DiffIncrement:
     Source: Probabilistic Robotics, table 5.6, lines 2 to 4; amcl_odom.cpp for the bearing of a robot that hardly moved.
     """
     dx, dy = after.x - before.x, after.y - before.y
-    trans = math.hypot(dx, dy)
-    rot1 = wrap_angle(math.atan2(dy, dx) - before.theta) if trans >= _STANDING else 0.0
+    trans = elementary.hypot(dx, dy)
+    rot1 = wrap_angle(elementary.atan2(dy, dx) - before.theta) if trans >= _STANDING else 0.0
     return DiffIncrement(rot1, trans, wrap_angle(after.theta - before.theta - rot1))
 
 
@@ -125,8 +126,9 @@ def diff_move(particles: FloatArray, moved: DiffIncrement, spread: DiffSpread, n
         trans = moved.trans - spread.trans * noise[3 * i + 1]
         rot2 = moved.rot2 - spread.rot2 * noise[3 * i + 2]
         heading = particles[i, 2] + rot1
-        out[i, 0] = particles[i, 0] + trans * math.cos(heading)
-        out[i, 1] = particles[i, 1] + trans * math.sin(heading)
+        c, s = elementary.cos_sin(heading)
+        out[i, 0] = particles[i, 0] + trans * c
+        out[i, 1] = particles[i, 1] + trans * s
         out[i, 2] = wrap_angle(heading + rot2)
     return out
 
@@ -134,8 +136,8 @@ def diff_move(particles: FloatArray, moved: DiffIncrement, spread: DiffSpread, n
 def omni_increment(before: Pose2, after: Pose2) -> OmniIncrement:
     """The movement between two odometry poses, both in the odom frame, of a base that keeps its heading or not."""
     dx, dy = after.x - before.x, after.y - before.y
-    bearing = wrap_angle(math.atan2(dy, dx) - before.theta)
-    return OmniIncrement(bearing, math.hypot(dx, dy), wrap_angle(after.theta - before.theta))
+    bearing = wrap_angle(elementary.atan2(dy, dx) - before.theta)
+    return OmniIncrement(bearing, elementary.hypot(dx, dy), wrap_angle(after.theta - before.theta))
 
 
 def omni_spread(moved: OmniIncrement, alphas: Alphas, corrected: bool) -> OmniSpread:
@@ -170,7 +172,7 @@ def _slide(particles: FloatArray, moved: OmniIncrement, spread: OmniSpread, nois
         along = moved.trans + spread.trans * noise[3 * i]
         across = spread.strafe * noise[3 * i + 1]
         direction = particles[i, 2] + moved.bearing
-        c, s = math.cos(direction), math.sin(direction)
+        c, s = elementary.cos_sin(direction)
         out[i, 0] = particles[i, 0] + along * c + across * s
         out[i, 1] = particles[i, 1] + along * s - across * c
         out[i, 2] = wrap_angle(particles[i, 2] + moved.rot + spread.rot * noise[3 * i + 2])

@@ -11,6 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray
 from sim.common.kernels import njit
 
@@ -23,7 +24,7 @@ def _effective(logs: FloatArray, exponent: float) -> float:
     """Effective number, (sum w)^2 / sum w^2, of particles of weights w = exp(exponent * logs); no log is above 0."""
     total, squares = 0.0, 0.0
     for log in logs:
-        weight = math.exp(exponent * log)
+        weight = elementary.exp(exponent * log)
         total += weight
         squares += weight * weight
     return total * total / squares
@@ -59,7 +60,10 @@ def tempered(logs: FloatArray, share: float) -> FloatArray:
             else:
                 low = middle
         exponent = low
-    return np.exp(exponent * logs)
+    likelihoods = np.empty_like(logs)
+    for i in range(logs.size):
+        likelihoods[i] = elementary.exp(exponent * logs[i])
+    return likelihoods
 
 
 @njit(cache=True)

@@ -6,10 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sim.common import elementary, elementary_arrays
 from sim.common.distance_fields import distance_field
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.grid import FREE, OCCUPIED, GridFrame, OccupancyGrid
 from sim.common.kernels import njit
+from sim.common.matrices import solution
 
 REACH = 1.0
 """Metres: farther from any wall the field is flat and points pull nowhere."""
@@ -89,9 +91,9 @@ def _normal_equations(
 ) -> tuple[FloatArray, FloatArray, float, float]:
     """Gauss-Newton's matrix and right side, the weighted mean square of the distances, and the points' mean weight."""
     matrix = np.zeros((3, 3))
-    right = np.zeros(3)
+    right = np.zeros((3, 1))
     squares, weights = 0.0, 0.0
-    c, s = math.cos(theta), math.sin(theta)
+    c, s = elementary.cos_sin(theta)
     slopes = np.empty(3)
     for j in range(points.shape[0]):
         px = c * points[j, 0] - s * points[j, 1]
@@ -108,7 +110,7 @@ def _normal_equations(
         weights += weight
         squares += weight * distance * distance
         for a in range(3):
-            right[a] -= weight * slopes[a] * distance
+            right[a, 0] -= weight * slopes[a] * distance
             for b in range(3):
                 matrix[a, b] += weight * slopes[a] * slopes[b]
     return matrix, right, squares / weights, weights / points.shape[0]
@@ -124,10 +126,10 @@ def _match(
             damping = _DAMPING * (matrix[0, 0] + matrix[1, 1] + matrix[2, 2]) / 3.0 + 1e-9
             for a in range(3):
                 matrix[a, a] += damping
-            step = np.linalg.solve(matrix, right)
-            x += step[0]
-            y += step[1]
-            theta += step[2]
+            step = solution(matrix, right)
+            x += step[0, 0]
+            y += step[1, 0]
+            theta += step[2, 0]
         if width <= _FINEST:
             break
         width = max(width / 2.0, _FINEST)
@@ -143,7 +145,7 @@ def _shares(field: FloatArray, frame: GridFrame, poses: FloatArray, points: Floa
     """(n,) mean weights of the points, at the coarsest width, seen from each pose."""
     shares = np.empty(poses.shape[0])
     for i in range(poses.shape[0]):
-        c, s = math.cos(poses[i, 2]), math.sin(poses[i, 2])
+        c, s = elementary.cos_sin(poses[i, 2])
         total = 0.0
         for j in range(points.shape[0]):
             dx = poses[i, 0] + c * points[j, 0] - s * points[j, 1] - frame.x
@@ -188,7 +190,7 @@ class ScanMatcher:
             places does not tell them apart.
         """
         if near is not None:
-            there = np.hypot(self.free[:, 0] - near.x, self.free[:, 1] - near.y) < NEAR
+            there = elementary_arrays.hypot(self.free[:, 0] - near.x, self.free[:, 1] - near.y) < NEAR
             found = self._only(points, self.free[there])
             if found is not None:
                 return found

@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from sim.common import elementary, elementary_arrays
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.kernels import njit
 from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Neighbour, Twist
@@ -135,7 +136,7 @@ class Follower:
         self._itinerary_planner = itinerary_planner
         self._itinerary = itinerary
         self._poses = headings(itinerary.points, heading)
-        steps = np.hypot(*np.diff(itinerary.points, axis=0).T)
+        steps = elementary_arrays.hypot(*np.diff(itinerary.points, axis=0).T)
         self._left = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
         self._turns_at_end = turns_at_end
         self._state: FollowerState = Following()
@@ -217,7 +218,7 @@ class Follower:
         """Take note of whether the robot is at the end of the itinerary."""
         limits, state = self._controller.planner.limits, self._state
         x, y, _ = self._poses[-1].tolist()
-        off = math.hypot(x - pose.x, y - pose.y)
+        off = elementary.hypot(x - pose.x, y - pose.y)
         at_end = bool(self._left[self._index] < 3 * limits.xy_goal_tolerance and off <= limits.xy_goal_tolerance)
         now: Following | AtEnd = AtEnd() if at_end else Following()
         if not at_end and limits.latch_xy_goal_tolerance:
@@ -289,7 +290,9 @@ class Follower:
         count, stopped, turns = _drivable(points, costmap.costs, costmap.frame, pose.x, pose.y)
         points = points[:count]
         yields = stopped or (yields and not turns)
-        if len(points) == 0 or (yields and math.hypot(points[-1, 0] - pose.x, points[-1, 1] - pose.y) < HALT_DISTANCE):
+        if len(points) == 0 or (
+            yields and elementary.hypot(points[-1, 0] - pose.x, points[-1, 1] - pose.y) < HALT_DISTANCE
+        ):
             return None, 0.0, stopped
         ends = not yields and self._index + len(points) == len(self._poses)
         slow_down = self._controller.planner.limits.sim_time if ends else YIELD_TIME if yields else 0.1
@@ -320,7 +323,7 @@ def _drivable(points: FloatArray, costs: Costs, frame: CostFrame, x: float, y: f
     end, turns = points.shape[0], False
     top = 0
     for i in range(points.shape[0]):
-        away = math.hypot(points[i, 0] - x, points[i, 1] - y)
+        away = elementary.hypot(points[i, 0] - x, points[i, 1] - y)
         if away > farthest or i == 0:
             farthest, top = away, i
         if away < farthest - TURN_BACK_DISTANCE:
@@ -332,6 +335,6 @@ def _drivable(points: FloatArray, costs: Costs, frame: CostFrame, x: float, y: f
         inside = row >= 0 and col >= 0 and row < costs.shape[0] and col < costs.shape[1]
         if inside and costs[row, col] < INSCRIBED:
             continue
-        if math.hypot(points[i, 0] - x, points[i, 1] - y) > HALT_DISTANCE:
+        if elementary.hypot(points[i, 0] - x, points[i, 1] - y) > HALT_DISTANCE:
             return i, True, turns
     return end, False, turns

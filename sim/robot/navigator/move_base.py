@@ -20,6 +20,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from sim.common import elementary_arrays
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Claim, Neighbour, Scan, Twist
@@ -407,7 +408,7 @@ class Navigator:
         wanted = WantedPath(headings(path, heading), Claim(progress.began, self._robot))
         self._stop("blocked by robots", Planning(wanted, planner.first_obstructing(neighbours, path)))
         self._plan_after(tick, PLAN_RETRY)
-        progress.note_path(float(np.hypot(*np.diff(path, axis=0).T).sum()))
+        progress.note_path(float(elementary_arrays.hypot(*np.diff(path, axis=0).T).sum()))
         if any(len(other.times) and planner.obstructs(other.path[-1], path) for other in neighbours):
             progress.note_others_arriving(tick)
         if progress.patience_over(tick, CLEARING_TIMEOUT):

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
+from sim.common import elementary, elementary_arrays
 from sim.common.geometry import FloatArray
 from sim.common.observations import Scan
 from sim.robot.costmap.costs import CostFrame
@@ -21,7 +22,7 @@ def _end_points(scan: Scan) -> FloatArray:
     mount, ranges = scan.mount, scan.ranges.astype(np.float64)
     ranges = np.where(ranges < mount.range_max, ranges, mount.range_max)
     angles = mount.angles()
-    in_laser = ranges[:, np.newaxis] * np.stack((np.cos(angles), np.sin(angles)), axis=1)
+    in_laser = ranges[:, np.newaxis] * np.stack((elementary_arrays.cos(angles), elementary_arrays.sin(angles)), axis=1)
     points: FloatArray = mount.laser_in_base.transform(in_laser)
     return points
 
@@ -59,9 +60,9 @@ def may_turn(scan: Scan, radius: float) -> bool:
     points = _end_points(scan)
     first, last = points[0], points[-1]
     along = last - first
-    length = float(along @ along)
-    share = min(1.0, max(0.0, float(-first @ along) / length)) if length > 0.0 else 0.0
-    return math.hypot(*(first + share * along)) > radius + WALL_MARGIN
+    length = float((along * along).sum())
+    share = min(1.0, max(0.0, -float((first * along).sum()) / length)) if length > 0.0 else 0.0
+    return elementary.hypot(*(first + share * along)) > radius + WALL_MARGIN
 
 
 def room_ahead(scan: Scan, footprint: FloatArray) -> float:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.kernels import njit
 from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Neighbour, Scan
@@ -85,8 +86,8 @@ class StaleNeighbours:
         angles = scan.mount.angles()
         for robot, stale in list(self._stale.items()):
             place = stale.moving.base_in_map
-            away = math.hypot(place.x - laser_in_map.x, place.y - laser_in_map.y)
-            bearing = math.atan2(place.y - laser_in_map.y, place.x - laser_in_map.x) - laser_in_map.theta
+            away = elementary.hypot(place.x - laser_in_map.x, place.y - laser_in_map.y)
+            bearing = elementary.atan2(place.y - laser_in_map.y, place.x - laser_in_map.x) - laser_in_map.theta
             if away > CORE_RADIUS and _looks_through(angles, scan.ranges, bearing, away):
                 del self._stale[robot]
 

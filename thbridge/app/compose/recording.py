@@ -20,7 +20,7 @@ from thbridge.ros.repetitions import RepetitionFilter
 from thbridge.ros.topics import is_of_errors
 from thbridge.study.text import resolved
 
-RECORDED_PACKAGES = ("thbridge", "numpy", "scipy", "numba", "filterpy", "rosbags", "pymavlink")
+RECORDED_PACKAGES = ("thbridge", "numpy", "scipy", "numba", "rosbags", "pymavlink")
 """Packages whose versions a bag records, since another version may run the same study differently."""
 
 

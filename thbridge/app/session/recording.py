@@ -6,6 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
+from sim.common import elementary_arrays
 from sim.common.geometry import FloatArray
 from sim.common.observations import TICKS_PER_SECOND
 from sim.team import TeamSnapshot
@@ -148,7 +149,7 @@ class BagRecorder:
                 yield _befell(kind, robot)
         places = snapshot.truth.poses[:, :2]
         if self._places is not None:
-            for robot in np.flatnonzero(np.hypot(*(places - self._places).T) > JUMP).tolist():
+            for robot in np.flatnonzero(elementary_arrays.hypot(*(places - self._places).T) > JUMP).tolist():
                 yield _befell("carried", robot)
         self._places = places.copy()
 

@@ -6,6 +6,7 @@ north, clockwise. Heights are ignored: all robots stand on one floor.
 
 import math
 
+from sim.common import elementary
 from sim.common.geometry import Pose2, wrap_angle
 from sim.common.observations import Twist
 from thbridge.protocols.mavlink.dialect import mav
@@ -52,12 +53,14 @@ def compass(theta: float) -> float:
 def quaternion(theta: float) -> tuple[float, float, float, float]:
     """Convert a direction of the map to a quaternion about MAVLink's down axis, w first."""
     half = yaw_of(theta) / 2.0
-    return math.cos(half), 0.0, 0.0, math.sin(half)
+    w, z = elementary.cos_sin(half)
+    return w, 0.0, 0.0, z
 
 
 def north_east(twist: Twist, theta: float) -> tuple[float, float]:
     """Return the velocity north and east, m/s, of a robot that points to `theta`."""
-    return twist.linear * math.sin(theta), twist.linear * math.cos(theta)
+    east, north = elementary.cos_sin(theta)
+    return twist.linear * north, twist.linear * east
 
 
 def point_in_map(frame: int, first: float, second: float, base_in_map: Pose2) -> tuple[float, float]:
@@ -80,11 +83,11 @@ def twist_towards(
     """
     if frame in _BODY:
         return bounded(Twist(first, -yaw_rate), fastest)
-    speed = math.hypot(first, second)
+    speed = elementary.hypot(first, second)
     if speed == 0.0:
         return bounded(Twist(0.0, -yaw_rate), fastest)
-    error = wrap_angle(math.atan2(first, second) - base_in_map.theta)
-    return bounded(Twist(speed * max(0.0, math.cos(error)), _TURN_RATE * error), fastest)
+    error = wrap_angle(elementary.atan2(first, second) - base_in_map.theta)
+    return bounded(Twist(speed * max(0.0, elementary.cos(error)), _TURN_RATE * error), fastest)
 
 
 def bounded(twist: Twist, fastest: Twist) -> Twist:

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary_arrays
 from sim.common.geometry import FloatArray
 
 
@@ -38,8 +39,8 @@ def needed_points(points: FloatArray, tolerance: float) -> NDArray[np.bool_]:
 def _off(points: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
     """Return the (m,) distances of (m, 2) points from the segment between two."""
     along = end - start
-    length = float(along @ along)
+    length = float((along * along).sum())
     if length == 0.0:
-        return np.asarray(np.hypot(*(points - start).T), dtype=np.float64)
-    share = np.clip((points - start) @ along / length, 0.0, 1.0)
-    return np.asarray(np.hypot(*(points - start - share[:, np.newaxis] * along).T), dtype=np.float64)
+        return np.asarray(elementary_arrays.hypot(*(points - start).T), dtype=np.float64)
+    share = np.clip(((points - start) * along).sum(axis=1) / length, 0.0, 1.0)
+    return np.asarray(elementary_arrays.hypot(*(points - start - share[:, np.newaxis] * along).T), dtype=np.float64)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary
 from sim.common.geometry import FloatArray
 from sim.common.observations import TICKS_PER_SECOND
 from sim.robot.software import RobotOutput
@@ -142,9 +143,9 @@ def ellipse_of(covariance: FloatArray) -> Ellipse:
 
     The half axes are the square roots of the eigenvalues of the 2 x 2 covariance, scaled by the chi-square quantile."""
     (xx, xy), (_, yy) = covariance[:2, :2].tolist()
-    mean, spread = 0.5 * (xx + yy), math.hypot(0.5 * (xx - yy), xy)
+    mean, spread = 0.5 * (xx + yy), elementary.hypot(0.5 * (xx - yy), xy)
     major, minor = (math.sqrt(CHI_SQUARE_95 * max(0.0, variance)) for variance in (mean + spread, mean - spread))
-    return Ellipse(_milli(major), _milli(minor), _milli(0.5 * math.atan2(2.0 * xy, xx - yy)))
+    return Ellipse(_milli(major), _milli(minor), _milli(0.5 * elementary.atan2(2.0 * xy, xx - yy)))
 
 
 def _motion(output: RobotOutput, condition: Condition, progress: float) -> RobotMotion:

@@ -1,9 +1,9 @@
 """SimR: the robots' program. It drives a team of robots by the keeper's orders and reports the results."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from sim.common import elementary
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND, Twist
 from sim.inputs import DriveManually, PlaceRobot, SendGoal, SetCharge, TeamInput, WithdrawGoal
@@ -299,7 +299,7 @@ class SimR(RobotsRole):
         if self.snapshot is None:
             return
         here = self.snapshot.robots[goto.robot].estimate.base_in_map
-        heading = math.atan2(goto.y - here.y, goto.x - here.x) if goto.heading is None else goto.heading
+        heading = elementary.atan2(goto.y - here.y, goto.x - here.x) if goto.heading is None else goto.heading
         self._inputs.append(SendGoal(goto.robot, Goal(0, Pose2(goto.x, goto.y, heading))))
 
     # Messages of SimR
@@ -346,7 +346,7 @@ class SimR(RobotsRole):
             moving = robot in self._moves or output.navigation.goal is not None or self._controls.is_driven(robot)
             if moving or output.estimate.lost or self._is_silent(snapshot, output):
                 continue
-            if priced is None or math.hypot(here.x - priced[0].x, here.y - priced[0].y) > PRICED_DISTANCE:
+            if priced is None or elementary.hypot(here.x - priced[0].x, here.y - priced[0].y) > PRICED_DISTANCE:
                 self._priced[robot] = here, travel.costs_from(here)
                 anew = True
         return anew

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import nnls
 
+from sim.common import elementary, elementary_arrays
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.grid import OccupancyGrid
 from sim.parameters import NavfnParameters
@@ -76,7 +77,7 @@ class TravelTimes:
     def costs_from(self, pose: Pose2) -> tuple[float | None, ...]:
         """Return the energy to each place from a pose, by the number people use; whole, and None without a way."""
         here = self._to_grid.compose(pose)
-        away = [math.hypot(goal.x - here.x, goal.y - here.y) for goal in self._goals]
+        away = [elementary.hypot(goal.x - here.x, goal.y - here.y) for goal in self._goals]
         nearest = min(range(len(away)), key=lambda room: away[room])
         estimated = [self._seconds(room, here) for room in range(len(self._goals))]
         if away[nearest] > AT_GOAL:
@@ -88,7 +89,7 @@ class TravelTimes:
 
     def _seconds(self, room: int, here: Pose2) -> float | None:
         way = self._way(room, here)
-        return None if way is None else max(1.0, round(float(np.array(way) @ self._weights)))
+        return None if way is None else max(1.0, round(float((np.array(way) * self._weights).sum())))
 
     def _way(self, room: int, here: Pose2) -> _Way | None:
         """Return the way from a pose in the grid, or from the nearest place that has one; None without any."""
@@ -100,11 +101,13 @@ class TravelTimes:
         if not len(reached):
             return None
         centres = reached + np.array([top, left]) + 0.5
-        y, x = (centres[int(np.hypot(*(centres - np.array([row, col])).T).argmin())] * resolution).tolist()
+        y, x = (
+            centres[int(elementary_arrays.hypot(*(centres - np.array([row, col])).T).argmin())] * resolution
+        ).tolist()
         points = self._planner.descend(potential, self._frame, Pose2(x, y, 0.0), goal)
         if points is None or len(points) < 2:
             return _Way(1.0, 0.0, abs(wrap_angle(goal.theta - here.theta)))
-        steps = np.hypot(*np.diff(points, axis=0).T)
+        steps = elementary_arrays.hypot(*np.diff(points, axis=0).T)
         return _Way(
             1.0,
             float(steps.sum()),
@@ -117,7 +120,7 @@ def _direction(points: FloatArray, steps: FloatArray) -> float:
     """Return the direction of the first stretch of (m, 2) points with (m - 1,) metres between them, radians."""
     end = min(int(np.searchsorted(steps.cumsum(), _FIRST_STRETCH)) + 1, len(points) - 1)
     along = points[end] - points[0]
-    return math.atan2(along[1], along[0])
+    return elementary.atan2(along[1], along[0])
 
 
 def _fitted(known: Sequence[tuple[Sequence[_Way], float]]) -> FloatArray:

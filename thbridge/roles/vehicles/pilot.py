@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sim.common import elementary
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from sim.common.robot_numbers import robot_name
@@ -315,7 +316,7 @@ class Pilot:
     def _pose_at(self, target: Target) -> Pose2:
         """Return the goal pose; without a heading the direction from here to the target is used."""
         here, heading = self._here(), target.heading
-        ahead = math.atan2(target.y - here.y, target.x - here.x)
+        ahead = elementary.atan2(target.y - here.y, target.x - here.x)
         return Pose2(target.x, target.y, ahead if heading is None else heading)
 
     def _here(self) -> Pose2:

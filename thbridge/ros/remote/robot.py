@@ -11,6 +11,7 @@ from typing import assert_never
 
 import numpy as np
 
+from sim.common import elementary, elementary_arrays
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import STANDSTILL, Battery, Imu, LaserMount, Neighbour, Observations, Odometry, Scan, Twist
 from sim.common.robot_numbers import namespace_of, robot_name
@@ -225,7 +226,7 @@ class RemoteRobot:
         plan = _NO_POSES if goal is None else self._plan_ahead(here, goal.base_in_map)
         remaining = 0.0
         if len(plan):
-            remaining = float(np.hypot(*np.diff(plan[:, :2], axis=0).T).sum())
+            remaining = float(elementary_arrays.hypot(*np.diff(plan[:, :2], axis=0).T).sum())
         elif goal is not None:
             remaining = here.distance(goal.base_in_map)
         commanded, commanded_ns = self._command
@@ -245,9 +246,9 @@ class RemoteRobot:
         plan = self._plan
         if not len(plan) or self._plan_ns < self._goals.sent_ns:
             return _NO_POSES
-        if math.hypot(plan[-1, 0] - there.x, plan[-1, 1] - there.y) > NEAR_GOAL:
+        if elementary.hypot(plan[-1, 0] - there.x, plan[-1, 1] - there.y) > NEAR_GOAL:
             return _NO_POSES
-        nearest = int(np.argmin(np.hypot(plan[:, 0] - here.x, plan[:, 1] - here.y)))
+        nearest = int(np.argmin(elementary_arrays.hypot(plan[:, 0] - here.x, plan[:, 1] - here.y)))
         return np.vstack([here.array(), plan[nearest + 1 :]])
 
     def _new_scan(self) -> Scan | None:

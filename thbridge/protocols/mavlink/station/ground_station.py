@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
+from sim.common import elementary
 from thbridge.protocols.mavlink.conventions import COMMANDER
 from thbridge.protocols.mavlink.dialect import TEXT_SIZE, Message, crc_extra, decoded, mav, payload_of
 from thbridge.protocols.mavlink.frames.frame import Frame, missing_between
@@ -209,7 +210,7 @@ class GroundStation:
                 robot.custom_mode, robot.base_mode = message.custom_mode, message.base_mode
             case mav.MAVLink_local_position_ned_message():
                 robot.x, robot.y = message.y, message.x
-                robot.speed = math.hypot(message.vx, message.vy)
+                robot.speed = elementary.hypot(message.vx, message.vy)
             case mav.MAVLink_global_position_int_message():
                 robot.latitude, robot.longitude = message.lat / 1e7, message.lon / 1e7
             case mav.MAVLink_battery_status_message():

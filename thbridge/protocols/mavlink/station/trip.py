@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum, auto
 
+from sim.common import elementary
 from thbridge.protocols.mavlink.conventions import ARRIVED
 from thbridge.protocols.mavlink.coordinates import PER_METRE, yaw_of
 from thbridge.protocols.mavlink.dialect import mav
@@ -194,7 +195,7 @@ def _command_to(target: Target) -> StationCommand:
 
 def _distance(target: Target, robot: KnownRobot) -> float:
     """Return the metres from a robot's own position estimate; NaN while that is unknown."""
-    return math.hypot(target.x - robot.x, target.y - robot.y)
+    return elementary.hypot(target.x - robot.x, target.y - robot.y)
 
 
 def _word(result: int) -> str:

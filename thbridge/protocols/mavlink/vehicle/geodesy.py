@@ -8,6 +8,7 @@ import math
 from dataclasses import dataclass
 from typing import TypeVar
 
+from sim.common import elementary
 from thbridge.protocols.mavlink.options import GeoOrigin
 
 _SEMI_MAJOR = 6_378_137.0
@@ -51,9 +52,9 @@ class MapProjection:
     def __init__(self, origin: GeoOrigin) -> None:
         self.altitude = origin.altitude
         phi = math.radians(origin.latitude)
-        shrink = 1.0 - _ECCENTRICITY_SQUARED * math.sin(phi) ** 2
+        shrink = 1.0 - _ECCENTRICITY_SQUARED * elementary.sin(phi) ** 2
         meridian = _SEMI_MAJOR * (1.0 - _ECCENTRICITY_SQUARED) / shrink**1.5
-        parallel = _SEMI_MAJOR / math.sqrt(shrink) * math.cos(phi)
+        parallel = _SEMI_MAJOR / math.sqrt(shrink) * elementary.cos(phi)
         self._latitude = origin.latitude * PER_DEGREE
         self._longitude = origin.longitude * PER_DEGREE
         self._north = math.degrees(1.0 / meridian) * PER_DEGREE

@@ -1,11 +1,11 @@
 """Fields that many messages have: strings, stamps, headers, poses."""
 
-import math
 from functools import lru_cache
 from struct import Struct
 
 import numpy as np
 
+from sim.common import elementary, elementary_arrays
 from sim.common.geometry import FloatArray
 from thbridge.ros.messages.stamps import stamp_ns
 
@@ -54,13 +54,14 @@ def header(tick: int, frame: str = "") -> bytes:
 
 def pose_fields(x: float, y: float, theta: float) -> bytes:
     """geometry_msgs/Pose."""
-    return _POSE.pack(x, y, 0.0, 0.0, 0.0, math.sin(theta / 2), math.cos(theta / 2))
+    w, z = elementary.cos_sin(theta / 2)
+    return _POSE.pack(x, y, 0.0, 0.0, 0.0, z, w)
 
 
 def pose_rows(poses: FloatArray) -> FloatArray:
     """(n, 7) position and quaternion of (n, 3) poses."""
     rows = np.zeros((len(poses), 7))
     rows[:, :2] = poses[:, :2]
-    rows[:, 5] = np.sin(poses[:, 2] / 2)
-    rows[:, 6] = np.cos(poses[:, 2] / 2)
+    rows[:, 5] = elementary_arrays.sin(poses[:, 2] / 2)
+    rows[:, 6] = elementary_arrays.cos(poses[:, 2] / 2)
     return rows

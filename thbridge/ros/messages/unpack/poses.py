@@ -2,6 +2,7 @@
 
 import math
 
+from sim.common import elementary
 from sim.common.geometry import Pose2
 from thbridge.ros.messages.cursor import Cursor
 
@@ -9,5 +10,5 @@ from thbridge.ros.messages.cursor import Cursor
 def read_pose(cursor: Cursor) -> Pose2:
     """A pose, seen from above; its yaw is NaN when its quaternion is."""
     x, y, _, qx, qy, qz, qw = cursor.spatial_pose()
-    yaw = math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
+    yaw = elementary.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
     return Pose2(x, y, yaw if yaw < math.pi else -math.pi)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary_arrays
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import Twist
@@ -265,5 +266,5 @@ def _poses_alike(data: bytes, count: int) -> FloatArray | None:
 def _planar(rows: FloatArray) -> FloatArray:
     """(n, 3) x, y, yaw of (n, 7) positions and quaternions."""
     x, y, z, w = rows[:, 3:].T
-    yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    yaw = elementary_arrays.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     return np.column_stack((rows[:, :2], np.where(yaw < np.pi, yaw, -np.pi)))

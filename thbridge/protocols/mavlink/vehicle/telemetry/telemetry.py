@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from sim.common import elementary
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.protocols.mavlink.conventions import COMMANDER
 from thbridge.protocols.mavlink.coordinates import compass, north_east, quaternion, yaw_of
@@ -264,7 +265,7 @@ class Telemetry:
         goal, pose, leg = now.readings.goal_in_map, now.readings.base_in_map, now.readings.leg
         if goal is None:
             return None
-        bearing = round(compass(math.atan2(goal.y - pose.y, goal.x - pose.x)))
+        bearing = round(compass(elementary.atan2(goal.y - pose.y, goal.x - pose.x)))
         remaining = pose.distance(goal) if leg is None else leg.remaining
         metres = _within(remaining, 0, _UNKNOWN_16)
         return mav.MAVLink_nav_controller_output_message(0.0, 0.0, bearing, bearing, metres, 0.0, 0.0, 0.0)

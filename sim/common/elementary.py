@@ -1,0 +1,317 @@
+"""Elementary functions that give the same bits on every machine: sin, cos, atan2, exp, log, hypot.
+
+The functions of libm and of numpy are accurate, but each in its own way: which of several is run depends on the
+processor's features and on versions of libraries, and with it the last bit. A robot's noise, particles and plans are
+built on such bits, so that a session could be repeated on one kind of machine alone.
+
+Here are only sums, products, quotients and square roots of doubles, which IEEE 754 defines to the bit, one after the
+other as they are written: Python does not contract or reorder them, nor does numba without `fastmath`. A function looks
+its value up at a near point of a table, as a sum of two doubles, and goes on from there by a short series; what
+rounding takes from the leading products and sums is carried along. So results are as good as correctly rounded: an
+error is at most 0.502 units in the last place, where half a unit is the best there can be.
+
+They are plain functions, for who needs a number now and then. Kernels compile these same functions, and
+`sim.common.elementary_arrays` has them for arrays.
+
+Sources: Muller, Elementary Functions, 3rd ed. (2016), chapters 6 (tables: Tang, Gal) and 11 (range reduction: Cody and
+Waite, Payne and Hanek); Dekker, A floating-point technique for extending the available precision (1971), for the errors
+of sums and products; Borges, An improved algorithm for hypot(a, b) (2019).
+"""
+
+import math
+
+import numpy as np
+
+from sim.common.elementary_tables import (
+    ARCTANGENTS,
+    EXPONENT_STEP,
+    EXPONENTIALS,
+    FULL_TURN,
+    LOG_2,
+    LOGARITHMS,
+    LOGARITHMS_FROM,
+    RIGHT_ANGLE,
+    STRAIGHT_ANGLE,
+    TURN_STEP,
+    TURN_WORDS,
+    TURNS,
+)
+
+_STEP_1, _STEP_2, _STEP_3, _STEP_4 = TURN_STEP
+_TURN_1, _TURN_2 = FULL_TURN
+_EXPONENT_1, _EXPONENT_2, _EXPONENT_3 = EXPONENT_STEP
+_LOG_2_1, _LOG_2_2 = LOG_2
+_RIGHT_1, _RIGHT_2 = RIGHT_ANGLE
+_STRAIGHT_1, _STRAIGHT_2 = STRAIGHT_ANGLE
+
+_STEPS_PER_RADIAN = 64.0 / math.pi
+_STEPS_PER_EXPONENT = 128.0 / (_LOG_2_1 + _LOG_2_2)
+_FARTHEST = 2.0**20 / _STEPS_PER_RADIAN
+"""Radians up to which Cody and Waite's reduction is exact."""
+
+_ROUNDING = 1.5 * 2.0**52
+"""Added and subtracted again, it leaves a number rounded to an integer, half to even."""
+
+_SPLITTER = 2.0**27 + 1.0
+"""Dekker's factor, which splits a double into 26 and 26 bits."""
+
+
+def _leading(x: float) -> float:
+    """The leading 26 bits of a number; the rest has as many."""
+    scaled = _SPLITTER * x
+    return scaled - (scaled - x)
+
+
+def _sum(a: float, b: float) -> tuple[float, float]:
+    """The sum of two numbers and its rounding error."""
+    total = a + b
+    of_b = total - a
+    return total, (a - (total - of_b)) + (b - of_b)
+
+
+def _ordered_sum(a: float, b: float) -> tuple[float, float]:
+    """The sum of two numbers and its rounding error; the first is the greater one, or 0."""
+    total = a + b
+    return total, b - (total - a)
+
+
+def _product(a: float, b: float) -> tuple[float, float]:
+    """The product of two numbers and its rounding error."""
+    a1, b1 = _leading(a), _leading(b)
+    a2, b2 = a - a1, b - b1
+    product = a * b
+    return product, ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2
+
+
+def _scaled(x: float, exponent: int) -> float:
+    """A number times a power of two; infinite where that is no double, which is an error to ldexp."""
+    return math.ldexp(x, exponent - 1) * 2.0 if exponent > 0 else math.ldexp(x, exponent)
+
+
+def _reduced(x: float) -> tuple[int, float, float]:
+    """An angle as a number of steps of pi / 64 and the rest, radians, in two parts."""
+    if abs(x) >= _FARTHEST:
+        return _reduced_far(x)
+    steps = (x * _STEPS_PER_RADIAN + _ROUNDING) - _ROUNDING
+    rest, error = _sum(x - steps * _STEP_1, -steps * _STEP_2)
+    rest, more = _sum(rest, -steps * _STEP_3)
+    rest, error = _ordered_sum(rest, more + error - steps * _STEP_4)
+    return int(steps), rest, error
+
+
+def _reduced_far(x: float) -> tuple[int, float, float]:
+    """The same for any finite angle: the fraction of its product with 1 / (2 pi), in digits of 24 bits.
+
+    Digits before the point are whole turns, and are left out. Sums of four products of digits are exact.
+    """
+    mantissa, exponent = math.frexp(abs(x))
+    first = (exponent - 53) // 24
+    ahead = math.ldexp(mantissa, exponent - 24 * first)  # times 2**(24 * first); an integer below 2**77
+    digits = np.empty(4)
+    for j in range(3, -1, -1):
+        digit = float(math.floor(ahead * 2.0 ** (-24 * j)))
+        digits[j], ahead = digit, ahead - digit * 2.0 ** (24 * j)
+    turn = np.empty(6)
+    carry = 0.0
+    for k in range(5, -1, -1):
+        word = carry
+        for j in range(4):
+            i = k + j + first
+            if 0 <= i < len(TURN_WORDS):
+                word += digits[j] * TURN_WORDS[i]
+        carry = float(math.floor(word * 2.0**-24))
+        turn[k] = word - carry * 2.0**24
+    w1, w2, w3, w4, w5, w6 = (
+        float(turn[0]),
+        float(turn[1]),
+        float(turn[2]),
+        float(turn[3]),
+        float(turn[4]),
+        float(turn[5]),
+    )
+    steps = math.floor(w1 * 2.0**-17 + 0.5)
+    part, error = _sum(((w1 - steps * 2.0**17) * 2.0**24 + w2) * 2.0**-48, (w3 * 2.0**24 + w4) * 2.0**-96)
+    error += (w5 * 2.0**24 + w6) * 2.0**-144
+    rest, lost = _product(part, _TURN_1)
+    rest, error = _ordered_sum(rest, lost + (part * _TURN_2 + error * _TURN_1))
+    return (steps, rest, error) if x > 0.0 else (-steps, -rest, -error)
+
+
+def _turned(cos_1: float, cos_2: float, sin_1: float, sin_2: float, rest: float, error: float) -> float:
+    """sin(a + r), by sine and cosine of a in two parts, the first of 26 bits, and a small r in two parts."""
+    square = rest * rest
+    # sin(r) - r and cos(r) - 1
+    bent = error + rest * square * (-1.0 / 6.0 + square * (1.0 / 120.0 + square * (-1.0 / 5040.0 + square / 362880.0)))
+    short = square * (-0.5 + square * (1.0 / 24.0 + square * (-1.0 / 720.0 + square / 40320.0))) - rest * error
+    rest_1 = _leading(rest)
+    total, lost = _ordered_sum(sin_1, cos_1 * rest_1)
+    return total + (
+        lost + (sin_2 + (cos_1 * (rest - rest_1) + (cos_2 * rest + ((cos_1 + cos_2) * bent + (sin_1 + sin_2) * short))))
+    )
+
+
+# Each function makes a double of its argument first: numba would calculate with a float32 in its own precision, and
+# numpy's numbers are slow in plain code.
+
+
+def sin(x: float) -> float:
+    """The sine of an angle in radians; nan for one that is not finite."""
+    x = float(1.0 * x)
+    if abs(x) < 2.0**-27:
+        return x
+    if not math.isfinite(x):
+        return math.nan
+    steps, rest, error = _reduced(x)
+    i = steps & 127
+    return _turned(float(TURNS[i, 0]), float(TURNS[i, 1]), float(TURNS[i, 2]), float(TURNS[i, 3]), rest, error)
+
+
+def cos(x: float) -> float:
+    """The cosine of an angle in radians; nan for one that is not finite."""
+    x = float(1.0 * x)
+    if not math.isfinite(x):
+        return math.nan
+    steps, rest, error = _reduced(x)
+    i = steps & 127
+    return _turned(-float(TURNS[i, 2]), -float(TURNS[i, 3]), float(TURNS[i, 0]), float(TURNS[i, 1]), rest, error)
+
+
+def cos_sin(x: float) -> tuple[float, float]:
+    """Cosine and sine of an angle in radians; the same as one by one, at less cost."""
+    x = float(1.0 * x)
+    if not math.isfinite(x):
+        return math.nan, math.nan
+    steps, rest, error = _reduced(x)
+    i = steps & 127
+    cos_1, cos_2, sin_1, sin_2 = float(TURNS[i, 0]), float(TURNS[i, 1]), float(TURNS[i, 2]), float(TURNS[i, 3])
+    cosine = _turned(-sin_1, -sin_2, cos_1, cos_2, rest, error)
+    return cosine, x if abs(x) < 2.0**-27 else _turned(cos_1, cos_2, sin_1, sin_2, rest, error)
+
+
+def exp(x: float) -> float:
+    """e to the power of x; infinite beyond the greatest double, 0 below the least."""
+    x = float(1.0 * x)
+    if not -746.0 < x < 710.0:
+        if math.isnan(x):
+            return x
+        return math.inf if x > 0.0 else 0.0
+    steps = (x * _STEPS_PER_EXPONENT + _ROUNDING) - _ROUNDING
+    rest, error = _sum(x - steps * _EXPONENT_1, -steps * _EXPONENT_2)
+    error -= steps * _EXPONENT_3
+    n = int(steps)
+    i = n & 127
+    value_1, value_2 = float(EXPONENTIALS[i, 0]), float(EXPONENTIALS[i, 1])
+    # exp(r) - 1 - r
+    bent = error + rest * rest * (
+        0.5 + rest * (1.0 / 6.0 + rest * (1.0 / 24.0 + rest * (1.0 / 120.0 + rest * (1.0 / 720.0))))
+    )
+    rest_1 = _leading(rest)
+    total, lost = _ordered_sum(value_1, value_1 * rest_1)
+    lost += value_2 + (value_1 * (rest - rest_1) + (value_2 * rest + (value_1 + value_2) * bent))
+    return _scaled(total + lost, n >> 7)
+
+
+def log(x: float) -> float:
+    """The natural logarithm; minus infinity for 0, nan for negative numbers."""
+    x = float(1.0 * x)
+    if not 0.0 < x < math.inf:
+        if x == 0.0:
+            return -math.inf
+        return x if x > 0.0 else math.nan
+    mantissa, exponent = math.frexp(x)
+    if mantissa < 0.7071067811865476:
+        mantissa, exponent = 2.0 * mantissa, exponent - 1
+    i = int(128.0 * mantissa + 0.5) - LOGARITHMS_FROM
+    reciprocal, value_1, value_2 = float(LOGARITHMS[i, 0]), float(LOGARITHMS[i, 1]), float(LOGARITHMS[i, 2])
+    mantissa_1 = _leading(mantissa)
+    # The reciprocal has ten bits, so both products are exact.
+    rest, error = _sum(reciprocal * mantissa_1 - 1.0, reciprocal * (mantissa - mantissa_1))
+    rest_1 = _leading(rest)
+    tail = 1.0 / 7.0 + rest * (-1.0 / 8.0 + rest * (1.0 / 9.0 + rest * (-1.0 / 10.0)))
+    bent = (
+        rest * rest * rest * (1.0 / 3.0 + rest * (-1.0 / 4.0 + rest * (1.0 / 5.0 + rest * (-1.0 / 6.0 + rest * tail))))
+    )
+    total, lost = _sum(exponent * _LOG_2_1 + value_1, rest)
+    total, more = _sum(total, -0.5 * rest_1 * rest_1)
+    lost += more + (exponent * _LOG_2_2 + value_2)
+    return total + (lost + (bent + (error - error * rest - 0.5 * (rest - rest_1) * (rest_1 + rest))))
+
+
+def atan2(y: float, x: float) -> float:
+    """The angle of the vector (x, y) in [-pi, pi], radians; signs of zeros count as in C."""
+    x, y = float(1.0 * x), float(1.0 * y)
+    if math.isnan(x) or math.isnan(y):
+        return math.nan
+    greater, less = abs(x), abs(y)
+    steep = less > greater
+    if steep:
+        greater, less = less, greater
+    if greater == 0.0:
+        return math.copysign(0.0 if math.copysign(1.0, x) > 0.0 else math.pi, y)
+    if greater == math.inf:
+        less = 1.0 if less == math.inf else 0.0
+        greater = 1.0
+    ratio = less / greater
+    if ratio < 2.0**-35:
+        # The quotient is the arctangent to far behind the last place.
+        angle, error = ratio, 0.0
+        if ratio > 0.0 and (x < 0.0 or steep):
+            angle = max(angle, 2.0**-200)
+    else:
+        if not 2.0**-400 < greater < 2.0**400:
+            scale = math.frexp(greater)[1]
+            greater, less = math.ldexp(greater, -scale), math.ldexp(less, -scale)
+        i = int(ratio * 64.0 + 0.5)
+        near = i / 64.0
+        greater_1, less_1 = _leading(greater), _leading(less)
+        # tan(a - b), by the tangents of both: products with the short number are exact.
+        over, over_error = _sum(less - near * greater_1, -near * (greater - greater_1))
+        under, under_error = _sum(greater, near * less_1)
+        under, under_error = _ordered_sum(under, under_error + near * (less - less_1))
+        tangent = over / under
+        product, product_error = _product(tangent, under)
+        error = ((over - product) - product_error + over_error - tangent * under_error) / under
+        square = tangent * tangent
+        bent = square * (-1.0 / 3.0 + square * (1.0 / 5.0 + square * (-1.0 / 7.0 + square * (1.0 / 9.0))))
+        angle, lost = _sum(float(ARCTANGENTS[i, 0]), tangent)
+        error = lost + (float(ARCTANGENTS[i, 1]) + (error + tangent * bent))
+    if steep:
+        base_1, base_2, sign = _RIGHT_1, _RIGHT_2, (-1.0 if x >= 0.0 else 1.0)
+    elif x < 0.0 or (x == 0.0 and math.copysign(1.0, x) < 0.0):
+        base_1, base_2, sign = _STRAIGHT_1, _STRAIGHT_2, -1.0
+    else:
+        return math.copysign(angle + error, y)
+    total, lost = _ordered_sum(base_1, sign * angle)
+    return math.copysign(total + (lost + (base_2 + sign * error)), y)
+
+
+def hypot(x: float, y: float) -> float:
+    """The length of the vector (x, y)."""
+    x, y = float(1.0 * x), float(1.0 * y)
+    greater, less = abs(x), abs(y)
+    if greater < less:
+        greater, less = less, greater
+    if math.isinf(x) or math.isinf(y):
+        return math.inf
+    if math.isnan(x) or math.isnan(y):
+        return math.nan
+    if not (less > 2.0**-400 and greater < 2.0**400):
+        if less == 0.0 or less < greater * 2.0**-60:
+            return greater
+        scale = math.frexp(greater)[1]
+        return _scaled(_length(math.ldexp(greater, -scale), math.ldexp(less, -scale)), scale)
+    return _length(greater, less)
+
+
+def _length(greater: float, less: float) -> float:
+    """The length of a vector, by its greater and its lesser part; neither square overflows or vanishes."""
+    length = math.sqrt(greater * greater + less * less)
+    length_1, greater_1, less_1 = _leading(length), _leading(greater), _leading(less)
+    length_2, greater_2, less_2 = length - length_1, greater - greater_1, less - less_1
+    # What the square of the rounded root has too much: exact but for its last sum.
+    surplus = (
+        ((length_1 * length_1 - greater_1 * greater_1) - less_1 * less_1)
+        + 2.0 * ((length_1 * length_2 - greater_1 * greater_2) - less_1 * less_2)
+        + ((length_2 * length_2 - greater_2 * greater_2) - less_2 * less_2)
+    )
+    return length - surplus / (2.0 * length)

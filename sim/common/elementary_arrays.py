@@ -1,0 +1,80 @@
+"""The functions of `sim.common.elementary` for arrays of any shape; a single number is theirs as well.
+
+The compiler is imported by the first call: many programs know paths and places, and calculate with none of them.
+"""
+
+from functools import cache
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from sim.common.geometry import FloatArray
+
+
+def _copy(values: ArrayLike) -> FloatArray:
+    """A copy in one piece: kernels overwrite it, and know no other layout."""
+    return np.array(values, dtype=np.float64, order="C")
+
+
+@cache
+def _kernels() -> ModuleType:
+    from sim.common import elementary_kernels  # noqa: PLC0415
+
+    return elementary_kernels
+
+
+def cos(angles: ArrayLike) -> FloatArray:
+    """Cosines of angles in radians."""
+    values = _copy(angles)
+    _kernels().to_cos(values.reshape(-1))
+    return values
+
+
+def sin(angles: ArrayLike) -> FloatArray:
+    """Sines of angles in radians."""
+    values = _copy(angles)
+    _kernels().to_sin(values.reshape(-1))
+    return values
+
+
+def exp(exponents: ArrayLike) -> FloatArray:
+    """Powers of e."""
+    values = _copy(exponents)
+    _kernels().to_exp(values.reshape(-1))
+    return values
+
+
+def log(numbers: ArrayLike) -> FloatArray:
+    """Natural logarithms."""
+    values = _copy(numbers)
+    _kernels().to_log(values.reshape(-1))
+    return values
+
+
+def atan2(y: ArrayLike, x: ArrayLike) -> FloatArray:
+    """Angles of vectors (x, y) in [-pi, pi], radians; both arrays have one shape."""
+    values, others = _copy(y), _copy(x)
+    _kernels().to_atan2(values.reshape(-1), others.reshape(-1))
+    return values
+
+
+def hypot(x: ArrayLike, y: ArrayLike) -> FloatArray:
+    """Lengths of vectors (x, y); both arrays have one shape."""
+    values, others = _copy(x), _copy(y)
+    _kernels().to_hypot(values.reshape(-1), others.reshape(-1))
+    return values
+
+
+def interp(x: ArrayLike, known: FloatArray, values: FloatArray) -> FloatArray:
+    """Values between (n,) known points, which increase; beyond them the first and the last, as numpy's function has it.
+
+    Compilers may contract the product and the sum in numpy's own, where a processor can do both at once.
+    """
+    wanted = np.clip(x, known[0], known[-1])
+    left = np.clip(np.searchsorted(known, wanted, side="right") - 1, 0, max(len(known) - 2, 0))
+    right = np.minimum(left + 1, len(known) - 1)
+    width = known[right] - known[left]
+    slope = (values[right] - values[left]) / np.where(width > 0.0, width, 1.0)
+    between: FloatArray = values[left] + slope * (wanted - known[left])
+    return np.where(wanted >= known[-1], values[-1], between)

@@ -1,0 +1,47 @@
+"""Kernels of `sim.common.elementary_arrays`."""
+
+from sim.common import elementary
+from sim.common.geometry import FloatArray
+from sim.common.kernels import njit
+
+
+@njit(cache=True)
+def to_cos(values: FloatArray) -> None:
+    """Replace (n,) angles in radians by their cosines."""
+    for i in range(values.size):
+        values[i] = elementary.cos(values[i])
+
+
+@njit(cache=True)
+def to_sin(values: FloatArray) -> None:
+    """Replace (n,) angles in radians by their sines."""
+    for i in range(values.size):
+        values[i] = elementary.sin(values[i])
+
+
+@njit(cache=True)
+def to_exp(values: FloatArray) -> None:
+    """Replace (n,) exponents by the powers of e."""
+    for i in range(values.size):
+        values[i] = elementary.exp(values[i])
+
+
+@njit(cache=True)
+def to_log(values: FloatArray) -> None:
+    """Replace (n,) numbers by their natural logarithms."""
+    for i in range(values.size):
+        values[i] = elementary.log(values[i])
+
+
+@njit(cache=True)
+def to_atan2(y: FloatArray, x: FloatArray) -> None:
+    """Replace the (n,) second coordinates of vectors by the vectors' angles, radians."""
+    for i in range(y.size):
+        y[i] = elementary.atan2(y[i], x[i])
+
+
+@njit(cache=True)
+def to_hypot(x: FloatArray, y: FloatArray) -> None:
+    """Replace the (n,) first coordinates of vectors by the vectors' lengths."""
+    for i in range(x.size):
+        x[i] = elementary.hypot(x[i], y[i])

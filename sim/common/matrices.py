@@ -1,0 +1,93 @@
+"""Algebra of small matrices, whose sums are added up in a fixed order.
+
+The libraries behind numpy's `@` and `numpy.linalg` choose their kernels, and with these the order of sums, by the
+processor: the last bits of a result differ from machine to machine.
+
+Source: Golub, Van Loan, Matrix Computations, 4th ed. (2013), sections 3.4 (elimination with partial pivoting) and 4.2
+(Cholesky's factor of a semidefinite matrix).
+"""
+
+import math
+
+import numpy as np
+
+from sim.common.geometry import FloatArray
+from sim.common.kernels import njit
+
+
+@njit(cache=True)
+def product(a: FloatArray, b: FloatArray) -> FloatArray:
+    """(n, m) product of an (n, k) and a (k, m) matrix."""
+    out = np.zeros((a.shape[0], b.shape[1]))
+    for i in range(a.shape[0]):
+        for j in range(b.shape[1]):
+            for k in range(a.shape[1]):
+                out[i, j] += a[i, k] * b[k, j]
+    return out
+
+
+@njit(cache=True)
+def solution(matrix: FloatArray, right: FloatArray) -> FloatArray:
+    """(n, m) solution of an (n, n) matrix for (n, m) right sides; nan where the matrix is singular."""
+    a, x = matrix.copy(), right.copy()
+    n = a.shape[0]
+    for k in range(n):
+        pivot = k
+        for i in range(k + 1, n):
+            if abs(a[i, k]) > abs(a[pivot, k]):
+                pivot = i
+        if a[pivot, k] == 0.0:
+            x[:] = np.nan
+            return x
+        if pivot != k:
+            for j in range(n):
+                a[k, j], a[pivot, j] = a[pivot, j], a[k, j]
+            for j in range(x.shape[1]):
+                x[k, j], x[pivot, j] = x[pivot, j], x[k, j]
+        for i in range(k + 1, n):
+            factor = a[i, k] / a[k, k]
+            for j in range(k + 1, n):
+                a[i, j] -= factor * a[k, j]
+            for j in range(x.shape[1]):
+                x[i, j] -= factor * x[k, j]
+    for k in range(n - 1, -1, -1):
+        for j in range(x.shape[1]):
+            for i in range(k + 1, n):
+                x[k, j] -= a[k, i] * x[i, j]
+            x[k, j] /= a[k, k]
+    return x
+
+
+def inverse(matrix: FloatArray) -> FloatArray:
+    """(n, n) inverse of a matrix; nan where it is singular."""
+    return solution(np.ascontiguousarray(matrix), np.eye(len(matrix)))
+
+
+@njit(cache=True)
+def root(covariance: FloatArray) -> FloatArray:
+    """(n, n) lower triangular factor whose product with its transpose is a covariance; this one may be singular.
+
+    Where a direction has no variance, e.g. a heading known exactly, its column is zero.
+    """
+    n = covariance.shape[0]
+    out = np.zeros((n, n))
+    for j in range(n):
+        left = covariance[j, j]
+        for k in range(j):
+            left -= out[j, k] * out[j, k]
+        # What rounding may have left of nothing, or taken from it.
+        if left <= 1e-14 * covariance[j, j] or left <= 0.0:
+            continue
+        out[j, j] = math.sqrt(left)
+        for i in range(j + 1, n):
+            rest = covariance[i, j]
+            for k in range(j):
+                rest -= out[i, k] * out[j, k]
+            out[i, j] = rest / out[j, j]
+    return out
+
+
+def covariance_of(rows: FloatArray) -> FloatArray:
+    """(m, m) covariance of (n, m) equally likely rows about their mean."""
+    off = rows - rows.mean(axis=0)
+    return product(np.ascontiguousarray(off.T), off) / len(rows)
