@@ -25,7 +25,7 @@ from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, read
 from thbridge.hunt.rules import MOST_ROBOTS
 from thbridge.hunt.team_planner import TeamPlanner
 from thbridge.protocols.text.canonical import Dialect
-from thbridge.recording.bag.options import Compression, RecordingDetail, SplitLimits
+from thbridge.recording.bag.options import Compression, DefinitionTexts, RecordingDetail, SplitLimits
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.sockets.addresses import TEXT_SERVER_PORT
 from thbridge.study.mavlink import MavlinkSection, faults_of_mavlink
@@ -232,6 +232,11 @@ class RecordingSection:
     detail: RecordingDetail = param(
         RecordingDetail.CHANGES,
         "changes: of costmaps that stay the same one in 10 s, and every other message; all: these costmaps, too",
+    )
+    definitions: DefinitionTexts = param(
+        DefinitionTexts.OWN,
+        "texts of message types in the bag; own: the same on every machine; installed: those of an installed ROS, with "
+        "comments, as `rosbag check` wants them",
     )
     errors: bool = param(True, "the pose that each robot believes at every scan, its errors, and whether it is lost")
     split_size: float | None = param(

@@ -22,7 +22,7 @@ from tests.thbridge.recording.bag.inline_queue import InlineQueue
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from tests.thbridge.ros.messages.type_lists import STANDARD_TYPES
 from thbridge.app.session.broadcast import Broadcast
-from thbridge.files.ros.definitions import Definitions
+from thbridge.files.ros.definitions import ROS_SHARES, Definitions
 from thbridge.recording.bag.options import Compression, SplitLimits
 from thbridge.recording.bag.reader import info, messages
 from thbridge.recording.bag.repair import reindex
@@ -81,6 +81,9 @@ def eventually(true: Callable[[], bool], what: str) -> None:
         time.sleep(0.05)
 
 
+INSTALLED = Definitions(ROS_SHARES)
+
+
 def record(
     path: Path,
     definitions: Definitions,
@@ -102,9 +105,9 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def packed(tmp_path_factory: pytest.TempPathFactory) -> dict[Compression, Path]:
-    """The same recording, packed in every way."""
+    """The same recording with the texts of the installed ROS, packed in every way."""
     folder = tmp_path_factory.mktemp("packed")
-    return {kind: record(folder / f"{kind}.bag", Definitions(), kind) for kind in Compression}
+    return {kind: record(folder / f"{kind}.bag", INSTALLED, kind) for kind in Compression}
 
 
 @needs_ros
@@ -119,13 +122,13 @@ def test_rosbag_info_agrees_with_ours(bag: Path) -> None:
 
 
 @needs_our_messages
-def test_rosbag_check_wants_no_migration_at_all(bag: Path) -> None:
-    assert run("rosbag", "check", str(bag)).strip() == "Bag file does not need any migrations."
+def test_rosbag_check_wants_no_migration_at_all(packed: dict[Compression, Path]) -> None:
+    assert run("rosbag", "check", str(packed[Compression.NONE])).strip() == "Bag file does not need any migrations."
 
 
 @needs_our_messages
 def test_rosbag_check_wants_no_migration_of_any_type(tmp_path: Path) -> None:
-    with BagWriter(tmp_path / "types.bag") as writer:
+    with BagWriter(tmp_path / "types.bag", INSTALLED) as writer:
         for number, msgtype in enumerate((*STANDARD_TYPES, *OWN_TYPES, *MAVROS_TYPES)):
             writer.write(RosMessage(Topic(f"/type{number}", msgtype), 1_000_000_000 + number, b""))
     assert run("rosbag", "check", str(tmp_path / "types.bag")).strip() == "Bag file does not need any migrations."
@@ -165,8 +168,8 @@ def test_rostopic_reads_frames_and_states_of_vehicles(tmp_path: Path) -> None:
 
 
 @needs_our_messages
-def test_without_installed_definitions_texts_differ_and_nothing_else(tmp_path: Path) -> None:
-    said = run("rosbag", "check", str(record(tmp_path / "plain.bag", Definitions(()))))
+def test_with_texts_of_our_own_texts_differ_and_nothing_else(bag: Path) -> None:
+    said = run("rosbag", "check", str(bag))
     lines = [line.split() for line in said.splitlines()]
     changed = {words[-2]: words[-1] for words in lines if "From:" in words}
     target = {words[-2]: words[-1] for words in lines if "To:" in words}
@@ -185,8 +188,8 @@ def test_sums_and_texts_are_those_of_the_installed_ros() -> None:
     theirs = json.loads(run(PYTHON, "-c", script, *types))
     # Only studies with things in the way have markers; not every ROS knows them.
     assert set(types) - set(theirs) <= {MARKER_ARRAY}
-    definitions = Definitions()
-    ours = {msgtype: definitions.of(msgtype) for msgtype in theirs}
+    ours = {msgtype: INSTALLED.of(msgtype) for msgtype in theirs}
+    assert {name: Definitions().of(name).md5 for name in ours} == {name: md5 for name, (md5, _) in theirs.items()}
     assert {name: [ours[name].md5, ours[name].text.strip()] for name in ours} == theirs
 
 

@@ -6,6 +6,7 @@ import pytest
 
 from sim.team import Team
 from thbridge.app.compose.game import build_briefing
+from thbridge.app.compose.recording import build_writer
 from thbridge.app.compose.robots import REHEARSERS, build_simr, rehearse
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.dialogue.wording.lines import LineKey
@@ -14,8 +15,20 @@ from thbridge.files.game_files import SHIPPED_GAMES
 from thbridge.files.resources import shipped
 from thbridge.files.yaml.load import Loaded
 from thbridge.protocols.text.notice import encode_notice
+from thbridge.recording.bag.options import DefinitionTexts
+from thbridge.recording.bag.reader import recorded
 from thbridge.roles.notices import Subscribe
-from thbridge.study.study_file import CostModel, GameSection, ParticipantSection, ShowsSection, Study, load_study
+from thbridge.ros.messages.types import STRING
+from thbridge.ros.topics import RosMessage, Topic
+from thbridge.study.study_file import (
+    CostModel,
+    GameSection,
+    ParticipantSection,
+    RecordingSection,
+    ShowsSection,
+    Study,
+    load_study,
+)
 
 
 @pytest.mark.parametrize("name", ["arena8", "office", "warehouse12"])
@@ -48,6 +61,20 @@ def rehearsed(setting: StudySetting, monkeypatch: pytest.MonkeyPatch) -> Team:
     monkeypatch.setattr("thbridge.app.compose.robots.Team", made)
     rehearse(setting)
     return teams[0]
+
+
+@pytest.mark.parametrize("texts", DefinitionTexts)
+def test_bags_have_the_texts_of_an_installed_ros_only_where_the_study_says_so(
+    texts: DefinitionTexts, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "std_msgs" / "msg").mkdir(parents=True)
+    (tmp_path / "std_msgs" / "msg" / "String.msg").write_text("# said\nstring data\n")
+    monkeypatch.setattr("thbridge.app.compose.recording.ROS_SHARES", (tmp_path,))
+    study = dataclasses.replace(Study(), recording=RecordingSection(definitions=texts))
+    with build_writer(read_setting(study, Path()), tmp_path / "a.bag") as writer:
+        writer.write(RosMessage(Topic("/said", STRING), 1_000_000_000, bytes(4)))
+    ((publisher, _, _),) = recorded(tmp_path / "a.bag")
+    assert publisher.definition == ("string data\n" if texts is DefinitionTexts.OWN else "# said\nstring data\n")
 
 
 def test_participants_are_briefed_with_the_study_s_map_pictures_and_consent(tmp_path: Path) -> None:

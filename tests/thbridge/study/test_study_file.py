@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from sim.parameters import OdometryNoise, RobotParameters, WorldParameters
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.yaml.load import load_text
-from thbridge.recording.bag.options import Compression, RecordingDetail, SplitLimits
+from thbridge.recording.bag.options import Compression, DefinitionTexts, RecordingDetail, SplitLimits
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.study.noise import NoisePreset
 from thbridge.study.study_file import GameSection, ParticipantSection, ShowsSection, Study, load_study, read_study_text
@@ -403,6 +403,11 @@ class TestRecording:
 
     def test_all_costmaps_are_recorded_on_request(self) -> None:
         assert read_study_text(STUDY, "recording: {detail: all}").recording.detail is RecordingDetail.ALL
+
+    def test_texts_of_an_installed_ros_are_taken_on_request(self) -> None:
+        assert read_study_text(STUDY, "").recording.definitions is DefinitionTexts.OWN
+        chosen = read_study_text(STUDY, "recording: {definitions: installed}").recording
+        assert chosen.definitions is DefinitionTexts.INSTALLED
 
     @pytest.mark.parametrize("line", ["compression: zip", "detail: some", "split_size: 0", "split_duration: 0.5"])
     def test_what_cannot_be_is_refused(self, line: str) -> None:

@@ -9,7 +9,8 @@ from sim.common.robot_numbers import robot_numbers
 from sim.world.sensors import mount_of
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.live_graph.live import TeamDescription
-from thbridge.recording.bag.options import RecordingDetail
+from thbridge.files.ros.definitions import ROS_SHARES, Definitions
+from thbridge.recording.bag.options import DefinitionTexts, RecordingDetail
 from thbridge.recording.bag.writer import BagWriter, keep_all
 from thbridge.ros.messages.pack import RoomLabel
 from thbridge.ros.messages.session_records import SessionRecord
@@ -47,7 +48,15 @@ def build_writer(setting: StudySetting, path: Path, caller: str = CALLER) -> Bag
     """Return a writer of a new bag, for messages of this node. Raises BagNotWritten."""
     recording = setting.study.recording
     keep = message_filter(recording.detail, errors=recording.errors)
-    return BagWriter(path, compression=recording.compression, splitting=recording.splitting, caller=caller, keep=keep)
+    definitions = Definitions(ROS_SHARES if recording.definitions is DefinitionTexts.INSTALLED else ())
+    return BagWriter(
+        path,
+        definitions,
+        compression=recording.compression,
+        splitting=recording.splitting,
+        caller=caller,
+        keep=keep,
+    )
 
 
 def message_filter(detail: RecordingDetail, *, errors: bool) -> Callable[[RosMessage], bool]:

@@ -22,7 +22,7 @@ from thbridge.app.live_graph.live_parameters import LiveParameters, sendable
 from thbridge.app.live_graph.rate_limiter import RateLimiter
 from thbridge.app.live_graph.typed_node import TypedNode
 from thbridge.app.session.mavros import frame_in
-from thbridge.files.ros.definitions import Definitions
+from thbridge.files.ros.definitions import ROS_SHARES, Definitions
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.roles.robot_requests import Request
@@ -80,7 +80,7 @@ class LiveGraph:
         receive_frame: Callable[[int, Frame], None] | None = None,
     ) -> None:
         node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._on_shutdown)
-        self._node = TypedNode(node, Definitions())
+        self._node = TypedNode(node, Definitions(ROS_SHARES))
         self._description = description
         self._team = team
         self._ask = ask

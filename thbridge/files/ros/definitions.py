@@ -1,10 +1,11 @@
-"""Message definitions with the texts of an installed ROS 1, whose tools compare texts including comments."""
+"""Message definitions for bags and ROS graphs: texts of our own, or those of an installed ROS 1, with its comments."""
 
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
 from thbridge.ros.messages.definition_texts import ROS_TEXTS
+from thbridge.ros.messages.standard_texts import STANDARD_TEXTS
 from thbridge.ros.messages.types import OWN_TEXTS, Definition, full_text, md5_of, plain_definition
 
 ROS_SHARES = (Path("/usr/share"), *sorted(Path("/opt/ros").glob("*/share"), reverse=True))
@@ -12,20 +13,22 @@ ROS_SHARES = (Path("/usr/share"), *sorted(Path("/opt/ros").glob("*/share"), reve
 
 
 class Definitions:
-    """Looks up the definitions of message types for bags.
+    """Looks up the definitions of message types.
 
     Args:
-        shares: folders with files `PACKAGE/msg/TYPE.msg`; empty for texts without comments.
+        shares: folders with files `PACKAGE/msg/TYPE.msg`, whose texts are preferred; by default none, so that texts
+            are the same on every machine. ROS's tools compare texts including comments: see `ROS_SHARES`.
     """
 
-    def __init__(self, shares: Sequence[Path] = ROS_SHARES) -> None:
+    def __init__(self, shares: Sequence[Path] = ()) -> None:
         self._shares = tuple(shares)
         self._text_of = cache(self._read)
 
     def of(self, msgtype: str) -> Definition:
         """The definition of a type, for example "nav_msgs/Odometry".
 
-        An installed text is used only if its fields are ours: another release of ROS may have changed the type.
+        An installed text is used only if its fields are ours: another release of ROS may have changed the type. Types
+        that we do not write are told as rosbags has them.
 
         Raises:
             KeyError: there is no such type.
@@ -45,4 +48,4 @@ class Definitions:
                 return (share / package / "msg" / f"{name}.msg").read_text(encoding="utf-8")
             except (OSError, UnicodeDecodeError):
                 continue
-        return ROS_TEXTS.get(msgtype)
+        return ROS_TEXTS.get(msgtype, STANDARD_TEXTS.get(msgtype))

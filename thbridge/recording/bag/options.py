@@ -19,6 +19,13 @@ class RecordingDetail(StrEnum):
     ALL = "all"
 
 
+class DefinitionTexts(StrEnum):
+    """Texts of the message definitions in a bag."""
+
+    OWN = "own"
+    INSTALLED = "installed"
+
+
 @dataclass(frozen=True, slots=True)
 class SplitLimits:
     """Limits of a file, after which a recording goes on in another one.

@@ -80,7 +80,7 @@ class BagWriter:
 
     Args:
         path: path of the finished bag, normally `*.bag`.
-        definitions: definitions of message types; None takes them from an installed ROS, where there is one.
+        definitions: definitions of message types; by default those that are the same on every machine.
         clock: monotonic clock, seconds, for the times of syncing.
         compression: compression of the bag's chunks.
         splitting: limits after which the recording goes on in another file.

@@ -21,7 +21,7 @@ from sim.inputs import (
 )
 from sim.parameters import RobotParameters, WorldParameters
 from sim.team import TeamSnapshot
-from thbridge.files.ros.definitions import Definitions
+from thbridge.files.ros.definitions import ROS_SHARES, Definitions
 from thbridge.protocols.rosgraph import links
 from thbridge.ros import names
 from thbridge.ros.clients import InvalidMessage
@@ -78,7 +78,7 @@ class Fleet:
         self._recorder = recorder
         self._wall = wall
         self._clock: RosClock | None = None
-        self._definitions = Definitions()
+        self._definitions = Definitions(ROS_SHARES)
         self._publications: dict[str, Publication] = {
             topic.name: self._advertise(topic.name, topic.msgtype)
             for robot in self._robots

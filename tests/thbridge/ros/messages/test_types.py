@@ -5,7 +5,9 @@ import pytest
 
 from tests.thbridge.ros.messages.type_lists import FURTHER_TYPES, SERVICES, STANDARD_TYPES
 from thbridge.files.ros.definitions import Definitions
-from thbridge.ros.messages.types import OWN_TYPES, full_text, md5_of, plain_definition, service_type
+from thbridge.ros.messages.definition_texts import ROS_TEXTS
+from thbridge.ros.messages.standard_texts import STANDARD_TEXTS
+from thbridge.ros.messages.types import OWN_TEXTS, OWN_TYPES, full_text, md5_of, plain_definition, service_type
 
 # The sums that ROS Noetic's own tools print.
 ROS_MD5 = {
@@ -84,8 +86,11 @@ def test_full_text_is_none_when_an_inner_type_is_missing() -> None:
     assert full_text("a_msgs/A", {"a_msgs/A": "b_msgs/B b\n"}.get) is None
 
 
-def test_without_ros_definitions_have_no_comments() -> None:
-    assert Definitions(()).of("nav_msgs/Odometry") == plain_definition("nav_msgs/Odometry")
+@pytest.mark.parametrize("msgtype", [*STANDARD_TYPES, *FURTHER_TYPES, *OWN_TYPES])
+def test_texts_in_bags_are_our_own_whatever_is_installed(msgtype: str) -> None:
+    definition = Definitions().of(msgtype)
+    assert definition.text == full_text(msgtype, {**STANDARD_TEXTS, **ROS_TEXTS, **OWN_TEXTS}.get)
+    assert definition.md5 == plain_definition(msgtype).md5
 
 
 def test_an_installed_text_is_taken_as_it_is(tmp_path: Path) -> None:
@@ -102,4 +107,4 @@ def test_an_installed_text_with_other_fields_is_not_taken(tmp_path: Path, conten
     folder = tmp_path / "std_msgs" / "msg"
     folder.mkdir(parents=True)
     (folder / "String.msg").write_text(content)
-    assert Definitions([tmp_path]).of("std_msgs/String") == plain_definition("std_msgs/String")
+    assert Definitions([tmp_path]).of("std_msgs/String") == Definitions().of("std_msgs/String")

@@ -2,11 +2,13 @@
 
 from thbridge.ros.messages.types import (
     BATTERY_STATE,
+    BOOL,
     CLOCK,
     CONFIG,
     CONFIG_DESCRIPTION,
     DIAGNOSTIC_ARRAY,
     EMPTY,
+    FLOAT64,
     GET_MAP,
     GET_PLAN,
     GOAL_ID,
@@ -48,6 +50,8 @@ STANDARD_TYPES = (
     POLYGON_STAMPED,
     TWIST,
     STRING,
+    FLOAT64,
+    BOOL,
     MARKER_ARRAY,
     MOVE_BASE_GOAL,
     MOVE_BASE_FEEDBACK,
