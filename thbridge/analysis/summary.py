@@ -81,7 +81,7 @@ class SessionSummary:
 
     Attributes:
         seed: seed of all random numbers.
-        versions: versions of programs and libraries.
+        versions: versions of programs and libraries, and the machine; as in `SessionRecord`.
         study: the resolved study file, YAML.
     """
 

@@ -9,19 +9,37 @@ from rich.table import Table
 
 from thbridge.analysis.comparison import RobotFigures, RunFigures
 from thbridge.analysis.report.values import label_of
-from thbridge.app.compose.recording import versions
+from thbridge.app.compose.machine import machine, versions
 from thbridge.app.replay.replay import Difference, Replayed
-from thbridge.ros.messages.session_records import SessionRecord
+from thbridge.ros.messages.session_records import MACHINE, SessionRecord
 from ui.terminal import out, show
 
 
 def other_versions(record: SessionRecord) -> Iterator[str]:
-    """Sentences on versions with which a session was recorded, where they differ from those of now."""
+    """Sentences on versions and machine with which a session was recorded, where they differ from those of now."""
     now = versions()
-    then = record.versions.items()
-    other = [f"{name} {was} then, {now.get(name, 'none')} now" for name, was in then if now.get(name) != was]
+    then = {name: was for name, was in record.versions.items() if name not in MACHINE}
+    other = [f"{name} {was} then, {now.get(name, 'none')} now" for name, was in then.items() if now.get(name) != was]
     if other:
         yield f"Recorded with other versions, which may make a difference: {'; '.join(other)}."
+    here, there = machine(), record.versions
+    if not there.keys() & here.keys():
+        yield (
+            "Recorded before sessions were made to be the same on every machine: its last digits are those of the "
+            "processor and the libraries there, and a difference may come from that alone."
+        )
+        return
+    words = [
+        # Features are many; it is enough that there are others.
+        f"other {name}" if "features" in name else f"{name} {there[name]} then, {here[name]} now"
+        for name in MACHINE
+        if name in there and there[name] != here[name]
+    ]
+    if words:
+        yield (
+            f"Recorded on another machine: {'; '.join(words)}. That should make no difference; where there is one, it "
+            "may be the reason."
+        )
 
 
 Compared = tuple[RunFigures | None, RunFigures | None]

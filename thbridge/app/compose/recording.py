@@ -1,12 +1,11 @@
 """Builders of what tells others of the robots: ROS messages, bags and their first record, a ROS graph's description."""
 
 from collections.abc import Callable, Sequence
-from importlib import metadata
 from pathlib import Path
-from platform import python_version
 
 from sim.common.robot_numbers import robot_numbers
 from sim.world.sensors import mount_of
+from thbridge.app.compose.machine import machine, versions
 from thbridge.app.compose.setting import StudySetting
 from thbridge.app.live_graph.live import TeamDescription
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
@@ -21,14 +20,11 @@ from thbridge.ros.repetitions import RepetitionFilter
 from thbridge.ros.topics import is_of_errors
 from thbridge.study.text import resolved
 
-RECORDED_PACKAGES = ("thbridge", "numpy", "scipy", "numba", "rosbags", "pymavlink")
-"""Packages whose versions a bag records, since another version may run the same study differently."""
-
 
 def build_record(setting: StudySetting, program: str, roles: Sequence[str], participant: str) -> SessionRecord:
     """Return a bag's first record; see `SessionRecord` for the arguments."""
     study = setting.study
-    return SessionRecord(resolved(study), study.seed, versions(), program, tuple(roles), participant)
+    return SessionRecord(resolved(study), study.seed, versions() | machine(), program, tuple(roles), participant)
 
 
 def build_publisher(setting: StudySetting) -> TeamPublisher:
@@ -69,11 +65,3 @@ def build_team_description(setting: StudySetting, publisher: TeamPublisher) -> T
     """Return the description of these robots for a ROS graph."""
     rest = {name: value for name, value in tree_of(setting.study).items() if name not in {"robot", "each"}}
     return TeamDescription(publisher.topics, setting.map.grid, rest)
-
-
-def versions() -> dict[str, str]:
-    """Return the versions of this program and of the packages that its results depend on."""
-    found = {"python": python_version()}
-    for package in RECORDED_PACKAGES:
-        found[package] = metadata.version(package)
-    return found

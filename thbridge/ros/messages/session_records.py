@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+MACHINE = ("architecture", "libc", "processor", "processor features", "compiler target", "compiler features")
+"""Names in `SessionRecord.versions` that tell of the machine."""
+
 
 @dataclass(frozen=True, slots=True)
 class SessionRecord:
@@ -10,7 +13,8 @@ class SessionRecord:
     Attributes:
         study: the resolved study file, YAML.
         seed: seed of all random numbers; 0 to 2^64 - 1.
-        versions: versions of the programs and libraries, by name.
+        versions: versions of the programs and libraries by name, and the machine, by the names in `MACHINE`; older
+            recordings tell nothing of it.
         program: the program that was run: "play", or "simr" by itself at a server of another process.
         roles: the roles that ran inside it, besides the keeper.
         participant: the participant inside it, for example "person" or "suggestion"; empty when there was none.

@@ -1,6 +1,7 @@
 """The summary that `thbridge bag info` shows."""
 
 from thbridge.analysis.summary import RecordingSummary
+from thbridge.ros.messages.session_records import MACHINE
 from ui.terminal import say
 
 
@@ -10,8 +11,12 @@ def show_summary(found: RecordingSummary) -> None:
     say(f"{found.path}: {found.duration:.1f} s, {found.messages} messages, {found.size / 1e6:.1f} MB{files}")
     say(f"compression: {found.compression}")
     if found.session is not None:
-        versions = ", ".join(f"{name} {version}" for name, version in found.session.versions.items())
+        told = found.session.versions
+        versions = ", ".join(f"{name} {version}" for name, version in told.items() if name not in MACHINE)
         say(f"a session of ours, seed {found.session.seed}: {versions}")
+        # Features are many words, for programs to compare.
+        machine = ", ".join(f"{name} {told[name]}" for name in MACHINE if name in told and "features" not in name)
+        say(f"recorded on: {machine or 'a machine of which it does not tell'}")
     rows = [("topic", "messages", "Hz", "from", "to", "", "type", "md5", "published by")]
     for topic in found.topics:
         rate = "" if topic.hertz is None else f"{topic.hertz:.1f}"

@@ -1,0 +1,64 @@
+"""Versions and machine of this process: all that its results could depend on besides study, seed and inputs."""
+
+import os
+import platform
+import re
+from importlib import metadata
+from pathlib import Path
+
+from llvmlite import binding as llvm
+from numpy._core._multiarray_umath import __cpu_features__  # type: ignore[import-not-found]  # not in its stubs
+
+RECORDED_PACKAGES = (
+    "thbridge",
+    "numpy",
+    "scipy",
+    "numba",
+    "llvmlite",
+    "msgspec",
+    "rosbags",
+    "ruamel.yaml",
+    "pymavlink",
+    "pyvrp",
+    "clingo",
+)
+"""Packages whose versions a bag records, since another version may run the same study differently."""
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of this program and of the installed packages that its results depend on."""
+    found = {"python": platform.python_version()}
+    for package in RECORDED_PACKAGES:
+        try:
+            found[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            continue  # clingo is optional
+    return found
+
+
+def machine() -> dict[str, str]:
+    """Return what is known of this machine, by the names in `MACHINE`.
+
+    Features of the processor are told as numpy sees them and as the compiler of our kernels does; environment variables
+    may have switched some off.
+    """
+    features = {name: bool(has) for name, has in __cpu_features__.items()}
+    compiled = llvm.get_host_cpu_features()
+    return {
+        "architecture": platform.machine(),
+        "libc": " ".join(platform.libc_ver()),
+        "processor": _processor(),
+        "processor features": " ".join(sorted(name for name, has in features.items() if has)),
+        "compiler target": os.environ.get("NUMBA_CPU_NAME", llvm.get_host_cpu_name()),
+        "compiler features": " ".join(sorted(name for name, has in compiled.items() if has)),
+    }
+
+
+def _processor() -> str:
+    """Return the processor's model by Linux, or what Python knows of it elsewhere."""
+    try:
+        told = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        told = ""
+    named = re.search(r"^(?:model name|Model|cpu model)\s*:\s*(.+)$", told, re.MULTILINE)
+    return named[1] if named else platform.processor() or "unknown"
