@@ -1,27 +1,42 @@
-"""numba's compiler, with a folder for compiled code that belongs to these very sources."""
+"""numba's compiler, and a place for compiled code where none that belongs to other sources is ever found."""
 
 import hashlib
 import inspect
+import os
+import pickle
 import shutil
+import sys
 from collections.abc import Callable
+from contextlib import suppress
+from functools import cache as once
 from pathlib import Path
+from tempfile import NamedTemporaryFile, TemporaryDirectory, TemporaryFile
 from typing import TYPE_CHECKING, TypeVar
 
+import llvmlite
+import numba
+import numpy as np
 from numba import config
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
 from numba.extending import register_jitable
+from numba.misc.appdirs import AppDirs
 
 from sim.common import elementary
 from sim.common.geometry import wrap_angle
+from sim.common.sources import ROOT, key_of
 
 if TYPE_CHECKING:
-    F = TypeVar("F")
+    from numba.core.base import BaseContext
 
-    def njit(*, cache: bool, nogil: bool = False) -> Callable[[F], F]:
-        """Compile a function; its type stays what it is."""
-else:
-    from numba import njit
+F = TypeVar("F")
 
-__all__ = ["is_compiled", "njit", "register_jitable"]
+__all__ = ["folder_of", "is_compiled", "njit", "register_jitable"]
+
+KEPT_DAYS = 30
+"""Compiled code that no program has used for so long goes; days."""
+KEPT_VERSIONS = 16
+"""How many versions of a module keep their compiled code, those used last; more than will run at the same time."""
 
 # Plain code calls these, too, in programs that need no compiler.
 register_jitable(wrap_angle)
@@ -29,29 +44,113 @@ for _, _formula in inspect.getmembers(elementary, inspect.isfunction):
     register_jitable(_formula)
 
 
-def _folder_of_compiled_code() -> Path:
-    """Return the folder of compiled kernels that belongs to these very sources.
+def njit(*, cache: bool, nogil: bool = False) -> Callable[[F], F]:
+    """Compile a function, once for each signature; its type stays what it is.
 
-    numba looks only at the file that a kernel stands in: after a change in another file from which the kernel calls
-    something, it would go on running the old code.
+    Args:
+        cache: keep what is compiled, for all processes that have the same sources.
+        nogil: let other threads run beside it.
     """
-    here = Path(__file__).parents[1]
-    sources = hashlib.blake2b(digest_size=8)
-    for source in sorted(here.rglob("*.py")):
-        sources.update(source.read_bytes())
-    folder = here / "__pycache__" / f"kernels-{sources.hexdigest()}"
-    if not folder.exists():
-        for older in folder.parent.glob("kernels-*"):
-            shutil.rmtree(older, ignore_errors=True)
-    return folder
+
+    def compiled(function: F) -> F:
+        kernel: F = numba.njit(nogil=nogil)(function)
+        if cache and not config.DISABLE_JIT:
+            kernel._cache = _CompiledCode(function)  # type: ignore[attr-defined]  # where numba has its own
+        return kernel
+
+    return compiled
 
 
-_FOLDER = _folder_of_compiled_code()
-# Where this folder cannot be written, numba finds a place of its own.
-config.CACHE_DIR = str(_FOLDER)  # type: ignore[attr-defined]  # numba makes it at import, from the environment
+def folder_of(source: Path) -> Path:
+    """Return the folder of the compiled code of a file's kernels, which may not be there yet.
+
+    It belongs to the file and to all files that it imports, as they are now, and to these versions of the compiler.
+    """
+    compiler = (sys.version, numba.__version__, llvmlite.__version__, np.__version__, config.OPT, config.BOUNDSCHECK)
+    key = hashlib.blake2b(f"{key_of(source)} {compiler}".encode(), digest_size=8).hexdigest()
+    module = source.relative_to(ROOT) if source.is_relative_to(ROOT) else Path(source.name)
+    return _cache() / f"{'.'.join(module.with_suffix('').parts)}-{key}"
 
 
 def is_compiled() -> bool:
-    """Return True when kernels of these sources were compiled here before; else the first run takes longer."""
-    # numba makes the folder as soon as a kernel is imported.
-    return any(_FOLDER.rglob("*.nbc"))
+    """Return True when kernels of these sources were compiled before; else the first run takes longer."""
+    return folder_of(ROOT / "sim" / "world" / "physics.py").exists()
+
+
+@once
+def _cache() -> Path:
+    """Return the folder of all compiled code: the user's own, so that it outlives a checkout and serves them all.
+
+    Where it cannot be written, it is a folder beside the sources; where neither can be, one that goes with the process.
+    """
+    users = Path(config.CACHE_DIR or AppDirs("thbridge", appauthor=False).user_cache_dir, "kernels")
+    for folder in (users, ROOT / "sim" / "__pycache__" / "kernels"):
+        # Without a home it begins with a tilde.
+        if folder.is_absolute():
+            with suppress(OSError):
+                folder.mkdir(parents=True, exist_ok=True)
+                TemporaryFile(dir=folder).close()
+                return folder
+    return Path(_of_this_process().name)
+
+
+@once
+def _of_this_process() -> TemporaryDirectory[str]:
+    return TemporaryDirectory(prefix="thbridge-kernels-")
+
+
+@once
+def _mark_used(folder: Path) -> None:
+    with suppress(OSError):
+        os.utime(folder)
+
+
+def _tidy(new: Path) -> None:
+    """Delete code that was not used for long, and old versions of the module whose folder is new."""
+    used = {folder: folder.stat().st_mtime for folder in new.parent.iterdir()}
+    module = new.name.rpartition("-")[0]
+    versions = sorted((folder for folder in used if folder.name.rpartition("-")[0] == module), key=used.__getitem__)
+    unused = {folder for folder, when in used.items() if when < used[new] - KEPT_DAYS * 86400}
+    for folder in unused.union(versions[:-KEPT_VERSIONS]):
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+class _CompiledCode:
+    """The compiled code of one function; it stands where numba has its own cache, and has the methods that are called.
+
+    numba's looks only at the file that a function stands in: after a change in another file from which it calls
+    something, it would go on running the old code. And its index of signatures goes wrong where two processes write it
+    at once; here a signature has a file of its own.
+    """
+
+    def __init__(self, function: object) -> None:
+        # A kernel has the code of a function.
+        self._name = f"{function.__qualname__}-{function.__code__.co_firstlineno}"  # type: ignore[attr-defined]
+        self._folder = folder_of(Path(inspect.getfile(function)))  # type: ignore[arg-type]
+        self.cache_path = str(self._folder)
+
+    def load_overload(self, signature: object, target: "BaseContext") -> CompileResult | None:
+        """Return what was compiled for a signature and this processor; None if nothing was."""
+        target.refresh()
+        try:
+            compiled_for, parts = pickle.loads(self._file(signature, target).read_bytes())
+        except (OSError, EOFError, pickle.UnpicklingError):
+            return None
+        if compiled_for != signature:
+            return None
+        _mark_used(self._folder)
+        return CompileResult._rebuild(target, *parts)
+
+    def save_overload(self, signature: object, compiled: CompileResult) -> None:
+        """Keep what was compiled for a signature; where that fails, it is compiled again next time."""
+        with suppress(OSError):
+            if not self._folder.exists():
+                self._folder.mkdir(exist_ok=True)
+                _tidy(self._folder)
+            with NamedTemporaryFile(dir=self._folder, delete=False) as file:
+                file.write(dumps((signature, compiled._reduce())))
+            Path(file.name).replace(self._file(signature, compiled.target_context))
+
+    def _file(self, signature: object, target: "BaseContext") -> Path:
+        which = f"{signature} {target.codegen().magic_tuple()}"
+        return self._folder / f"{self._name}-{hashlib.blake2b(which.encode(), digest_size=8).hexdigest()}"

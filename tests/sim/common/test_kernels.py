@@ -1,0 +1,135 @@
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.compiling import ROOT
+
+CALLER = """\
+from sim.callee import doubled
+from sim.common.kernels import njit
+
+@njit(cache=True)
+def kernel(x):
+    return doubled(x) + 1
+"""
+CALLEE = """\
+from sim.common.kernels import njit
+
+@njit(cache=True)
+def doubled(x):
+    return 2 * x
+"""
+PROGRAM = """\
+import sys
+from sim.caller import kernel
+print(*(kernel(eval(argument)) for argument in sys.argv[1:]), sum(kernel.stats.cache_hits.values()))
+"""
+
+
+@pytest.fixture
+def checkout(tmp_path: Path) -> Path:
+    """A checkout of the compiler's module, with a kernel that calls another module's."""
+    checkout = tmp_path / "checkout"
+    shutil.copytree(ROOT / "sim" / "common", checkout / "sim" / "common", ignore=shutil.ignore_patterns("__pycache__"))
+    (checkout / "sim" / "__init__.py").touch()
+    (checkout / "sim" / "caller.py").write_text(CALLER)
+    (checkout / "sim" / "callee.py").write_text(CALLEE)
+    return checkout
+
+
+def start(checkout: Path, *arguments: str) -> subprocess.Popen[str]:
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(checkout),
+        "NUMBA_CACHE_DIR": str(checkout.parent / "cache"),
+        "PYTHONDONTWRITEBYTECODE": "1",
+    }
+    command = [sys.executable, "-c", PROGRAM, *arguments]
+    return subprocess.Popen(command, cwd=checkout, env=environment, stdout=subprocess.PIPE, text=True)
+
+
+def run(checkout: Path, *arguments: str) -> list[str]:
+    """What the kernel makes of the arguments, and how many signatures were compiled already."""
+    said, _ = start(checkout, *arguments).communicate()
+    return said.split()
+
+
+def replace(file: Path, old: str, new: str) -> None:
+    text = file.read_text()
+    assert old in text
+    file.write_text(text.replace(old, new))
+
+
+def test_a_kernel_is_compiled_once(checkout: Path) -> None:
+    assert run(checkout, "3") == ["7", "0"]
+    assert run(checkout, "3", "0.5") == ["7", "2.0", "1"]
+    assert run(checkout, "3", "0.5") == ["7", "2.0", "2"]
+
+
+def test_a_kernel_is_compiled_anew_when_a_module_that_it_calls_has_changed(checkout: Path) -> None:
+    run(checkout, "3")
+    replace(checkout / "sim/callee.py", "2 * x", "3 * x")
+    assert run(checkout, "3") == ["10", "0"]
+
+
+def test_a_change_in_what_a_kernel_does_not_import_leaves_it_compiled(checkout: Path) -> None:
+    run(checkout, "3")
+    replace(checkout / "sim/common/raycast.py", '"""', '"""Changed. ')
+    assert run(checkout, "3") == ["7", "1"]
+
+
+def test_checkouts_share_what_is_the_same_and_nothing_else(checkout: Path) -> None:
+    run(checkout, "3")
+    other = checkout.with_name("other")
+    shutil.copytree(checkout, other)
+    assert run(other, "3") == ["7", "1"]
+    replace(other / "sim/callee.py", "2 * x", "3 * x")
+    assert run(other, "3") == ["10", "0"]
+    assert run(checkout, "3") == ["7", "1"]
+    assert run(other, "3") == ["10", "1"]
+
+
+def test_processes_that_compile_at_once_keep_what_each_compiled(checkout: Path) -> None:
+    arguments = ("3", "0.5", "True", "2j")
+    for process in [start(checkout, argument) for argument in arguments]:
+        process.communicate()
+    assert run(checkout, *arguments)[-1] == "4"
+
+
+def test_code_cut_short_is_compiled_anew(checkout: Path) -> None:
+    run(checkout, "3")
+    for file in (checkout.parent / "cache" / "kernels").glob("sim.caller-*/*"):
+        file.write_bytes(file.read_bytes()[:100])
+    assert run(checkout, "3") == ["7", "0"]
+    assert run(checkout, "3") == ["7", "1"]
+
+
+def test_where_the_folder_cannot_be_written_code_is_kept_beside_the_sources_or_not_at_all(checkout: Path) -> None:
+    (checkout.parent / "cache").touch()
+    run(checkout, "3")
+    assert run(checkout, "3") == ["7", "1"]
+    shutil.rmtree(checkout / "sim" / "__pycache__")
+    (checkout / "sim" / "__pycache__").touch()
+    run(checkout, "3")
+    assert run(checkout, "3") == ["7", "0"]
+
+
+def test_old_code_goes_when_new_code_comes(checkout: Path) -> None:
+    folder = checkout.parent / "cache" / "kernels"
+    now = time.time()
+    # What other programs used an hour ago, and what nobody used for two months.
+    versions = [f"sim.caller-{number:016x}" for number in range(20)]
+    for number, name in enumerate(versions):
+        (folder / name).mkdir(parents=True)
+        os.utime(folder / name, (now - 3600 - number,) * 2)
+    (folder / "sim.forgotten-0").mkdir()
+    os.utime(folder / "sim.forgotten-0", (now - 60 * 86400,) * 2)
+    run(checkout, "3")
+    left = {path.name for path in folder.iterdir()}
+    assert left & set(versions) == set(versions[:15])
+    assert "sim.forgotten-0" not in left
