@@ -238,7 +238,7 @@ async def play(
             await listen()
         opened.push_async_callback(server.stop)  # It stops before the recording is closed.
         run = await run_ticks(tick, pacer)
-    outcome = _outcome(setting, session, ending, roles, run.seconds, options.bag, statistics)
+    outcome = outcome_of(setting, session, ending, roles, run.seconds, options.bag, statistics)
     # With a window, the end of a game is not the end of the hunt: participants may play again.
     if ending.tick is None or (options.left is not None and not run.finished):
         raise HuntUnfinished(outcome, stopped=not run.finished)
@@ -313,7 +313,7 @@ class EndCondition:
         return session.tick >= self._last_tick
 
 
-def _outcome(
+def outcome_of(
     setting: StudySetting,
     session: Session,
     ending: EndCondition,
@@ -322,6 +322,7 @@ def _outcome(
     bag: Path | None,
     statistics: RunStatistics,
 ) -> HuntOutcome:
+    """Return the outcome of a session, over or not."""
     snapshot = next(role.snapshot for role in roles if isinstance(role, SimR))
     ticks = session.tick if ending.tick is None else ending.tick
     games = tuple(_game_outcome(game) for game in ending.games.values())

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.files.errors import BadFile
+from thbridge.files.yaml.load import Loaded
 from thbridge.files.yaml.tree import Node, Scalar, Section, at_line, parse, read_text
 from thbridge.study.study_file import Study, load_study_tree
 from thbridge.study.text import resolved
@@ -30,42 +31,51 @@ def with_changes(study: Study, files: Sequence[Path], changes: Sequence[StudyCha
         BadFile: a file cannot be read, or the result is not a valid study.
     """
     for path in files:
-        study = _merged(study, path, parse(path, read_text(path)))
+        study = merged(resolved_tree(study), path, parse(path, read_text(path))).value
     tree: Node = Section(1, [])
     for number, change in enumerate(changes, 1):
-        tree = _over(tree, at_line(_tree(change), number))
-    return _merged(study, CHANGE_SOURCE, tree) if changes else study
+        tree = over(tree, at_line(_tree(change), number))
+    return merged(resolved_tree(study), CHANGE_SOURCE, tree).value if changes else study
 
 
-def _merged(study: Study, path: Path, tree: Node) -> Study:
+def resolved_tree(study: Study) -> Node:
+    """Return the tree of the whole study, defaults included."""
+    return parse(Path(), resolved(study))
+
+
+def merged(base: Node, path: Path, tree: Node) -> Loaded[Study]:
+    """Return the study of a `resolved_tree` with what a tree of the file `path` changes; faults as `with_changes`."""
     if (ros := _at(tree, "ros_parameters")) is not None:
         problem = "files of ROS would change nothing, since a recorded study has every number"
         raise BadFile(
             path, problem, "write the numbers that shall change, under `robot`", line=ros.line, key="ros_parameters"
         )
-    base = parse(path, resolved(study))
     if _at(tree, "noise", "preset") is not None:
         base = _without(base, "noise")
-    return load_study_tree(path, _over(base, tree)).value
+    return load_study_tree(path, over(base, tree))
 
 
 def _tree(change: StudyChange) -> Node:
     node = parse(CHANGE_SOURCE, change.value)
     # An empty text is an empty section to the parser; here it is a missing value.
-    node = node if change.value.strip() else Scalar("", True, 1)
-    for name in reversed(change.key.split(".")):
-        node = Section(1, [(Scalar(name, True, 1), node)])
+    return nested(change.key, node if change.value.strip() else Scalar("", True, 1), 1)
+
+
+def nested(key: str, node: Node, line: int) -> Node:
+    """Return the tree with a node at a path of keys, such as `robot.amcl.kld_err`."""
+    for name in reversed(key.split(".")):
+        node = Section(line, [(Scalar(name, True, line), node)])
     return node
 
 
-def _over(base: Node, top: Node) -> Node:
+def over(base: Node, top: Node) -> Node:
     """Return a tree merged with another on top: sections are merged, other values replaced."""
     if not (isinstance(base, Section) and isinstance(top, Section)):
         return top
     above = {key.text: (key, child) for key, child in top.entries}
     below = {key.text for key, _ in base.entries}
     entries = [
-        (above[key.text][0], _over(child, above[key.text][1])) if key.text in above else (key, child)
+        (above[key.text][0], over(child, above[key.text][1])) if key.text in above else (key, child)
         for key, child in base.entries
     ]
     return Section(top.line, entries + [entry for name, entry in above.items() if name not in below])
