@@ -25,6 +25,9 @@ from ui.commands.scan import scan
 from ui.commands.study.edit import study_edit
 from ui.commands.study.study import study_app
 from ui.commands.suggest import suggest
+from ui.commands.sweep.plot import sweep_plot
+from ui.commands.sweep.run import sweep_run
+from ui.commands.sweep.sweep import sweep_app
 from ui.commands.talk import talk_app
 from ui.commands.watch import watch
 from ui.terminal import note
@@ -67,6 +70,9 @@ app.add_typer(templates.templates_app, name="templates")
 app.add_typer(mavlink_app, name="mavlink")
 app.add_typer(ros_app, name="ros")
 app.add_typer(talk_app, name="talk")
+sweep_app.command("run")(sweep_run)
+sweep_app.command("plot")(sweep_plot)
+app.add_typer(sweep_app, name="sweep")
 
 
 class NoteHandler(logging.Handler):

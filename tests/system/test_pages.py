@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 PROJECT = Path(__file__).parents[2]
-QUICK = ("protocol.md", "your-own-dialogue-game.md")
+QUICK = ("protocol.md", "sweeps.md", "your-own-dialogue-game.md")
 SLOW = sorted({page.name for page in (PROJECT / "docs").glob("your-own-*.md")} - {*QUICK})
 """Pages that take from ten seconds to two minutes; tests/peers runs that of recordings, too."""
 _SCRIPT = re.compile(r"^```sh\n(.*?)^```$", re.MULTILINE | re.DOTALL)

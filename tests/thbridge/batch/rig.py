@@ -1,0 +1,67 @@
+"""Small sweeps for tests, and an engine that works in the test's own process."""
+
+from collections import deque
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pyarrow as pa
+
+from thbridge.batch.chunks import Shard
+from thbridge.batch.design import read_design
+from thbridge.batch.engines.engine import Engine, FinishedTask
+from thbridge.batch.folder import open_folder
+from thbridge.batch.sweep import EVERYTHING, SweepProgress, run_sweep
+from thbridge.batch.tables import VARYING, collect
+from thbridge.batch.tasks import SweepTask, carry_out
+
+DESIGN = """\
+base: {game.energy: 20}
+factors:
+  noise.preset: [none, bad wheels]
+  robots: [1, 2]
+seeds: [3, 5, 8]
+chunk: 2
+verify: 1
+max_seconds: 4
+"""
+"""Twelve games of four simulated seconds, each played twice."""
+
+
+class InlineEngine:
+    """Carries out tasks in this process; `dies` tells of each, before it is carried out, if its worker dies."""
+
+    def __init__(self, dies: Callable[[SweepTask], bool] = lambda _task: False) -> None:
+        self._dies = dies
+        self._waiting: deque[SweepTask] = deque()
+        self.carried_out: list[SweepTask] = []
+
+    def submit(self, task: SweepTask, avoid: str | None = None) -> None:
+        self._waiting.append(task)
+
+    def finished(self) -> Iterator[FinishedTask]:
+        while self._waiting:
+            task = self._waiting.popleft()
+            if self._dies(task):
+                yield FinishedTask(task, None, "inline")
+                continue
+            self.carried_out.append(task)
+            yield FinishedTask(task, carry_out(task), "inline")
+
+    def __enter__(self) -> "InlineEngine":
+        return self
+
+    def __exit__(self, *ended: object) -> None: ...
+
+
+def run(root: Path, engine: Engine, text: str = DESIGN, shard: Shard = EVERYTHING) -> SweepProgress:
+    """Run a sweep in a folder, or go on with it."""
+    file = root.with_suffix(".yaml")
+    file.write_text(text)
+    design = read_design(file)
+    with engine:
+        return run_sweep(design, open_folder(design, root), engine, shard)
+
+
+def games(root: Path) -> pa.Table:
+    """Return all that does not differ from run to run."""
+    return collect(root).drop_columns(list(VARYING))

@@ -1,0 +1,262 @@
+"""Sweeps: games as `thbridge play` plays them, every one once, whatever happens to workers and machine."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from threading import Thread
+
+import pytest
+
+from tests.thbridge.batch.rig import DESIGN, InlineEngine, games, run
+from thbridge.batch import tasks
+from thbridge.batch.chunks import Shard, chunks_of
+from thbridge.batch.engines.engine import EngineFailed
+from thbridge.batch.engines.processes import ProcessEngine
+from thbridge.batch.folder import SweepFolder
+from thbridge.batch.measures import GameMeasures
+from thbridge.batch.results import GameStatus, read_table
+from thbridge.batch.status import status_of
+from thbridge.batch.tasks import ATTEMPT, SweepTask
+from thbridge.files.errors import BadFile
+from thbridge.recording.digest import digest_of
+
+ROOT = Path(__file__).parents[3]
+PROGRAM = [sys.executable, "-c", "from ui.cli import main; main()"]
+SURROUNDINGS = {**os.environ, "PYTHONPATH": str(ROOT)}
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A sweep that nothing has happened to."""
+    root = tmp_path_factory.mktemp("whole") / "sweep"
+    told = run(root, InlineEngine())
+    assert (told.games, told.played, told.failed, told.verified, told.differing) == (12, 12, 0, 12, 0)
+    return root
+
+
+def test_a_game_says_what_it_says_in_play_with_the_same_study_and_seed(whole: Path) -> None:
+    study, bag = SweepFolder(whole).study(4), whole / "played.bag"
+    play = ("play", study, "--seed", "5", "--headless", "--port", "0", "--max-seconds", "4", "--bag", bag, "--json")
+    subprocess.run([*PROGRAM, *map(str, play)], env=SURROUNDINGS, capture_output=True, check=False)
+    row = next(row for row in games(whole).to_pylist() if (row["condition"], row["seed"]) == (4, 5))
+    assert row["messages"] == digest_of(bag)
+
+
+def test_games_come_by_condition_and_seed_with_their_factors_and_measures(whole: Path) -> None:
+    rows = games(whole).to_pylist()
+    assert [(row["condition"], row["seed"]) for row in rows] == [(c, s) for c in (1, 2, 3, 4) for s in (3, 5, 8)]
+    assert [(row["noise.preset"], row["robots"]) for row in rows[::3]] == [
+        ("none", 1), ("none", 2), ("bad wheels", 1), ("bad wheels", 2),
+    ]  # fmt: skip
+    assert {row["status"] for row in rows} == {GameStatus.OUT_OF_TIME}
+    assert all(row["sim_seconds"] == 4.0 and row["distance"] > 0.0 for row in rows)
+    assert [len(row["each_robot"]) for row in rows[::3]] == [1, 2, 1, 2]
+
+
+def test_conditions_share_their_chance(whole: Path) -> None:
+    """The same treasures are hidden whatever the noise, and games of one seed are no games of another."""
+    by_seed = {(row["condition"], row["seed"]): row["messages"] for row in games(whole).to_pylist()}
+    assert len(set(by_seed.values())) == 12
+
+
+def test_processes_play_the_same_games(whole: Path, tmp_path: Path) -> None:
+    told = run(tmp_path / "sweep", ProcessEngine(2))
+    assert (told.played, told.verified, told.differing, told.deaths) == (12, 12, 0, 0)
+    assert games(tmp_path / "sweep").equals(games(whole))
+
+
+def test_a_game_is_played_again_by_another_process_even_where_there_is_one_at_a_time(tmp_path: Path) -> None:
+    run(tmp_path / "sweep", ProcessEngine(1), "seeds: [3]\nverify: 1\nmax_seconds: 1\n")
+    again = tasks.read_digests(tmp_path / "sweep/games/condition=1/chunk-1.parquet")
+    (row,) = read_table(tmp_path / "sweep/verified/condition=1/chunk-1.parquet").to_pylist()
+    assert row["first_worker"] == again[3][1] != row["again_worker"]
+    assert row["equal"]
+
+
+def test_a_worker_that_is_killed_costs_nothing_but_time(whole: Path, tmp_path: Path) -> None:
+    root = tmp_path / "sweep"
+    killed: list[int] = []
+
+    def kill() -> None:
+        """Kill the first worker that has begun a game."""
+        for begun in _begun(root):
+            killed.append(begun)
+            os.kill(begun, signal.SIGKILL)
+            return
+
+    killer = Thread(target=kill)
+    killer.start()
+    told = run(root, ProcessEngine(2))
+    killer.join()
+    assert killed
+    assert told.deaths == 1
+    assert games(root).equals(games(whole))
+
+
+def _begun(root: Path) -> Iterator[int]:
+    """Yield the process ids of workers that have begun a game."""
+    deadline = time.monotonic() + 120.0
+    while time.monotonic() < deadline:
+        for journal in root.glob("attempts/*"):
+            try:
+                lines = journal.read_text().splitlines()
+            except FileNotFoundError:
+                continue
+            if len(lines) > 1 and lines[0].startswith(ATTEMPT):
+                yield int(lines[0].rpartition(":")[2])
+
+
+def test_a_run_goes_on_where_an_earlier_one_was_killed(whole: Path, tmp_path: Path) -> None:
+    root = tmp_path / "sweep"
+    (tmp_path / "sweep.yaml").write_text(DESIGN)
+    command = [*PROGRAM, "sweep", str(tmp_path / "sweep.yaml"), "--out", str(root), "--processes", "1"]
+    with subprocess.Popen(command, env=SURROUNDINGS, stderr=subprocess.PIPE) as program:
+        deadline = time.monotonic() + 120.0
+        while not list(root.glob("games/*/*.parquet")):
+            assert program.poll() is None
+            assert time.monotonic() < deadline
+        program.kill()
+    there = list(root.glob("games/*/*.parquet"))
+    before = {path: path.stat().st_mtime_ns for path in there}
+    told = run(root, ProcessEngine(1))
+    assert told.before >= 2
+    assert told.played == 12 - told.before
+    assert {path: path.stat().st_mtime_ns for path in there} == before
+    assert games(root).equals(games(whole))
+    assert list(root.rglob("*.part")) == list(root.glob("attempts/*")) == []
+
+
+def test_a_second_run_has_nothing_to_do(whole: Path) -> None:
+    engine = InlineEngine()
+    assert run(whole, engine).before == 12
+    assert engine.carried_out == []
+
+
+def test_shards_share_the_games_out_and_their_folder(whole: Path, tmp_path: Path) -> None:
+    root = tmp_path / "sweep"
+    played = [run(root, InlineEngine(), shard=Shard(number, 3)).played for number in (1, 2, 3)]
+    assert sum(played) == 12
+    assert min(played) > 0
+    assert games(root).equals(games(whole))
+
+
+def test_every_game_is_in_exactly_one_chunk_of_one_shard() -> None:
+    chunks = chunks_of(7, range(10, 33), 5)
+    assert sorted((chunk.condition, seed) for chunk in chunks for seed in chunk.seeds) == [
+        (condition, seed) for condition in range(1, 8) for seed in range(10, 33)
+    ]
+    for chunk in chunks:
+        assert sum(Shard(number, 4).has(chunk) for number in range(1, 5)) == 1
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "told"),
+    [
+        ("seeds: [3, 5, 8]", "seeds: [3, 5, 9]", "seeds was [3, 5, 8], now it is [3, 5, 9]. "),
+        ("energy: 20", "energy: 21", "the study of condition 1 was energy: 20.0, now it is energy: 21.0. "),
+        ("max_seconds: 4", "max_seconds: 9", "max_seconds was 4.0, now it is 9.0. "),
+        ("robots: [1, 2]", "robots: [1, 2, 3]", "levels.3.noise.preset was bad wheels, now it is none. "),
+    ],
+)
+def test_another_design_is_refused_with_the_difference(whole: Path, before: str, after: str, told: str) -> None:
+    with pytest.raises(BadFile) as raised:
+        run(whole, InlineEngine(), DESIGN.replace(before, after))
+    assert told in str(raised.value)
+    assert "Name another folder by --out, or take the change back." in str(raised.value)
+
+
+def test_a_map_that_changed_is_refused(tmp_path: Path) -> None:
+    for file in (ROOT / "maps" / "practice").iterdir():
+        (tmp_path / "hall").mkdir(exist_ok=True)
+        (tmp_path / "hall" / file.name).write_bytes(file.read_bytes())
+    text = "base: {map: ./hall, templates: practice, robots: 1}\nseeds: [1]\nmax_seconds: 1\nverify: 0\n"
+    run(tmp_path / "sweep", InlineEngine(), text)
+    with (tmp_path / "hall" / "rooms.yaml").open("a") as file:
+        file.write("# moved\n")
+    with pytest.raises(BadFile, match=r"the files of map \./hall have changed since"):
+        run(tmp_path / "sweep", InlineEngine(), text)
+
+
+def test_a_game_that_fails_is_kept_with_its_fault_and_the_others_are_played(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    play = tasks.play_hunt
+
+    def failing(setting, max_seconds, listeners=()) -> GameMeasures:
+        if setting.study.seed == 5:
+            raise ZeroDivisionError("of a strategy")
+        return play(setting, max_seconds, listeners)
+
+    monkeypatch.setattr(tasks, "play_hunt", failing)
+    told = run(tmp_path / "sweep", InlineEngine(), DESIGN.replace("robots: [1, 2]", "robots: [1]"))
+    assert (told.played, told.failed) == (6, 2)
+    rows = games(tmp_path / "sweep").to_pylist()
+    assert [row["seed"] for row in rows if row["status"] == GameStatus.FAILED] == [5, 5]
+    assert all(row["fault"].startswith("ZeroDivisionError: of a strategy (") for row in rows if row["seed"] == 5)
+    status = status_of(tmp_path / "sweep")
+    assert status.by_status == {"ended": 0, "out of time": 4, "failed": 2, "crashed": 0}
+    assert status.faults[0].startswith("condition 1, seed 5: ZeroDivisionError")
+
+
+def test_a_game_that_is_not_the_same_again_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    play, played = tasks.play_hunt, list[int]()
+
+    def wavering(setting, max_seconds, listeners=()) -> GameMeasures:
+        played.append(setting.study.seed)
+        if played.count(5) == 2:  # The second time, it has another seed.
+            setting = replace(setting, study=replace(setting.study, seed=6))
+        return play(setting, max_seconds, listeners)
+
+    monkeypatch.setattr(tasks, "play_hunt", wavering)
+    told = run(tmp_path / "sweep", InlineEngine(), "seeds: [3, 5]\nverify: 1\nmax_seconds: 1\n")
+    assert (told.verified, told.differing) == (2, 1)
+    status = status_of(tmp_path / "sweep")
+    assert (status.drawn, status.verified) == (2, 2)
+    assert status.differing == ("condition 1, seed 5: not the same again",)
+    assert [row["verified"] for row in games(tmp_path / "sweep").to_pylist()] == [True, False]
+
+
+def test_a_game_with_which_two_workers_died_is_left_out_and_marked(tmp_path: Path) -> None:
+    """What the engine does when they die is tested above: here only what they have left behind counts."""
+    begun = dict[Path, int]()
+
+    def dies(task: SweepTask) -> bool:
+        journal = SweepFolder(task.folder).attempts(task.chunk)
+        if task.again or 5 not in task.chunk.seeds or begun.get(journal, 0) == 2:
+            return False
+        begun[journal] = begun.get(journal, 0) + 1
+        journal.parent.mkdir(exist_ok=True)
+        with journal.open("a") as file:
+            file.write(f"{ATTEMPT} host:1\n3\n5\n")
+        return True
+
+    told = run(tmp_path / "sweep", InlineEngine(dies), "seeds: [3, 5]\nverify: 1\nmax_seconds: 1\n")
+    assert (told.deaths, told.failed, told.played) == (2, 1, 2)
+    rows = games(tmp_path / "sweep").to_pylist()
+    assert [(row["status"], row["score"]) for row in rows] == [(GameStatus.OUT_OF_TIME, 0), (GameStatus.CRASHED, None)]
+    assert rows[1]["fault"] == "2 workers died while they played it"
+
+
+def test_workers_that_always_die_end_the_sweep(tmp_path: Path) -> None:
+    with pytest.raises(EngineFailed, match="workers died at chunk 1"):
+        run(tmp_path / "sweep", InlineEngine(lambda _task: True), "seeds: [3]\nmax_seconds: 1\n")
+
+
+def test_only_drawn_games_are_recorded_and_a_bag_has_the_digest_of_its_row(tmp_path: Path) -> None:
+    run(tmp_path / "sweep", InlineEngine(), "replicates: 6\nmax_seconds: 1\nbags: 1 in 3\nverify: 0\n")
+    rows = games(tmp_path / "sweep").to_pylist()
+    recorded = [row for row in rows if row["bag"] is not None]
+    assert 0 < len(recorded) < 6
+    for row in recorded:
+        assert digest_of(tmp_path / "sweep" / row["bag"]) == row["messages"]
+
+
+def test_measures_that_are_not_wanted_are_not_kept(tmp_path: Path) -> None:
+    run(tmp_path / "sweep", InlineEngine(), "seeds: [3]\nmax_seconds: 1\nmeasures: [score, error_95]\nverify: 0\n")
+    names = ["condition", "seed", "status", "fault", "score", "error_95", "messages", "bag", "verified"]
+    assert games(tmp_path / "sweep").column_names == names

@@ -1,0 +1,144 @@
+"""`thbridge sweep` from the user's seat."""
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import Result
+from pyarrow import csv, parquet
+from typer.testing import CliRunner
+
+from tests.thbridge.batch.rig import InlineEngine
+from thbridge.batch import tasks
+from ui.actions.sweep import run
+from ui.cli import app
+
+DESIGN = """\
+base: {game.energy: 20}
+factors:
+  noise.odometry.alpha1: [0, 0.1]
+  robots: [1, 2]
+replicates: 3
+max_seconds: 2
+verify: 2
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder with a design to work in."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "design.yaml").write_text(DESIGN)
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def played(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a sweep that was played."""
+    place = tmp_path_factory.mktemp("played")
+    (place / "design.yaml").write_text(DESIGN)
+    done = thbridge("sweep", place / "design.yaml", "--out", place / "sweep", "--processes", "1")
+    assert done.exit_code == 0, done.output
+    assert done.stdout.startswith("12 games played; ")
+    return place / "sweep"
+
+
+def thbridge(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def refusal(*arguments: str | Path) -> str:
+    """The message of a command that must find its input bad, and change nothing."""
+    before = sorted(Path().rglob("*"))
+    done = thbridge(*arguments)
+    assert done.exit_code == 2, (done.output, done.exception)
+    assert done.stdout == ""
+    assert sorted(Path().rglob("*")) == before
+    return done.stderr
+
+
+def test_check_tells_how_many_games_there_are_and_plays_none() -> None:
+    told = json.loads(thbridge("sweep", "--check", "design.yaml", "--json").stdout)
+    assert (told["games"], told["seeds"], told["chunks"], len(told["conditions"])) == (12, 3, 4, 4)
+    assert 0 < told["verified"] < 12
+    shown = thbridge("sweep", "run", "design.yaml", "--check").stdout
+    assert "4 conditions, each with the same 3 seeds: 12 games" in shown
+    assert [path.name for path in Path().iterdir()] == ["design.yaml"]
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--shard", "3/2"), "--shard: '3/2' is no part of a whole. Write for example --shard 2/8, from 1/8 to 8/8."),
+        (("--scheduler", "tcp://a:1"), "--scheduler: only a Dask cluster has one. Add --engine dask, or leave"),
+        (("--engine", "dask"), "--engine dask: where is the cluster? Add --scheduler, such as tcp://"),
+        (("--slurm", "partition=short"), "--slurm: only jobs of Slurm have such options. Add --engine slurm, or leave"),
+        (("--engine", "slurm", "--slurm", "short"), "--slurm: 'short' is not KEY=VALUE. Write for example --slurm par"),
+    ],
+)
+def test_options_that_do_not_fit(options: tuple[str, ...], told: str) -> None:
+    assert told in refusal("sweep", "design.yaml", *options)
+
+
+def test_a_faulty_design_starts_nothing() -> None:
+    Path("design.yaml").write_text("factors:\n  robots: [1, few]\n")
+    told = refusal("sweep", "design.yaml")
+    assert told == "design.yaml, line 2, robots: 'few' is not a number. Write a whole number, 1 to 250.\n"
+
+
+def test_status_tells_what_is_done(played: Path) -> None:
+    told = json.loads(thbridge("sweep", "status", played, "--json").stdout)
+    assert (told["games"], told["done"], told["missing"], told["differing"]) == (12, 12, 0, [])
+    assert told["verified"] == told["drawn"] > 0
+    assert len(told["versions"]) == 1
+    assert "out of time" in thbridge("sweep", "status", played).stdout
+
+
+def test_a_folder_that_is_no_sweep() -> None:
+    for name, more in (("status", ()), ("collect", ("--to", "a.csv")), ("plot", ("--to", "a.png"))):
+        told = refusal("sweep", name, "nowhere", *more)
+        assert told == "nowhere/sweep.json: there is no such file. Name the folder of a sweep.\n"
+
+
+def test_collect_writes_the_same_table_in_both_formats(played: Path, folder: Path) -> None:
+    for name in ("games.csv", "games.parquet"):
+        assert thbridge("sweep", "collect", played, "--to", name).exit_code == 0
+    flat, full = csv.read_csv(folder / "games.csv"), parquet.read_table(folder / "games.parquet")
+    assert flat.num_rows == full.num_rows == 12
+    assert set(full.column_names) - set(flat.column_names) == {"each_robot"}
+    for name in ("condition", "seed", "noise.odometry.alpha1", "robots", "score", "error_95"):
+        assert flat[name].to_pylist() == full[name].to_pylist(), name
+    assert thbridge("sweep", "collect", played, "--to", "-").stdout == (folder / "games.csv").read_text()
+
+
+@pytest.mark.parametrize("suffix", ["svg", "png", "pdf"])
+@pytest.mark.parametrize("band", ["t", "bootstrap"])
+def test_the_same_games_give_the_same_figure(played: Path, folder: Path, suffix: str, band: str) -> None:
+    plot = ("sweep", "plot", played, "--measure", "error_mean", "--lines", "robots", "--band", band, "--to")
+    files = [folder / f"{number}.{suffix}" for number in (1, 2)]
+    for file in files:
+        assert thbridge(*plot, file).exit_code == 0
+    assert files[0].read_bytes() == files[1].read_bytes()
+    assert len(files[0].read_bytes()) > 1000
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--to", "a.gif"), "--to: a.gif is no figure. Give a file name that ends in .png, .svg or .pdf."),
+        (("--to", "a.png", "--x", "team"), "--x: 'team' is no factor of this sweep. Write one of noise.odometry."),
+        (("--to", "a.png", "--measure", "over"), "--measure: 'over' is no number of these games. Write one of score, "),
+    ],
+)
+def test_figures_that_cannot_be(played: Path, options: tuple[str, ...], told: str) -> None:
+    assert told in refusal("sweep", "plot", played, *options)
+
+
+def test_games_that_are_not_the_same_again_end_with_1(monkeypatch: pytest.MonkeyPatch) -> None:
+    number = iter(range(1000))
+    monkeypatch.setattr(tasks.RecordedDigest, "hexdigest", lambda _self: str(next(number)))
+    monkeypatch.setattr(run, "ProcessEngine", lambda _processes: InlineEngine())
+    done = thbridge("sweep", "design.yaml", "--processes", "1")
+    assert done.exit_code == 1
+    assert "games that were played again were NOT the same: do not trust these results." in done.stderr
+    assert "seed 1: not the same again (first by " in done.stderr

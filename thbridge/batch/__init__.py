@@ -1,0 +1,1 @@
+"""Batches: sweeps of many games over the factors of a design, played by any number of worker processes."""

@@ -1,0 +1,331 @@
+"""The design of a sweep: a study, what changes in it from condition to condition, and how many games of each."""
+
+import itertools
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import ClassVar
+
+from sim.parameters import param
+from thbridge.app.compose.setting import StudySetting
+from thbridge.batch.measures import MEASURES
+from thbridge.batch.results import OWN_COLUMNS, FactorColumns
+from thbridge.batch.settings import SettingCache
+from thbridge.files.errors import BadFile, FaultCollection
+from thbridge.files.yaml.load import Loaded, load_tree
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, at_line, parse, quoted, read_text
+from thbridge.study.overrides import merged, nested, over, resolved_tree
+from thbridge.study.robots_from import RobotsFrom
+from thbridge.study.study_file import Study, load_study
+from thbridge.study.text import is_plain_word
+
+AN_HOUR = 3600.0
+LARGEST_SEED = 2**31 - 1
+MOST_CONDITIONS = 10_000
+_ONE_IN = re.compile(r"1 in ([1-9]\d{0,8})")
+_OWN_READING = ("base", "factors", "conditions")
+"""Keys whose contents are keys of studies."""
+
+
+@dataclass(frozen=True, slots=True)
+class SweepFile:
+    """A design as people write it."""
+
+    study: Path | None = param(None, "path of the study file to begin from, from this file's folder; null: defaults")
+    base: Mapping[str, str] = field(default_factory=dict, metadata={"help": "keys of the study, over its file's"})
+    factors: Mapping[str, str] = field(
+        default_factory=dict,
+        metadata={"help": "levels of each factor; there is a condition for each combination of levels"},
+    )
+    conditions: Mapping[str, str] = field(
+        default_factory=dict, metadata={"help": "further conditions, each a line - {key: value, ...}"}
+    )
+    replicates: int = param(10, "games in each condition, with seeds that follow each other", "", 1, 10**9)
+    first_seed: int = param(1, "seed of the first of them", "", 0, LARGEST_SEED)
+    seeds: tuple[int, ...] | None = param(
+        None, "the seeds themselves, in the place of replicates and first_seed", "", 0, LARGEST_SEED
+    )
+    max_seconds: float = param(AN_HOUR, "simulated time after which an unfinished game is given up", "s", 1, 1e6)
+    measures: tuple[str, ...] = param(MEASURES, "what is kept of each game", choices=MEASURES)
+    bags: str = param("no", "games that are recorded into a bag: no, yes, or such as `1 in 50`")
+    verify: int = param(100, "one of so many games is played again by another worker, and compared; 0: none", "", 0)
+    chunk: int = param(20, "games of a condition that a worker plays in one go and writes into one file", "", 1, 10**6)
+
+
+@dataclass(frozen=True, slots=True)
+class LevelRange:
+    """Levels of a factor at equal distances."""
+
+    renamed: ClassVar[Mapping[str, str]] = {"from": "first", "to": "last"}
+
+    first: float = param(math.nan, "first level")
+    last: float = param(math.nan, "last level")
+    steps: int = param(2, "number of levels", "", 2, 1000)
+
+
+@dataclass(frozen=True, slots=True)
+class SweepCondition:
+    """One condition of a sweep.
+
+    Attributes:
+        number: from 1.
+        levels: the level of each factor, as it is written; of explicit conditions, the keys that they name.
+        study: the study; the seeds of games take the place of its own.
+    """
+
+    number: int
+    levels: Mapping[str, str]
+    study: Study
+
+    def __str__(self) -> str:
+        levels = ", ".join(f"{factor}={level}" for factor, level in self.levels.items())
+        return f"condition {self.number}" + (f" ({levels})" if levels else "")
+
+
+@dataclass(frozen=True, slots=True)
+class SweepDesign:
+    """A design, read and checked.
+
+    Attributes:
+        path: its file.
+        beside: the folder that paths in its studies are relative to.
+        conditions: in their order.
+        factors: names of all factors.
+        seeds: of the games in each condition: all conditions have the same, so that they share their chance.
+        max_seconds: simulated time after which an unfinished game is given up.
+        measures: names of the figures that are kept of a game.
+        one_bag_in: one of so many games is recorded; 0: none.
+        one_verified_in: one of so many games is played again; 0: none.
+        chunk: greatest number of games in one file.
+    """
+
+    path: Path
+    beside: Path
+    conditions: tuple[SweepCondition, ...]
+    factors: tuple[str, ...]
+    seeds: tuple[int, ...]
+    max_seconds: float
+    measures: tuple[str, ...]
+    one_bag_in: int
+    one_verified_in: int
+    chunk: int
+
+    @property
+    def games(self) -> int:
+        """Number of games of all conditions."""
+        return len(self.conditions) * len(self.seeds)
+
+    @property
+    def columns(self) -> FactorColumns:
+        """The factors as columns of the results."""
+        return FactorColumns.of(self.factors, {each.number: each.levels for each in self.conditions})
+
+
+@dataclass(frozen=True, slots=True)
+class _Level:
+    """A level of a factor: its label, the tree of the keys that it sets, and its line."""
+
+    label: str
+    tree: Node
+    line: int
+
+
+def read_design(path: Path) -> SweepDesign:
+    """Read a design; every condition's study is read and checked with all files that it names.
+
+    Raises:
+        BadFile: it cannot be read, or a study is faulty; as BadFiles, all faults at once.
+    """
+    whole = parse(path, read_text(path))
+    entries = dict(_named(whole))
+    plain = [(key, Section(key.line, []) if key.text in _OWN_READING else node) for key, node in _entries(whole)]
+    loaded = load_tree(path, Section(whole.line, plain) if isinstance(whole, Section) else whole, SweepFile)
+    file, faults = loaded.value, FaultCollection()
+    with faults.kept():
+        _check(loaded)
+    study, beside = Study(), path.parent
+    if file.study is not None:
+        study, beside = load_study(path.parent / file.study).value, (path.parent / file.study).parent
+    if (base := entries.get("base")) is not None:
+        study = merged(resolved_tree(study), path, _spread(path, base)).value
+    factors = {key.text: _levels(path, key, node) for key, node in _entries(entries.get("factors"))}
+    conditions: list[SweepCondition] = []
+    start, settings = resolved_tree(study), SettingCache(beside)
+    explicit = list(_explicit(path, entries.get("conditions")))
+    combinations = list(_factorial(factors)) if factors or not explicit else []
+    for levels in (*combinations, *explicit):
+        with faults.kept():
+            conditions.append(_condition(path, start, levels, len(conditions) + 1, settings))
+        if len(faults.found) > MOST_FAULTS:
+            break
+    if faults.found:
+        raise faults.together()
+    named = dict.fromkeys(factor for condition in conditions for factor in condition.levels)
+    return SweepDesign(
+        path,
+        beside,
+        tuple(conditions),
+        tuple(named),
+        file.seeds or tuple(range(file.first_seed, file.first_seed + file.replicates)),
+        file.max_seconds,
+        file.measures,
+        _one_in(file.bags) or 0,
+        file.verify,
+        file.chunk,
+    )
+
+
+MOST_FAULTS = 10
+"""Faults of conditions after which no more are looked for."""
+
+
+def _check(loaded: Loaded[SweepFile]) -> None:
+    """Raise BadFile for values that are valid alone but not together."""
+    file = loaded.value
+    if _one_in(file.bags) is None:
+        raise loaded.fault("bags", f"{file.bags!r} is no choice here", "Write no, yes, or such as `1 in 50`")
+    if file.seeds is not None and not file.seeds:
+        raise loaded.fault("seeds", "no seeds, so there are no games", "Write some, or take the line away")
+    if file.seeds is not None and len(set(file.seeds)) < len(file.seeds):
+        raise loaded.fault("seeds", "a seed stands twice", "Write each once: the same seed gives the same game")
+    for key in ("replicates", "first_seed"):
+        if file.seeds is not None and key in loaded.lines:
+            raise loaded.fault(key, "there are seeds already", "Keep one of the two")
+    if file.first_seed + file.replicates - 1 > LARGEST_SEED:
+        raise loaded.fault("replicates", f"seeds would go beyond {LARGEST_SEED}", "Write fewer, or lower first_seed")
+    if not file.measures:
+        raise loaded.fault("measures", "nothing would be kept", f"Write some of {', '.join(MEASURES)}")
+
+
+def _one_in(words: str) -> int | None:
+    """Return N of "1 in N", 1 for yes, 0 for no; None for other words."""
+    found = _ONE_IN.fullmatch(words.strip())
+    return int(found[1]) if found else {"no": 0, "yes": 1}.get(words)
+
+
+def _levels(path: Path, factor: Scalar, node: Node) -> list[_Level]:
+    """Return the levels of a factor: a list of values, a range, or a section of named levels with several keys each."""
+    key, line = f"factors.{factor.text}", factor.line
+    if factor.text in OWN_COLUMNS:
+        raise BadFile(path, "results have a column of this name", "Name the factor otherwise", line=line, key=key)
+    found: list[_Level] = []
+    if isinstance(node, Listing):
+        found = [_Level(_text(item), nested(factor.text, item, item.line), item.line) for item in node.items]
+    elif isinstance(node, Section) and {name.text for name, _ in node.entries} <= _RANGE_KEYS:
+        found = [
+            _Level(text, nested(factor.text, Scalar(text, True, line), line), line)
+            for text in _steps(path, key, factor, node)
+        ]
+    elif isinstance(node, Section):
+        found = [_Level(name.text, _spread(path, child), name.line) for name, child in node.entries]
+    if not found:
+        remedy = "Write [LEVEL, ...], {from: A, to: B, steps: N}, or for each level 'NAME: {KEY: VALUE, ...}'"
+        raise BadFile(path, "a factor needs levels", remedy, line=line, key=key)
+    labels = [level.label for level in found]
+    if twice := next((label for label in labels if labels.count(label) > 1), None):
+        raise BadFile(path, f"the level {twice} stands twice", "Keep one of the two", line=line, key=key)
+    return found
+
+
+_RANGE_KEYS = {"from", "to", "steps", "first", "last"}
+
+
+def _steps(path: Path, key: str, factor: Scalar, node: Section) -> list[str]:
+    written = {name.text for name, _ in node.entries}
+    if not ({"from", "first"} & written and {"to", "last"} & written):
+        remedy = "Write {from: A, to: B, steps: N}"
+        raise BadFile(path, "a range needs both ends", remedy, line=factor.line, key=key)
+    ends = load_tree(path, node, LevelRange).value
+    width = ends.last - ends.first
+    return [f"{ends.first + width * step / (ends.steps - 1):.12g}" for step in range(ends.steps)]
+
+
+def _factorial(factors: Mapping[str, Sequence[_Level]]) -> Iterator[dict[str, _Level]]:
+    """Yield every combination of levels, the last factor's changing first; without factors one empty condition."""
+    for levels in itertools.product(*factors.values()):
+        yield dict(zip(factors, levels, strict=True))
+
+
+def _explicit(path: Path, node: Node | None) -> Iterator[dict[str, _Level]]:
+    """Yield conditions that are written out."""
+    if node is None:
+        return
+    if not isinstance(node, Listing):
+        raise BadFile(path, "a list is needed", "Write a line '- {KEY: VALUE, ...}' for each", node.line, "conditions")
+    for item in node.items:
+        if not isinstance(item, Section):
+            raise BadFile(path, "a section is needed", "Write {KEY: VALUE, ...}", item.line, "conditions")
+        yield {
+            key.text: _Level(_text(child), nested(key.text, child, key.line), key.line) for key, child in item.entries
+        }
+
+
+def _condition(
+    path: Path, start: Node, levels: Mapping[str, _Level], number: int, settings: SettingCache
+) -> SweepCondition:
+    """Return a condition, checked. Raises BadFile."""
+    tree: Node = Section(1, [])
+    line = 1
+    for level in levels.values():
+        tree, line = over(tree, level.tree), level.line
+    labels = {factor: level.label for factor, level in levels.items()}
+    if number > MOST_CONDITIONS:
+        raise BadFile(path, f"more than {MOST_CONDITIONS} conditions", "Write fewer factors or levels")
+    # What does not fit together is told with the line of the last factor.
+    loaded = merged(at_line(start, line), path, tree)
+    condition = SweepCondition(number, labels, loaded.value)
+    if "seed" in {key.text for key, _ in _entries(tree)}:
+        problem = "seeds are the same in all conditions, so that these share their chance"
+        raise BadFile(path, problem, "Write `replicates` and `first_seed`, or `seeds`", line=line, key="seed")
+    try:
+        _playable(settings.of(condition.study, loaded), loaded)
+    except BadFile as fault:
+        problem = f"{fault.problem} ({condition})" if labels else fault.problem
+        raise BadFile(fault.path, problem, fault.remedy, line=fault.line, key=fault.key) from None
+    return condition
+
+
+def _playable(setting: StudySetting, loaded: Loaded[Study]) -> None:
+    """Raise BadFile when simulated participants and robots cannot play the study alone."""
+    if setting.study.robots_from is RobotsFrom.ROS:
+        raise loaded.fault("robots_from", "a sweep simulates its robots", "Write sim")
+
+
+def _spread(path: Path, node: Node) -> Node:
+    """Return a section whose keys may be paths with dots, as a tree of plain keys."""
+    if not isinstance(node, Section):
+        if isinstance(node, Scalar) and node.absent:
+            return Section(node.line, [])
+        raise BadFile(path, "a section is needed", "Write {KEY: VALUE, ...}", line=node.line)
+    tree: Node = Section(node.line, [])
+    for key, child in node.entries:
+        tree = over(tree, nested(key.text, child, key.line))
+    return tree
+
+
+def _entries(node: Node | None) -> list[tuple[Scalar, Node]]:
+    return node.entries if isinstance(node, Section) else []
+
+
+def _named(node: Node) -> Iterator[tuple[str, Node]]:
+    for key, child in _entries(node):
+        yield key.text, child
+
+
+def _text(node: Node) -> str:
+    """Return a value as it is written, on one line."""
+    match node:
+        case Scalar():
+            return node.text or '""'
+        case Listing():
+            return f"[{', '.join(_quoted(item) for item in node.items)}]"
+        case Section():
+            return f"{{{', '.join(f'{key.text}: {_quoted(child)}' for key, child in node.entries)}}}"
+
+
+def _quoted(node: Node) -> str:
+    if isinstance(node, Scalar) and not node.plain and not is_plain_word(node.text):
+        return quoted(node.text)
+    return _text(node)

@@ -1,0 +1,146 @@
+"""Worker processes of this machine: they start warm, stay, and are replaced when they die."""
+
+import signal
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass
+from multiprocessing import get_context
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from typing import cast
+
+from thbridge.batch.engines.engine import EngineFailed, FinishedTask
+from thbridge.batch.tasks import SweepTask, TaskOutcome, carry_out
+
+_WARM = ["thbridge.batch.tasks"]
+"""Modules that are imported once, in a process of which all workers are forks. Forking this program itself would copy
+its threads, one of which draws the progress, in the middle of what they do."""
+
+
+@dataclass(slots=True)
+class _WorkerProcess:
+    """A worker: its process, this end of its pipe, and the task that it has."""
+
+    process: BaseProcess
+    pipe: "Connection[SweepTask, TaskOutcome | Exception]"
+    task: SweepTask | None = None
+
+    @property
+    def name(self) -> str:
+        return str(self.process.pid)
+
+
+class ProcessEngine:
+    """Carries out tasks by processes of this machine.
+
+    Args:
+        processes: how many.
+    """
+
+    def __init__(self, processes: int) -> None:
+        self._processes = processes
+        self._context = get_context("forkserver")
+        self._context.set_forkserver_preload(_WARM)
+        self._waiting: deque[tuple[SweepTask, str | None]] = deque()
+        self._workers: list[_WorkerProcess] = []
+
+    def submit(self, task: SweepTask, avoid: str | None = None) -> None:
+        """See `Engine`."""
+        self._waiting.append((task, avoid))
+
+    def finished(self) -> Iterator[FinishedTask]:
+        """See `Engine`."""
+        while self._waiting or any(worker.task for worker in self._workers):
+            self._assign()
+            for ready in wait([worker.pipe for worker in self._workers if worker.task]):
+                worker = next(worker for worker in self._workers if worker.pipe is ready)
+                yield self._ended(worker)
+
+    def __enter__(self) -> "ProcessEngine":
+        return self
+
+    def __exit__(self, *ended: object) -> None:
+        for worker in self._workers:
+            worker.pipe.close()
+            # Whoever is in the middle of a chunk leaves nothing behind: its games are played again.
+            worker.process.terminate()
+        for worker in self._workers:
+            worker.process.join()
+        self._workers = []
+
+    def _assign(self) -> None:
+        """Give waiting tasks to idle workers, of which there are enough."""
+        for _ in range(len(self._waiting)):
+            task, avoid = self._waiting.popleft()
+            worker = self._idle(avoid)
+            if worker is None:
+                self._waiting.append((task, avoid))
+                if not any(each.task is None for each in self._workers) and len(self._workers) >= self._processes:
+                    return
+                continue
+            try:
+                worker.pipe.send(task)
+            except OSError:  # It died while it had nothing to do.
+                self._bury(worker)
+                self._waiting.appendleft((task, avoid))
+                continue
+            worker.task = task
+
+    def _idle(self, avoid: str | None) -> _WorkerProcess | None:
+        """Return a worker for a task, perhaps a new one; None when all those are busy."""
+        idle = [worker for worker in self._workers if worker.task is None]
+        for worker in idle:
+            if worker.name != avoid:
+                return worker
+        if len(self._workers) < self._processes:
+            return self._hire()
+        if idle and self._processes == 1:
+            # The only worker there is has played it already: another takes its place.
+            self._bury(idle[0])
+            return self._hire()
+        return None
+
+    def _hire(self) -> _WorkerProcess:
+        ours, theirs = self._context.Pipe()
+        process = self._context.Process(target=_serve, args=(theirs,), daemon=True)
+        process.start()
+        theirs.close()
+        worker = _WorkerProcess(process, cast("Connection[SweepTask, TaskOutcome | Exception]", ours))
+        self._workers.append(worker)
+        return worker
+
+    def _bury(self, worker: _WorkerProcess) -> None:
+        worker.pipe.close()
+        worker.process.terminate()
+        worker.process.join()
+        self._workers.remove(worker)
+
+    def _ended(self, worker: _WorkerProcess) -> FinishedTask:
+        """Return the task that a worker has ended, in one way or the other. Raises what the worker raised."""
+        task = worker.task
+        if task is None:
+            raise EngineFailed("A worker told of a task that it did not have.")
+        try:
+            told = worker.pipe.recv()
+        except (EOFError, OSError):
+            self._bury(worker)
+            return FinishedTask(task, None, worker.name)
+        worker.task = None
+        if isinstance(told, Exception):
+            raise told
+        return FinishedTask(task, told, worker.name)
+
+
+def _serve(pipe: "Connection[TaskOutcome | Exception, SweepTask]") -> None:
+    """Carry out tasks until the other end of the pipe is closed."""
+    # Ctrl-C at a terminal reaches all its processes; the one that gives the tasks ends the others.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    while True:
+        try:
+            task = pipe.recv()
+        except EOFError:
+            return
+        try:
+            pipe.send(carry_out(task))
+        except Exception as fault:
+            pipe.send(fault)

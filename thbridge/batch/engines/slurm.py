@@ -1,0 +1,84 @@
+"""Jobs of Slurm, by submitit (extra `cluster`)."""
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TypeAlias
+
+import submitit
+
+from thbridge.batch.engines.engine import FinishedTask
+from thbridge.batch.tasks import SweepTask, TaskOutcome, carry_out
+from thbridge.batch.whole_files import worker_name
+
+POLL_SECONDS = 1.0
+"""Time between two looks at the jobs."""
+_Job: TypeAlias = "submitit.Job[tuple[str, list[TaskOutcome]]]"
+STANDARD_OPTIONS = {"cpus_per_task": "1"}
+
+
+class SlurmEngine:
+    """Carries out tasks by jobs of Slurm; what waits is shared out among the jobs of an array.
+
+    Args:
+        jobs: number of jobs at most.
+        log: folder of submitit's files.
+        options: of `sbatch`, by their long names.
+        cluster: "slurm"; or "local" or "debug", for which no Slurm is needed.
+    """
+
+    def __init__(self, jobs: int, log: Path, options: Mapping[str, str], cluster: str = "slurm") -> None:
+        self._jobs = jobs
+        self._executor = submitit.AutoExecutor(folder=log, cluster=cluster)
+        given = {**STANDARD_OPTIONS, **options}
+        self._executor.update_parameters(**{f"slurm_{name.replace('-', '_')}": value for name, value in given.items()})
+        self._waiting: list[SweepTask] = []
+        self._running: list[tuple[_Job, Sequence[SweepTask]]] = []
+
+    def submit(self, task: SweepTask, avoid: str | None = None) -> None:
+        """See `Engine`; every job is another worker."""
+        self._waiting.append(task)
+
+    def finished(self) -> Iterator[FinishedTask]:
+        """See `Engine`."""
+        while self._waiting or self._running:
+            # What comes in while jobs run, such as games to be played again, waits for all of them.
+            if not self._running:
+                self._start()
+            for job, tasks in [each for each in self._running if each[0].done()]:
+                self._running.remove((job, tasks))
+                yield from _ended(job, tasks)
+            if self._running:
+                time.sleep(POLL_SECONDS)
+
+    def __enter__(self) -> "SlurmEngine":
+        return self
+
+    def __exit__(self, *ended: object) -> None:
+        for job, _ in self._running:
+            job.cancel(check=False)
+
+    def _start(self) -> None:
+        waiting, self._waiting = self._waiting, []
+        bundles = [waiting[first :: self._jobs] for first in range(min(self._jobs, len(waiting)))]
+        jobs = self._executor.map_array(_carried_out, bundles)
+        self._running = list(zip(jobs, bundles, strict=True))
+
+
+def _carried_out(tasks: Sequence[SweepTask]) -> tuple[str, list[TaskOutcome]]:
+    """Carry out the tasks of a job, and return its name."""
+    return worker_name(), [carry_out(task) for task in tasks]
+
+
+def _ended(job: _Job, tasks: Sequence[SweepTask]) -> Iterator[FinishedTask]:
+    """Yield the tasks of a job that has ended. Raises what they raised."""
+    fault = job.exception()
+    if fault is None:
+        worker, outcomes = job.result()
+        yield from (FinishedTask(task, outcome, worker) for task, outcome in zip(tasks, outcomes, strict=True))
+        return
+    if not isinstance(fault, submitit.core.utils.UncompletedJobError):
+        raise fault
+    # It was killed, or ran out of time: what it has not done is done by another.
+    for task in tasks:
+        yield FinishedTask(task, None, job.job_id)

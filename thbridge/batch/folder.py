@@ -1,0 +1,237 @@
+"""The folder of a sweep: its design, and files of results that many programs may write at once."""
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import cast
+
+from thbridge.app.compose.machine import machine, versions
+from thbridge.batch.chunks import GameChunk, chunks_of
+from thbridge.batch.design import SweepDesign
+from thbridge.batch.whole_files import PART, whole_file
+from thbridge.files.errors import BadFile
+from thbridge.files.resources import shipped
+from thbridge.files.yaml.tree import read_text
+from thbridge.study.study_file import Study
+from thbridge.study.text import resolved
+
+LAYOUT = 1
+"""Layout of the folder; another number is of another release."""
+LARGEST_MANIFEST = 1 << 28
+
+
+@dataclass(frozen=True, slots=True)
+class SweepFolder:
+    """Paths within the folder of a sweep."""
+
+    root: Path
+
+    @property
+    def manifest(self) -> Path:
+        """The design as it was resolved, and what began it."""
+        return self.root / "sweep.json"
+
+    def study(self, condition: int) -> Path:
+        """A condition's study, resolved, which `thbridge play` plays with the seed of a game."""
+        return self.root / "conditions" / f"{condition}.yaml"
+
+    def games(self, chunk: GameChunk) -> Path:
+        """The results of a chunk."""
+        return self._of("games", chunk) / f"chunk-{chunk.number}.parquet"
+
+    def verified(self, chunk: GameChunk) -> Path:
+        """The games of a chunk that were played again."""
+        return self._of("verified", chunk) / f"chunk-{chunk.number}.parquet"
+
+    def attempts(self, chunk: GameChunk) -> Path:
+        """The games of a chunk that workers began; there only until its results are."""
+        return self.root / "attempts" / f"chunk-{chunk.number}"
+
+    def bag(self, condition: int, seed: int) -> Path:
+        """The recording of a game."""
+        return self.root / "bags" / f"condition={condition}" / f"seed-{seed}.bag"
+
+    def _of(self, kind: str, chunk: GameChunk) -> Path:
+        return self.root / kind / f"condition={chunk.condition}"
+
+    def clear(self, chunk: GameChunk) -> None:
+        """Remove what an interrupted program has left of a chunk."""
+        self.attempts(chunk).unlink(missing_ok=True)
+        for path in (self.games(chunk), self.verified(chunk)):
+            for part in path.parent.glob(f".{path.name}.*{PART}"):
+                part.unlink(missing_ok=True)
+
+
+@dataclass(frozen=True, slots=True)
+class SweepManifest:
+    """A folder's record of its sweep; attributes as in `SweepDesign`.
+
+    Attributes:
+        levels: the level of each factor, by condition.
+        versions: of the programs that began it.
+    """
+
+    factors: tuple[str, ...]
+    levels: Mapping[int, Mapping[str, str]]
+    seeds: tuple[int, ...]
+    measures: tuple[str, ...]
+    one_verified_in: int
+    chunk: int
+    versions: Mapping[str, str]
+
+    @property
+    def chunks(self) -> tuple[GameChunk, ...]:
+        """All chunks."""
+        return chunks_of(len(self.levels), self.seeds, self.chunk)
+
+    @property
+    def games(self) -> int:
+        """Number of games."""
+        return len(self.levels) * len(self.seeds)
+
+
+def open_folder(design: SweepDesign, root: Path) -> SweepFolder:
+    """Begin a sweep in a folder, or go on with it there.
+
+    Raises:
+        BadFile: the folder is that of another design, or cannot be written.
+    """
+    folder, here = SweepFolder(root), _described(design)
+    if not folder.manifest.exists():
+        for condition in design.conditions:
+            with whole_file(folder.study(condition.number)) as file:
+                file.write(resolved(condition.study).encode())
+        told = {
+            "layout": LAYOUT,
+            "digest": _digest_of(here),
+            "versions": versions(),
+            "machine": machine(),
+            "design": here,
+        }
+        with whole_file(folder.manifest, exclusive=True) as file:
+            file.write((json.dumps(told, indent=1) + "\n").encode())
+    there = _read(folder)["design"]
+    if there != here:
+        problem = f"{root} has the games of another design: {_difference(folder, design, there, here)}"
+        raise BadFile(design.path, problem, "Name another folder by --out, or take the change back")
+    return folder
+
+
+def read_manifest(root: Path) -> tuple[SweepFolder, SweepManifest]:
+    """Read what a folder tells of its sweep. Raises BadFile."""
+    folder = SweepFolder(root)
+    told = _read(folder)
+    design = cast(Mapping[str, object], told["design"])
+    levels = cast(Mapping[str, Mapping[str, str]], design["levels"])
+    return folder, SweepManifest(
+        factors=tuple(cast("list[str]", design["factors"])),
+        levels={int(number): named for number, named in levels.items()},
+        seeds=tuple(cast("list[int]", design["seeds"])),
+        measures=tuple(cast("list[str]", design["measures"])),
+        one_verified_in=cast(int, design["one_verified_in"]),
+        chunk=cast(int, design["chunk"]),
+        versions=cast(Mapping[str, str], told["versions"]),
+    )
+
+
+def _described(design: SweepDesign) -> object:
+    """Return all that the results of a design depend on, as JSON has it."""
+    studies = {each.number: hashlib.sha256(resolved(each.study).encode()).hexdigest() for each in design.conditions}
+    told = {
+        "factors": design.factors,
+        "levels": {each.number: each.levels for each in design.conditions},
+        "seeds": design.seeds,
+        "max_seconds": design.max_seconds,
+        "measures": design.measures,
+        "one_bag_in": design.one_bag_in,
+        "one_verified_in": design.one_verified_in,
+        "chunk": design.chunk,
+        "files": _digests(design),
+        "studies": studies,
+    }
+    return cast(object, json.loads(json.dumps(told)))
+
+
+def _digest_of(described: object) -> str:
+    return hashlib.sha256(json.dumps(described, sort_keys=True).encode()).hexdigest()
+
+
+def _digests(design: SweepDesign) -> dict[str, str]:
+    """Return a digest of each file and folder that the studies name."""
+    named = dict.fromkeys(
+        (f"{key} {name}", path)
+        for condition in design.conditions
+        for key, name, path in _named_paths(condition.study, design.beside)
+    )
+    return {what: _digest(path) for what, path in named}
+
+
+def _named_paths(study: Study, beside: Path) -> Iterator[tuple[str, str, Path]]:
+    """Yield key, value and path of what a study names."""
+    yield "map", study.map, shipped().find("maps", study.map, beside)
+    yield "templates", study.templates, shipped().find("templates", study.templates, beside)
+    for key, path in (
+        ("game.costs", study.game.costs),
+        ("dialogue.games", study.dialogue.games),
+        ("dialogue.words", study.dialogue.words),
+    ):
+        if path is not None and (beside / path).exists():
+            yield key, str(path), beside / path
+
+
+def _digest(path: Path) -> str:
+    """Return a digest of a file, or of all files of a folder."""
+    digest = hashlib.sha256()
+    for file in sorted(each for each in path.rglob("*") if each.is_file()) if path.is_dir() else [path]:
+        for part in (file.relative_to(path).as_posix().encode(), file.read_bytes()):
+            digest.update(len(part).to_bytes(8, "little"))
+            digest.update(part)
+    return digest.hexdigest()
+
+
+def _read(folder: SweepFolder) -> Mapping[str, object]:
+    path, remedy = folder.manifest, "name the folder of a sweep"
+    try:
+        told = cast(object, json.loads(read_text(path, LARGEST_MANIFEST)))
+    except json.JSONDecodeError as error:
+        raise BadFile(path, f"not JSON ({error.msg})", remedy, line=error.lineno) from None
+    except BadFile as fault:
+        raise BadFile(path, fault.problem, remedy) from None
+    if not isinstance(told, dict) or told.get("layout") != LAYOUT:
+        raise BadFile(path, "another release of this program began this sweep", "go on with that release")
+    return cast(Mapping[str, object], told)
+
+
+def _difference(folder: SweepFolder, design: SweepDesign, there: object, here: object) -> str:
+    """Return the first difference of two designs, as a clause."""
+    place, was, now = next(_differences(there, here, ""))
+    if place.startswith("studies."):
+        number = int(place.removeprefix("studies."))
+        before = read_text(folder.study(number), LARGEST_MANIFEST).splitlines()
+        after = resolved(design.conditions[number - 1].study).splitlines()
+        was, now = next((a.strip(), b.strip()) for a, b in zip(before, after, strict=False) if a != b)
+        place = f"the study of condition {number}"
+    elif place.startswith("files."):
+        return f"the files of {place.removeprefix('files.')} have changed since"
+    return f"{place} was {_shortened(was)}, now it is {_shortened(now)}"
+
+
+def _differences(was: object, now: object, place: str) -> Iterator[tuple[str, object, object]]:
+    """Yield the places at which two values differ, each with its values there."""
+    if isinstance(was, dict) and isinstance(now, dict):
+        for name in dict.fromkeys((*was, *now)):
+            inner = f"{place}.{name}" if place else str(name)
+            yield from _differences(was.get(name), now.get(name), inner)
+    elif was != now:
+        yield place, was, now
+
+
+def _shortened(value: object) -> str:
+    text = "nothing" if value is None else str(value)
+    return text if len(text) <= LONGEST_TOLD else f"{text[: LONGEST_TOLD - 3]}..."
+
+
+LONGEST_TOLD = 60
+"""Characters of a value in the difference of two designs."""

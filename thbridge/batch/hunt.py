@@ -1,0 +1,70 @@
+"""One game of a sweep, as `thbridge play` plays it with the same study and seed, without sockets and clocks."""
+
+from collections.abc import Sequence
+
+from thbridge.app.compose.game import build_bot, build_hider, build_keeper
+from thbridge.app.compose.recording import build_publisher, build_record, message_filter
+from thbridge.app.compose.robots import build_simr, vehicle_factory
+from thbridge.app.compose.setting import StudySetting
+from thbridge.app.play import PLAY, EndCondition, outcome_of
+from thbridge.app.run_statistics import RunStatistics
+from thbridge.app.session.broadcast import Broadcast, Listener
+from thbridge.app.session.recording import BagRecorder
+from thbridge.app.session.session import Session, TickRecorder
+from thbridge.batch.measures import GameMeasures, GameObserver
+from thbridge.recording.digest import MessageDigest
+from thbridge.roles.participant.tabui import TabUI
+from thbridge.roles.role import Role
+from thbridge.ros.topics import RosMessage
+from thbridge.study.study_file import RecordingSection
+
+
+def play_hunt(setting: StudySetting, max_seconds: float, listeners: Sequence[Listener] = ()) -> GameMeasures:
+    """Play one game to its end with the study's simulated participant.
+
+    Args:
+        setting: the study.
+        max_seconds: simulated time after which an unfinished game is given up.
+        listeners: get all messages of the session; without any, messages are not even made.
+    """
+    study, observer, statistics = setting.study, GameObserver(), RunStatistics()
+    who = study.participant
+    participant = TabUI(build_bot(setting.templates, who.strategy, study.seed, who.attitude))
+    simr = build_simr(setting)
+    roles: list[Role] = [simr, build_hider(setting.templates, study.seed)]
+    recorders: list[TickRecorder] = [observer]
+    if listeners:
+        said_by = [role.name for role in (*roles, participant)]
+        record = build_record(setting, PLAY, said_by, who.strategy)
+        broadcast = Broadcast(build_publisher(setting), record, setting.map.grid, listeners)
+        recorders.append(BagRecorder(broadcast))
+    session = Session(build_keeper(setting), roles, recorders, participant, vehicle_factory(setting, simr))
+    ending = EndCondition(max_seconds)
+    while True:
+        now = session.step()
+        if now.snapshot is not None:
+            statistics.add(now.snapshot)
+        if ending.reached(session):
+            break
+    return observer.measures(outcome_of(setting, session, ending, roles, 0.0, None, statistics))
+
+
+class RecordedDigest:
+    """The digest of a session's messages, as `thbridge bag info --hash` tells it of the recording.
+
+    Args:
+        recording: options of the recording, which may leave messages out.
+    """
+
+    def __init__(self, recording: RecordingSection) -> None:
+        self._keep = message_filter(recording.detail, errors=recording.errors)
+        self._digest = MessageDigest()
+
+    def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
+        """See `Listener`."""
+        for message in filter(self._keep, messages):
+            self._digest.add(message.topic.name, message.topic.msgtype, message.stamp_ns, message.data)
+
+    def hexdigest(self) -> str:
+        """Return the digest of all messages so far."""
+        return self._digest.hexdigest()

@@ -1,0 +1,132 @@
+"""Measures of a game: the figures that a sweep keeps of it."""
+
+import dataclasses
+import math
+from array import array
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.common import elementary
+from sim.robot.navigator.goals import GoalReached, NoPath
+from sim.team import TeamSnapshot
+from thbridge.app.play import HuntOutcome
+from thbridge.app.run_statistics import RobotStatistics
+from thbridge.app.session.session import TickRecord
+from thbridge.dialogue.moves import Speaker
+
+
+@dataclass(frozen=True, slots=True)
+class GameMeasures:
+    """Measures of one game; those of robots are of all robots together.
+
+    Attributes:
+        score: points.
+        over: reason for the end (`hunt.events.EndReason`); None if the game did not end in time.
+        rooms_visited: number of rooms.
+        identified: number of treasures named, rightly or wrongly.
+        sim_seconds: simulated time from the start to the end of the game.
+        energy_left: energy left.
+        collisions: number of times that a robot touched a wall or another robot.
+        goals_reached: goals of the robots' navigators that were reached.
+        goals_failed: goals that were given up.
+        failures: the reason of each of those, as a code, in their order.
+        distance: metres driven.
+        error_mean: mean distance between the true and the believed position at every scan, metres.
+        error_95: 95 % quantile of this distance, metres.
+        times_lost: number of times that a localiser held itself to be lost.
+        seconds_lost: how long, simulated seconds.
+        seconds_waiting: simulated seconds in which a robot stood to let another one go first.
+        refusals: number of requests that the keeper refused.
+        dialogues: number of dialogues.
+        robot_utterances: number of sentences that robots said.
+        person_utterances: number of replies of the participant.
+        each_robot: figures of each robot.
+    """
+
+    score: int
+    over: str | None
+    rooms_visited: int
+    identified: int
+    sim_seconds: float
+    energy_left: float
+    collisions: int
+    goals_reached: int
+    goals_failed: int
+    failures: tuple[str, ...]
+    distance: float
+    error_mean: float | None
+    error_95: float | None
+    times_lost: int
+    seconds_lost: float
+    seconds_waiting: float
+    refusals: int
+    dialogues: int
+    robot_utterances: int
+    person_utterances: int
+    each_robot: tuple[RobotStatistics, ...]
+
+
+MEASURES = tuple(field.name for field in dataclasses.fields(GameMeasures))
+"""Names of all measures."""
+
+
+class GameObserver:
+    """Counts what becomes of a game, tick by tick; `play` does not tell this in its outcome."""
+
+    def __init__(self) -> None:
+        self._errors = array("d")
+        self._dialogues: set[int] = set()
+        self._said = dict.fromkeys(Speaker, 0)
+        self._reached = self._refusals = 0
+        self._failures: list[str] = []
+
+    def record(self, record: TickRecord) -> None:
+        """Take one tick."""
+        self._refusals += len(record.refusals)
+        for utterance in record.utterances:
+            self._dialogues.add(utterance.dialogue)
+            self._said[utterance.speaker] += 1
+        if record.snapshot is not None:
+            self._see(record.snapshot)
+
+    def _see(self, snapshot: TeamSnapshot) -> None:
+        for robot, output in enumerate(snapshot.robots):
+            if robot in snapshot.dead:
+                continue
+            result = output.navigation.result
+            if isinstance(result, GoalReached):
+                self._reached += 1
+            elif isinstance(result, NoPath):
+                self._failures.append(result.reason)
+            if output.observations.scan is not None:
+                x, y, _ = snapshot.truth.poses[robot]
+                believed = output.estimate.base_in_map
+                self._errors.append(elementary.hypot(believed.x - x, believed.y - y))
+
+    def measures(self, outcome: HuntOutcome) -> GameMeasures:
+        """Return the measures of the game, given its outcome."""
+        errors, robots = np.array(self._errors), outcome.robots
+        return GameMeasures(
+            score=outcome.score,
+            over=outcome.over,
+            rooms_visited=outcome.rooms_visited,
+            identified=outcome.identified,
+            sim_seconds=outcome.sim_seconds,
+            energy_left=math.fsum(outcome.energy),
+            collisions=outcome.collisions,
+            goals_reached=self._reached,
+            goals_failed=len(self._failures),
+            failures=tuple(self._failures),
+            distance=math.fsum(robot.distance for robot in robots),
+            error_mean=round(float(errors.mean()), 6) if errors.size else None,
+            error_95=round(float(np.quantile(errors, 0.95)), 6) if errors.size else None,
+            times_lost=sum(robot.times_lost for robot in robots),
+            seconds_lost=math.fsum(robot.seconds_lost for robot in robots),
+            seconds_waiting=math.fsum(robot.seconds_waiting for robot in robots),
+            refusals=self._refusals,
+            dialogues=len(self._dialogues),
+            robot_utterances=self._said[Speaker.ROBOT],
+            person_utterances=self._said[Speaker.PERSON],
+            each_robot=robots,
+        )

@@ -1,0 +1,201 @@
+"""Results of games as Parquet files, one a chunk, which DuckDB, pandas and Arrow read as one table."""
+
+import dataclasses
+import json
+import re
+import types
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import cast, get_args, get_origin, get_type_hints
+
+import pyarrow as pa
+from pyarrow import parquet
+
+from thbridge.app.compose.machine import versions
+from thbridge.batch.measures import MEASURES, GameMeasures
+from thbridge.batch.whole_files import whole_file
+from thbridge.files.errors import BadFile
+
+VERSIONS = "thbridge.versions"
+"""Key in a file's metadata of the versions of programs that played its games, as JSON."""
+
+
+class GameStatus(StrEnum):
+    """State of a game in the results."""
+
+    ENDED = "ended"
+    OUT_OF_TIME = "out of time"
+    FAILED = "failed"
+    """An exception ended it; see its fault."""
+    CRASHED = "crashed"
+    """Two workers died while they played it."""
+
+
+@dataclass(frozen=True, slots=True)
+class GameResult:
+    """The result of one game.
+
+    Attributes:
+        seed: of the game.
+        status: whether it ended.
+        fault: the error that ended it; None without one.
+        messages: digest of the messages of its session (`thbridge bag info --hash`); None where none were made.
+        bag: name of the recording within the sweep's folder; None without one.
+        worker: host and process that played it.
+        cpu_seconds: processor time.
+        measures: None for a game without a result.
+    """
+
+    seed: int
+    status: GameStatus
+    fault: str | None = None
+    messages: str | None = None
+    bag: str | None = None
+    worker: str = ""
+    cpu_seconds: float = 0.0
+    measures: GameMeasures | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Verification:
+    """A game that was played again.
+
+    Attributes:
+        seed: of the game.
+        first: digest of the messages of the first session.
+        again: of the second.
+        first_worker: host and process that played it first.
+        again_worker: and that played it again.
+    """
+
+    seed: int
+    first: str | None
+    again: str | None
+    first_worker: str
+    again_worker: str
+
+    @property
+    def equal(self) -> bool:
+        """True when both sessions said the same."""
+        return self.first == self.again
+
+
+Level = str | float | int | None
+"""Level of a factor in the results; None where a condition does not have the factor."""
+
+
+@dataclass(frozen=True, slots=True)
+class FactorColumns:
+    """Columns of the factors.
+
+    Attributes:
+        kinds: type of each factor's levels: int64, double or string.
+        levels: level of each factor, by condition.
+    """
+
+    kinds: Mapping[str, str]
+    levels: Mapping[int, Mapping[str, Level]]
+
+    @classmethod
+    def of(cls, factors: Sequence[str], written: Mapping[int, Mapping[str, str]]) -> "FactorColumns":
+        """Return the columns of levels as they are written: numbers where all levels of a factor are numbers."""
+        kinds = {factor: _kind([each[factor] for each in written.values() if factor in each]) for factor in factors}
+        readers: Mapping[str, Callable[[str], Level]] = {"int64": int, "double": float, "string": str}
+        levels: dict[int, Mapping[str, Level]] = {
+            number: {factor: readers[kinds[factor]](each[factor]) if factor in each else None for factor in factors}
+            for number, each in written.items()
+        }
+        return cls(kinds, levels)
+
+
+def _kind(labels: Sequence[str]) -> str:
+    if all(_WHOLE.fullmatch(label) for label in labels):
+        return "int64"
+    return "double" if all(_NUMBER.fullmatch(label) for label in labels) else "string"
+
+
+_WHOLE = re.compile(r"[-+]?\d{1,18}")
+_NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d{1,3})?")
+
+
+OWN_COLUMNS = (
+    "condition",
+    *(field.name for field in dataclasses.fields(GameResult) if field.name != "measures"),
+    *MEASURES,
+    "verified",
+)
+"""Columns that are no factors."""
+
+
+def write_games(
+    path: Path, games: Sequence[GameResult], condition: int, factors: FactorColumns, measures: Collection[str]
+) -> None:
+    """Write the games of a chunk; those measures of them that are named. Raises BadFile: it cannot be written."""
+    columns: dict[str, pa.Array] = {"seed": pa.array([game.seed for game in games], pa.int64())}
+    for factor, kind in factors.kinds.items():
+        columns[factor] = pa.array([factors.levels[condition][factor]] * len(games), pa.type_for_alias(kind))
+    columns |= _columns(games, GameResult, {"status", "fault"})
+    columns |= _columns([game.measures for game in games], GameMeasures, measures)
+    columns |= _columns(games, GameResult, {"messages", "bag", "worker", "cpu_seconds"})
+    _write(path, columns)
+
+
+def write_verified(path: Path, games: Sequence[Verification]) -> None:
+    """Write the games of a chunk that were played again. Raises BadFile: it cannot be written."""
+    named = {field.name for field in dataclasses.fields(Verification)}
+    _write(path, _columns(games, Verification, named) | {"equal": pa.array([game.equal for game in games], pa.bool_())})
+
+
+def _write(path: Path, columns: Mapping[str, pa.Array]) -> None:
+    table = pa.table(columns).replace_schema_metadata({VERSIONS: json.dumps(versions())})
+    with whole_file(path) as file:
+        parquet.write_table(table, file, compression="zstd")
+
+
+def _columns(rows: Sequence[object], of: type, names: Collection[str]) -> dict[str, pa.Array]:
+    """Return the columns of some fields of a class; None as a row has no values."""
+    hints = cast(Mapping[str, object], get_type_hints(of))
+    return {
+        name: pa.array([None if row is None else _plain(getattr(row, name)) for row in rows], _arrow(hint))
+        for name, hint in hints.items()
+        if name in names
+    }
+
+
+def _plain(value: object) -> object:
+    """Return a value as Arrow takes it."""
+    if isinstance(value, tuple):
+        return [_plain(item) for item in value]
+    return dataclasses.asdict(value) if dataclasses.is_dataclass(value) and not isinstance(value, type) else value
+
+
+def _arrow(hint: object) -> pa.DataType:
+    """Return the column type of a field's type."""
+    origin, arguments = get_origin(hint), get_args(hint)
+    if origin is types.UnionType:
+        return _arrow(next(each for each in arguments if each is not types.NoneType))
+    if origin is tuple:
+        return pa.list_(_arrow(arguments[0]))
+    if isinstance(hint, type) and dataclasses.is_dataclass(hint):
+        inner = cast(Mapping[str, object], get_type_hints(hint))
+        return pa.struct([pa.field(name, _arrow(each)) for name, each in inner.items()])
+    if isinstance(hint, type) and issubclass(hint, str):
+        return pa.string()
+    return {int: pa.int64(), float: pa.float64(), bool: pa.bool_()}[cast(type, hint)]
+
+
+def read_digests(path: Path) -> Mapping[int, tuple[str | None, str]]:
+    """Return the digest of the messages of each game of a chunk, by seed, and its worker. Raises BadFile."""
+    table = read_table(path, ["seed", "messages", "worker"])
+    return {row["seed"]: (row["messages"], row["worker"]) for row in table.to_pylist()}
+
+
+def read_table(path: Path, columns: Sequence[str] | None = None) -> pa.Table:
+    """Read some columns of a file. Raises BadFile."""
+    try:
+        # Its own columns alone: the folder's name would be another.
+        return parquet.ParquetFile(path).read(columns)
+    except (OSError, pa.ArrowException) as error:
+        raise BadFile(path, f"it cannot be read ({error})", "delete it: a further run plays its games again") from None

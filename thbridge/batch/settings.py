@@ -1,0 +1,42 @@
+"""Settings of studies that share their files: a map is read once, whatever number of studies is played on it."""
+
+import dataclasses
+from pathlib import Path
+
+from sim.parameters import RobotParameters, WorldParameters
+from thbridge.app.compose.setting import StudySetting, read_setting
+from thbridge.files.yaml.load import Loaded
+from thbridge.study.study_file import ParticipantSection, RecordingSection, Study
+
+
+class SettingCache:
+    """Settings by what studies name; studies that differ in seed, software or noise alone share their files.
+
+    Args:
+        beside: the folder that paths in studies are relative to.
+    """
+
+    def __init__(self, beside: Path) -> None:
+        self._beside = beside
+        self._settings: dict[str, StudySetting] = {}
+
+    def of(self, study: Study, written: Loaded[Study] | None = None) -> StudySetting:
+        """Return the setting of a study; `written` and faults as for `read_setting`."""
+        key = repr(_naming(study))
+        if key not in self._settings:
+            self._settings[key] = read_setting(study, self._beside, written=written)
+        return dataclasses.replace(self._settings[key], study=study)
+
+
+def _naming(study: Study) -> Study:
+    """Return the study without what no file depends on."""
+    standard = ParticipantSection()
+    return dataclasses.replace(
+        study,
+        seed=0,
+        robot=RobotParameters(),
+        each={},
+        world=WorldParameters(footprint=study.world.footprint),
+        recording=RecordingSection(),
+        participant=dataclasses.replace(study.participant, strategy=standard.strategy, attitude=standard.attitude),
+    )

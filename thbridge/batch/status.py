@@ -1,0 +1,113 @@
+"""Status of a sweep, as its folder tells it while any number of programs work on it, or none."""
+
+import json
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from pyarrow import parquet
+
+from thbridge.batch.chunks import is_drawn
+from thbridge.batch.folder import read_manifest
+from thbridge.batch.results import VERSIONS, GameStatus, read_table
+
+
+@dataclass(frozen=True, slots=True)
+class SweepStatus:
+    """Status of a sweep.
+
+    Attributes:
+        games: number of games of the design.
+        done: games whose results are there, whatever they are.
+        missing: the others.
+        by_status: number of games by `GameStatus`.
+        faults: sentences about games without a result.
+        drawn: games that are to be played again.
+        verified: of these, games that were.
+        differing: sentences about games that were not the same again.
+        cpu_seconds: processor time of all games.
+        last_written: when the last file was written, seconds since 1970; None before the first.
+        rate: games a second over the last files that were written; None where they do not tell.
+        seconds_left: at that rate; None where it is unknown.
+        versions: number of files by the versions of the programs that wrote them.
+    """
+
+    games: int
+    done: int
+    missing: int
+    by_status: Mapping[str, int]
+    faults: tuple[str, ...]
+    drawn: int
+    verified: int
+    differing: tuple[str, ...]
+    cpu_seconds: float
+    last_written: float | None
+    rate: float | None
+    seconds_left: float | None
+    versions: Mapping[str, int]
+
+
+RECENT = 50
+"""Files by whose times the rate is told."""
+A_BREAK = 600.0
+"""Seconds without a new file: the sweep stood still."""
+
+
+def status_of(root: Path) -> SweepStatus:
+    """Read the status of a sweep. Raises BadFile: it is no folder of one, or a file cannot be read."""
+    folder, manifest = read_manifest(root)
+    by_status, versions = Counter[str](), Counter[str]()
+    faults, differing, written = [], [], []
+    drawn = verified = 0
+    cpu = 0.0
+    for chunk in manifest.chunks:
+        drawn += sum(is_drawn("verified", manifest.one_verified_in, chunk.condition, seed) for seed in chunk.seeds)
+        path, again = folder.games(chunk), folder.verified(chunk)
+        if path.exists():
+            rows = read_table(path, ["seed", "status", "fault", "cpu_seconds"]).to_pylist()
+            written.append((path.stat().st_mtime, len(rows)))
+            versions[(parquet.read_metadata(path).metadata or {}).get(VERSIONS.encode(), b"{}").decode()] += 1
+            for row in rows:
+                by_status[row["status"]] += 1
+                cpu += row["cpu_seconds"]
+                if row["fault"]:
+                    faults.append(f"condition {chunk.condition}, seed {row['seed']}: {row['fault']}")
+        if again.exists():
+            for row in read_table(again, ["seed", "equal"]).to_pylist():
+                verified += 1
+                if not row["equal"]:
+                    differing.append(f"condition {chunk.condition}, seed {row['seed']}: not the same again")
+    done = by_status.total()
+    rate = _rate(sorted(written))
+    return SweepStatus(
+        games=manifest.games,
+        done=done,
+        missing=manifest.games - done,
+        by_status={status.value: by_status[status.value] for status in GameStatus},
+        faults=tuple(faults),
+        drawn=drawn,
+        verified=verified,
+        differing=tuple(differing),
+        cpu_seconds=round(cpu, 1),
+        last_written=max(written)[0] if written else None,
+        rate=rate,
+        seconds_left=None if rate is None else round((manifest.games - done) / rate, 1),
+        versions={_told(each): count for each, count in versions.items()},
+    )
+
+
+def _rate(written: list[tuple[float, int]]) -> float | None:
+    """Return the games a second, by the times and games of files, oldest first."""
+    recent = written[-RECENT:]
+    for place in range(len(recent) - 1, 0, -1):
+        if recent[place][0] - recent[place - 1][0] > A_BREAK:
+            recent = recent[place:]
+            break
+    if len(recent) < 2 or recent[-1][0] <= recent[0][0]:
+        return None
+    return round(sum(games for _, games in recent[1:]) / (recent[-1][0] - recent[0][0]), 4)
+
+
+def _told(versions: str) -> str:
+    return ", ".join(f"{name} {version}" for name, version in json.loads(versions).items())

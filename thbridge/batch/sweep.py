@@ -1,0 +1,127 @@
+"""The run of a sweep: what is missing is played, drawn games are played again, and workers that die are bearable."""
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from thbridge.batch.chunks import Shard, chunks_of
+from thbridge.batch.design import SweepDesign
+from thbridge.batch.engines.engine import Engine, EngineFailed, FinishedTask
+from thbridge.batch.folder import SweepFolder
+from thbridge.batch.tasks import MOST_DEATHS, SweepTask
+
+EVERYTHING = Shard()
+
+
+@dataclass(slots=True)
+class SweepProgress:
+    """Progress of a run.
+
+    Attributes:
+        games: of this run's part, in all.
+        before: of these, games whose results were there before.
+        played: games played by this run.
+        failed: of these, games without a result.
+        verified: games played again.
+        differing: of these, games that were not the same again.
+        deaths: number of workers that died.
+        cpu_seconds: processor time of all workers for their tasks.
+    """
+
+    games: int = 0
+    before: int = 0
+    played: int = 0
+    failed: int = 0
+    verified: int = 0
+    differing: int = 0
+    deaths: int = 0
+    cpu_seconds: float = 0.0
+
+
+def run_sweep(
+    design: SweepDesign,
+    folder: SweepFolder,
+    engine: Engine,
+    shard: Shard = EVERYTHING,
+    progress: Callable[[SweepProgress, Sequence[str]], None] = lambda _progress, _faults: None,
+) -> SweepProgress:
+    """Play what is missing of a sweep.
+
+    Args:
+        design: the design.
+        folder: its folder, opened with it.
+        engine: within its context.
+        shard: the part to play.
+        progress: takes the progress whenever it changes, with sentences about what went wrong.
+
+    Raises:
+        BadFile: the folder cannot be written.
+        EngineFailed: the engine cannot go on, or its workers die of what is no single game's fault.
+    """
+    told, deaths = SweepProgress(), Counter[Path]()
+    for task in _tasks(design, folder, shard):
+        told.games += len(task.chunk.seeds)
+        if task.result.exists():
+            told.before += len(task.chunk.seeds)
+            _verify(engine, task, None)
+        else:
+            folder.clear(task.chunk)
+            engine.submit(task)
+    progress(told, ())
+    for ended in engine.finished():
+        if ended.outcome is None:
+            told.deaths += 1
+            deaths[ended.task.result] += 1
+            _try_again(engine, ended, deaths[ended.task.result])
+            progress(told, ())
+            continue
+        outcome = ended.outcome
+        told.cpu_seconds += outcome.cpu_seconds
+        if ended.task.again:
+            told.verified += outcome.games
+            told.differing += outcome.failed
+        else:
+            told.played += len(ended.task.chunk.seeds)
+            told.failed += outcome.failed
+            _verify(engine, ended.task, ended.worker)
+        progress(told, outcome.faults)
+    return told
+
+
+def _tasks(design: SweepDesign, folder: SweepFolder, shard: Shard) -> list[SweepTask]:
+    return [
+        SweepTask(
+            folder=folder.root.resolve(),
+            beside=design.beside.resolve(),
+            chunk=chunk,
+            study=design.conditions[chunk.condition - 1].study,
+            factors=design.columns,
+            measures=design.measures,
+            max_seconds=design.max_seconds,
+            one_bag_in=design.one_bag_in,
+            one_verified_in=design.one_verified_in,
+        )
+        for chunk in chunks_of(len(design.conditions), design.seeds, design.chunk)
+        if shard.has(chunk)
+    ]
+
+
+def _verify(engine: Engine, played: SweepTask, worker: str | None) -> None:
+    """Have a chunk's drawn games played again by another worker, if that has not been done."""
+    task = replace(played, again=True)
+    if task.verified_seeds and not task.result.exists():
+        engine.submit(task, avoid=worker)
+
+
+def _try_again(engine: Engine, ended: FinishedTask, deaths: int) -> None:
+    """Have a task done by another worker. Raises EngineFailed when that is in vain."""
+    # Playing a chunk, each of its games may take some workers with it before it is left out.
+    most = MOST_DEATHS if ended.task.again else MOST_DEATHS * len(ended.task.chunk.seeds)
+    if deaths > most:
+        chunk = ended.task.chunk
+        raise EngineFailed(
+            f"{deaths} workers died at chunk {chunk.number} (condition {chunk.condition}). Look at the machine's "
+            "memory and at what the workers' programs print; a further run goes on where this one ended."
+        )
+    engine.submit(ended.task)

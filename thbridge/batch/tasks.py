@@ -1,0 +1,212 @@
+"""Tasks of workers: a chunk played, or drawn games of it played again. Any process that sees the folder can do them."""
+
+import time
+import traceback
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from threading import Lock
+
+from thbridge.app.compose.recording import build_writer
+from thbridge.batch.chunks import GameChunk, is_drawn
+from thbridge.batch.folder import SweepFolder
+from thbridge.batch.hunt import RecordedDigest, play_hunt
+from thbridge.batch.results import (
+    FactorColumns,
+    GameResult,
+    GameStatus,
+    Verification,
+    read_digests,
+    write_games,
+    write_verified,
+)
+from thbridge.batch.settings import SettingCache
+from thbridge.batch.whole_files import worker_name
+from thbridge.files.errors import BadFile
+from thbridge.recording.recordings import active_of
+from thbridge.study.study_file import Study
+
+MOST_DEATHS = 2
+"""Workers that may die while they play a game; then it is left out, and marked."""
+
+_playing = Lock()
+"""A process plays one game at a time, whatever threads it has."""
+
+
+@dataclass(frozen=True, slots=True)
+class SweepTask:
+    """Work on one chunk.
+
+    Attributes:
+        folder: of the sweep, which the worker must be able to write.
+        beside: the folder that paths in the study are relative to.
+        chunk: the games.
+        study: of their condition.
+        factors: as columns of the results.
+        measures: names of those that are kept.
+        max_seconds: simulated time after which an unfinished game is given up.
+        one_bag_in: one of so many games is recorded; 0: none.
+        one_verified_in: one of so many games is played again; 0: none.
+        again: True to play those again, and to compare.
+    """
+
+    folder: Path
+    beside: Path
+    chunk: GameChunk
+    study: Study
+    factors: FactorColumns
+    measures: tuple[str, ...]
+    max_seconds: float
+    one_bag_in: int
+    one_verified_in: int
+    again: bool = False
+
+    @property
+    def verified_seeds(self) -> tuple[int, ...]:
+        """Games that are drawn to be played again."""
+        return tuple(seed for seed in self.chunk.seeds if self._is_drawn("verified", self.one_verified_in, seed))
+
+    @property
+    def recorded_seeds(self) -> tuple[int, ...]:
+        """Games that are drawn to be recorded."""
+        return tuple(seed for seed in self.chunk.seeds if self._is_drawn("recorded", self.one_bag_in, seed))
+
+    @property
+    def result(self) -> Path:
+        """The file that is there once it is done."""
+        folder = SweepFolder(self.folder)
+        return folder.verified(self.chunk) if self.again else folder.games(self.chunk)
+
+    def _is_drawn(self, purpose: str, one_in: int, seed: int) -> bool:
+        return is_drawn(purpose, one_in, self.chunk.condition, seed)
+
+
+@dataclass(frozen=True, slots=True)
+class TaskOutcome:
+    """Outcome of a task.
+
+    Attributes:
+        games: number of games.
+        failed: number of those that have no result.
+        faults: sentences about these, and about games that were not the same again.
+        cpu_seconds: processor time of all of it.
+    """
+
+    games: int
+    failed: int
+    faults: tuple[str, ...]
+    cpu_seconds: float
+
+
+def carry_out(task: SweepTask) -> TaskOutcome:
+    """Do a task, unless its result is there; the result is on the disk when this returns.
+
+    Raises:
+        BadFile: the folder cannot be written.
+    """
+    with _playing:
+        began = time.process_time()
+        if task.result.exists():
+            return TaskOutcome(0, 0, (), 0.0)
+        faults = _verify(task) if task.again else _play(task)
+        games = len(task.verified_seeds if task.again else task.chunk.seeds)
+        return TaskOutcome(games, len(faults), tuple(faults), time.process_time() - began)
+
+
+def _play(task: SweepTask) -> list[str]:
+    folder, games = SweepFolder(task.folder), []
+    journal = folder.attempts(task.chunk)
+    deaths = _deaths(journal)
+    _note(journal, f"{ATTEMPT} {worker_name()}")
+    for seed in task.chunk.seeds:
+        if deaths[seed] >= MOST_DEATHS:
+            fault = f"{deaths[seed]} workers died while they played it"
+            games.append(GameResult(seed, GameStatus.CRASHED, fault, worker=worker_name()))
+            continue
+        _note(journal, str(seed))
+        games.append(_game(task, seed, recorded=seed in task.recorded_seeds, hashed=seed in task.verified_seeds))
+    write_games(folder.games(task.chunk), games, task.chunk.condition, task.factors, task.measures)
+    journal.unlink(missing_ok=True)
+    return [f"condition {task.chunk.condition}, seed {game.seed}: {game.fault}" for game in games if game.fault]
+
+
+def _verify(task: SweepTask) -> list[str]:
+    folder = SweepFolder(task.folder)
+    first = read_digests(folder.games(task.chunk))
+    games = []
+    for seed in task.verified_seeds:
+        said, by = first[seed]
+        if said is None:
+            continue  # It had no result.
+        again = _game(task, seed, recorded=False, hashed=True)
+        games.append(Verification(seed, said, again.messages, by, worker_name()))
+    write_verified(folder.verified(task.chunk), games)
+    where = f"condition {task.chunk.condition}, seed"
+    return [
+        f"{where} {game.seed}: not the same again (first by {game.first_worker}, again by {game.again_worker})"
+        for game in games
+        if not game.equal
+    ]
+
+
+def _game(task: SweepTask, seed: int, *, recorded: bool, hashed: bool) -> GameResult:
+    """Play a game; an exception ends it alone, a full disk the task."""
+    began = time.process_time()
+    setting = _settings(task.beside).of(replace(task.study, seed=seed))
+    said = RecordedDigest(setting.study.recording)
+    bag = SweepFolder(task.folder).bag(task.chunk.condition, seed) if recorded else None
+    try:
+        if bag is None:
+            measures = play_hunt(setting, task.max_seconds, [said] if hashed else [])
+        else:
+            bag.parent.mkdir(parents=True, exist_ok=True)
+            for left in (bag, active_of(bag)):
+                left.unlink(missing_ok=True)
+            with build_writer(setting, bag) as writer:
+                measures = play_hunt(setting, task.max_seconds, [said, writer])
+    except (BadFile, OSError):
+        raise
+    except Exception as fault:
+        place = traceback.extract_tb(fault.__traceback__)[-1]
+        told = f"{type(fault).__name__}: {fault} ({Path(place.filename).name}, line {place.lineno})"
+        return GameResult(seed, GameStatus.FAILED, told, worker=worker_name(), cpu_seconds=_since(began))
+    return GameResult(
+        seed=seed,
+        status=GameStatus.OUT_OF_TIME if measures.over is None else GameStatus.ENDED,
+        messages=said.hexdigest() if hashed or recorded else None,
+        bag=None if bag is None else bag.relative_to(task.folder).as_posix(),
+        worker=worker_name(),
+        cpu_seconds=_since(began),
+        measures=measures,
+    )
+
+
+def _since(began: float) -> float:
+    return round(time.process_time() - began, 4)
+
+
+@cache
+def _settings(beside: Path) -> SettingCache:
+    """Return the settings that this process has read."""
+    return SettingCache(beside)
+
+
+ATTEMPT = "attempt"
+"""First word of a line that begins an attempt, with its worker; other lines are seeds of games that were begun."""
+
+
+def _note(journal: Path, line: str) -> None:
+    """Append a line to a journal of attempts."""
+    journal.parent.mkdir(parents=True, exist_ok=True)
+    with journal.open("a") as file:
+        file.write(f"{line}\n")
+
+
+def _deaths(journal: Path) -> Mapping[int, int]:
+    """Return the number of attempts that ended within a game, by its seed."""
+    if not journal.exists():
+        return Counter()
+    attempts = [attempt.splitlines() for attempt in journal.read_text().split(ATTEMPT)[1:]]
+    return Counter(int(lines[-1]) for lines in attempts if len(lines) > 1)

@@ -1,0 +1,96 @@
+"""Designs, results and status of sweeps, for people and as JSON."""
+
+import dataclasses
+from datetime import timedelta
+from pathlib import Path
+
+from rich.table import Table
+
+from thbridge.batch.chunks import chunks_of, is_drawn
+from thbridge.batch.design import SweepDesign
+from thbridge.batch.status import SweepStatus
+from thbridge.batch.sweep import SweepProgress
+from ui.terminal import command, note, out, show
+
+MOST_TOLD = 20
+"""Faults, or conditions, that are told; there may be thousands."""
+
+
+def design_as_json(design: SweepDesign) -> dict[str, object]:
+    """Return a design as the JSON object of --check."""
+    return {
+        "conditions": [dict(condition.levels) for condition in design.conditions],
+        "seeds": len(design.seeds),
+        "games": design.games,
+        "verified": _verified(design),
+        "chunks": len(chunks_of(len(design.conditions), design.seeds, design.chunk)),
+    }
+
+
+def _verified(design: SweepDesign) -> int:
+    """Return the number of games that are to be played again."""
+    drawn = (
+        is_drawn("verified", design.one_verified_in, condition.number, seed)
+        for condition in design.conditions
+        for seed in design.seeds
+    )
+    return sum(drawn)
+
+
+def show_design(design: SweepDesign) -> None:
+    """Print what a design comes to."""
+    if design.factors:
+        table = Table("condition", *design.factors)
+        for condition in design.conditions[:MOST_TOLD]:
+            table.add_row(str(condition.number), *(condition.levels.get(factor, "") for factor in design.factors))
+        out.print(table)
+    if len(design.conditions) > MOST_TOLD:
+        show(f"and {len(design.conditions) - MOST_TOLD} conditions more")
+    show(
+        f"{len(design.conditions)} conditions, each with the same {len(design.seeds)} seeds: {design.games} games, "
+        f"of which {_verified(design)} are played again."
+    )
+
+
+def progress_as_json(progress: SweepProgress, root: Path) -> dict[str, object]:
+    """Return what a run has done as the JSON object of --json."""
+    told = dataclasses.asdict(progress)
+    return told | {"cpu_seconds": round(progress.cpu_seconds, 2), "folder": str(root)}
+
+
+def show_progress(progress: SweepProgress, root: Path) -> None:
+    """Print what a run has done."""
+    before = f", {progress.before} were there before" if progress.before else ""
+    died = f" {progress.deaths} workers died and were replaced." if progress.deaths else ""
+    show(
+        f"{progress.played} games played{before}; {progress.verified} played again, {progress.differing} of them not "
+        f"the same. {progress.cpu_seconds:.0f} s of processor time.{died}"
+    )
+    note(f"{command('sweep', 'collect', root, '--to', 'games.csv')} makes one table, `sweep plot` figures.")
+
+
+def show_status(status: SweepStatus) -> None:
+    """Print the status of a sweep."""
+    table = Table(show_header=False)
+    table.add_row("games", str(status.games))
+    for name, count in status.by_status.items():
+        table.add_row(name, str(count))
+    table.add_row("missing", str(status.missing))
+    table.add_row("played again", f"{status.verified} of {status.drawn}")
+    table.add_row("not the same again", str(len(status.differing)))
+    table.add_row("processor time", _clock(status.cpu_seconds))
+    if status.rate is not None:
+        table.add_row("rate", f"{status.rate:.2f} games/s")
+    if status.missing and status.seconds_left is not None:
+        table.add_row("time left", _clock(status.seconds_left))
+    out.print(table)
+    for sentence in (*status.differing, *status.faults)[:MOST_TOLD]:
+        note(sentence)
+    if len(status.versions) > 1:
+        note("Programs of different versions have played:")
+        for versions, files in status.versions.items():
+            note(f"  {files} files: {versions}")
+
+
+def _clock(seconds: float) -> str:
+    return str(timedelta(seconds=round(seconds)))

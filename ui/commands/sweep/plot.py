@@ -1,0 +1,73 @@
+"""`thbridge sweep plot`: figures of a sweep."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ui.commands.bag.plot import FigureWidth
+from ui.commands.sweep.sweep import FolderOfSweep
+from ui.outputs import STANDARD_OUTPUT, destination
+from ui.terminal import BAD_INPUT, bad_input, fail, note
+
+
+class BandChoice(StrEnum):
+    """Ways to a confidence interval."""
+
+    T = "t"
+    BOOTSTRAP = "bootstrap"
+
+
+def sweep_plot(
+    folder: FolderOfSweep,
+    to: Annotated[
+        Path,
+        typer.Option("--to", help="The figure: a .png, .svg or .pdf. `-` is standard output, as SVG.", metavar="FILE"),
+    ],
+    x: Annotated[str | None, typer.Option("--x", help="Factor on the x axis; by default the first.")] = None,
+    lines: Annotated[str | None, typer.Option(help="Factor with a line for each level.")] = None,
+    panels: Annotated[str | None, typer.Option(help="Factor with a panel for each level.")] = None,
+    measure: Annotated[str, typer.Option(help="Measure on the y axis.")] = "score",
+    band: Annotated[
+        BandChoice, typer.Option(help="95 % confidence interval of the mean: Student's t, or 2000 bootstrap samples.")
+    ] = BandChoice.T,
+    width: Annotated[
+        FigureWidth, typer.Option(help="Columns of a page: `one` is 88 mm, `two` are 183 mm.")
+    ] = FigureWidth.TWO,
+) -> None:
+    """Plot the mean of a measure against a factor, with confidence intervals."""
+    from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat
+    from thbridge.batch.figures import BandKind, FigureAxes, curves_of, draw_curves
+    from thbridge.batch.folder import read_manifest
+    from thbridge.batch.tables import collect, numbers_of
+    from thbridge.batch.whole_files import whole_file
+
+    kind = "svg" if to == STANDARD_OUTPUT else to.suffix.lower().removeprefix(".")
+    if kind not in set(FigureFormat):
+        fail(BAD_INPUT, f"--to: {to} is no figure. Give a file name that ends in .png, .svg or .pdf.")
+    with bad_input():
+        _, manifest = read_manifest(folder)
+        table = collect(folder)
+    if not manifest.factors:
+        fail(BAD_INPUT, f"{folder}: this sweep has no factors to plot against. Give its design some.")
+    wanted = {"--x": x or manifest.factors[0], "--lines": lines, "--panels": panels}
+    for option, factor in wanted.items():
+        if factor is not None and factor not in manifest.factors:
+            fail(
+                BAD_INPUT,
+                f"{option}: {factor!r} is no factor of this sweep. Write one of {', '.join(manifest.factors)}.",
+            )
+    measures = numbers_of(table, manifest.measures)
+    if measure not in measures:
+        fail(BAD_INPUT, f"--measure: {measure!r} is no number of these games. Write one of {', '.join(measures)}.")
+    axes = FigureAxes(measure, wanted["--x"] or "", lines, panels, BandKind(band))
+    look = ONE_COLUMN if width is FigureWidth.ONE else TWO_COLUMNS
+    figure = draw_curves(curves_of(table, axes), axes, look)
+    with bad_input(), destination(to) as file, whole_file(file) as out:
+        out.write(look.rendered(figure, FigureFormat(kind)))
+    left = [factor for factor in manifest.factors if factor not in wanted.values()]
+    if left:
+        note(f"Games of all levels of {', '.join(left)} count together.")
+    if to != STANDARD_OUTPUT:
+        note(f"Figure: {to}")

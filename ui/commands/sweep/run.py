@@ -1,0 +1,111 @@
+"""`thbridge sweep run`: the games of a design."""
+
+import os
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ui.options import AsJson
+from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, print_json
+
+
+class EngineKind(StrEnum):
+    """Kinds of engines, which carry out the games."""
+
+    PROCESSES = "processes"
+    DASK = "dask"
+    SLURM = "slurm"
+
+
+def sweep_run(
+    design_file: Annotated[Path, typer.Argument(help="The design (YAML); see docs/sweeps.md.", metavar="DESIGN.yaml")],
+    to: Annotated[
+        Path | None,
+        typer.Option("--out", help="The sweep's folder; by default named like the design.", metavar="DIR"),
+    ] = None,
+    engine: Annotated[
+        EngineKind, typer.Option(help="Who plays: processes of this machine, a Dask cluster, or jobs of Slurm.")
+    ] = EngineKind.PROCESSES,
+    processes: Annotated[
+        int | None, typer.Option(help="Processes of this machine; by default one on every core.", min=1, max=1024)
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(help="The scheduler of a Dask cluster, such as tcp://10.0.0.1:8786.", metavar="ADDRESS"),
+    ] = None,
+    jobs: Annotated[int, typer.Option(help="Jobs of Slurm to submit at a time.", min=1, max=10_000)] = 10,
+    job_options: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--slurm",
+            metavar="KEY=VALUE",
+            help="Option of Slurm's jobs, as `sbatch` has it: `--slurm partition=short`. May be given several times.",
+        ),
+    ] = None,
+    shard: Annotated[
+        str | None, typer.Option(help="Play part I of N, for job arrays; all write into one folder.", metavar="I/N")
+    ] = None,
+    check: Annotated[
+        bool, typer.Option("--check", help="Only check the design, and tell how many games it has.")
+    ] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Play the games of a design, or go on where an earlier run ended.
+
+    Ends with 1 when it was stopped, or when a game that was played again was not the same.
+    """
+    from thbridge.batch.chunks import Shard, shard_in
+    from thbridge.batch.design import read_design
+    from thbridge.batch.engines.engine import EngineFailed
+    from thbridge.batch.folder import open_folder
+    from ui.actions.sweep.run import chosen_engine, run_shown
+    from ui.actions.sweep.telling import design_as_json, progress_as_json, show_design, show_progress
+    from ui.first_start import announce_compiling
+
+    part = Shard() if shard is None else shard_in(shard)
+    if part is None:
+        fail(BAD_INPUT, f"--shard: {shard!r} is no part of a whole. Write for example --shard 2/8, from 1/8 to 8/8.")
+    with bad_input():
+        design = read_design(design_file)
+        if check:
+            if as_json:
+                print_json(design_as_json(design))
+            else:
+                show_design(design)
+            return
+    root = to or Path(design_file.stem)
+    chosen = chosen_engine(
+        engine.value,
+        processes=processes or len(os.sched_getaffinity(0)),
+        scheduler=scheduler,
+        jobs=jobs,
+        job_options=job_options or [],
+        log=root / "slurm",
+    )
+    with bad_input():
+        folder = open_folder(design, root)
+    announce_compiling()
+    try:
+        with bad_input(FAILED):
+            progress = run_shown(design, folder, chosen, part)
+    except EngineFailed as reason:
+        fail(FAILED, str(reason))
+    except KeyboardInterrupt:
+        fail(
+            FAILED,
+            f"stopped; what was played is kept, and the same command goes on. See {command('sweep', 'status', root)}",
+        )
+    if as_json:
+        print_json(progress_as_json(progress, root))
+    else:
+        show_progress(progress, root)
+    if progress.failed:
+        note(f"{progress.failed} games have no result; {command('sweep', 'status', root)} tells why.")
+    if progress.differing:
+        fail(
+            FAILED,
+            f"{progress.differing} of {progress.verified} games that were played again were NOT the same: do not trust "
+            "these results. Look for workers with other versions or machines.",
+        )

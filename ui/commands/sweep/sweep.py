@@ -1,0 +1,72 @@
+"""`thbridge sweep`: many games over the factors of a design; its status, its table."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ui.commands.group import CommandGroup
+from ui.options import AsJson
+from ui.outputs import STANDARD_OUTPUT, destination
+from ui.terminal import BAD_INPUT, bad_input, fail, note, print_json
+
+if TYPE_CHECKING:
+    from typer._click.core import Context
+
+FolderOfSweep = Annotated[Path, typer.Argument(help="The folder of a sweep.", metavar="DIR")]
+
+
+class SweepGroup(CommandGroup):
+    """The commands of `sweep`; `run` may be left out."""
+
+    def parse_args(self, ctx: "Context", args: list[str]) -> list[str]:
+        """Take the name of the command, or add it."""
+        if args and args[0] not in self.commands and args[0] not in ctx.help_option_names:
+            args = ["run", *args]
+        return super().parse_args(ctx, args)
+
+
+sweep_app = typer.Typer(
+    cls=SweepGroup,
+    help="Sweeps: many games over the factors of a design. `sweep DESIGN.yaml` is `sweep run DESIGN.yaml`.",
+    no_args_is_help=True,
+)
+
+
+@sweep_app.command("status")
+def sweep_status(folder: FolderOfSweep, as_json: AsJson = False) -> None:
+    """Tell what of a sweep is done, missing, failed and verified, and how long the rest will take."""
+    import dataclasses
+
+    from thbridge.batch.status import status_of
+    from ui.actions.sweep.telling import show_status
+
+    with bad_input():
+        status = status_of(folder)
+    if as_json:
+        print_json(dataclasses.asdict(status))
+    else:
+        show_status(status)
+
+
+@sweep_app.command("collect")
+def sweep_collect(
+    folder: FolderOfSweep,
+    to: Annotated[
+        Path,
+        typer.Option("--to", help="The table: a .csv or .parquet. `-` is standard output, as CSV.", metavar="FILE"),
+    ],
+) -> None:
+    """Make one table of all games played so far: a row a game, with its condition, factors, seed and measures."""
+    from thbridge.batch.tables import collect, write_collected
+    from thbridge.files.table_files import TableFormat
+
+    kind = "csv" if to == STANDARD_OUTPUT else to.suffix.lower().removeprefix(".")
+    if kind not in set(TableFormat):
+        fail(BAD_INPUT, f"--to: {to} is no table. Give a file name that ends in .csv or .parquet.")
+    with bad_input():
+        table = collect(folder)
+        with destination(to, ".csv") as file:
+            write_collected(table, file, TableFormat(kind))
+    if to != STANDARD_OUTPUT:
+        note(f"{table.num_rows} games: {to}")
