@@ -9,7 +9,7 @@ from thbridge.files.errors import BadFile
 from thbridge.files.new_file import new_file
 from thbridge.recording.bag.bag_file import BagFile
 from thbridge.recording.bag.options import Compression
-from thbridge.recording.bag.reader import info, recorded
+from thbridge.recording.bag.reader import holds, info, recorded
 from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.bag.repair import compression_of
 from thbridge.recording.recordings import parts_of
@@ -105,12 +105,11 @@ def _copy(
     latched: dict[BagConnection, bytes] = {}
     messages = carried = 0
     last_ns = start_ns
-    for publisher, stamp_ns, data in recorded(bag, topics):
+    for publisher, stamp_ns, data in recorded(bag, topics, start_ns):
         if stamp_ns > end_ns:
             break
         if stamp_ns < start_ns:
-            # Static transforms count as latched even when their recorder did not mark them so.
-            if publisher.latching or publisher.topic.endswith("tf_static"):
+            if holds(publisher):
                 latched[publisher] = data
             continue
         for early, early_data in latched.items():

@@ -157,7 +157,7 @@ def _joined(words: Iterable[str]) -> str:
 
 def _topic(name: str, publishers: Sequence[ConnectionStamps]) -> TopicSummary:
     latched = any(who.latched for who in publishers)
-    stamps = np.sort(np.concatenate([who.stamps_ns for who in publishers]))
+    stamps = np.sort(np.concatenate([who.stamps_ns for who in publishers]), kind="stable")
     periods = np.diff(stamps)
     median = float(np.median(periods)) if periods.size else 0.0
     return TopicSummary(

@@ -1,24 +1,34 @@
 """Random access to single messages in the chunks of bags."""
 
 import os
+import struct
 from collections import OrderedDict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
+import numpy as np
+from numpy.typing import NDArray
 from rosbags.rosbag1.reader import Header, RecordType, decompressors, read_bytes, read_uint32
 
+from thbridge.recording.bag.damage import damage_as_bad_file, damaged
 from thbridge.recording.bag.options import Compression
-from thbridge.recording.bag.reader import damage_as_bad_file, damaged
+from thbridge.recording.bag.records import INDEX_ENTRY_BYTES, U32
 
 BYTES_KEPT = 32 * 1024 * 1024
 """Bytes of unpacked chunks that are cached."""
 WHOLE = 1024 * 1024
 """Largest uncompressed chunk that is read as a whole; of larger ones single messages are read."""
 
+FEW = 16
+"""So many messages of an uncompressed chunk, or fewer, are read one by one."""
+
 _CONNECTION = b"\x09\x00\x00\x00conn="
 """The field `conn` of an index data record's header, up to its value of 4 bytes."""
+_USUAL_HEAD = 55
+"""Bytes of an index data record's header with both lengths, as ROS and we write them."""
+_BYTES_OF_U32 = np.arange(4)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,13 +49,18 @@ class ChunkInfo:
     end_ns: int
     counts: Mapping[int, int]
 
+    def is_before(self, stamp_ns: int | None) -> bool:
+        """True when all its messages are before a stamp; False without one."""
+        return stamp_ns is not None and self.end_ns < stamp_ns
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Packed:
-    """Position and size of a chunk's data in its file, and their decompressor; None when not compressed."""
+    """Position and size of a chunk's data in its file, compression, and decompressor; None when not compressed."""
 
     position: int
     size: int
+    compression: str
     unpack: Callable[[bytes], bytes] | None
 
 
@@ -68,19 +83,24 @@ class ChunkReader:
         for file in self._files:
             file.close()
 
+    def compression_of(self, chunk: ChunkInfo) -> str:
+        """Name of a chunk's compression."""
+        with damage_as_bad_file(self._parts[chunk.file]):
+            return self._packed_at(chunk).compression
+
     def index_of(self, chunk: ChunkInfo) -> dict[int, bytes]:
         """The data of a chunk's index data records, by connection number."""
         file = self._files[chunk.file]
         with damage_as_bad_file(self._parts[chunk.file]):
             packed = self._packed_at(chunk)
             file.seek(packed.position + packed.size)
-            found: dict[int, bytes] = {}
-            for _ in chunk.counts:
-                # Parsing the header by rosbags would take longer than all the rest of this function.
-                head = read_bytes(file, read_uint32(file))
-                at = head.index(_CONNECTION) + len(_CONNECTION)
-                number = int.from_bytes(head[at : at + 4], "little")
-                found[number] = read_bytes(file, read_uint32(file))
+            size = sum(chunk.counts.values()) * INDEX_ENTRY_BYTES + len(chunk.counts) * _USUAL_HEAD
+            block = file.read(size)
+            while (found := _index_in(block, len(chunk.counts))) is None:
+                more = file.read(size)
+                if not more:
+                    raise ValueError("the file ends within a chunk's index")
+                block += more
             if found.keys() != chunk.counts.keys():
                 raise ValueError("a chunk's index is not what the file's end says")
             return found
@@ -100,6 +120,38 @@ class ChunkReader:
         except ValueError as error:
             raise damaged(self._parts[chunk.file]) from error
 
+    def places(
+        self, chunk: ChunkInfo, numbers: Collection[int]
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+        """(n,) connection numbers, stamps and offsets of the messages of some connections in a chunk, in order of time.
+
+        Those of one stamp are in the order of their offsets.
+        """
+        found = self.index_of(chunk)
+        wanted = [(number, found[number]) for number in numbers]
+        with damage_as_bad_file(self._parts[chunk.file]):
+            stamps, offsets = entries_in(b"".join(data for _, data in wanted))
+        counts = [len(data) // INDEX_ENTRY_BYTES for _, data in wanted]
+        who = np.repeat(np.array([number for number, _ in wanted], dtype=np.int64), counts)
+        order = np.lexsort((offsets, stamps))
+        return who[order], stamps[order], offsets[order]
+
+    def messages(self, chunk: ChunkInfo, offsets: NDArray[np.int64]) -> Iterator[bytes]:
+        """Yield the messages whose records begin at these offsets of the unpacked chunk."""
+        with damage_as_bad_file(self._parts[chunk.file]):
+            packed = self._packed_at(chunk)
+        if packed.unpack is None and (packed.size > WHOLE or len(offsets) <= FEW):
+            yield from (self._message_alone(chunk, packed, offset) for offset in offsets.tolist())
+            return
+        data = self._data(chunk, packed)
+        with damage_as_bad_file(self._parts[chunk.file]):
+            octets = np.frombuffer(data, dtype=np.uint8)
+            bodies = offsets + 4 + _lengths_at(octets, offsets)  # behind the records' headers
+            ends = bodies + 4 + _lengths_at(octets, bodies)
+            if (ends > len(data)).any():
+                raise ValueError("a record ends beyond its chunk")
+        yield from (data[start:end] for start, end in zip((bodies + 4).tolist(), ends.tolist(), strict=True))
+
     def _packed_at(self, chunk: ChunkInfo) -> _Packed:
         known = self._packed.get(chunk)
         if known is None:
@@ -108,7 +160,7 @@ class ChunkReader:
             compression = Header.read(file, RecordType.CHUNK).get_string("compression")
             unpack = None if compression == Compression.NONE else decompressors[compression]
             size = read_uint32(file)
-            known = self._packed[chunk] = _Packed(file.tell(), size, unpack)
+            known = self._packed[chunk] = _Packed(file.tell(), size, compression, unpack)
         return known
 
     def _message_alone(self, chunk: ChunkInfo, packed: _Packed, offset: int) -> bytes:
@@ -143,3 +195,33 @@ def _after_length(data: bytes, at: int) -> int:
     if end > len(data):
         raise ValueError("a record ends beyond its chunk")
     return end
+
+
+def entries_in(data: bytes | bytearray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """(n,) stamps and offsets in the data of index data records. Raises ValueError: they are cut off."""
+    seconds, nanoseconds, offsets = np.frombuffer(data, dtype="<u4").reshape(-1, 3).T
+    return seconds.astype(np.int64) * 1_000_000_000 + nanoseconds, offsets.astype(np.int64)
+
+
+def _index_in(block: bytes, records: int) -> dict[int, bytes] | None:
+    """The data of so many index data records by connection number; None when the block ends before their end."""
+    found: dict[int, bytes] = {}
+    at = 0
+    try:
+        for _ in range(records):
+            head_end = at + 4 + U32.unpack_from(block, at)[0]
+            end = head_end + 4 + U32.unpack_from(block, head_end)[0]
+            if end > len(block):
+                return None
+            number_at = block.index(_CONNECTION, at, head_end) + len(_CONNECTION)
+            found[U32.unpack_from(block, number_at)[0]] = block[head_end + 4 : end]
+            at = end
+    except struct.error:
+        return None
+    return found
+
+
+def _lengths_at(octets: NDArray[np.uint8], places: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(n,) lengths of 4 bytes at these places. Raises IndexError: one is beyond the end."""
+    lengths: NDArray[np.int64] = octets[places[:, np.newaxis] + _BYTES_OF_U32].view("<u4")[:, 0].astype(np.int64)
+    return lengths

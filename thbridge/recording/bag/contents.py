@@ -1,16 +1,15 @@
 """The index of a bag: its publishers and the stamps of all messages, without reading any message."""
 
+from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from rosbags.rosbag1.reader import decompressors
-from rosbags.typesys.msg import denormalize_msgtype
 
+from thbridge.recording.bag.chunk_reader import entries_in
+from thbridge.recording.bag.damage import damage_as_bad_file
 from thbridge.recording.bag.reader import opened
-
-_PACKING = {unpack: name for name, unpack in decompressors.items()}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,25 +51,29 @@ class BagContents:
 
 
 def contents(path: Path) -> BagContents:
-    """Read the index of one bag.
+    """Read the index of one bag, 12 bytes for each message; messages are not read.
 
     Raises:
         BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
     """
-    with opened(path) as reader:
+    with opened(path) as (end, reader):
         compressions: dict[str, int] = {}
-        for chunk in reader.chunks.values():
-            name = _PACKING[chunk.decompressor]
+        entries: defaultdict[int, bytearray] = defaultdict(bytearray)
+        for chunk in end.chunks:
+            name = reader.compression_of(chunk)
             compressions[name] = compressions.get(name, 0) + 1
-        publishers = tuple(
-            ConnectionStamps(
-                connection.topic,
-                denormalize_msgtype(connection.msgtype),
-                connection.digest,
-                getattr(connection.ext, "callerid", None),
-                getattr(connection.ext, "latching", None) == 1,
-                np.fromiter((entry.time for entry in reader.indexes[connection.id]), np.int64),
+            for number, data in reader.index_of(chunk).items():
+                entries[number] += data
+        with damage_as_bad_file(path):
+            publishers = tuple(
+                ConnectionStamps(
+                    connection.topic,
+                    connection.msgtype,
+                    connection.md5,
+                    connection.caller,
+                    connection.latching is True,
+                    np.sort(entries_in(entries.pop(connection.number, bytearray()))[0], kind="stable"),
+                )
+                for connection in end.connections
             )
-            for connection in reader.connections
-        )
         return BagContents(path, path.stat().st_size, compressions, publishers)

@@ -14,15 +14,13 @@ from typing import BinaryIO, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from rosbags.rosbag1.reader import Header, RecordType, normalize, read_bytes, read_uint32
 
-from thbridge.files.errors import BadFile
-from thbridge.recording.bag.chunk_reader import ChunkInfo, ChunkReader
-from thbridge.recording.bag.reader import MAGIC, VERSION, RawMessage, check_is_bag, damage_as_bad_file
-from thbridge.recording.recordings import ACTIVE, active_of, parts_of
+from thbridge.recording.bag.chunk_reader import ChunkInfo, ChunkReader, entries_in
+from thbridge.recording.bag.damage import check_is_bag, damage_as_bad_file, unfinished
+from thbridge.recording.bag.file_end import FileEnd, read_end
+from thbridge.recording.bag.reader import RawMessage
+from thbridge.recording.recordings import active_of, parts_of
 
-STEP = 64
-"""Number of chunks after which opening a bag pauses: some milliseconds."""
 CHUNKS_KEPT = 2048
 """Number of chunks whose index is cached."""
 
@@ -91,8 +89,7 @@ class _Entries:
     @classmethod
     def of(cls, publisher: IndexedConnection, data: bytes) -> "_Entries":
         """The entries in the data of an index data record."""
-        table = np.frombuffer(data, dtype="<u4").reshape(-1, 3).astype(np.int64)
-        stamps, offsets = table[:, 0] * 1_000_000_000 + table[:, 1], table[:, 2]
+        stamps, offsets = entries_in(data)
         if (np.diff(stamps) <= 0).any():
             order = np.lexsort((offsets, stamps))
             stamps, offsets = stamps[order], offsets[order]
@@ -274,7 +271,7 @@ def open_index(path: Path) -> Generator[float, None, BagIndex]:
     """
     parts = parts_of(path)
     if parts == (path,) and not path.exists() and active_of(path).exists():
-        raise _unfinished(active_of(path))
+        raise unfinished(active_of(path))
     files: list[BinaryIO] = []
     publishers: list[IndexedConnection] = []
     chunks: list[ChunkInfo] = []
@@ -283,53 +280,15 @@ def open_index(path: Path) -> Generator[float, None, BagIndex]:
             check_is_bag(part)
             with damage_as_bad_file(part):
                 files.append(part.open("rb"))
-                for share in _read_end(files[-1], number, part, publishers, chunks):
+                end = FileEnd()
+                for share in read_end(files[-1], number, part, end):
                     yield (number + share) / len(parts)
+            publishers += [
+                IndexedConnection(number, each.number, each.topic, each.msgtype, each.md5) for each in end.connections
+            ]
+            chunks += end.chunks
     except BaseException:
         for file in files:
             file.close()
         raise
     return BagIndex(path, parts, files, publishers, chunks)
-
-
-def _read_end(
-    file: BinaryIO, number: int, part: Path, publishers: list[IndexedConnection], chunks: list[ChunkInfo]
-) -> Iterator[float]:
-    """Read the connections and chunk infos at the end of a file into the lists; yields the share that is read."""
-    file.seek(len(MAGIC) + len(VERSION))
-    head = Header.read(file, RecordType.BAGHEADER)
-    position, count = head.get_uint64("index_pos"), head.get_uint32("chunk_count")
-    if head.get("encryptor"):
-        raise BadFile(part, "the bag is encrypted", "decrypt it with the program that encrypted it")
-    if position == 0:
-        raise _unfinished(part)
-    file.seek(position)
-    for _ in range(head.get_uint32("conn_count")):
-        outer = Header.read(file, RecordType.CONNECTION)
-        inner = Header.read(file)  # the record's data has the form of a header
-        publishers.append(
-            IndexedConnection(
-                number,
-                outer.get_uint32("conn"),
-                normalize(outer.get_string("topic")),
-                inner.get_string("type"),
-                inner.get_string("md5sum"),
-            )
-        )
-    for index in range(count):
-        info = Header.read(file, RecordType.CHUNK_INFO)
-        table = np.frombuffer(read_bytes(file, read_uint32(file)), dtype="<u4").reshape(-1, 2)
-        counts = {publisher: messages for publisher, messages in table.tolist() if messages}
-        if counts:
-            times = info.get_time("start_time"), info.get_time("end_time")
-            chunks.append(ChunkInfo(number, info.get_uint64("chunk_pos"), *times, counts))
-        if index % STEP == STEP - 1:
-            yield index / count
-
-
-def _unfinished(path: Path) -> BadFile:
-    if path.name.endswith(ACTIVE):
-        problem = "the bag is still being written, or its writer was killed"
-        remedy = f"wait until its session has ended, or else run `thbridge bag reindex {path}`"
-        return BadFile(path, problem, remedy)
-    return BadFile(path, "the bag was cut off: it has no index", f"run `thbridge bag reindex {path}`")

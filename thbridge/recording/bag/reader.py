@@ -1,35 +1,19 @@
 """Reads ROS 1 bags, ours and others; damaged ones raise BadFile with a remedy."""
 
-import struct
+from bisect import bisect_left
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal, NamedTuple
 
-from rosbags.interfaces import Connection as ConnectionInIndex
-from rosbags.rosbag1 import Reader, ReaderError
-from rosbags.rosbag1.reader import IndexData
-from rosbags.typesys.msg import denormalize_msgtype
+import numpy as np
 
-from thbridge.files.errors import BadFile
+from thbridge.recording.bag.chunk_reader import ChunkInfo, ChunkReader
+from thbridge.recording.bag.damage import check_is_bag, damage_as_bad_file
+from thbridge.recording.bag.file_end import FileEnd, read_end
 from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.recordings import parts_of
-
-MAGIC = b"#ROSBAG V"
-VERSION = b"2.0\n"
-
-_STUMBLES = (
-    ReaderError,
-    AssertionError,
-    struct.error,
-    ValueError,
-    LookupError,
-    EOFError,
-    OSError,
-    MemoryError,
-    RuntimeError,
-)
-"""Errors of rosbags and of its decompressors on damaged files; they include failed assertions."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,8 +56,7 @@ class BagInfo:
     topics: tuple[TopicInfo, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class RawMessage:
+class RawMessage(NamedTuple):
     """One message of a bag, not decoded.
 
     Attributes:
@@ -118,20 +101,20 @@ def info(path: Path) -> BagInfo:
 
 
 def _info_of(path: Path) -> BagInfo:
-    with opened(path) as reader:
-        topics = tuple(
-            TopicInfo(
-                name,
-                ", ".join(sorted({denormalize_msgtype(connection.msgtype) for connection in topic.connections})),
-                topic.msgcount,
-                any(_latched(connection.ext) for connection in topic.connections),
-            )
-            for name, topic in sorted(reader.topics.items())
-        )
-        messages = sum(topic.messages for topic in topics)
-        start, end = (reader.start_time, reader.end_time - 1) if messages else (None, None)
-        duration = (end - start) / 1e9 if start is not None and end is not None else 0.0
-        return BagInfo(path, path.stat().st_size, start, end, duration, messages, topics)
+    with opened(path) as (end, _):
+        counts: dict[int, int] = {}
+        for chunk in end.chunks:
+            for number, count in chunk.counts.items():
+                counts[number] = counts.get(number, 0) + count
+        topics: dict[str, TopicInfo] = {}
+        for each in end.connections:
+            topic = TopicInfo(each.topic, each.msgtype, counts.get(each.number, 0), each.latching is True)
+            before = topics.get(each.topic)
+            topics[each.topic] = topic if before is None else _together(before, topic)
+        start, last = end.start_ns, end.end_ns
+        duration = (last - start) / 1e9 if start is not None and last is not None else 0.0
+        in_order = tuple(topic for _, topic in sorted(topics.items()))
+        return BagInfo(path, path.stat().st_size, start, last, duration, sum(counts.values()), in_order)
 
 
 def _together(one: TopicInfo, other: TopicInfo) -> TopicInfo:
@@ -145,10 +128,12 @@ def messages(path: Path, topics: Collection[str] | None = None) -> Iterator[RawM
         yield RawMessage(connection.topic, connection.msgtype, connection.md5, stamp_ns, data)
 
 
-def recorded(path: Path, topics: Collection[str] | None = None) -> Iterator[tuple[BagConnection, int, bytes]]:
+def recorded(
+    path: Path, topics: Collection[str] | None = None, since_ns: int | None = None
+) -> Iterator[tuple[BagConnection, int, bytes]]:
     """Yield every message, oldest first: its publisher, stamp of recording (nanoseconds), and bytes.
 
-    Messages with equal stamps come in the order of recording.
+    Messages with equal stamps come in the order of recording. Memory holds a few chunks, whatever the recording's size.
 
     The parts of a split recording are read as one: the latched messages that a part repeats at its beginning, so that
     it can be played by itself, are left out. A publisher that is in several parts is one object.
@@ -156,6 +141,7 @@ def recorded(path: Path, topics: Collection[str] | None = None) -> Iterator[tupl
     Args:
         path: the bag, or the name of a split recording.
         topics: names of the topics to read; None for all. Chunks without them are not unpacked.
+        since_ns: stamp; of chunks that end before it only the messages of publishers that hold (`holds`) are read.
 
     Raises:
         BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
@@ -163,86 +149,83 @@ def recorded(path: Path, topics: Collection[str] | None = None) -> Iterator[tupl
     latched: dict[str, bytes] = {}
     known: dict[tuple[str | bool | None, ...], BagConnection] = {}
     for part in parts_of(path):
-        with opened(part) as reader:
-            repeatable, start_ns = dict(latched), reader.start_time
-            wanted = [connection for connection in reader.connections if topics is None or connection.topic in topics]
-            publishers = {connection.id: _publisher(connection, known) for connection in wanted}
-            _order(reader)
-            # For the reader an empty list means every topic.
-            for connection, stamp, data in reader.messages(wanted) if wanted else ():
-                data = bytes(data)  # noqa: PLW2901
-                if stamp == start_ns and repeatable.pop(connection.topic, None) == data:
+        with opened(part) as (end, reader):
+            repeatable, start_ns = dict(latched), end.start_ns
+            publishers = {
+                each.number: _publisher(each, known)
+                for each in end.connections
+                if topics is None or each.topic in topics
+            }
+            held = {number for number, publisher in publishers.items() if holds(publisher)}
+            chosen = [
+                (chunk, numbers)
+                for chunk in end.chunks
+                if (numbers := chunk.counts.keys() & (held if chunk.is_before(since_ns) else publishers.keys()))
+            ]
+            for number, stamp, data in _in_order(reader, chosen):
+                publisher = publishers[number]
+                if repeatable and stamp == start_ns and repeatable.pop(publisher.topic, None) == data:
                     continue
-                publisher = publishers[connection.id]
                 if publisher.latching:
-                    latched[connection.topic] = data
+                    latched[publisher.topic] = data
                 yield publisher, stamp, data
 
 
-def _publisher(found: ConnectionInIndex, known: dict[tuple[str | bool | None, ...], BagConnection]) -> BagConnection:
-    caller = getattr(found.ext, "callerid", None)
-    latching = None if getattr(found.ext, "latching", None) is None else _latched(found.ext)
-    topic, msgtype, md5, definition = found.topic, denormalize_msgtype(found.msgtype), found.digest, found.msgdef.data
-    key = (topic, msgtype, md5, definition, caller, latching)
-    return known.setdefault(key, BagConnection(len(known), topic, msgtype, md5, definition, caller, latching))
+def holds(publisher: BagConnection) -> bool:
+    """True when the last message of a publisher holds until the next: it latches, or says static transforms.
+
+    Static transforms count even when their recorder did not mark them so.
+    """
+    return publisher.latching is True or publisher.topic.endswith("tf_static")
 
 
-class _Place(IndexData):
-    """Location of a message; ordered by time, then by position in the file."""
-
-    __lt__, __eq__, __hash__ = tuple.__lt__, tuple.__eq__, tuple.__hash__
-
-
-def _order(reader: Reader) -> None:
-    """Make a reader order messages of equal stamps by position in the file; rosbags compares stamps only."""
-    for number, entries in reader.indexes.items():
-        reader.indexes[number] = sorted(_Place(*entry) for entry in entries)
+def _publisher(found: BagConnection, known: dict[tuple[str | bool | None, ...], BagConnection]) -> BagConnection:
+    key = (found.topic, found.msgtype, found.md5, found.definition, found.caller, found.latching)
+    return known.setdefault(key, BagConnection(len(known), *key))
 
 
-def check_is_bag(path: Path) -> None:
-    """Raise BadFile unless a file begins like a ROS 1 bag.
+def _in_order(
+    reader: ChunkReader, chosen: Collection[tuple[ChunkInfo, Collection[int]]]
+) -> Iterator[tuple[int, int, bytes]]:
+    """Yield connection number, stamp and bytes of the messages of some connections in some chunks of one file."""
+    chunks = sorted(chosen, key=lambda each: (each[0].start_ns, each[0].position))
+    # Messages that are not before all later chunks wait for these: stamp, position of the chunk, offset, number, turn.
+    late: list[tuple[int, int, int, int, int]] = []
+    for turn, (chunk, wanted) in enumerate(chunks):
+        numbers, stamps, offsets = reader.places(chunk, wanted)
+        horizon, ready = (2**64, 0), stamps.size
+        if turn + 1 < len(chunks):
+            after = chunks[turn + 1][0]
+            horizon = (after.start_ns, after.position)
+            side: Literal["left", "right"] = "right" if chunk.position < after.position else "left"
+            ready = int(np.searchsorted(stamps, after.start_ns, side))
+        waited, begin = bool(late), 0
+        if not waited:
+            yield from zip(
+                numbers[:ready].tolist(), stamps[:ready].tolist(), reader.messages(chunk, offsets[:ready]), strict=True
+            )
+            begin = ready
+        rest = zip(stamps[begin:].tolist(), offsets[begin:].tolist(), numbers[begin:].tolist(), strict=True)
+        late += [(stamp, chunk.position, offset, number, turn) for stamp, offset, number in rest]
+        if waited:
+            late.sort()
+            ready = bisect_left(late, horizon)
+            for stamp, _, offset, number, of in late[:ready]:
+                yield number, stamp, reader.message(chunks[of][0], offset)
+            del late[:ready]
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[tuple[FileEnd, ChunkReader]]:
+    """Open one file: the index at its end, and a reader of its chunks.
 
     Raises:
-        BadFile: it does not, or cannot be read.
+        BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
     """
-    try:
-        with path.open("rb") as file:
-            head = file.read(len(MAGIC) + len(VERSION))
-    except OSError as error:
-        raise BadFile(path, (error.strerror or str(error)).lower(), "name a bag that can be read") from error
-    if not head.startswith(MAGIC):
-        raise BadFile(path, "this is not a ROS 1 bag", "name a file that rosbag or thbridge recorded")
-    if head != MAGIC + VERSION:
-        raise BadFile(path, "this bag has another version than 2.0", "convert it with `rosbag fix` of its own ROS")
-
-
-def _latched(ext: object) -> bool:
-    return getattr(ext, "latching", None) == 1
-
-
-@contextmanager
-def opened(path: Path) -> Iterator[Reader]:
-    """Open one file with rosbags; errors of damaged files within the block become BadFile."""
     check_is_bag(path)
-    reader = Reader(path)
-    try:
+    with path.open("rb") as file:
+        end = FileEnd()
         with damage_as_bad_file(path):
-            reader.open()
-            yield reader
-    finally:
-        if reader.bio is not None:
-            reader.close()
-
-
-@contextmanager
-def damage_as_bad_file(path: Path) -> Iterator[None]:
-    """Convert errors of parser and decompressors within the block to BadFile."""
-    try:
-        yield
-    except _STUMBLES as error:
-        raise damaged(path) from error
-
-
-def damaged(path: Path) -> BadFile:
-    """The BadFile for a file that is cut off or damaged."""
-    return BadFile(path, "the bag was cut off or is damaged", f"run `thbridge bag reindex {path}`")
+            for _ in read_end(file, 0, path, end):
+                pass
+        yield end, ChunkReader((path,), (file,))

@@ -15,7 +15,7 @@ from typing import BinaryIO
 import lz4.frame
 from rosbags.rosbag1.reader import RecordType
 
-from thbridge.recording.bag.reader import MAGIC, VERSION, check_is_bag
+from thbridge.recording.bag.damage import MAGIC, VERSION, check_is_bag
 
 _UINT32 = Struct("<I")
 _UINT64 = Struct("<Q")

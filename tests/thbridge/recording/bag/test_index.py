@@ -15,6 +15,7 @@ from thbridge.recording.bag.index import BagIndex, open_index
 from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.reader import RawMessage
 from thbridge.recording.bag.records import BagConnection
+from thbridge.recording.bag.scan import MessageRecord, scan
 from thbridge.ros.messages import types
 from thbridge.ros.messages.pack.fields import string
 
@@ -63,6 +64,14 @@ def told(message: RawMessage) -> tuple[str, int, bytes]:
     return message.topic, message.stamp_ns, message.data
 
 
+def in_order_of_time(path: Path) -> list[tuple[str, int, bytes]]:
+    """All messages as they stand in the file, sorted; without its index."""
+    topics = [connection.topic for connection in connections()]
+    records = [record for record in scan(path) if isinstance(record, MessageRecord)]
+    in_order = sorted(records, key=lambda record: record.stamp_ns)
+    return [(topics[record.number], record.stamp_ns, record.data) for record in in_order]
+
+
 STAMPS = st.integers(0, 30)
 CHUNKS = st.lists(st.lists(st.tuples(st.integers(0, 2), STAMPS), max_size=12), max_size=6)
 
@@ -79,6 +88,10 @@ class TestAnyBag:
         write(path, chunks)
         index = opened(path)
         read = list(bag_reader.messages(path))
+        assert [told(message) for message in read] == in_order_of_time(path)
+        assert [told(message) for message in bag_reader.messages(path, ["/b"])] == [
+            message for message in in_order_of_time(path) if message[0] == "/b"
+        ]
         walked = [index.read(place) for places in index.walk(["/a", "/b"]) for place in places]
         assert [told(message) for message in walked] == [told(message) for message in read]
         for topic in ("/a", "/b"):

@@ -1,3 +1,4 @@
+import tracemalloc
 from pathlib import Path
 
 import pytest
@@ -8,7 +9,7 @@ from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.bag_file import BagFile
 from thbridge.recording.bag.options import Compression
-from thbridge.recording.bag.reader import BagInfo, TopicInfo, info, messages
+from thbridge.recording.bag.reader import BagInfo, TopicInfo, info, messages, recorded
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.ros.publisher import RosMessage, Topic
 
@@ -103,3 +104,29 @@ def test_a_packed_chunk_that_is_garbled_is_refused_with_the_remedy(tmp_path: Pat
     path.write_bytes(data)
     with pytest.raises(BadFile, match="thbridge bag reindex"):
         list(messages(path))
+
+
+def peak_of_reading(path: Path, seconds: int) -> int:
+    """Bytes held at most while a bag of so many seconds is read."""
+    bag = BagFile(path, Compression.LZ4)
+    line = bag.connect("/chatter", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n", None, None)
+    for hundredth in range(100 * seconds):
+        bag.write(line, hundredth * 10_000_000, b"\x10\x27\x00\x00" + bytes(10_000))
+    bag.close()
+    list(messages(path, ["/none"]))  # what is loaded once
+    tracemalloc.start()
+    assert sum(1 for _ in messages(path)) == 100 * seconds
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    return peak
+
+
+def test_memory_does_not_grow_with_the_bag(tmp_path: Path) -> None:
+    short, long = (peak_of_reading(tmp_path / f"{seconds}.bag", seconds) for seconds in (40, 80))
+    assert abs(long - short) < 500_000
+
+
+def test_of_what_is_before_a_time_only_what_holds_is_read(tmp_path: Path) -> None:
+    path = bag(tmp_path / "a.bag")
+    read = [(connection.topic, stamp) for connection, stamp, _ in recorded(path, since_ns=10**10)]
+    assert read == [("/news", 1_000_000_000)]

@@ -1,0 +1,67 @@
+"""Refusal of files that are no bags, and of bags that are damaged, cut off or still being written."""
+
+import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rosbags.rosbag1 import ReaderError
+
+from thbridge.files.errors import BadFile
+from thbridge.recording.recordings import ACTIVE
+
+MAGIC = b"#ROSBAG V"
+VERSION = b"2.0\n"
+
+_STUMBLES = (
+    ReaderError,
+    AssertionError,
+    struct.error,
+    ValueError,
+    LookupError,
+    EOFError,
+    OSError,
+    MemoryError,
+    RuntimeError,
+)
+"""Errors of rosbags and of its decompressors on damaged files; they include failed assertions."""
+
+
+def check_is_bag(path: Path) -> None:
+    """Raise BadFile unless a file begins like a ROS 1 bag.
+
+    Raises:
+        BadFile: it does not, or cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            head = file.read(len(MAGIC) + len(VERSION))
+    except OSError as error:
+        raise BadFile(path, (error.strerror or str(error)).lower(), "name a bag that can be read") from error
+    if not head.startswith(MAGIC):
+        raise BadFile(path, "this is not a ROS 1 bag", "name a file that rosbag or thbridge recorded")
+    if head != MAGIC + VERSION:
+        raise BadFile(path, "this bag has another version than 2.0", "convert it with `rosbag fix` of its own ROS")
+
+
+@contextmanager
+def damage_as_bad_file(path: Path) -> Iterator[None]:
+    """Convert errors of parser and decompressors within the block to BadFile."""
+    try:
+        yield
+    except _STUMBLES as error:
+        raise damaged(path) from error
+
+
+def damaged(path: Path) -> BadFile:
+    """The BadFile for a file that is cut off or damaged."""
+    return BadFile(path, "the bag was cut off or is damaged", f"run `thbridge bag reindex {path}`")
+
+
+def unfinished(path: Path) -> BadFile:
+    """The BadFile for a file without an index."""
+    if path.name.endswith(ACTIVE):
+        problem = "the bag is still being written, or its writer was killed"
+        remedy = f"wait until its session has ended, or else run `thbridge bag reindex {path}`"
+        return BadFile(path, problem, remedy)
+    return BadFile(path, "the bag was cut off: it has no index", f"run `thbridge bag reindex {path}`")
