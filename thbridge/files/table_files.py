@@ -79,12 +79,7 @@ class TableFiles:
         Raises:
             OSError: the disk is full, or the like.
         """
-        arrays = [_array(column.kind, each) for column, each in zip(columns, values, strict=True)]
-        fields = [
-            pa.field(column.name, array.type, metadata={"unit": column.unit} if column.unit else None)
-            for column, array in zip(columns, arrays, strict=True)
-        ]
-        table = pa.Table.from_arrays(arrays, schema=pa.schema(fields))
+        table = arrow_table(columns, values)
         if TableFormat.PARQUET in self._formats:
             if name not in self._parquet:
                 path = self._folder / f"{name}.parquet"
@@ -92,7 +87,8 @@ class TableFiles:
             if table.num_rows:
                 self._parquet[name].write_table(table)
         if TableFormat.CSV in self._formats:
-            plain = pa.Table.from_arrays([_cells(array) for array in arrays], names=table.column_names)
+            cells = [_cells(column.combine_chunks()) for column in table.columns]
+            plain = pa.Table.from_arrays(cells, names=table.column_names)
             if name not in self._csv:
                 options = csv.WriteOptions(quoting_style="needed", quoting_header="needed")
                 self._csv[name] = csv.CSVWriter(self._folder / f"{name}.csv", plain.schema, write_options=options)
@@ -102,6 +98,16 @@ class TableFiles:
         """Finish every file. Raises OSError: the disk is full, or the like."""
         for writer in (*self._csv.values(), *self._parquet.values()):
             writer.close()
+
+
+def arrow_table(columns: Sequence[Column], values: Sequence[Values]) -> pa.Table:
+    """Return rows as an Arrow table; units are metadata of its fields."""
+    arrays = [_array(column.kind, each) for column, each in zip(columns, values, strict=True)]
+    fields = [
+        pa.field(column.name, array.type, metadata={"unit": column.unit} if column.unit else None)
+        for column, array in zip(columns, arrays, strict=True)
+    ]
+    return pa.Table.from_arrays(arrays, schema=pa.schema(fields))
 
 
 def _array(kind: str, values: Values) -> pa.Array:

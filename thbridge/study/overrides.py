@@ -22,10 +22,13 @@ class StudyChange:
     value: str
 
 
-def with_changes(study: Study, files: Sequence[Path], changes: Sequence[StudyChange]) -> Study:
+def with_changes(
+    study: Study, files: Sequence[Path], changes: Sequence[StudyChange], source: Path = CHANGE_SOURCE
+) -> Study:
     """Return the study with the keys of files, one after the other, and then with single changes.
 
-    Other keys keep their values, except that another noise preset resets the numbers of the section `noise`.
+    Other keys keep their values, except that another noise preset resets the numbers of the section `noise`. Faults of
+    single changes name `source` as their file.
 
     Raises:
         BadFile: a file cannot be read, or the result is not a valid study.
@@ -34,8 +37,8 @@ def with_changes(study: Study, files: Sequence[Path], changes: Sequence[StudyCha
         study = merged(resolved_tree(study), path, parse(path, read_text(path))).value
     tree: Node = Section(1, [])
     for number, change in enumerate(changes, 1):
-        tree = over(tree, at_line(_tree(change), number))
-    return merged(resolved_tree(study), CHANGE_SOURCE, tree).value if changes else study
+        tree = over(tree, at_line(_tree(change, source), number))
+    return merged(resolved_tree(study), source, tree).value if changes else study
 
 
 def resolved_tree(study: Study) -> Node:
@@ -55,8 +58,8 @@ def merged(base: Node, path: Path, tree: Node) -> Loaded[Study]:
     return load_study_tree(path, over(base, tree))
 
 
-def _tree(change: StudyChange) -> Node:
-    node = parse(CHANGE_SOURCE, change.value)
+def _tree(change: StudyChange, source: Path) -> Node:
+    node = parse(source, change.value)
     # An empty text is an empty section to the parser; here it is a missing value.
     return nested(change.key, node if change.value.strip() else Scalar("", True, 1), 1)
 

@@ -8,10 +8,11 @@ holds the versions of the programs, which may be others today.
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import groupby, zip_longest
 from pathlib import Path
+from typing import Self
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
 from thbridge.app.compose.game import build_bot, build_hider, build_keeper
@@ -181,10 +182,8 @@ def _input(path: Path, message: RawMessage) -> inputs.Input:
         raise BadFile(path, str(error), "replay it with the release that recorded it", key=names.INPUTS) from None
 
 
-async def replay(
-    path: Path, setting: StudySetting, options: ReplayOptions, progress: Callable[[TickRecord], None]
-) -> Replayed:
-    """Run a recording again.
+class RecordingReplay:
+    """A recording that is run again, tick by tick; a context, in which the new recording is open.
 
     Args:
         path: the bag.
@@ -193,44 +192,72 @@ async def replay(
         progress: takes every tick from `options.start` on.
 
     Raises:
-        BadFile: the bag cannot be read, or the new one not be written (as `BagNotWritten`).
+        BadFile: the bag cannot be read, or the new one not be written (as `BagNotWritten`); also by its methods.
     """
-    record = session_of(path)
-    fresh = build_record(setting, record.program, record.roles, options.participant or record.participant)
-    older = names.ROOMS not in {topic.name for topic in bag_reader.info(path).topics}
-    buffer = _MessageBuffer(_recorded_by(path, record))
-    with ExitStack() as opened:
-        kept = [] if options.to is None else [opened.enter_context(build_writer(setting, options.to))]
-        broadcast = Broadcast(build_publisher(setting), fresh, setting.map.grid, [buffer, *kept])
-        session, give = _replayed_session(
-            setting, record, options.participant, [BagRecorder(broadcast), _ProgressReporter(progress, options.start)]
-        )
-        comparison = Comparison(NOT_IN_OLDER if older else frozenset())
-        recorded = ticks_of(path)
-        over = False
 
-        def tick() -> bool:
-            nonlocal over
-            was = next(recorded, None)
-            if was is None:
-                over = True
-                return False
-            if was.number > 0:  # The opening, of tick 0, comes before all steps.
-                for item in was.inputs:
-                    give(item)
-                session.step()
-            comparison.compare(was.messages, buffer.drain())
-            over = comparison.difference is not None and not options.to_the_end
-            return not over
+    def __init__(
+        self, path: Path, setting: StudySetting, options: ReplayOptions, progress: Callable[[TickRecord], None]
+    ) -> None:
+        record = session_of(path)
+        fresh = build_record(setting, record.program, record.roles, options.participant or record.participant)
+        older = names.ROOMS not in {topic.name for topic in bag_reader.info(path).topics}
+        self._to_the_end = options.to_the_end
+        self._comparison = Comparison(NOT_IN_OLDER if older else frozenset())
+        self._recorded = ticks_of(path)
+        self._over = False
+        self._buffer = _MessageBuffer(_recorded_by(path, record))
+        with ExitStack() as opened:
+            kept = [] if options.to is None else [opened.enter_context(build_writer(setting, options.to))]
+            broadcast = Broadcast(build_publisher(setting), fresh, setting.map.grid, [self._buffer, *kept])
+            recorders: list[TickRecorder] = [BagRecorder(broadcast), _ProgressReporter(progress, options.start)]
+            self._session, self._give = _replayed_session(setting, record, options.participant, recorders)
+            self._opened = opened.pop_all()
+
+    @property
+    def tick_number(self) -> int:
+        """Number of the next tick."""
+        return self._session.tick
+
+    def tick(self) -> bool:
+        """Run one tick, and return True when another is to follow."""
+        was = next(self._recorded, None)
+        if was is None:
+            self._over = True
+            return False
+        if was.number > 0:  # The opening, of tick 0, comes before all steps.
+            for item in was.inputs:
+                self._give(item)
+            self._session.step()
+        self._comparison.compare(was.messages, self._buffer.drain())
+        self._over = self._comparison.difference is not None and not self._to_the_end
+        return not self._over
+
+    def result(self, wall_seconds: float) -> Replayed:
+        """Return what has come of it, after so much real time."""
+        done = self._comparison
+        return Replayed(self._session.tick, done.messages, done.difference, done.cut_off, self._over, wall_seconds)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        self._opened.close()
+
+
+async def replay(
+    path: Path, setting: StudySetting, options: ReplayOptions, progress: Callable[[TickRecord], None]
+) -> Replayed:
+    """Run a recording again, at the rate that `options` say, until its end or Ctrl-C; see `RecordingReplay`."""
+    with RecordingReplay(path, setting, options, progress) as again:
 
         def hurried_tick() -> bool:
-            return tick() and session.tick < options.start * TICKS_PER_SECOND
+            return again.tick() and again.tick_number < options.start * TICKS_PER_SECOND
 
         run = hurried = await run_ticks(hurried_tick, Pacer(0.0))
-        if hurried.finished and not over:
-            run = await run_ticks(tick, Pacer(options.rate))
+        if hurried.finished and not again.result(0.0).finished:
+            run = await run_ticks(again.tick, Pacer(options.rate))
     wall = hurried.seconds if run is hurried else hurried.seconds + run.seconds
-    return Replayed(session.tick, comparison.messages, comparison.difference, comparison.cut_off, run.finished, wall)
+    return replace(again.result(wall), finished=run.finished)
 
 
 def _replayed_session(

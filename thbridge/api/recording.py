@@ -1,0 +1,216 @@
+"""Recordings: looked at as tables and messages, run again, compared."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import cast
+
+import pyarrow as pa
+from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
+from rosbags.typesys.msg import normalize_msgtype
+from rosbags.typesys.store import Typestore
+
+from thbridge.analysis.comparison import figures_of
+from thbridge.analysis.export.bag_rows import rows_of_bag
+from thbridge.analysis.export.exporting import ExportSummary, table_name
+from thbridge.analysis.report.gathering import read_games
+from thbridge.api.errors import HuntError, told
+from thbridge.api.session import with_strategy
+from thbridge.api.study import HuntStudy, Simulated, StudyValue, setting_of
+from thbridge.app.replay.replay import Difference, RecordingReplay, ReplayOptions, session_of
+from thbridge.files.table_files import Array, arrow_table
+from thbridge.recording.bag.damage import damage_as_bad_file
+from thbridge.recording.bag.reader import info, messages, recorded
+from thbridge.recording.recordings import make_room, try_place
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.study.study_file import read_study_text
+
+
+@dataclass(frozen=True, slots=True)
+class HuntReplay:
+    """Result of a replay.
+
+    Attributes:
+        equal: every message is the same, bit for bit.
+        ticks: number of ticks run.
+        messages: number of messages found equal.
+        difference: the first message that differs, in a sentence; None without one.
+        recording: the new recording, where one was asked for.
+    """
+
+    equal: bool
+    ticks: int
+    messages: int
+    difference: str | None
+    recording: "HuntRecording | None"
+
+
+class HuntRecording:
+    """A recording of any ROS 1 robot or session: a bag, or the common name of a split one. It is read when it is asked.
+
+    Args:
+        path: the bag.
+        beside: folder that paths in its study start from.
+
+    Raises:
+        HuntError: it cannot be read; also by what follows.
+    """
+
+    def __init__(self, path: str | Path, beside: str | Path = ".") -> None:
+        self.path = Path(path)
+        self._beside = Path(beside)
+        with told():
+            self._info = info(self.path)
+
+    @property
+    def seconds(self) -> float:
+        """Time from the first message to the last."""
+        return self._info.duration
+
+    @property
+    def topics(self) -> Mapping[str, int]:
+        """Number of messages of each topic, by name."""
+        return {topic.name: topic.messages for topic in self._info.topics}
+
+    @cached_property
+    def study(self) -> HuntStudy:
+        """The study, of a recording of ours."""
+        with told():
+            text = session_of(self.path).study
+            return HuntStudy._of(read_study_text(self.path, text), self._beside)
+
+    @property
+    def participant(self) -> str:
+        """The participant, of a recording of ours: "person", a strategy, "program"; empty when from outside."""
+        with told():
+            return session_of(self.path).participant
+
+    def table(self, name: str) -> pa.Table:
+        """Return a table, as `thbridge bag export` writes it: a row a message, `t_s` the time from the beginning.
+
+        Args:
+            name: a topic, such as "/robot1/odom"; or a table's, such as "poses" (truth beside estimate of all robots),
+                "dialogues", or `TOPIC.FIELD` for the lists in messages.
+        """
+        topics = self.topics
+        if name.startswith("/") and name not in topics:
+            raise HuntError(f"{self.path}: no topic is called {name}. There are {', '.join(topics)}.", self.path)
+        wanted = table_name(name) if name.startswith("/") else name
+        with told():
+            only = {name} if name.startswith("/") else None
+            rows = rows_of_bag(self.path, ExportSummary(), only, tables={wanted.partition(".")[0]})
+            pieces = [arrow_table(each.table.columns, each.values) for each in rows if each.table.name == wanted]
+        if not pieces:
+            problem = f"{self.path}: no table is called {name}"
+            raise HuntError(f"{problem}. Name a topic ({', '.join(topics)}), or poses, or dialogues.", self.path)
+        return pa.concat_tables(pieces)
+
+    def arrays(self, name: str) -> dict[str, Array]:
+        """Return the columns of a table as arrays, by their names; texts and lists are objects. See `table`."""
+        table = self.table(name)
+        return {column: table[column].to_numpy() for column in table.column_names}
+
+    def messages(self, *topics: str) -> Iterator[tuple[float, str, Mapping[str, object]]]:
+        """Yield messages, oldest first: seconds from the beginning, topic, fields by their ROS names.
+
+        Args:
+            topics: names of topics; none: all.
+        """
+        stores: dict[tuple[str, str], Typestore] = {}
+        start_ns = self._info.start_ns or 0
+        with told():
+            for publisher, stamp_ns, data in recorded(self.path, topics or None):
+                key = publisher.msgtype, publisher.md5
+                name = normalize_msgtype(publisher.msgtype)
+                if key not in stores:
+                    stores[key] = _store(publisher.definition, name, publisher.topic)
+                with damage_as_bad_file(self.path):
+                    message: object = stores[key].deserialize_ros1(data, name)
+                yield (stamp_ns - start_ns) / 1e9, publisher.topic, cast(Mapping[str, object], _plain(message))
+
+    def replay(
+        self,
+        changes: Mapping[str, StudyValue] | None = None,
+        participant: Simulated | None = None,
+        to: str | Path | None = None,
+    ) -> HuntReplay:
+        """Run a recording of ours again: the same inputs, which have to give the same messages.
+
+        Args:
+            changes: what if: other values in the study, by dotted key.
+            participant: a simulated participant plays anew, in place of the recorded one.
+            to: path of the new recording; None for none.
+
+        A replay without changes ends at the first difference, unless it is recorded.
+        """
+        study, bag = self.study.changed(changes) if changes else self.study, None if to is None else Path(to)
+        setting = setting_of(study) if participant is None else with_strategy(setting_of(study), participant)
+        if bag is not None and (bag.suffix != ".bag" or bag.resolve() == self.path.resolve()):
+            raise HuntError(f"to: {bag} is no name for a new bag. Give another one that ends in .bag.", bag)
+        strategy = None if participant is None else BotStrategy(participant)
+        if strategy is not None and not self.participant:
+            raise HuntError(f"participant: nobody played inside the program that recorded {self.path}. Leave it out.")
+        options = ReplayOptions(0.0, 0.0, bag, bool(changes or participant or bag), strategy)
+        with told():
+            if bag is not None:
+                make_room(bag)
+                try_place(bag)
+            with RecordingReplay(self.path, setting, options, lambda record: None) as again:
+                while again.tick():
+                    pass
+            done = again.result(0.0)
+        difference = None if done.difference is None else _sentence(done.difference)
+        made = None if bag is None else HuntRecording(bag, self._beside)
+        return HuntReplay(done.difference is None, done.ticks, done.messages, difference, made)
+
+    def figures(self) -> pa.Table:
+        """Return a row for each game and robot, to compare runs: score, errors of the estimate, metres, arrivals."""
+        with told():
+            games = [figures_of(report) for report in read_games(messages(self.path))]
+        rows = [
+            {
+                "game": run.game,
+                "seconds": run.seconds,
+                "score": run.score,
+                "rooms_visited": run.rooms_visited,
+                "robot": robot.name,
+                "error_mean_m": robot.error_mean,
+                "error_95_m": robot.error_95,
+                "distance_m": robot.distance,
+                "arrivals": len(robot.arrivals),
+                "energy": robot.energy,
+            }
+            for run in games
+            for robot in run.robots
+        ]
+        return pa.Table.from_pylist(rows)
+
+    def __repr__(self) -> str:
+        count = sum(self.topics.values())
+        return f"<HuntRecording {self.path}, {self.seconds:.1f} s, {count} messages of {len(self.topics)} topics>"
+
+
+def _store(definition: str, name: str, topic: str) -> Typestore:
+    store = get_typestore(Stores.EMPTY)
+    try:
+        store.register(get_types_from_msg(definition, name) if definition.strip() else {name: ([], [])})
+    except TypesysError:
+        raise HuntError(f"{topic}: its definition cannot be read. Leave the topic out.") from None
+    return store
+
+
+def _plain(value: object) -> object:
+    """Return a message as mappings, lists, arrays, numbers and texts."""
+    if is_dataclass(value) and not isinstance(value, type):
+        names = [field.name for field in fields(value) if not field.name.startswith("__")]
+        return {name: _plain(cast(object, getattr(value, name))) for name in names}
+    if isinstance(value, list):
+        return [_plain(item) for item in cast(list[object], value)]
+    return value
+
+
+def _sentence(difference: Difference) -> str:
+    place = f"message {difference.number}, number {difference.topic_number} on {difference.topic}"
+    changed = "; ".join(f"{each.field} was {each.was} and is {each.now}" for each in difference.fields[:3])
+    return f"{place}, at {difference.seconds:.2f} s: {difference.what}{f' ({changed})' if changed else ''}."

@@ -1,0 +1,496 @@
+"""Sessions: a hunt that the caller steps, looks at and has a hand in."""
+
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack, closing
+from dataclasses import dataclass, field, replace
+from itertools import count
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+
+from sim.common.geometry import Pose2
+from sim.common.observations import TICKS_PER_SECOND, Twist
+from sim.common.robot_numbers import number_of
+from sim.inputs import GlobalLocalization, KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot, WithdrawGoal
+from sim.robot.navigator.goals import GoalReached, GoalResult, NoPath
+from sim.team import TeamSnapshot
+from thbridge.api.errors import HuntError, told
+from thbridge.api.participant import HuntParticipant, QueuePlayer, checked_index, whole
+from thbridge.api.snapshot import HuntSnapshot, Ranges
+from thbridge.api.study import HuntStudy, Simulated, setting_of
+from thbridge.api.view import HuntView
+from thbridge.app.compose.game import build_bot, build_hider, build_keeper
+from thbridge.app.compose.recording import build_publisher, build_record, build_writer
+from thbridge.app.compose.robots import build_simr, build_team, vehicle_factory
+from thbridge.app.compose.setting import StudySetting
+from thbridge.app.play import PLAY, EndCondition
+from thbridge.app.session.broadcast import Broadcast
+from thbridge.app.session.recording import BagRecorder, TlogRecorder
+from thbridge.app.session.session import Session, TickRecord, TickRecorder
+from thbridge.app.session.watch_requests import WatchRequest, objection
+from thbridge.hunt.codec import kind_of, to_json
+from thbridge.hunt.events import Commander
+from thbridge.hunt.game import GameState
+from thbridge.hunt.rooms import Room
+from thbridge.recording.journal_folder import JournalStore
+from thbridge.recording.recordings import journal_of, make_room, tlog_of, try_place
+from thbridge.recording.tlog import TlogFile
+from thbridge.roles.participant.bot_strategy import BotStrategy
+from thbridge.roles.participant.tabui import TabUI
+from thbridge.roles.robot_requests import (
+    CommandRequest,
+    ParameterValue,
+    ReleaseCommand,
+    SetParameters,
+    StationCallBack,
+    StationIdentify,
+    StationLeave,
+    StationSend,
+    StationTakePicture,
+    TakeCommand,
+)
+from thbridge.roles.view import ParticipantRequest
+from thbridge.ros.goal_owners import GoalOwner
+from thbridge.ros.messages.records import InitialPose, SimpleGoal, VelocityCommand
+from thbridge.study.things import Shape, ThingEntry
+
+SENDER = "api"
+"""Name of the caller in recordings."""
+
+PROGRAM = "program"
+"""Description of the participant in recordings, where the caller plays."""
+
+AN_HOUR = 3600.0
+
+
+@dataclass(frozen=True, slots=True)
+class HuntEvent:
+    """Something that happened.
+
+    Attributes:
+        seconds: simulated time of the session.
+        kind: of the game: "started", "hidden", "departed", "arrived", "failed", "sensed", "pictured", "identified",
+            "left", "ended" and the others of a recording's events; and "said" of a sentence in a dialogue, "refused" of
+            a request, "goal" of the end of a goal that a robot had.
+        robot: number of the robot, from 1; None where it is about none.
+        room: number of the room, from 1; None likewise.
+        text: sentence, or reason; "reached", "cancelled" or the reason of a goal; else empty.
+        data: all else that the game's event holds, as a recording has it.
+    """
+
+    seconds: float
+    kind: str
+    robot: int | None = None
+    room: int | None = None
+    text: str = ""
+    data: Mapping[str, object] = field(default_factory=dict)
+
+
+class HuntSession:
+    """A hunt, tick by tick: headless, without clocks or sockets, the same for the same study and inputs.
+
+    Whatever the caller asks for acts in the next tick; a recording holds it, and `thbridge replay` runs it again.
+    To be closed, by `with` or `close`.
+
+    Args:
+        study: the study.
+        participant: strategy of a simulated participant who plays; None: the caller does.
+        record: path of a recording, `NAME.bag`; an older one is kept under a new name. None: no recording.
+
+    Raises:
+        HuntError: it cannot be recorded there.
+
+    Attributes:
+        study: the study.
+        events: all that happened so far, oldest first.
+        participant: requests of the participant, where the caller plays.
+    """
+
+    def __init__(
+        self, study: HuntStudy, participant: Simulated | None = None, record: str | Path | None = None
+    ) -> None:
+        setting = setting_of(study)
+        if participant is not None:
+            setting = with_strategy(setting, participant)
+        self.study = study
+        self.events: list[HuntEvent] = []
+        self._setting = setting
+        self._goals = count()
+        self._queue = QueuePlayer()
+        team = build_team(setting)
+        simr = build_simr(setting, team)
+        hider = build_hider(setting.templates, setting.study.seed)
+        if participant is None:
+            self._tabui = TabUI(self._queue)
+        else:
+            strategy, attitude = BotStrategy(participant), setting.study.participant.attitude
+            self._tabui = TabUI(build_bot(setting.templates, strategy, setting.study.seed, attitude))
+        self._session = Session(build_keeper(setting), [simr, hider], (), self._tabui, vehicle_factory(setting, simr))
+        self._team = team
+        self._plays = participant is None
+        self.participant = HuntParticipant(self._say, lambda: self._tabui.view, study.robots)
+        self._ending = EndCondition(math.inf)
+        self._finished = False
+        self._scans: list[Ranges] = [np.full(setting.study.world.laser.beams, np.nan, np.float32)] * study.robots
+        self._last: TeamSnapshot | None = None
+        self._open = ExitStack()
+        self._closed = False
+        if record is not None:
+            names = [role.name for role in (simr, hider, self._tabui)]
+            self._record(Path(record), names, PROGRAM if participant is None else participant)
+
+    def _record(self, bag: Path, roles: Sequence[str], participant: str) -> None:
+        if bag.suffix != ".bag" or bag.is_dir():
+            raise HuntError(f"record: {bag} is not the name of a bag. Give a file name that ends in .bag.", bag)
+        setting = self._setting
+        with told():
+            make_room(bag)
+            try_place(bag)
+            # What was begun is closed again if the rest cannot be.
+            with ExitStack() as opened:
+                log = opened.enter_context(closing(JournalStore(journal_of(bag))))
+                writer = opened.enter_context(build_writer(setting, bag))
+                publisher, record = build_publisher(setting), build_record(setting, PLAY, roles, participant)
+                recorders: list[TickRecorder] = [BagRecorder(Broadcast(publisher, record, setting.map.grid, [writer]))]
+                if setting.study.mavlink.on and setting.study.mavlink.tlog:
+                    recorders.append(TlogRecorder(opened.enter_context(TlogFile(tlog_of(bag)))))
+                self._open = opened.pop_all()
+        self._session.record_with(recorders, log)
+
+    # Time
+
+    def step(self, ticks: int = 1) -> HuntSnapshot:
+        """Run some ticks of 20 ms, and return how things stand then.
+
+        Raises:
+            HuntError: the session is closed, or the recording cannot be written.
+        """
+        if ticks < 1:
+            raise HuntError(f"ticks: {ticks} is below 1. A session does not go back.")
+        for _ in range(ticks):
+            self._step()
+        return self.snapshot
+
+    def run(self, seconds: float) -> HuntSnapshot:
+        """Run for some simulated time, and return how things stand then. Raises as `step`."""
+        return self.step(max(round(seconds * TICKS_PER_SECOND), 1))
+
+    def run_until(self, condition: "str | Callable[[HuntSession], bool]", at_most: float = AN_HOUR) -> bool:
+        """Run until something happens, and at least one tick.
+
+        Args:
+            condition: "ready": a robot waits for a decision; the kind of an event, such as "arrived"; or a function of
+                the session.
+            at_most: simulated seconds.
+
+        Returns:
+            True when it happened, False when the game or the time was over before.
+
+        Raises:
+            HuntError: as `step`.
+        """
+        last = self._session.tick + max(round(at_most * TICKS_PER_SECOND), 1)
+        while True:
+            seen = len(self.events)
+            self._step()
+            if callable(condition):
+                happened = condition(self)
+            elif condition == "ready":
+                happened = bool(self.ready)
+            else:
+                happened = any(event.kind == condition for event in self.events[seen:])
+            if happened:
+                return True
+            if self._session.tick >= last or self._is_over:
+                return False
+
+    def play(self, at_most: float = AN_HOUR) -> bool:
+        """Run to the end of the game and half a second further, as `thbridge play` does; return True when it is over.
+
+        Args:
+            at_most: simulated seconds.
+
+        Raises:
+            HuntError: as `step`.
+        """
+        last = self._session.tick + max(round(at_most * TICKS_PER_SECOND), 1)
+        while not self._finished and self._session.tick < last:
+            self._step()
+        return self._is_over
+
+    def _step(self) -> None:
+        if self._closed:
+            raise HuntError("the session is closed. Start another one.")
+        with told():
+            record = self._session.step()
+        snapshot = record.snapshot
+        assert snapshot is not None  # noqa: S101  # the robots are in this session
+        self._last = snapshot
+        self._finished = self._ending.reached(self._session)
+        for robot, output in enumerate(snapshot.robots):
+            scan = output.observations.scan
+            if scan is not None:
+                self._scans[robot] = scan.ranges
+            if output.navigation.result is not None:
+                self._note_goal(robot, output.navigation.result)
+        if record.events or record.utterances or record.refusals:
+            self._note(record)
+
+    @property
+    def _is_over(self) -> bool:
+        game = self._session.game
+        return game is not None and game.ended is not None
+
+    # How things stand
+
+    @property
+    def tick(self) -> int:
+        """Ticks so far."""
+        return self._session.tick
+
+    @property
+    def seconds(self) -> float:
+        """Simulated time so far."""
+        return self._session.tick / TICKS_PER_SECOND
+
+    @property
+    def over(self) -> bool:
+        """True when the game is over."""
+        return self._is_over
+
+    @property
+    def ready(self) -> tuple[int, ...]:
+        """Numbers of the robots that could drive somewhere for the game and do not."""
+        game = self._session.game
+        if game is None or game.treasures is None or game.ended is not None:
+            return ()
+        return tuple(
+            number_of(robot)
+            for robot, state in enumerate(game.robots)
+            if state.bound_for is None and not state.is_blocked and not state.is_silent
+        )
+
+    @property
+    def snapshot(self) -> HuntSnapshot:
+        """The state after the last tick. Raises HuntError: before the first."""
+        if self._last is None:
+            raise HuntError("nothing has happened yet. Step the session first.")
+        return HuntSnapshot(self._last, self._session.game, tuple(self._scans))
+
+    @property
+    def view(self) -> HuntView | None:
+        """The part of it that the participant may know; None until they are told, in the first ticks."""
+        return None if self._tabui.view is None else HuntView(self._tabui.view)
+
+    # Requests to the game, by its rules and without a dialogue
+
+    def send(self, robot: int, room: int) -> None:
+        """Send a robot to a room, as a ground station does: the caller takes command of the robot, and no one is asked.
+
+        What the rules refuse (a room that is visited, too little energy) is not done, and not told.
+        """
+        number = whole("room", room)
+        self._commanded(robot, lambda index: StationSend(index, number))
+
+    def stop(self, robot: int) -> None:
+        """Stop a robot that drives for the game."""
+        self._session.ask(SENDER, StationCallBack(self._index(robot)))
+
+    def take_picture(self, robot: int) -> None:
+        """Take a picture where a robot stands."""
+        self._commanded(robot, StationTakePicture)
+
+    def name_treasure(self, robot: int, name: str) -> None:
+        """Name the treasure where a robot stands."""
+        self._commanded(robot, lambda index: StationIdentify(index, name))
+
+    def leave_treasure(self, robot: int) -> None:
+        """Give up the treasure where a robot stands."""
+        self._commanded(robot, StationLeave)
+
+    def hand_back(self, robot: int) -> None:
+        """Give command of a robot back to the participant."""
+        self._session.ask(SENDER, ReleaseCommand(self._index(robot)))
+
+    def _commanded(self, robot: int, request: Callable[[int], CommandRequest]) -> None:
+        index, game = self._index(robot), self._session.game
+        if game is None or game.robots[index].holder.by is not Commander.GROUND_STATION:
+            self._session.ask(SENDER, TakeCommand(index, SENDER))
+        self._session.ask(SENDER, request(index))
+
+    # Requests to robots
+
+    def set_goal(self, robot: int, x: float, y: float, theta: float = 0.0) -> None:
+        """Give a robot's move_base a goal beside the game: metres and radians in the map; a "goal" event tells its end.
+
+        Raises:
+            HuntError: as all that follow: there is no such robot, or the request is refused.
+        """
+        goal = SimpleGoal(self._index(robot), _pose(x, y, theta), next(self._goals), owner=GoalOwner.RESEARCHER)
+        self._ask(goal)
+
+    def cancel_goal(self, robot: int) -> None:
+        """Withdraw a robot's goal."""
+        self._ask(WithdrawGoal(self._index(robot)))
+
+    def drive(self, robot: int, linear: float, angular: float) -> None:
+        """Drive a robot by hand for half a second, or until the next such command: m/s, rad/s (ROS: cmd_vel)."""
+        self._ask(VelocityCommand(self._index(robot), Twist(float(linear), float(angular))))
+
+    def set_pose(
+        self, robot: int, x: float, y: float, theta: float, covariance: Sequence[Sequence[float]] | None = None
+    ) -> None:
+        """Tell a robot where it is (ROS: initialpose); `covariance` is (3, 3), by default that of rviz."""
+        rows = np.diag([0.25, 0.25, 0.06853891909122467]) if covariance is None else np.array(covariance, np.float64)
+        self._ask(InitialPose(self._index(robot), _pose(x, y, theta), rows))
+
+    def forget_pose(self, robot: int) -> None:
+        """Let a robot forget where it is (ROS: global_localization)."""
+        self._ask(GlobalLocalization(self._index(robot)))
+
+    def carry(self, robot: int, x: float, y: float, theta: float) -> None:
+        """Carry a robot somewhere, untold."""
+        self._ask(KidnapRobot(self._index(robot), _pose(x, y, theta)))
+
+    def kill(self, robot: int) -> None:
+        """Let a robot die: it stops, and says and does nothing."""
+        self._ask(KillRobot(self._index(robot)))
+
+    def revive(self, robot: int) -> None:
+        """Revive a robot."""
+        self._ask(ReviveRobot(self._index(robot)))
+
+    def put_thing(self, name: str, shape: str, x: float, y: float, yaw: float = 0.0) -> None:
+        """Put a "crate", "door", "fire" or "person" in the way, once its place is free; one of this name vanishes."""
+        if shape not in set(Shape) - {Shape.POLYGON}:
+            raise HuntError(f"shape: no thing is a {shape}. Write crate, door, fire or person.", key="shape")
+        self._ask(PutThing(ThingEntry(name, Shape(shape), (float(x), float(y), float(yaw))).thing()))
+
+    def remove_thing(self, name: str) -> None:
+        """Take a thing away."""
+        self._ask(RemoveThing(name))
+
+    def set_parameters(self, robot: int, values: Mapping[str, ParameterValue]) -> None:
+        """Change a robot's parameters while it runs, all or none: `{"amcl.kld_err": 0.05}`, `world.` the true ones."""
+        given = ((key, value.item() if isinstance(value, np.generic) else value) for key, value in values.items())
+        self._ask(SetParameters(self._index(robot), tuple(given)))
+
+    def _ask(self, request: WatchRequest) -> None:
+        if not all(map(math.isfinite, _numbers(request))):
+            raise HuntError(f"{_numbers(request)}: these are not all finite. Give finite numbers.")
+        reason = objection(request, self._team)
+        if reason is not None:
+            raise HuntError(f"{reason}. Nothing was changed: ask for something else.")
+        self._session.ask(SENDER, request)
+
+    def _say(self, request: ParticipantRequest) -> None:
+        if not self._plays:
+            problem = "a simulated participant plays"
+            raise HuntError(f"{problem}. Start the session without `participant` to play yourself.", key="participant")
+        self._queue.put(request)
+        self._tabui.poll_player()
+
+    def _index(self, robot: int) -> int:
+        return checked_index(robot, self.study.robots)
+
+    # Events
+
+    def _note(self, record: TickRecord) -> None:
+        seconds = self.seconds
+        for event in record.events:
+            data: dict[str, object] = json.loads(to_json(event))
+            for key in ("v", "event", "robot", "room"):
+                data.pop(key, None)
+            robot: int | None = getattr(event, "robot", None)
+            room: Room | None = getattr(event, "room", None)
+            self.events.append(
+                HuntEvent(
+                    seconds,
+                    kind_of(type(event)),
+                    None if robot is None else number_of(robot),
+                    None if room is None else room.people,
+                    data=data,
+                )
+            )
+        for said in record.utterances:
+            topic = said.topic
+            self.events.append(
+                HuntEvent(
+                    seconds,
+                    "said",
+                    number_of(topic.robot),
+                    topic.room.people,
+                    said.text,
+                    {"speaker": said.speaker.name.lower(), "dialogue": said.dialogue},
+                )
+            )
+        for refusal in record.refusals:
+            self.events.append(HuntEvent(seconds, "refused", text=refusal.refused.sentence))
+
+    def _note_goal(self, robot: int, result: GoalResult) -> None:
+        match result:
+            case GoalReached():
+                text = "reached"
+            case NoPath(sentence=sentence):
+                text = sentence
+            case _:
+                text = "cancelled"
+        self.events.append(HuntEvent(self.seconds, "goal", number_of(robot), text=text))
+
+    # The end
+
+    def close(self) -> None:
+        """End the session; a recording is complete then.
+
+        Raises:
+            HuntError: the recording cannot be written.
+        """
+        self._closed = True
+        with told():
+            self._open.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        state = "closed" if self._closed else "over" if self._is_over else "open"
+        return f"<HuntSession {state}, {self.seconds:.2f} s of {self.study!r}>"
+
+
+def game_of(session: HuntSession) -> GameState | None:
+    """Return the game of a session, as the rules know it."""
+    return session._session.game
+
+
+def with_strategy(setting: StudySetting, strategy: str) -> StudySetting:
+    """Return a setting whose simulated participant has a strategy. Raises HuntError: there is none of this name."""
+    if strategy not in set(BotStrategy):
+        problem = f"participant: no strategy is called {strategy!r}"
+        raise HuntError(f"{problem}. Write {', '.join(BotStrategy)}, or None.", key="participant")
+    participant = replace(setting.study.participant, strategy=BotStrategy(strategy))
+    return replace(setting, study=replace(setting.study, participant=participant))
+
+
+def _pose(x: float, y: float, theta: float) -> Pose2:
+    """Return a pose of any numbers, also those of numpy."""
+    return Pose2(float(x), float(y), float(theta))
+
+
+def _numbers(request: WatchRequest) -> tuple[float, ...]:
+    """Return the numbers of a request that may not be infinite or NaN."""
+    match request:
+        case (
+            SimpleGoal(_, Pose2(x, y, theta)) | InitialPose(_, Pose2(x, y, theta)) | KidnapRobot(_, Pose2(x, y, theta))
+        ):
+            return x, y, theta
+        case VelocityCommand(_, twist):
+            return twist.linear, twist.angular
+        case PutThing(thing):
+            return thing.base_in_map.x, thing.base_in_map.y, thing.base_in_map.theta
+    return ()

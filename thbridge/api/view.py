@@ -1,0 +1,154 @@
+"""The participant's view: all that a person may know of a game, and nothing else."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from sim.common.robot_numbers import number_of
+from thbridge.api.snapshot import Booleans, Floats, Integers
+from thbridge.roles.view import View
+
+
+@dataclass(frozen=True, slots=True)
+class HuntDialogue:
+    """A dialogue between a robot and the participant.
+
+    Attributes:
+        robot: number of the robot, from 1.
+        matter: "select-room", "take-picture" or "take-treasure".
+        room: number of the room that it is about.
+        said: all sentences so far, oldest first.
+        choices: answers that the participant may give, most agreeable first; none while it is the robot's turn.
+    """
+
+    robot: int
+    matter: str
+    room: int
+    said: tuple[str, ...]
+    choices: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class HuntAgreement:
+    """Agreement of robot and participant, upon which the participant may act.
+
+    Attributes:
+        robot: number of the robot, from 1.
+        matter: as of the dialogue.
+        room: number of the room that it is about.
+    """
+
+    robot: int
+    matter: str
+    room: int
+
+
+class HuntView:
+    """The game as a person may know it, as arrays: a row for each of the n robots, robot 1 first; rooms likewise."""
+
+    def __init__(self, view: View) -> None:
+        self._view = view
+
+    @property
+    def ready(self) -> bool:
+        """True once robots take requests."""
+        return self._view.ready
+
+    @property
+    def consent(self) -> str | None:
+        """Text that the participant has to agree to before anything else; None: nothing."""
+        return self._view.consent
+
+    @property
+    def score(self) -> int:
+        """Points."""
+        return self._view.score
+
+    @property
+    def over(self) -> str | None:
+        """Reason for the game's end; None while it goes on."""
+        return self._view.over
+
+    @cached_property
+    def energy(self) -> Floats:
+        """(n,) energy left."""
+        return np.array([robot.energy for robot in self._view.robots])
+
+    @cached_property
+    def places(self) -> Integers:
+        """(n,) number of the room in which each robot stands, or from which it set out; 0: the corridor."""
+        return np.array([robot.place for robot in self._view.robots], dtype=np.int64)
+
+    @cached_property
+    def bound_for(self) -> Integers:
+        """(n,) number of the room to which each robot drives; 0: none."""
+        return np.array([robot.moving_to or 0 for robot in self._view.robots], dtype=np.int64)
+
+    @property
+    def conditions(self) -> tuple[str, ...]:
+        """Condition of each robot: "well", "lost" or "silent"; "blocked" without energy."""
+        return tuple("blocked" if robot.blocked else robot.condition.value for robot in self._view.robots)
+
+    @cached_property
+    def costs(self) -> Floats:
+        """(n, rooms) energy of a move of each robot to each room; infinite where there is none."""
+        rows = [self._view.costs_from(robot)[1:] for robot in self._view.robots]
+        return np.array([[np.inf if cost is None else cost for cost in row] for row in rows])
+
+    @cached_property
+    def visited(self) -> Booleans:
+        """(rooms,) True where a robot has arrived."""
+        return np.array([room.state == "visited" for room in self._view.rooms], dtype=np.bool_)
+
+    @cached_property
+    def undecided(self) -> Booleans:
+        """(rooms,) True where the treasure of a visited room is neither named nor given up."""
+        return np.array([room.undecided for room in self._view.rooms], dtype=np.bool_)
+
+    @property
+    def known(self) -> tuple[Mapping[str, str], ...]:
+        """Properties known of the treasure of each room; empty where none are."""
+        return tuple(room.known for room in self._view.rooms)
+
+    @property
+    def pictures(self) -> tuple[str | None, ...]:
+        """File name of the picture taken in each room; None without one."""
+        return tuple(room.picture for room in self._view.rooms)
+
+    @property
+    def named(self) -> tuple[str | None, ...]:
+        """Name that the treasure of each room was given; None where it has none yet."""
+        return tuple(None if room.verdict is None else room.verdict.name for room in self._view.rooms)
+
+    @property
+    def points(self) -> tuple[int | None, ...]:
+        """Points that this name won or lost; None likewise."""
+        return tuple(None if room.verdict is None else room.verdict.points for room in self._view.rooms)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Possible names of treasures; empty until one was found."""
+        return self._view.names
+
+    @property
+    def dialogues(self) -> tuple[HuntDialogue, ...]:
+        """Dialogues under way."""
+        return tuple(
+            HuntDialogue(number_of(each.robot), each.matter, each.room, each.said, each.choices)
+            for each in self._view.dialogues
+        )
+
+    @property
+    def agreements(self) -> tuple[HuntAgreement, ...]:
+        """Agreements that are not acted upon yet."""
+        return tuple(HuntAgreement(number_of(each.robot), each.matter, each.room) for each in self._view.consents)
+
+    @property
+    def refusal(self) -> str | None:
+        """The reason for which the participant's last refused request was refused; None without one."""
+        return None if self._view.refusal is None else self._view.refusal.sentence
+
+    def __repr__(self) -> str:
+        return f"<HuntView score {self.score}, {int(self.visited.sum())} rooms visited, over: {self.over}>"
