@@ -81,7 +81,7 @@ class TeamSnapshot:
         return self.world
 
 
-START_COVARIANCE: FloatArray = np.diag([0.05**2, 0.05**2, 0.05**2])
+START_COVARIANCE: FloatArray = np.diag([0.05 * 0.05, 0.05 * 0.05, 0.05 * 0.05])
 """Covariance of the pose that a robot is given at the start: people place it on a mark, to 5 cm and 3 degrees."""
 
 _ROBOT = attrgetter("robot")

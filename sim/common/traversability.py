@@ -53,7 +53,7 @@ class TraversabilityMap:
 
     def obstructed_by(self, other: Pose2) -> Mask:
         """Cells in which no robot's centre can be while another stands there, however the two are turned."""
-        away: FloatArray = np.sqrt((self.x - other.x) ** 2 + (self.y - other.y) ** 2)
+        away: FloatArray = np.sqrt(np.square(self.x - other.x) + np.square(self.y - other.y))
         return away <= self.inscribed + self.circumscribed
 
     def reachable(self, start: Pose2, obstructed: Mask) -> Mask:

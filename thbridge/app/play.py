@@ -348,7 +348,7 @@ def _game_outcome(game: GameState) -> GameOutcome:
         game=game.started.game,
         score=game.score,
         over=None if game.ended is None else game.ended.reason.value,
-        rooms_visited=sum(room.visited for room in game.rooms),
+        rooms_visited=sum(room.visited for room in game.rooms),  # of integers
         identified=sum(room.points is not None for room in game.rooms),
         energy=tuple(robot.energy for robot in game.robots),
     )

@@ -81,7 +81,7 @@ class RunStatistics:
                     [elementary.hypot(believed.x - x, believed.y - y), abs(wrap_angle(believed.theta - float(theta)))]
                 )
                 sums.samples += 1
-                sums.squares += error**2
+                sums.squares += error * error
                 np.maximum(sums.greatest, error, out=sums.greatest)
 
     def figures(self) -> tuple[RobotStatistics, ...]:

@@ -84,7 +84,7 @@ def _best_argument(evidence: Evidence, conclusion: Literal) -> Argument | None:
 
     def rank(argument: Argument) -> tuple[int, int, str]:
         compares = any(isinstance(premise.proposition, TeamPlan) for premise in argument.premises)
-        return sum(prefers(other, argument) for other in found), -compares, str(argument)
+        return sum(prefers(other, argument) for other in found), -compares, str(argument)  # of integers
 
     return min(found, key=rank, default=None)
 

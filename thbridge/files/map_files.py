@@ -429,7 +429,7 @@ def _doubt_of_image(image: Loaded[_MapYaml], floor: TraversabilityMap, places: l
     amiss = sum(value != FREE for value in values)
     if amiss < 3 or amiss < MOST_AMISS * len(places):
         return None
-    on_map = sum(grid.contains(*grid.cell_of(place.pose.x, place.pose.y)) for place in places)
+    on_map = sum(grid.contains(*grid.cell_of(place.pose.x, place.pose.y)) for place in places)  # of integers
     if 2 * on_map < len(places):
         problem = f"{len(places) - on_map} of {len(places)} goals and starts lie outside the image"
         return image.fault("origin", problem, "Mend the origin or the resolution")
@@ -487,7 +487,8 @@ def _findings_of_regions(loaded: Loaded[_RoomsYaml], floor: TraversabilityMap) -
         held = inside(room.region, floor.x, floor.y)
         shared = owner[held & (owner > 0)]
         if shared.size:
-            problem = f"it overlaps the region of room {shared[0]} by {shared.size * grid.resolution**2:.2f} m^2"
+            area = shared.size * grid.resolution * grid.resolution
+            problem = f"it overlaps the region of room {shared[0]} by {area:.2f} m^2"
             yield MapFinding("error", loaded.fault(key, problem, "Draw the regions apart"))
         owner[held] = entry.number
 

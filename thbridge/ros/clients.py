@@ -98,7 +98,7 @@ def pose_estimate(cursor: Cursor) -> PoseEstimate | InvalidMessage:
 
 def is_covariance(matrix: FloatArray) -> bool:
     """Return True when a (3, 3) matrix is a covariance of a pose: positive semi-definite, and not too large."""
-    if matrix.shape != (3, 3) or not bool((np.abs(matrix) <= FARTHEST**2).all()):
+    if matrix.shape != (3, 3) or not bool((np.abs(matrix) <= FARTHEST * FARTHEST).all()):
         return False
     # With a little more on the diagonal than rounding takes, all leading minors must be positive (Sylvester).
     more = 1e-9 * max(1.0, float(np.trace(matrix)))

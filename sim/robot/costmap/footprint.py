@@ -37,7 +37,7 @@ def radii(footprint: FloatArray) -> tuple[float, float]:
     """
     following = np.roll(footprint, -1, axis=0)
     edges = following - footprint
-    lengths = np.maximum((edges**2).sum(axis=1), 1e-12)
+    lengths = np.maximum((edges * edges).sum(axis=1), 1e-12)
     along = np.clip(-(footprint * edges).sum(axis=1) / lengths, 0.0, 1.0)
     nearest = footprint + along[:, np.newaxis] * edges
     return min(map(elementary.hypot, *nearest.T)), max(map(elementary.hypot, *footprint.T))

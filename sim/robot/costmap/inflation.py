@@ -123,7 +123,7 @@ class InflationLayer:
         # Whole cells, rounded up: the last of them may lie a little farther away than the radius.
         self.reach = math.ceil(parameters.inflation_radius / resolution)
         self._inflate_unknown = parameters.inflate_unknown
-        distances = np.sqrt(np.arange(self.reach**2 + 1)) * resolution
+        distances = np.sqrt(np.arange(self.reach * self.reach + 1)) * resolution
         self._table: Costs = np.array(
             [cost_at(distance, inscribed_radius, parameters.cost_scaling_factor) for distance in distances],
             dtype=np.uint8,

@@ -275,7 +275,8 @@ class DwaPlanner(LocalPlanner):
         wanted = self._parameters
         samples = self._samples(now, greatest_v, stalled)
         left = elementary.hypot(path[-1, 0] - now.x, path[-1, 1] - now.y)
-        near = left * left <= wanted.forward_point_distance**2 * wanted.cheat_factor
+        ahead = wanted.forward_point_distance
+        near = left * left <= ahead * ahead * wanted.cheat_factor
         critics = _Critics(
             wanted.path_distance_bias * frame.resolution,
             0.0 if near else wanted.path_distance_bias * frame.resolution,

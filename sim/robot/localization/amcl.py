@@ -158,7 +158,7 @@ class Amcl:
         self._use(parameters)
         self._free_space = FreeSpace.of(grid)
         # Walls may lie anywhere in their cells: an error that all particles share, and none can show.
-        self._unknowable = np.diag((1.0, 1.0, 0.0)) * grid.resolution**2 / 12.0
+        self._unknowable = np.diag((1.0, 1.0, 0.0)) * (grid.resolution * grid.resolution) / 12.0
         self._start_noise = NoiseStream.named(seed, robot, "amcl", "start")
         self._motion_noise = NoiseStream.named(seed, robot, "amcl", "motion")
         self._resampling_noise = NoiseStream.named(seed, robot, "amcl", "resampling")
@@ -314,7 +314,7 @@ class Amcl:
         # With selective resampling, a cloud whose effective number (1 / sum of squares) is above half of its particles
         # is kept: drawing anew would only lose hypotheses (Grisetti, Stachniss, Burgard 2007).
         due = updates % parameters.resample_interval == 0 and not (
-            parameters.selective_resampling and newcomers == 0.0 and 2.0 / (weights**2).sum() > len(weights)
+            parameters.selective_resampling and newcomers == 0.0 and 2.0 / (weights * weights).sum() > len(weights)
         )
         if due or newcomers == SCATTER_SHARE:
             particles = self._resample(particles, weights, bins, newcomers, points, odometry.tick)

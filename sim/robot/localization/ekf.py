@@ -88,8 +88,8 @@ class GaussianBelief:
 def _anywhere(grid: OccupancyGrid) -> FloatArray:
     """(3, 3) covariance of a pose that may be anywhere on the map: uniform over its extent and all headings."""
     rows, cols = grid.cells.shape
-    spread = (rows**2 + cols**2) * grid.resolution**2 / 12.0
-    return np.diag((spread, spread, math.pi**2 / 3.0))
+    spread = (rows * rows + cols * cols) * (grid.resolution * grid.resolution) / 12.0
+    return np.diag((spread, spread, math.pi * math.pi / 3.0))
 
 
 _NOTHING = read_only(np.zeros((3, 3)))
@@ -229,14 +229,16 @@ class Ekf:
         parameters = self._parameters
         moved = belief.base_in_odom.between(odometry.base_in_odom)
         distance = elementary.hypot(moved.x, moved.y)
-        wheels_variance = parameters.odom_alpha1 * moved.theta**2 + parameters.odom_alpha2 * distance**2
-        gyro_variance = (odometry.tick - belief.tick) * (parameters.gyro_noise * TICK) ** 2
+        turn, drive = moved.theta * moved.theta, distance * distance
+        wheels_variance = parameters.odom_alpha1 * turn + parameters.odom_alpha2 * drive
+        gyro_noise = parameters.gyro_noise * TICK
+        gyro_variance = (odometry.tick - belief.tick) * (gyro_noise * gyro_noise)
         # Wheels that stand still are certain of it; then the gyroscope, which is only noise, does not count.
         listening = parameters.imu_used and wheels_variance > 0.0
         trust = wheels_variance / (wheels_variance + gyro_variance) if listening else 0.0
         correction = trust * wrap_angle(self._turned - moved.theta)
         turn_variance = (1.0 - trust) * wheels_variance
-        drive_variance = parameters.odom_alpha3 * distance**2 + parameters.odom_alpha4 * moved.theta**2
+        drive_variance = parameters.odom_alpha3 * drive + parameters.odom_alpha4 * turn
 
         here = belief.base_in_map
         # The chord of an arc points half of the turn aside; so does a correction of the turn.
@@ -272,7 +274,7 @@ class Ekf:
         """
         points = self._beams.end_points(scan)
         doubt = belief.covariance + belief.shared
-        error = 2.0 * math.sqrt(max(doubt[0, 0], doubt[1, 1]) + _LEVER**2 * doubt[2, 2])
+        error = 2.0 * math.sqrt(max(doubt[0, 0], doubt[1, 1]) + _LEVER * _LEVER * doubt[2, 2])
         match = self._matcher.match(belief.base_in_map, points, error)
         if match is None:
             return belief, False

@@ -173,7 +173,7 @@ class Beams:
 def _log_probability(
     distance: FloatArray | NDArray[np.float32], z_hit: float, rand_density: float, sigma_hit: float
 ) -> FloatArray:
-    hit = z_hit * elementary_arrays.exp(-(distance**2) / (2.0 * sigma_hit**2))
+    hit = z_hit * elementary_arrays.exp(-(distance * distance) / (2.0 * (sigma_hit * sigma_hit)))
     # Without random readings a far cell's probability underflows; its logarithm must stay finite.
     logs: FloatArray = elementary_arrays.log(np.maximum(hit + rand_density, np.finfo(np.float64).tiny))
     return logs

@@ -95,8 +95,8 @@ def diff_spread(moved: DiffIncrement, alphas: Alphas, corrected: bool) -> DiffSp
 
     Source: Probabilistic Robotics, table 5.6, lines 5 to 7; amcl_odom.cpp.
     """
-    turn1, turn2 = _turning(moved.rot1) ** 2, _turning(moved.rot2) ** 2
-    drive = moved.trans**2
+    turn1, turn2 = (turning * turning for turning in (_turning(moved.rot1), _turning(moved.rot2)))
+    drive = moved.trans * moved.trans
     rot1 = alphas.alpha1 * turn1 + alphas.alpha2 * drive
     trans = alphas.alpha3 * drive + alphas.alpha4 * (turn1 + turn2)
     rot2 = alphas.alpha1 * turn2 + alphas.alpha2 * drive
@@ -151,7 +151,7 @@ def omni_spread(moved: OmniIncrement, alphas: Alphas, corrected: bool) -> OmniSp
 
     Source: amcl_odom.cpp.
     """
-    drive, turn = moved.trans**2, moved.rot**2
+    drive, turn = moved.trans * moved.trans, moved.rot * moved.rot
     if corrected:
         return OmniSpread(
             math.sqrt(alphas.alpha3 * drive + alphas.alpha4 * turn),

@@ -248,7 +248,7 @@ def _authored(utterance: moves.DialogueUtterance, authored: moves.OfferedSentenc
 def _score(game: GameState) -> ScoreRecord:
     return ScoreRecord(
         score=game.score,
-        visited=sum(room.visited for room in game.rooms),
+        visited=sum(room.visited for room in game.rooms),  # of integers
         rooms=len(game.rooms),
         energy=tuple(robot.energy for robot in game.robots),
     )

@@ -262,7 +262,7 @@ def _arguments(defender: Agent, claim: Belief) -> tuple[Argument, ...]:
     found = defender.beliefs.arguments(claim)
     # Of several, the one that rests on the best evidence comes first; its support is what a program says.
     prefers = defender.beliefs.prefers
-    return tuple(sorted(found, key=lambda one: (sum(prefers(other, one) for other in found), str(one))))
+    return tuple(sorted(found, key=lambda one: (sum(prefers(other, one) for other in found), str(one))))  # of integers
 
 
 def _with_parts(defender: Agent, argument: Argument) -> tuple[Belief, ...]:

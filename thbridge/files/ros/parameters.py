@@ -7,6 +7,7 @@ name. Words are read as by ROS's loader: `yes` is true, `!degrees 90` and `deg(9
 
 import dataclasses
 import difflib
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -155,7 +156,7 @@ class _Sorter:
         """
         homes: dict[str, list[Entry]] = {}
         known = {section: self.names_of(section, flat) for section in SECTIONS}
-        scores = {section: sum(_likeness(key.text, names) for key, _ in flat) for section, names in known.items()}
+        scores = {section: math.fsum(_likeness(key.text, names) for key, _ in flat) for section, names in known.items()}
         ranked = sorted(SECTIONS, key=lambda section: -scores[section])
         for key, child in flat:
             home = next((section for section in ranked if key.text in known[section]), None)

@@ -339,7 +339,7 @@ class MessageRouter:
         """
         endpoint = self._endpoints[name]
         messages, endpoint.inbox = endpoint.inbox, []
-        endpoint.waiting = sum(_size(message) for message in endpoint.arriving)
+        endpoint.waiting = sum(_size(message) for message in endpoint.arriving)  # of integers
         return messages
 
     # What a line does

@@ -8,14 +8,15 @@ room costs about the same from where a robot stands as from the place next to it
 
 import math
 from collections.abc import Sequence
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import nnls
 
 from sim.common import elementary, elementary_arrays
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.grid import OccupancyGrid
+from sim.common.matrices import product, solution
 from sim.parameters import NavfnParameters
 from sim.robot.costmap.costs import CostFrame, Costs
 from sim.robot.global_planning.navfn import Navfn
@@ -128,5 +129,27 @@ def _fitted(known: Sequence[tuple[Sequence[_Way], float]]) -> FloatArray:
     rows = [(np.mean(ways, axis=0), seconds) for ways, seconds in known if ways]
     if not rows:
         return np.zeros(3)
-    weights: FloatArray = nnls(np.array([way for way, _ in rows]), np.array([seconds for _, seconds in rows]))[0]
-    return weights
+    return non_negative_weights(np.array([way for way, _ in rows]), np.array([seconds for _, seconds in rows]))
+
+
+def non_negative_weights(parts: FloatArray, wholes: FloatArray) -> FloatArray:
+    """(k,) weights of parts, none negative, whose weighted sums come nearest to (n,) wholes, by least squares.
+
+    The best ones are those of one choice of the few parts, fitted without a limit: all choices are tried.
+
+    Args:
+        parts: (n, k) parts of each whole.
+        wholes: (n,) wholes.
+    """
+    count = parts.shape[1]
+    best, least = np.zeros(count), float((wholes * wholes).sum())
+    for size in range(1, count + 1):
+        for chosen in map(list, combinations(range(count), size)):
+            columns = np.ascontiguousarray(parts[:, chosen])
+            rows = np.ascontiguousarray(columns.T)
+            weights = solution(product(rows, columns), product(rows, wholes[:, np.newaxis].copy()))[:, 0]
+            off = (columns * weights).sum(axis=1) - wholes
+            if (weights >= 0.0).all() and (error := float((off * off).sum())) < least:
+                best, least = np.zeros(count), error
+                best[chosen] = weights
+    return best

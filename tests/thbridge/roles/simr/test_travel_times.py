@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import nnls
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
@@ -13,7 +14,7 @@ from thbridge.app.compose.robots import build_travel_times
 from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.offline.plan import costmap
 from thbridge.roles.keeper.disclosed.disclosure import plain_costs
-from thbridge.roles.simr.travel_times import AT_GOAL, TravelTimes
+from thbridge.roles.simr.travel_times import AT_GOAL, TravelTimes, non_negative_weights
 from thbridge.study.study_file import CostModel, GameSection, Study
 
 POSITION = GameSection(cost_model=CostModel.POSITION)
@@ -91,3 +92,11 @@ def test_any_pose_has_a_cost_or_none_for_each_place(arena: TravelTimes, x: float
     costs = arena.costs_from(Pose2(x, y, 0.0))
     assert len(costs) == 9 and costs[0] is None
     assert all(cost is None or (cost >= 1.0 and cost == round(cost)) for cost in costs)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_weights_are_those_of_scipy(seed: int) -> None:
+    chance = np.random.default_rng(seed)
+    parts = np.column_stack([np.ones(30), chance.uniform(0, 20, 30), chance.uniform(0, 6, 30)])
+    wholes = parts @ chance.normal(0.5, 1.0, 3) + chance.normal(0.0, 0.3, 30)
+    assert non_negative_weights(parts, wholes) == pytest.approx(nnls(parts, wholes)[0], abs=1e-9)

@@ -52,9 +52,11 @@ class MapProjection:
     def __init__(self, origin: GeoOrigin) -> None:
         self.altitude = origin.altitude
         phi = math.radians(origin.latitude)
-        shrink = 1.0 - _ECCENTRICITY_SQUARED * elementary.sin(phi) ** 2
-        meridian = _SEMI_MAJOR * (1.0 - _ECCENTRICITY_SQUARED) / shrink**1.5
-        parallel = _SEMI_MAJOR / math.sqrt(shrink) * elementary.cos(phi)
+        sine = elementary.sin(phi)
+        shrink = 1.0 - _ECCENTRICITY_SQUARED * (sine * sine)
+        root = math.sqrt(shrink)
+        meridian = _SEMI_MAJOR * (1.0 - _ECCENTRICITY_SQUARED) / (shrink * root)
+        parallel = _SEMI_MAJOR / root * elementary.cos(phi)
         self._latitude = origin.latitude * PER_DEGREE
         self._longitude = origin.longitude * PER_DEGREE
         self._north = math.degrees(1.0 / meridian) * PER_DEGREE
