@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# Makes FOLDER/python, an interpreter of 64-bit ARM that runs here by emulation, with the packages of the lock that thbridge
+# needs: Debian's packages and wheels of PyPI are unpacked into the folder, nothing is installed. For
+#   THBRIDGE_PYTHONS=FOLDER/python .venv/bin/pytest -m slow tests/system/test_portability.py
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+folder=$(realpath -m "${1:?name a folder, some 2 GB}")
+pip=$PWD/.venv/bin/python
+if ! "$pip" -m pip --version >/dev/null 2>&1; then
+    pip=$folder/pip/bin/python
+    [ -x "$pip" ] || python3 -m venv "$folder/pip"
+fi
+mkdir -p "$folder"/{state/lists/partial,cache/archives/partial,debs,root,emulator,wheels,site}
+touch "$folder/state/status"
+
+# A state of its own: apt's, of this machine, knows nothing of another architecture.
+foreign=(-qq -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o Dir::State="$folder/state"
+    -o Dir::State::status="$folder/state/status" -o Dir::Cache="$folder/cache" -o APT::Sandbox::User=root)
+apt-get "${foreign[@]}" update
+(cd "$folder/debs" && apt-get "${foreign[@]}" download python3.11 python3.11-minimal libpython3.11-minimal \
+    libpython3.11-stdlib libc6 libexpat1 zlib1g libssl3 libffi8 libbz2-1.0 liblzma5 libsqlite3-0 libuuid1 libncursesw6 \
+    libtinfo6 libreadline8 libgcc-s1 libstdc++6 libdb5.3 libcrypt1 libgomp1 libnsl2 libtirpc3 media-types)
+(cd "$folder/emulator" && apt-get -qq -o APT::Sandbox::User=root download qemu-user libcapstone4 liburing2)
+for package in "$folder"/debs/*.deb; do dpkg -x "$package" "$folder/root"; done
+for package in "$folder"/emulator/*.deb; do dpkg -x "$package" "$folder/emulator"; done
+
+# Those of the project itself and no tools; the lock says which versions.
+.venv/bin/python - >"$folder/wanted.txt" <<'PYTHON'
+import tomllib
+from pathlib import Path
+
+project = tomllib.loads(Path("pyproject.toml").read_text())["project"]
+print("\n".join((*project["dependencies"], *project["optional-dependencies"]["argumentation"])))
+PYTHON
+grep -oE '^[A-Za-z0-9_.-]+==[^ \\]+' requirements.lock >"$folder/pinned.txt"
+platforms=(manylinux_2_28_aarch64 manylinux_2_27_aarch64 manylinux_2_26_aarch64 manylinux_2_24_aarch64 manylinux2014_aarch64
+    manylinux_2_17_aarch64 any)
+"$pip" -m pip download -q --dest "$folder/wheels" --python-version 3.11 --implementation cp --abi cp311 --abi abi3 --abi none \
+    "${platforms[@]/#/--platform=}" --only-binary=:all: -r "$folder/wanted.txt" -c "$folder/pinned.txt"
+for wheel in "$folder"/wheels/*.whl; do .venv/bin/python -m zipfile -e "$wheel" "$folder/site"; done
+
+cat >"$folder/python" <<SHELL
+#!/bin/sh
+export LD_LIBRARY_PATH="$folder/emulator/usr/lib/$(uname -m)-linux-gnu"
+exec "$folder/emulator/usr/bin/qemu-aarch64" -L "$folder/root" \\
+    -E LD_LIBRARY_PATH="$folder/root/usr/lib/aarch64-linux-gnu:$folder/root/lib/aarch64-linux-gnu" \\
+    -E PYTHONHOME="$folder/root/usr" -E PYTHONPATH="\$PYTHONPATH:$folder/site" "$folder/root/usr/bin/python3.11" "\$@"
+SHELL
+chmod +x "$folder/python"
+"$folder/python" -c 'import platform, numpy; print(platform.machine(), platform.python_version(), "numpy", numpy.__version__)'
