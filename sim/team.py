@@ -6,9 +6,9 @@ they are stepped changes nothing.
 """
 
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from operator import attrgetter
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -42,7 +42,7 @@ from sim.robot.global_planning.path import PlanRefusal
 from sim.robot.global_planning.wave import Workspace
 from sim.robot.localization.amcl import Amcl
 from sim.robot.localization.ekf import Ekf
-from sim.robot.localization.estimate import Localizer
+from sim.robot.localization.estimate import Localizer, carried_on
 from sim.robot.localization.fake_localization import FakeLocalization
 from sim.robot.navigator.move_base import Navigator
 from sim.robot.software import Robot, RobotOutput
@@ -84,7 +84,31 @@ class TeamSnapshot:
 START_COVARIANCE: FloatArray = np.diag([0.05 * 0.05, 0.05 * 0.05, 0.05 * 0.05])
 """Covariance of the pose that a robot is given at the start: people place it on a mark, to 5 cm and 3 degrees."""
 
-_ROBOT = attrgetter("robot")
+
+class _Broadcasts:
+    """What robots have broadcast in one tick.
+
+    Args:
+        outputs: of the robots that did, in the team's order, by index.
+
+    Attributes:
+        claims: the claim of each, by index.
+    """
+
+    def __init__(self, outputs: Mapping[int, RobotOutput]) -> None:
+        self.claims = {robot: output.navigation.claim for robot, output in outputs.items()}
+        self._robots = list(outputs)
+        self._outputs = outputs
+
+    @cached_property
+    def _all(self) -> tuple[Neighbour, ...]:
+        return tuple(output.neighbour for output in self._outputs.values())
+
+    def others(self, robot: int) -> tuple[Neighbour, ...]:
+        """Broadcasts of the other robots: a slice of all, because many robots ask in every tick."""
+        heard = self._all
+        own = bisect_left(self._robots, robot)
+        return heard[:own] + heard[own + 1 :] if robot in self.claims else heard
 
 
 class Team:
@@ -129,7 +153,9 @@ class Team:
         self._carried: dict[int, KidnapRobot] = {}
         self._dead: set[int] = set()
         self._outputs: list[RobotOutput | None] = [None] * len(robots)
-        self._neighbours: tuple[Neighbour, ...] = ()
+        # What was broadcast in the last tick, and in the one before.
+        self._heard = self._heard_before = _Broadcasts({})
+        self._corrections = np.zeros((len(robots), 3))
         footprint = np.array(world.footprint, dtype=np.float64)
         # Robots plan one after the other: one workspace is enough, and stays in the processor's cache.
         space = Workspace(*grid.cells.shape)
@@ -189,44 +215,57 @@ class Team:
             ValueError: parameters differ that cannot change while a robot runs.
         """
         tick = self._state.tick + 1
+        requested = bool(inputs or self._carried)
         while self._schedule and self._schedule[0].tick <= tick:
             self._take(self._schedule.pop(0).input)
+            requested = True
         for item in inputs:
             self._take(item)
         for robot in list(self._carried):
             self._set_down(self._carried[robot])
         self._state = self._world.step(self._state, self._commands)
-        outputs = tuple(self._step_robot(robot) for robot in self._robots)
-        self._neighbours = tuple(output.neighbour for output in outputs if self._broadcasts(output))
-        self._commands = np.array([self._command(output) for output in outputs])
+        outputs = self._step_robots(tick, requested)
+        self._commands = np.array([self._command(robot, output) for robot, output in enumerate(outputs)])
         return TeamSnapshot(tick, self._state, outputs, self._commands, frozenset(self._dead))
 
-    def _broadcasts(self, output: RobotOutput) -> bool:
-        """Return True when the others receive a robot's state: not when it is dead, nor when it is lost."""
-        return output.neighbour.robot not in self._dead and not output.estimate.lost
+    def _step_robots(self, tick: int, requested: bool) -> tuple[RobotOutput, ...]:
+        """Step those robots for which anything is due; the others are carried on.
 
-    def _step_robot(self, robot: Robot) -> RobotOutput:
-        last = self._outputs[robot.index]
-        if robot.index in self._dead and last is not None:
-            return last
-        output = robot.step(self._sensors.sense(self._state, robot.index), self._others(robot.index))
-        self._outputs[robot.index] = output
-        return output
+        A request may concern any of them, and so does a change in who broadcasts, or asks others to clear its path.
+        """
+        heard, before, state = self._heard, self._heard_before, self._state
+        all_due = requested or heard.claims != before.claims
+        regroup = heard.claims.keys() != before.claims.keys()
+        believed: list[list[float]] = []
+        twists: list[list[float]] = []
+        for robot in self._robots:
+            index = robot.index
+            if index in self._dead and self._outputs[index] is not None:
+                continue
+            if regroup:
+                robot.rejoin(before.others(index))
+            if all_due or tick >= robot.next_due or self._sensors.scan_due(tick, index):
+                output = robot.step(self._sensors.sense(state, index), heard.others(index))
+                correction = output.estimate.odom_in_map
+                self._corrections[index] = correction.x, correction.y, correction.theta
+            else:
+                if not believed:
+                    believed = carried_on(self._corrections, state.odom_poses).tolist()
+                    twists = state.odom_twists.tolist()
+                sense = partial(self._sensors.sense, state, index)
+                output = robot.skip(tick, believed[index], twists[index], sense)
+            self._outputs[index] = output
+        outputs = [output for output in self._outputs if output is not None]
+        # The dead do not broadcast, nor do those that are lost.
+        broadcasting = [robot for robot in self._robots if robot.index not in self._dead and not robot.lost]
+        self._heard_before = heard
+        self._heard = _Broadcasts({robot.index: outputs[robot.index] for robot in broadcasting})
+        return tuple(outputs)
 
-    def _others(self, robot: int) -> tuple[Neighbour, ...]:
-        """Broadcasts of the other robots: a slice of all, because every robot asks in every tick."""
-        broadcast = self._neighbours
-        own = bisect_left(broadcast, robot, key=_ROBOT)
-        return (
-            broadcast[:own] + broadcast[own + 1 :]
-            if own < len(broadcast) and broadcast[own].robot == robot
-            else broadcast
-        )
-
-    def _command(self, output: RobotOutput) -> tuple[float, float]:
-        if output.neighbour.robot in self._dead:
+    def _command(self, robot: int, output: RobotOutput) -> tuple[float, float]:
+        if robot in self._dead:
             return 0.0, 0.0
-        by_hand = self._driven_by_hand.get(output.neighbour.robot)
+        by_hand = self._driven_by_hand.get(robot)
         if by_hand is None:
             return output.navigation.command.linear, output.navigation.command.angular
         if by_hand.ticks <= 1:
@@ -308,7 +347,7 @@ class Team:
                 if (output := self._outputs[robot]) is not None:
                     # The last output stands for the dead robot from now on: it ends no goal and shows no costmap twice.
                     last = replace(output.navigation, result=None, global_costmap=None, local_costmap=None)
-                    self._outputs[robot] = replace(output, navigation=last)
+                    self._outputs[robot] = RobotOutput(output.observations, output.estimate, last, output.neighbour)
                 # The last snapshot holds the old array.
                 self._commands = self._commands.copy()
                 self._commands[robot] = 0.0

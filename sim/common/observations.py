@@ -16,6 +16,11 @@ TICK = 1.0 / TICKS_PER_SECOND
 """Seconds of one physics step; odometry is sensed at every one."""
 
 
+def next_turn(tick: int, robot: int, period: int) -> int:
+    """Return the first tick after this one that is a robot's turn; robots take turns, each once in `period` ticks."""
+    return tick + period - (tick - robot) % period
+
+
 @dataclass(frozen=True, slots=True)
 class Twist:
     """A velocity of the base, in its own frame: metres per second forward, radians per second anti-clockwise."""

@@ -1,17 +1,18 @@
 """One robot's own software: sense -> estimate -> plan -> drive."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
-from sim.common.geometry import FloatArray
-from sim.common.observations import Neighbour, Observations
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.observations import Neighbour, Observations, Twist
 from sim.parameters import RobotParameters
 from sim.robot.localization.estimate import Estimate, Localizer
 from sim.robot.navigator.move_base import Navigator
 from sim.robot.navigator.navigation import Navigation
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class RobotOutput:
     """Output of one robot's software in one tick.
 
@@ -28,12 +29,61 @@ class RobotOutput:
     neighbour: Neighbour
 
 
+class CarriedOutput(RobotOutput):
+    """Output in a tick in which nothing was due: that of the last step, carried on by odometry.
+
+    Its parts are made when somebody looks at them, which in most ticks nobody does.
+
+    Args:
+        left: the output of the last step, but for what holds in its own tick alone.
+        tick: the present one.
+        base_in_map: x, y and heading that the robot believes in now.
+        twist: its velocity by odometry, m/s and rad/s.
+        sense: makes its observations of now.
+    """
+
+    _parts: tuple[RobotOutput, int, Sequence[float], Sequence[float], Callable[[], Observations]]
+
+    def __init__(
+        self,
+        left: RobotOutput,
+        tick: int,
+        base_in_map: Sequence[float],
+        twist: Sequence[float],
+        sense: Callable[[], Observations],
+    ) -> None:
+        # Frozen, and three of its fields are made when they are asked for.
+        self.__dict__.update(navigation=left.navigation, _parts=(left, tick, base_in_map, twist, sense))
+
+    @cached_property
+    def observations(self) -> Observations:
+        """Made now."""
+        return self._parts[-1]()
+
+    @cached_property
+    def estimate(self) -> Estimate:
+        """Made now."""
+        left, tick, _, _, _ = self._parts
+        return replace(left.estimate, tick=tick, base_in_map=self.neighbour.base_in_map, updated=False)
+
+    @cached_property
+    def neighbour(self) -> Neighbour:
+        """Made now."""
+        left, _, (x, y, theta), (linear, angular), _ = self._parts
+        last, here, twist = left.neighbour, Pose2(x, y, theta), Twist(linear, angular)
+        return Neighbour(last.robot, here, twist, last.footprint, last.path, last.times, last.claim)
+
+
 class Robot:
     """The software of one robot: a localiser and a navigator, joined; it knows nothing but its observations.
 
     Args:
         index: its index in the team.
         footprint: (n, 2) corners of its body in the base frame, metres.
+
+    Attributes:
+        next_due: first tick in which a step does more than carry its output on, if no scan and no request comes.
+        lost: True when it did not know its place in the last step.
     """
 
     def __init__(self, index: int, localizer: Localizer, navigator: Navigator, footprint: FloatArray) -> None:
@@ -41,6 +91,10 @@ class Robot:
         self.localizer = localizer
         self.navigator = navigator
         self._footprint = footprint
+        self.next_due = 0
+        self.lost = False
+        self._skipped = False
+        self._left: RobotOutput
 
     def configure(self, parameters: RobotParameters) -> None:
         """Go on with these parameters, and with the present belief, costmaps and goal."""
@@ -54,10 +108,10 @@ class Robot:
             observations: this tick's.
             neighbours: broadcasts of the other robots in the last tick.
         """
-        odometry = observations.odometry
+        tick, odometry = observations.tick, observations.odometry
         estimate = self.localizer.update(odometry, observations.imu, observations.scan)
         navigation = self.navigator.step(
-            observations.tick, estimate.base_in_map, odometry.twist, observations.scan, neighbours, estimate.lost
+            tick, estimate.base_in_map, odometry.twist, observations.scan, neighbours, estimate.lost
         )
         neighbour = Neighbour(
             self.index,
@@ -68,4 +122,25 @@ class Robot:
             navigation.times,
             navigation.claim,
         )
-        return RobotOutput(observations, estimate, navigation, neighbour)
+        output = self._left = RobotOutput(observations, estimate, navigation, neighbour)
+        self.lost, self._skipped = estimate.lost, False
+        carries = self.localizer.awaits_scan and not estimate.lost
+        self.next_due = self.navigator.next_due(tick, neighbours) if carries else tick + 1
+        if navigation.result or navigation.global_costmap or navigation.local_costmap:
+            lasting = replace(navigation, result=None, global_costmap=None, local_costmap=None)
+            # The output, but for what holds in its own tick alone.
+            self._left = RobotOutput(observations, estimate, lasting, neighbour)
+        return output
+
+    def skip(
+        self, tick: int, base_in_map: Sequence[float], twist: Sequence[float], sense: Callable[[], Observations]
+    ) -> RobotOutput:
+        """One tick in which nothing is due. See `CarriedOutput` for the arguments."""
+        self.navigator.skip(tick)
+        self._skipped = True
+        return CarriedOutput(self._left, tick, base_in_map, twist, sense)
+
+    def rejoin(self, neighbours: Sequence[Neighbour]) -> None:
+        """Take in what others broadcast before the last tick, if no step was due in that."""
+        if self._skipped:
+            self.navigator.rejoin(neighbours)

@@ -162,6 +162,10 @@ class Sensors:
         self._squares = free_squares_of(grid)
         self._frame = grid.frame
 
+    def scan_due(self, tick: int, robot: int) -> bool:
+        """Return True when a robot's laser sweeps in this tick."""
+        return (tick + robot) % self._period == 0
+
     def sense(self, state: WorldState, robot: int) -> Observations:
         """Everything robot (index in the team) perceives in this tick."""
         tick = state.tick
@@ -174,7 +178,7 @@ class Sensors:
             tick=tick,
             odometry=Odometry(tick, Pose2(x, y, theta), Twist(linear, angular)),
             imu=Imu(tick, float(state.twists[robot, 1] + state.noise.gyro[robot] * error[0])),
-            scan=self._scan(state, robot, keys) if (tick + robot) % self._period == 0 else None,
+            scan=self._scan(state, robot, keys) if self.scan_due(tick, robot) else None,
             battery=Battery(tick, float(state.charge[robot]), self._capacity),
         )
 

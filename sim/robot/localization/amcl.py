@@ -213,6 +213,11 @@ class Amcl:
         if parameters.amcl != self._parameters:
             self._use(parameters.amcl)
 
+    @property
+    def awaits_scan(self) -> bool:
+        """True once it has begun: only scans are weighed."""
+        return isinstance(self.state, ParticleBelief)
+
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Take in one tick; a scan is weighed when the robot has moved enough since the last one that was."""
         belief = self.state

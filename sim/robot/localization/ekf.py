@@ -173,6 +173,11 @@ class Ekf:
         if parameters.ekf != self._parameters:
             self._use(parameters.ekf)
 
+    @property
+    def awaits_scan(self) -> bool:
+        """False: the gyroscope counts in every tick."""
+        return False
+
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Take in one tick; a scan is matched when the robot has moved enough since the last one that was."""
         belief = self._belief

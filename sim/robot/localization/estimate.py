@@ -3,7 +3,11 @@
 from dataclasses import dataclass
 from typing import Protocol
 
-from sim.common.geometry import FloatArray, Pose2
+import numpy as np
+
+from sim.common import elementary
+from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.kernels import njit
 from sim.common.observations import Imu, Odometry, Scan
 from sim.parameters import RobotParameters
 
@@ -50,6 +54,18 @@ def read_only(array: FloatArray) -> FloatArray:
     return array
 
 
+@njit(cache=True)
+def carried_on(corrections: FloatArray, odometry: FloatArray) -> FloatArray:
+    """(n, 3) poses in the map, by (n, 3) poses of odom in the map and in odom; `Pose2.compose`, to the bit."""
+    out = np.empty_like(odometry)
+    for i in range(odometry.shape[0]):
+        c, s = elementary.cos_sin(corrections[i, 2])
+        out[i, 0] = corrections[i, 0] + c * odometry[i, 0] - s * odometry[i, 1]
+        out[i, 1] = corrections[i, 1] + s * odometry[i, 0] + c * odometry[i, 1]
+        out[i, 2] = wrap_angle(corrections[i, 2] + odometry[i, 2])
+    return out
+
+
 class Localizer(Protocol):
     """One robot's localisation; it never sees the truth."""
 
@@ -64,6 +80,10 @@ class Localizer(Protocol):
 
     def configure(self, parameters: RobotParameters) -> None:
         """Go on with these parameters, believing what it believed (ROS: dynamic_reconfigure)."""
+
+    @property
+    def awaits_scan(self) -> bool:
+        """True when ticks without a scan change nothing in it: odometry carries the last correction on."""
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Take in one tick; a scan where the laser was due."""

@@ -42,6 +42,11 @@ class FakeLocalization:
     def configure(self, parameters: RobotParameters) -> None:
         """Do nothing: none of its parameters can change while it runs, as in ROS."""
 
+    @property
+    def awaits_scan(self) -> bool:
+        """False: the truth is another one in every tick."""
+        return False
+
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Return the true pose now, and with it the `odom_in_map` that makes the odometry agree."""
         base_in_map = self._world_in_map.compose(self._base_in_world())

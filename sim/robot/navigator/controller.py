@@ -10,7 +10,7 @@ from dataclasses import replace
 from sim.common.distance_fields import clearance_field
 from sim.common.geometry import IDENTITY, FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Scan, Twist
+from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Scan, Twist, next_turn
 from sim.parameters import RobotParameters
 from sim.robot.costmap.costmap_2d import CostmapObservation
 from sim.robot.costmap.costs import CostFrame
@@ -81,6 +81,10 @@ class Controller:
     def command_due(self, tick: int) -> bool:
         """Return True when a command is due in this tick."""
         return (tick - self._robot) % self.control_ticks == 0
+
+    def next_command(self, tick: int) -> int:
+        """Return the first tick after this one in which a command is due."""
+        return next_turn(tick, self._robot, self.control_ticks)
 
     def update_due(self, tick: int) -> bool:
         """Return True when the costmap is to be updated before the command of this tick."""

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2
-from sim.common.observations import TICKS_PER_SECOND, Neighbour
+from sim.common.observations import TICKS_PER_SECOND, Neighbour, next_turn
 from sim.parameters import RobotParameters
 from sim.robot.costmap.costmap_2d import Costmap2D, CostmapObservation
 from sim.robot.costmap.view import CostmapView
@@ -40,6 +40,10 @@ class CostmapPublisher:
     def due(self, tick: int) -> bool:
         """Return True when the costmap is to be published in this tick."""
         return self._period > 0 and (self._first or (tick - self._robot) % self._period == 0)
+
+    def next_due(self, tick: int) -> int | None:
+        """Return the first tick after this one in which the costmap is to be published; None: never."""
+        return next_turn(tick, self._robot, self._period) if self._period > 0 else None
 
     def show(
         self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour], pending: CostmapObservation | None
@@ -104,6 +108,11 @@ class Costmaps:
         """Forget what the laser has seen outside a square of this side around a map point."""
         self.global_costmap.obstacles.clear_outside(x, y, side)
         self.local_costmap.obstacles.clear_outside(x, y, side)
+
+    def next_due(self, tick: int) -> int | None:
+        """Return the first tick after this one in which either is to be published; None: never."""
+        dues = (self._whole_display.next_due(tick), self._around_display.next_due(tick))
+        return min((due for due in dues if due is not None), default=None)
 
     def shown(
         self, tick: int, pose: Pose2, stale: StaleNeighbours, pending: CostmapObservation | None

@@ -23,7 +23,7 @@ import numpy as np
 from sim.common import elementary_arrays
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Claim, Neighbour, Scan, Twist
+from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Claim, Neighbour, Scan, Twist, next_turn
 from sim.parameters import GlobalPlannerParameters, NavfnParameters, RobotParameters
 from sim.robot.costmap.robots import neighbours_reaching
 from sim.robot.global_planning.itinerary import (
@@ -218,14 +218,47 @@ class Navigator:
                 discs = _discs(self._stale.known(tick), laser, self._costmaps.explained_range)
                 self._costmaps.global_costmap.observe(pose, scan, discs)
                 self._controller.keep_scan(pose, scan, discs)
-        # The same number for all robots that broadcast, so that no two of them have their turn at once.
-        team = 1 + max(self._robot, self._stale.highest_robot)
-        if (tick - self._robot) % team == 0 and tick >= self._next_plan and not isinstance(self._state, Clearing):
+        if (tick - self._robot) % self._team == 0 and tick >= self._next_plan and not isinstance(self._state, Clearing):
             self._choose_plan(tick, pose, self._stale.known(tick))
         if self._controller.command_due(tick):
             bodies = [*neighbours, *self._stale.bodies()]
             self._choose_command(tick, pose, twist, bodies)
         return self._report(tick, pose)
+
+    def next_due(self, tick: int, neighbours: Sequence[Neighbour]) -> int:
+        """Return the first tick after a step's in which another would do more than repeat its output, without a scan.
+
+        Where that cannot be told it is the very next one. A request, and another team, make one due at once.
+
+        Args:
+            tick: that of the last step.
+            neighbours: broadcasts of the other robots in that tick.
+        """
+        state = self._state
+        waits = self._making_way.pauses or self._progress.yields_to(tick) is not None
+        if waits or self._results or not isinstance(state, Idle | Planning | Controlling):
+            return tick + 1
+        due = [self._costmaps.next_due(tick)]
+        if isinstance(state, Controlling):
+            due.append(self._controller.next_command(tick))
+        rests = isinstance(state, Idle) and state.wanted is None
+        if not rests or any(other.claim is not None for other in neighbours):
+            due.append(next_turn(max(tick, self._next_plan - 1), self._robot, self._team))
+        return min((one for one in due if one is not None), default=tick + TICKS_PER_SECOND)
+
+    def skip(self, tick: int) -> None:
+        """Take note of a tick in which no step was due."""
+        self._tick = tick
+        self._making_way.go_on(tick)
+
+    def rejoin(self, neighbours: Sequence[Neighbour]) -> None:
+        """Take in broadcasts of the last tick, in which no step was due: some of them are the last of their robots."""
+        self._stale.update(self._tick, self._rotated.neighbours_in_grid(neighbours))
+
+    @property
+    def _team(self) -> int:
+        """Ticks between two turns to plan, the same for all that broadcast: so no two robots have theirs at once."""
+        return 1 + max(self._robot, self._stale.highest_robot)
 
     def _report(self, tick: int, pose: Pose2) -> Navigation:
         name: NavigatorState = "idle" if self._goal is None else "planning"
