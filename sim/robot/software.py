@@ -33,27 +33,31 @@ class CarriedOutput(RobotOutput):
     """Output in a tick in which nothing was due: that of the last step, carried on by odometry.
 
     Its parts are made when somebody looks at them, which in most ticks nobody does.
-
-    Args:
-        left: the output of the last step, but for what holds in its own tick alone.
-        tick: the present one.
-        base_in_map: x, y and heading that the robot believes in now.
-        twist: its velocity by odometry, m/s and rad/s.
-        sense: makes its observations of now.
     """
 
     _parts: tuple[RobotOutput, int, Sequence[float], Sequence[float], Callable[[], Observations]]
 
-    def __init__(
-        self,
+    @classmethod
+    def carried(
+        cls,
         left: RobotOutput,
         tick: int,
         base_in_map: Sequence[float],
         twist: Sequence[float],
         sense: Callable[[], Observations],
-    ) -> None:
-        # Frozen, and three of its fields are made when they are asked for.
-        self.__dict__.update(navigation=left.navigation, _parts=(left, tick, base_in_map, twist, sense))
+    ) -> "CarriedOutput":
+        """Carry an output on.
+
+        Args:
+            left: the output of the last step, but for what holds in its own tick alone.
+            tick: the present one.
+            base_in_map: x, y and heading that the robot believes in now.
+            twist: its velocity by odometry, m/s and rad/s.
+            sense: makes its observations of now.
+        """
+        output = cls.__new__(cls)
+        output.__dict__.update(navigation=left.navigation, _parts=(left, tick, base_in_map, twist, sense))
+        return output
 
     @cached_property
     def observations(self) -> Observations:
@@ -135,10 +139,10 @@ class Robot:
     def skip(
         self, tick: int, base_in_map: Sequence[float], twist: Sequence[float], sense: Callable[[], Observations]
     ) -> RobotOutput:
-        """One tick in which nothing is due. See `CarriedOutput` for the arguments."""
+        """One tick in which nothing is due. See `CarriedOutput.carried` for the arguments."""
         self.navigator.skip(tick)
         self._skipped = True
-        return CarriedOutput(self._left, tick, base_in_map, twist, sense)
+        return CarriedOutput.carried(self._left, tick, base_in_map, twist, sense)
 
     def rejoin(self, neighbours: Sequence[Neighbour]) -> None:
         """Take in what others broadcast before the last tick, if no step was due in that."""
