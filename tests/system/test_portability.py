@@ -18,6 +18,7 @@ import pytest
 from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 
 from tests.system.portable_studies import STUDIES, bag_of
+from tests.system.programs import THBRIDGE
 from thbridge.recording.bag.reader import RawMessage, messages
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.recording.digest import digest_of
@@ -158,6 +159,22 @@ def test_all_sessions_are_the_same_with_another_interpreter(
 ) -> None:
     folder, here = every
     assert_same(here, played(tmp_path / "there", list(STUDIES), python=python), (folder, tmp_path / "there"))
+
+
+def exported(bag: Path, folder: Path, setting: Mapping[str, str] = {}) -> dict[str, bytes]:
+    """Tables of a recording, exported by a process of its own."""
+    command = [*THBRIDGE, "bag", "export", str(bag), "--to", str(folder), "--format", "csv"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), **setting}
+    subprocess.run(command, env=environment, capture_output=True, check=True)
+    return {path.name: path.read_bytes() for path in sorted(folder.glob("*.csv"))}
+
+
+def test_tables_of_a_recording_are_the_same(short: tuple[Path, dict[str, str]], tmp_path: Path) -> None:
+    bag = bag_of(short[0], SHORT[0])
+    here = exported(bag, tmp_path / "here")
+    assert "poses.csv" in here
+    there = exported(bag, tmp_path / "there", {**LIBM_WITHOUT_FMA, **NUMPY_PLAIN, **BLAS_OF_OLD, "PYTHONHASHSEED": "7"})
+    assert {name for name in here if here[name] != there[name]} == set()
 
 
 def test_the_first_difference_of_two_recordings_is_named(short: tuple[Path, dict[str, str]], tmp_path: Path) -> None:

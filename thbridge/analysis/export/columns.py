@@ -13,6 +13,7 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common import elementary_arrays
 from thbridge.analysis.export import meanings as words
 from thbridge.analysis.export.gathering import GatheredRows
 from thbridge.analysis.export.layout import (
@@ -232,7 +233,7 @@ def _yaw(index: int, run: FixedBlock, position: int) -> _NewColumn:
     def values(rows: GatheredRows) -> Values:
         table = rows.run(index, run)
         x, y, z, w = (table[str(position - 3 + axis)] for axis in range(4))
-        yaw: NDArray[np.float64] = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+        yaw: NDArray[np.float64] = elementary_arrays.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
         return yaw
 
     path = run.leaves[position].path

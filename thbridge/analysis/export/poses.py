@@ -6,6 +6,7 @@ an estimate.
 
 import numpy as np
 
+from sim.common import elementary_arrays
 from sim.common.geometry import FloatArray
 from thbridge.analysis.export.tables import SECONDS, Table, TableRows
 from thbridge.analysis.report.paths import at_times, wrapped
@@ -90,7 +91,7 @@ def _piece(track: Track) -> TableRows:
         [track.name] * len(times),
         times,
         *(np.ascontiguousarray(poses[:, column]) for poses in (true, estimated, counted) for column in range(3)),
-        np.hypot(estimated[:, 0] - true[:, 0], estimated[:, 1] - true[:, 1]),
+        elementary_arrays.hypot(estimated[:, 0] - true[:, 0], estimated[:, 1] - true[:, 1]),
         wrapped(estimated[:, 2] - true[:, 2]),
     )
     return TableRows(TABLE, len(times), values)

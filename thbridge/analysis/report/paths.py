@@ -1,9 +1,14 @@
-"""Calculations with paths over time: correction of odometry, errors, interpolation, pieces, length."""
+"""Calculations with paths over time: correction of odometry, errors, interpolation, pieces, length.
 
+They give the same bits on every machine, and so do tables of a recording.
+"""
+
+import math
 from array import array
 
 import numpy as np
 
+from sim.common import elementary_arrays
 from sim.common.geometry import FloatArray
 
 RELOCATED = 0.5
@@ -25,7 +30,7 @@ def relocations(odometry: FloatArray, corrections: FloatArray) -> FloatArray:
     """(k,) times from which a robot is believed to be elsewhere than its former correction would have it."""
     odometry, correction = _with_last(odometry, corrections)
     here, stale = _moved(odometry[1:], correction[1:]), _moved(odometry[1:], correction[:-1])
-    moved = np.hypot(here[:, 1] - stale[:, 1], here[:, 2] - stale[:, 2])
+    moved = elementary_arrays.hypot(here[:, 1] - stale[:, 1], here[:, 2] - stale[:, 2])
     times: FloatArray = here[moved > RELOCATED, 0]
     return times
 
@@ -38,7 +43,7 @@ def _with_last(odometry: FloatArray, corrections: FloatArray) -> tuple[FloatArra
 
 def _moved(odometry: FloatArray, correction: FloatArray) -> FloatArray:
     """(n, 4) time and base in map of odometry poses under a correction each."""
-    c, s = np.cos(correction[:, 3]), np.sin(correction[:, 3])
+    c, s = elementary_arrays.cos(correction[:, 3]), elementary_arrays.sin(correction[:, 3])
     x = correction[:, 1] + c * odometry[:, 1] - s * odometry[:, 2]
     y = correction[:, 2] + s * odometry[:, 1] + c * odometry[:, 2]
     return np.column_stack((odometry[:, 0], x, y, wrapped(correction[:, 3] + odometry[:, 3])))
@@ -51,7 +56,8 @@ def errors(estimate: FloatArray, truth: FloatArray) -> FloatArray:
     within = estimate[(estimate[:, 0] >= truth[0, 0]) & (estimate[:, 0] <= truth[-1, 0])]
     times = within[:, 0]
     x, y, theta = at_times(truth, times).T
-    return np.column_stack((times, np.hypot(within[:, 1] - x, within[:, 2] - y), np.abs(wrapped(within[:, 3] - theta))))
+    away = elementary_arrays.hypot(within[:, 1] - x, within[:, 2] - y)
+    return np.column_stack((times, away, np.abs(wrapped(within[:, 3] - theta))))
 
 
 def at_times(path: FloatArray, times: FloatArray) -> FloatArray:
@@ -59,8 +65,9 @@ def at_times(path: FloatArray, times: FloatArray) -> FloatArray:
     if not len(path):
         return np.full((len(times), 3), np.nan)
     columns = (path[:, 1], path[:, 2], np.unwrap(path[:, 3]))
-    x, y, theta = (np.interp(times, path[:, 0], column, left=np.nan, right=np.nan) for column in columns)
-    return np.column_stack((x, y, wrapped(theta)))
+    x, y, theta = (elementary_arrays.interp(times, path[:, 0], column) for column in columns)
+    inside = (times >= path[0, 0]) & (times <= path[-1, 0])
+    return np.where(inside[:, np.newaxis], np.column_stack((x, y, wrapped(theta))), np.nan)
 
 
 def wrapped(angles: FloatArray) -> FloatArray:
@@ -76,4 +83,5 @@ def pieces(path: FloatArray, cuts: FloatArray) -> list[FloatArray]:
 
 def distance(path: FloatArray, cuts: FloatArray) -> float:
     """Metres along the pieces of a path of rows time, x, y, ..."""
-    return sum(float(np.hypot(np.diff(piece[:, 1]), np.diff(piece[:, 2])).sum()) for piece in pieces(path, cuts))
+    steps = (elementary_arrays.hypot(np.diff(piece[:, 1]), np.diff(piece[:, 2])) for piece in pieces(path, cuts))
+    return math.fsum(float(each.sum()) for each in steps)
