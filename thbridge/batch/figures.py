@@ -63,6 +63,7 @@ class FigureAxes:
         lines: the factor with a line for each level; None for one line.
         panels: the factor with a panel for each level; None for one panel.
         band: how confidence intervals are found.
+        is_log: True for a logarithmic x axis.
     """
 
     measure: str
@@ -70,6 +71,7 @@ class FigureAxes:
     lines: str | None = None
     panels: str | None = None
     band: BandKind = BandKind.T
+    is_log: bool = False
 
 
 def curves_of(table: pa.Table, axes: FigureAxes) -> Curves:
@@ -140,7 +142,9 @@ def draw_curves(curves: Curves, axes: FigureAxes, style: FigureStyle) -> Figure:
             if are_words:
                 place.set_xticks(range(len(words)), [str(word) for word in words])
                 place.margins(x=0.12)
-            elif len(words) <= MOST_TICKS:
+            elif axes.is_log:
+                place.set_xscale("log")
+            if not are_words and len(words) <= MOST_TICKS:
                 place.set_xticks([float(word) for word in words], [f"{word:g}" for word in words])
         for place in flat[len(panels) :]:
             place.set_visible(False)

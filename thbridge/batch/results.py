@@ -192,6 +192,11 @@ def read_digests(path: Path) -> Mapping[int, tuple[str | None, str]]:
     return {row["seed"]: (row["messages"], row["worker"]) for row in table.to_pylist()}
 
 
+def has_faults(path: Path) -> bool:
+    """Return True when a game of a chunk has no result. Raises BadFile."""
+    return any(fault is not None for fault in read_table(path, ["fault"])["fault"].to_pylist())
+
+
 def read_table(path: Path, columns: Sequence[str] | None = None) -> pa.Table:
     """Read some columns of a file. Raises BadFile."""
     try:

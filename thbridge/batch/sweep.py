@@ -5,10 +5,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from thbridge.batch.chunks import Shard, chunks_of
+from thbridge.batch.chunks import GameChunk, Shard, chunks_of
 from thbridge.batch.design import SweepDesign
 from thbridge.batch.engines.engine import Engine, EngineFailed, FinishedTask
 from thbridge.batch.folder import SweepFolder
+from thbridge.batch.results import has_faults
 from thbridge.batch.tasks import MOST_DEATHS, SweepTask
 
 EVERYTHING = Shard()
@@ -44,6 +45,8 @@ def run_sweep(
     folder: SweepFolder,
     engine: Engine,
     shard: Shard = EVERYTHING,
+    *,
+    retry: bool = False,
     progress: Callable[[SweepProgress, Sequence[str]], None] = lambda _progress, _faults: None,
 ) -> SweepProgress:
     """Play what is missing of a sweep.
@@ -53,6 +56,7 @@ def run_sweep(
         folder: its folder, opened with it.
         engine: within its context.
         shard: the part to play.
+        retry: True to play chunks again in which games failed or crashed.
         progress: takes the progress whenever it changes, with sentences about what went wrong.
 
     Raises:
@@ -60,8 +64,11 @@ def run_sweep(
         EngineFailed: the engine cannot go on, or its workers die of what is no single game's fault.
     """
     told, deaths = SweepProgress(), Counter[Path]()
-    for task in _tasks(design, folder, shard):
+    for task in tasks_of(design, folder, shard.has):
         told.games += len(task.chunk.seeds)
+        if retry and task.result.exists() and has_faults(task.result):
+            folder.verified(task.chunk).unlink(missing_ok=True)
+            task.result.unlink()
         if task.result.exists():
             told.before += len(task.chunk.seeds)
             _verify(engine, task, None)
@@ -89,7 +96,8 @@ def run_sweep(
     return told
 
 
-def _tasks(design: SweepDesign, folder: SweepFolder, shard: Shard) -> list[SweepTask]:
+def tasks_of(design: SweepDesign, folder: SweepFolder, wanted: Callable[[GameChunk], bool]) -> list[SweepTask]:
+    """Return the tasks that play the chunks that are wanted."""
     return [
         SweepTask(
             folder=folder.root.resolve(),
@@ -103,7 +111,7 @@ def _tasks(design: SweepDesign, folder: SweepFolder, shard: Shard) -> list[Sweep
             one_verified_in=design.one_verified_in,
         )
         for chunk in chunks_of(len(design.conditions), design.seeds, design.chunk)
-        if shard.has(chunk)
+        if wanted(chunk)
     ]
 
 

@@ -53,13 +53,15 @@ class InlineEngine:
     def __exit__(self, *ended: object) -> None: ...
 
 
-def run(root: Path, engine: Engine, text: str = DESIGN, shard: Shard = EVERYTHING) -> SweepProgress:
+def run(
+    root: Path, engine: Engine, text: str = DESIGN, shard: Shard = EVERYTHING, *, retry: bool = False
+) -> SweepProgress:
     """Run a sweep in a folder, or go on with it."""
     file = root.with_suffix(".yaml")
     file.write_text(text)
     design = read_design(file)
     with engine:
-        return run_sweep(design, open_folder(design, root), engine, shard)
+        return run_sweep(design, open_folder(design, root), engine, shard, retry=retry)
 
 
 def games(root: Path) -> pa.Table:

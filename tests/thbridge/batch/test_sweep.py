@@ -131,6 +131,21 @@ def test_a_run_goes_on_where_an_earlier_one_was_killed(whole: Path, tmp_path: Pa
     assert list(root.rglob("*.part")) == list(root.glob("attempts/*")) == []
 
 
+@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
+def test_a_run_that_is_stopped_ends_its_workers_and_says_how_to_go_on(stop: signal.Signals, tmp_path: Path) -> None:
+    root = tmp_path / "sweep"
+    (tmp_path / "sweep.yaml").write_text(DESIGN)
+    command = [*PROGRAM, "sweep", str(tmp_path / "sweep.yaml"), "--out", str(root), "--processes", "1"]
+    with subprocess.Popen(command, env=SURROUNDINGS, stderr=subprocess.PIPE, text=True) as program:
+        worker = next(_begun(root))
+        program.send_signal(stop)
+        _, told = program.communicate(timeout=60)
+    assert program.returncode == 1
+    assert "stopped; what was played is kept, and the same command goes on. See thbridge sweep status " in told
+    with pytest.raises(ProcessLookupError):
+        os.kill(worker, 0)
+
+
 def test_a_second_run_has_nothing_to_do(whole: Path) -> None:
     engine = InlineEngine()
     assert run(whole, engine).before == 12
@@ -193,7 +208,8 @@ def test_a_game_that_fails_is_kept_with_its_fault_and_the_others_are_played(
         return play(setting, max_seconds, listeners)
 
     monkeypatch.setattr(tasks, "play_hunt", failing)
-    told = run(tmp_path / "sweep", InlineEngine(), DESIGN.replace("robots: [1, 2]", "robots: [1]"))
+    text = DESIGN.replace("robots: [1, 2]", "robots: [1]")
+    told = run(tmp_path / "sweep", InlineEngine(), text)
     assert (told.played, told.failed) == (6, 2)
     rows = games(tmp_path / "sweep").to_pylist()
     assert [row["seed"] for row in rows if row["status"] == GameStatus.FAILED] == [5, 5]
@@ -201,6 +217,11 @@ def test_a_game_that_fails_is_kept_with_its_fault_and_the_others_are_played(
     status = status_of(tmp_path / "sweep")
     assert status.by_status == {"ended": 0, "out of time": 4, "failed": 2, "crashed": 0}
     assert status.faults[0].startswith("condition 1, seed 5: ZeroDivisionError")
+
+    monkeypatch.setattr(tasks, "play_hunt", play)
+    mended = run(tmp_path / "sweep", InlineEngine(), text, retry=True)
+    assert (mended.before, mended.played, mended.failed) == (2, 4, 0)
+    assert status_of(tmp_path / "sweep").faults == ()
 
 
 def test_a_game_that_is_not_the_same_again_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

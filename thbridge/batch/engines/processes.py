@@ -70,13 +70,12 @@ class ProcessEngine:
 
     def _assign(self) -> None:
         """Give waiting tasks to idle workers, of which there are enough."""
-        for _ in range(len(self._waiting)):
+        held: list[tuple[SweepTask, str | None]] = []
+        while self._waiting and self._has_room():
             task, avoid = self._waiting.popleft()
             worker = self._idle(avoid)
             if worker is None:
-                self._waiting.append((task, avoid))
-                if not any(each.task is None for each in self._workers) and len(self._workers) >= self._processes:
-                    return
+                held.append((task, avoid))
                 continue
             try:
                 worker.pipe.send(task)
@@ -85,6 +84,11 @@ class ProcessEngine:
                 self._waiting.appendleft((task, avoid))
                 continue
             worker.task = task
+        self._waiting.extendleft(reversed(held))
+
+    def _has_room(self) -> bool:
+        """Return True when a worker is idle, or another one may be hired."""
+        return len(self._workers) < self._processes or any(worker.task is None for worker in self._workers)
 
     def _idle(self, avoid: str | None) -> _WorkerProcess | None:
         """Return a worker for a task, perhaps a new one; None when all those are busy."""

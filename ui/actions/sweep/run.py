@@ -47,7 +47,7 @@ def chosen_engine(
         fail(FAILED, str(reason))
 
 
-def run_shown(design: SweepDesign, folder: SweepFolder, engine: Engine, shard: Shard) -> SweepProgress:
+def run_shown(design: SweepDesign, folder: SweepFolder, engine: Engine, shard: Shard, *, retry: bool) -> SweepProgress:
     """Run a sweep with a bar of progress; what goes wrong is told at once.
 
     Raises:
@@ -76,7 +76,7 @@ def run_shown(design: SweepDesign, folder: SweepFolder, engine: Engine, shard: S
             for fault in faults:
                 note(fault)
 
-        return run_sweep(design, folder, engine, shard, progress)
+        return run_sweep(design, folder, engine, shard, retry=retry, progress=progress)
 
 
 @contextmanager

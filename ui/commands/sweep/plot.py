@@ -29,6 +29,7 @@ def sweep_plot(
     lines: Annotated[str | None, typer.Option(help="Factor with a line for each level.")] = None,
     panels: Annotated[str | None, typer.Option(help="Factor with a panel for each level.")] = None,
     measure: Annotated[str, typer.Option(help="Measure on the y axis.")] = "score",
+    is_log: Annotated[bool, typer.Option("--log", help="A logarithmic x axis.")] = False,
     band: Annotated[
         BandChoice, typer.Option(help="95 % confidence interval of the mean: Student's t, or 2000 bootstrap samples.")
     ] = BandChoice.T,
@@ -58,10 +59,12 @@ def sweep_plot(
                 BAD_INPUT,
                 f"{option}: {factor!r} is no factor of this sweep. Write one of {', '.join(manifest.factors)}.",
             )
+    if is_log and not all(isinstance(level, int | float) and level > 0 for level in table[wanted["--x"]].to_pylist()):
+        fail(BAD_INPUT, f"--log: not all levels of {wanted['--x']} are numbers above 0. Leave the option out.")
     measures = numbers_of(table, manifest.measures)
     if measure not in measures:
         fail(BAD_INPUT, f"--measure: {measure!r} is no number of these games. Write one of {', '.join(measures)}.")
-    axes = FigureAxes(measure, wanted["--x"] or "", lines, panels, BandKind(band))
+    axes = FigureAxes(measure, wanted["--x"] or "", lines, panels, BandKind(band), is_log)
     look = ONE_COLUMN if width is FigureWidth.ONE else TWO_COLUMNS
     figure = draw_curves(curves_of(table, axes), axes, look)
     with bad_input(), destination(to) as file, whole_file(file) as out:

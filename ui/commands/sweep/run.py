@@ -47,6 +47,9 @@ def sweep_run(
     shard: Annotated[
         str | None, typer.Option(help="Play part I of N, for job arrays; all write into one folder.", metavar="I/N")
     ] = None,
+    retry: Annotated[
+        bool, typer.Option("--retry", help="Play chunks again in which games failed, after the fault was mended.")
+    ] = False,
     check: Annotated[
         bool, typer.Option("--check", help="Only check the design, and tell how many games it has.")
     ] = False,
@@ -89,7 +92,7 @@ def sweep_run(
     announce_compiling()
     try:
         with bad_input(FAILED):
-            progress = run_shown(design, folder, chosen, part)
+            progress = run_shown(design, folder, chosen, part, retry=retry)
     except EngineFailed as reason:
         fail(FAILED, str(reason))
     except KeyboardInterrupt:
