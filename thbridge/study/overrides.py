@@ -7,6 +7,7 @@ from pathlib import Path
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
 from thbridge.files.yaml.tree import Node, Scalar, Section, at_line, parse, read_text
+from thbridge.study.noise import TARGET_PATHS
 from thbridge.study.study_file import Study, load_study_tree
 from thbridge.study.text import resolved
 
@@ -55,6 +56,10 @@ def merged(base: Node, path: Path, tree: Node) -> Loaded[Study]:
         )
     if _at(tree, "noise", "preset") is not None:
         base = _without(base, "noise")
+    for named, home in TARGET_PATHS.items():
+        # The study has this number in its section `noise`.
+        if _at(tree, *home.split(".")) is not None:
+            base = _without(base, "noise", *named.split("."))
     return load_study_tree(path, over(base, tree))
 
 
@@ -95,7 +100,11 @@ def _at(tree: Node, *names: str) -> Node | None:
     return tree
 
 
-def _without(tree: Node, name: str) -> Node:
+def _without(tree: Node, name: str, *inside: str) -> Node:
+    """Return a tree without what stands at a path of names."""
     if not isinstance(tree, Section):
         return tree
-    return Section(tree.line, [entry for entry in tree.entries if entry[0].text != name])
+    if not inside:
+        return Section(tree.line, [entry for entry in tree.entries if entry[0].text != name])
+    entries = [(key, _without(child, *inside) if key.text == name else child) for key, child in tree.entries]
+    return Section(tree.line, entries)

@@ -73,6 +73,13 @@ def test_without_anything_it_is_one_condition_of_the_default_study(tmp_path: Pat
     assert read.seeds == tuple(range(1, 11))
 
 
+def test_the_study_in_docs_is_a_design(tmp_path: Path) -> None:
+    read = read_design(Path(__file__).parents[3] / "docs" / "sweeps" / "odometry-noise.yaml")
+    assert (len(read.conditions), read.games) == (20, 2000)
+    assert read.columns.kinds["odometry_noise"] == "double"
+    assert read.conditions[-1].study.world.odometry.alpha4 == 2.0
+
+
 @pytest.mark.parametrize(
     ("text", "told"),
     [

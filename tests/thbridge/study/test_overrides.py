@@ -32,6 +32,12 @@ def test_robots_with_software_of_their_own_follow_where_they_had_not_another() -
     assert study.software(2).localization == "ekf"
 
 
+def test_a_number_of_noise_may_change_at_its_own_place_too() -> None:
+    at_home = with_changes(RECORDED, [], [StudyChange("world.odometry.alpha1", "0.4")])
+    assert at_home == with_changes(RECORDED, [], [StudyChange("noise.odometry.alpha1", "0.4")])
+    assert at_home.world.odometry.alpha1 == 0.4
+
+
 def test_one_robot_alone() -> None:
     study = with_changes(
         RECORDED, [], [StudyChange("each.2.localization", "truth"), StudyChange("each.1.localization", "ekf")]
