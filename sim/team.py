@@ -86,7 +86,7 @@ START_COVARIANCE: FloatArray = np.diag([0.05 * 0.05, 0.05 * 0.05, 0.05 * 0.05])
 
 
 class _Broadcasts:
-    """What robots have broadcast in one tick.
+    """Messages that robots have broadcast in one tick.
 
     Args:
         outputs: of the robots that did, in the team's order, by index.
