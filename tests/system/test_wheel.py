@@ -1,9 +1,12 @@
 """What a person gets who installs the wheel, far from any checkout."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 ROOT = Path(__file__).parents[2]
 
@@ -18,24 +21,69 @@ print(len(read_map(shipped().find("maps", "arena8", Path())).rooms), *shipped().
 """
 
 
+USER = """
+import numpy as np
+from thbridge import api
+
+study = api.HuntStudy(robots=2, changes={"game.energy": 30, "robot.amcl.max_particles": 500})
+with api.HuntSession(study, participant="nearest") as session:
+    session.run_until(lambda now: now.snapshot.score > 0, at_most=60.0)
+    poses: np.ndarray[tuple[int, ...], np.dtype[np.float64]] = session.snapshot.poses
+    for event in session.events:
+        robot: int | None = event.robot
+session.step("1")
+api.HuntSession(study, participant="clever")
+"""
+"""A program of a user; its last two statements are wrong."""
+
+
 def pip(*arguments: str | Path) -> None:
     subprocess.run([sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", *arguments], check=True)
 
 
-def test_the_wheel_carries_maps_templates_and_the_page_of_reports(tmp_path: Path) -> None:
+def install(tmp_path: Path) -> Path:
+    """Build the wheel and return the folder that it is installed in."""
     pip("wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", tmp_path, ROOT)
     (wheel,) = tmp_path.glob("*.whl")
     installed = tmp_path / "installed"
     pip("install", "--no-deps", "--target", installed, wheel)
-    elsewhere = tmp_path / "elsewhere"
-    elsewhere.mkdir()
-    loaded = subprocess.run(
-        [sys.executable, "-c", LOAD],
-        cwd=elsewhere,
-        env={**os.environ, "PYTHONPATH": str(installed)},
-        check=True,
-        capture_output=True,
-        text=True,
-    )
+    return installed
+
+
+def run(*command: str, cwd: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    cwd.mkdir(exist_ok=True)
+    environment = {**os.environ, **environment}
+    return subprocess.run(command, cwd=cwd, env=environment, check=False, capture_output=True, text=True)
+
+
+def test_the_wheel_carries_maps_templates_and_the_page_of_reports(tmp_path: Path) -> None:
+    installed = install(tmp_path)
+    loaded = run(sys.executable, "-c", LOAD, cwd=tmp_path / "elsewhere", PYTHONPATH=str(installed))
+    assert loaded.returncode == 0, loaded.stderr
     sets = "four-properties original-2016 practice sklar-azhar-2015"
     assert loaded.stdout.splitlines() == [str(installed / "thbridge"), "True", f"8 {sets}"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", ["api.md", "learning.md"])
+def test_the_examples_of_the_documentation_run_from_the_wheel(tmp_path: Path, page: str) -> None:
+    installed = install(tmp_path)
+    examples = re.findall(r"^```python\n(.*?)^```$", (ROOT / "docs" / page).read_text(), re.MULTILINE | re.DOTALL)
+    program = "\n".join([*examples, "print(api.__file__)"])
+    done = run(sys.executable, "-c", program, cwd=tmp_path / "elsewhere", PYTHONPATH=str(installed))
+    assert done.returncode == 0, done.stderr
+    assert Path(done.stdout.splitlines()[-1]).is_relative_to(installed)
+
+
+@pytest.mark.slow
+def test_programs_of_users_are_checked_by_the_types_of_the_wheel(tmp_path: Path) -> None:
+    installed = install(tmp_path)
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (elsewhere / "user.py").write_text(USER)
+    command = [sys.executable, "-m", "mypy", "--strict", "--follow-imports=silent", "--no-incremental", "user.py"]
+    checked = run(*command, cwd=elsewhere, MYPYPATH=str(installed))
+    lines = USER.splitlines()
+    wrong = [lines.index('session.step("1")') + 1, lines.index('api.HuntSession(study, participant="clever")') + 1]
+    told = checked.stdout.splitlines()
+    assert [int(line.split(":")[1]) for line in told if ": error:" in line] == wrong, checked.stdout

@@ -1,4 +1,4 @@
-"""The interface for programs: what is named here is public, and nothing else; see docs/api.md."""
+"""The interface for programs: what is named here, and in `thbridge.api.learning`, is public; see docs/api.md."""
 
 from thbridge.api.errors import HuntError as HuntError
 from thbridge.api.participant import HuntParticipant as HuntParticipant

@@ -33,7 +33,6 @@ from thbridge.app.session.session import Session, TickRecord, TickRecorder
 from thbridge.app.session.watch_requests import WatchRequest, objection
 from thbridge.hunt.codec import kind_of, to_json
 from thbridge.hunt.events import Commander
-from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.recording.journal_folder import JournalStore
 from thbridge.recording.recordings import journal_of, make_room, tlog_of, try_place
@@ -463,9 +462,9 @@ class HuntSession:
         return f"<HuntSession {state}, {self.seconds:.2f} s of {self.study!r}>"
 
 
-def game_of(session: HuntSession) -> GameState | None:
-    """Return the game of a session, as the rules know it."""
-    return session._session.game
+def inside(session: HuntSession) -> Session:
+    """Return the session of programs that the caller's session steps."""
+    return session._session
 
 
 def with_strategy(setting: StudySetting, strategy: str) -> StudySetting:

@@ -196,4 +196,9 @@ class HuntSnapshot:
         return f"<HuntSnapshot {self.seconds:.2f} s, {len(self._robots)} robots, {score}>"
 
 
+def team_of(snapshot: HuntSnapshot) -> tuple[TeamSnapshot, tuple[Ranges, ...]]:
+    """Return what a snapshot is made of: the team, and the last scan of each robot."""
+    return snapshot._team, snapshot._scans
+
+
 _NOWHERE = Pose2(np.nan, np.nan, np.nan)

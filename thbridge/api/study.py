@@ -85,10 +85,6 @@ class HuntStudy:
         made._setting = replace(self._setting, study=study)
         return made
 
-    def _seeded(self, seed: int) -> "HuntStudy":
-        """Return the study with another seed, which is not checked."""
-        return self._with_study(replace(self._setting.study, seed=seed))
-
     @property
     def robots(self) -> int:
         """Size of the team."""
@@ -125,6 +121,12 @@ class HuntStudy:
 def setting_of(study: HuntStudy) -> StudySetting:
     """Return what sessions are built from."""
     return study._setting
+
+
+def seeded(study: HuntStudy, seed: int) -> HuntStudy:
+    """Return the study with another seed, which is not checked."""
+    setting = setting_of(study)
+    return study._with_study(replace(setting.study, seed=seed))
 
 
 def _changed(study: Study, values: Mapping[str, StudyValue]) -> Study:

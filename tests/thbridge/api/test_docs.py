@@ -20,3 +20,10 @@ def test_the_examples_of_the_interface_run_one_after_the_other(tmp_path: Path, m
     assert len(examples) > 4
     for number, example in enumerate(examples, start=1):
         exec(compile(example, f"docs/api.md, example {number}", "exec"), known)
+
+
+def test_the_examples_of_learning_run_one_after_the_other() -> None:
+    known: dict[str, object] = {}
+    for number, example in enumerate(blocks("learning.md"), start=1):
+        exec(compile(example, f"docs/learning.md, example {number}", "exec"), known)
+    assert known["random_return"] != known["cheapest_return"]

@@ -1,0 +1,47 @@
+"""The rule by which robots of an environment decide about treasures, so that agents only have to choose rooms."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from thbridge.hunt.game import GameState
+from thbridge.hunt.treasures import TreasureKind
+from thbridge.roles.robot_requests import CommandRequest, StationIdentify, StationLeave, StationTakePicture
+
+
+@dataclass(frozen=True, slots=True)
+class TreasureRule:
+    """Names a treasure once only one name fits, by a picture where the energy suffices for one; else leaves it.
+
+    Simulated participants decide alike.
+
+    Attributes:
+        kinds: the treasures that there are.
+        shown_by: name of the treasure that a picture shows, by the picture's file name.
+    """
+
+    kinds: tuple[TreasureKind, ...]
+    shown_by: Mapping[str, str]
+
+    @classmethod
+    def of(cls, kinds: Sequence[TreasureKind]) -> "TreasureRule":
+        """Return the rule of somebody who knows these treasures, and recognises their pictures."""
+        return cls(tuple(kinds), {kind.image: kind.name for kind in kinds if kind.image is not None})
+
+    def request(self, game: GameState, robot: int) -> CommandRequest | None:
+        """Return the next request about the treasure where a robot stands, given its index; None: there is none."""
+        state = game.robots[robot]
+        if state.bound_for is not None or state.at.is_corridor or state.is_blocked or state.is_silent:
+            return None
+        room = game.room(state.at)
+        if room.sensed is None or room.is_decided or game.standing_in(state.at) != robot:
+            return None
+        names = {kind.name for kind in self.kinds if room.known.items() <= kind.properties.items()}
+        name = next(iter(names)) if len(names) == 1 else None
+        if room.image is not None:
+            name = self.shown_by.get(room.image)
+        started = game.started
+        if name is not None and state.energy >= started.identify_cost:
+            return StationIdentify(robot, name)
+        if name is None and room.image is None and state.energy >= started.picture_cost + started.identify_cost:
+            return StationTakePicture(robot)
+        return StationLeave(robot)
