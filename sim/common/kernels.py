@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, TypeVar
 import llvmlite
 import numba
 import numpy as np
-from numba import config
+from numba import config, types
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 from numba.extending import register_jitable
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 F = TypeVar("F")
 
-__all__ = ["folder_of", "is_compiled", "njit", "register_jitable"]
+__all__ = ["folder_of", "is_kept", "njit", "register_jitable"]
 
 KEPT_DAYS = 30
 """Compiled code that no program has used for so long goes; days."""
@@ -72,9 +72,10 @@ def folder_of(source: Path) -> Path:
     return _cache() / f"{'.'.join(module.with_suffix('').parts)}-{key}"
 
 
-def is_compiled() -> bool:
-    """Return True when kernels of these sources were compiled before; else the first run takes longer."""
-    return folder_of(ROOT / "sim" / "world" / "physics.py").exists()
+def is_kept(kernel: object, signature: tuple[types.Type, ...]) -> bool:
+    """Return True when a kernel's code for a signature was compiled before, and needs only be loaded."""
+    # A kernel is a dispatcher of numba's.
+    return kernel._cache.file(signature, kernel.targetctx).exists()  # type: ignore[attr-defined,no-any-return]
 
 
 @once
@@ -133,7 +134,7 @@ class _CompiledCode:
         """Return what was compiled for a signature and this processor; None if nothing was."""
         target.refresh()
         try:
-            compiled_for, parts = pickle.loads(self._file(signature, target).read_bytes())
+            compiled_for, parts = pickle.loads(self.file(signature, target).read_bytes())
         except (OSError, EOFError, pickle.UnpicklingError):
             return None
         if compiled_for != signature:
@@ -149,8 +150,9 @@ class _CompiledCode:
                 _tidy(self._folder)
             with NamedTemporaryFile(dir=self._folder, delete=False) as file:
                 file.write(dumps((signature, compiled._reduce())))
-            Path(file.name).replace(self._file(signature, compiled.target_context))
+            Path(file.name).replace(self.file(signature, compiled.target_context))
 
-    def _file(self, signature: object, target: "BaseContext") -> Path:
+    def file(self, signature: object, target: "BaseContext") -> Path:
+        """Return the file of a signature's code for this processor, whether or not it exists."""
         which = f"{signature} {target.codegen().magic_tuple()}"
         return self._folder / f"{self._name}-{hashlib.blake2b(which.encode(), digest_size=8).hexdigest()}"

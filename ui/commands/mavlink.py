@@ -150,7 +150,7 @@ def mavlink_replay(
     from thbridge.app.replay.mavlink_replay import FramesOptions, replay_frames
     from thbridge.app.session.session import TickRecord
     from ui.actions.mavlink import setting_of_recording, show_frames_replayed
-    from ui.first_start import announce_compiling
+    from ui.first_start import compile_ahead
     from ui.story import print_story
 
     study_file = the_study(study_file, study_option)
@@ -165,7 +165,7 @@ def mavlink_replay(
         if not as_json:
             print_story(moment, rooms)
 
-    announce_compiling()
+    compile_ahead(whole_hunt=False)
     with bad_input():
         done = asyncio.run(replay_frames(bag, setting, FramesOptions(rate or 0.0, to, longer), progress))
     if as_json:

@@ -108,7 +108,7 @@ def play(
     from thbridge.roles.participant.bot_strategy import BotStrategy
     from thbridge.study.overrides import with_changes
     from ui.event_loop import run
-    from ui.first_start import announce_compiling
+    from ui.first_start import compile_ahead
     from ui.hosting.consent import ask_for_consent
     from ui.hosting.games import WindowGames, offer_of, play_in_window
     from ui.hosting.seats import seat_of_bot, seat_of_person
@@ -168,7 +168,7 @@ def play(
         if not as_json and who is not ParticipantKind.PERSON:
             print_story(moment, rooms)
 
-    announce_compiling()
+    compile_ahead(whole_hunt=pace > 0.0)
     unfinished: HuntUnfinished | None = None
     try:
         options = PlayOptions(pace, path, others, who, limit, graph, watch=door, mavlink=ports)

@@ -90,7 +90,7 @@ def simr(
     from thbridge.app.real_robots import simr_with_real_robots
     from ui.actions.programs import new_token, settings_without_effect, tell_lost
     from ui.event_loop import run
-    from ui.first_start import announce_compiling
+    from ui.first_start import compile_ahead
     from ui.listening import graph_of, hosts_of, watch_of
     from ui.settings import setting_of, study_of
 
@@ -124,7 +124,7 @@ def simr(
             fail(FAILED, unfit)
         return
     door = watch_of(setting.study, study_file, watch, watch_key)
-    announce_compiling()
+    compile_ahead(whole_hunt=True)
     options = SimrOptions(host, port, new_token(), rate or setting.study.rate or 1.0, bag, graph, door)
     unfit = run(programs.simr(setting, options, tell_lost, hosts_of(graph)))
     if unfit is not None:

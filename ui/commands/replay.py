@@ -56,7 +56,7 @@ def replay_command(
     from thbridge.study.study_file import read_study_text
     from ui.actions.replay import other_versions, replayed_as_json, show_replayed
     from ui.event_loop import run
-    from ui.first_start import announce_compiling
+    from ui.first_start import compile_ahead
     from ui.settings import changes_of, with_strategy
     from ui.story import print_story
 
@@ -83,7 +83,7 @@ def replay_command(
         if not as_json:
             print_story(moment, rooms)
 
-    announce_compiling()
+    compile_ahead(whole_hunt=False)
     figures: list[tuple[RunFigures | None, RunFigures | None]] = []
     with TemporaryDirectory(prefix="thbridge-") as folder:
         kept = to or (Path(folder) / "replay.bag" if what_if else None)

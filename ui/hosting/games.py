@@ -15,7 +15,7 @@ from thbridge.app.session.session import TickRecord
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.sockets.errors import CannotListen
 from thbridge.study.study_file import Study, with_team_size
-from ui.first_start import announce_compiling
+from ui.first_start import compile_ahead
 from ui.hosting.lobby import Answer, GameVisit, PlayGame, host
 from ui.hosting.window_process import WINDOW, WindowProcess
 from ui.model.lobby import Offer
@@ -121,7 +121,8 @@ class WindowGames:
         def story(moment: TickRecord) -> None:
             print_story(moment, rooms)
 
-        announce_compiling()
+        # The window is answered all the while.
+        await asyncio.to_thread(compile_ahead, whole_hunt=options.rate > 0.0)
         try:
             return await hunt.play(setting, None, options, ready, story, self.hosts)
         except ParticipantDeclined:

@@ -6,9 +6,9 @@ from enum import Enum
 
 from msgspec import structs
 
-from sim.common.kernels import is_compiled
 from thbridge.sockets.addresses import ListeningAddress
 from thbridge.timing.wall_clock import utc_now
+from ui.first_start import is_compiled
 from ui.hosting.window_process import WindowProcess
 from ui.model.lobby import Agreed, Back, Begin, Declined, Join, Offer, Practise, Preparing, Thanks, WindowClosed
 
@@ -112,4 +112,4 @@ async def host(
 
 def _compile_notice() -> str:
     """A sentence to add where the simulator is to be compiled first; else empty."""
-    return "" if is_compiled() else " The first time on this computer takes half a minute."
+    return "" if is_compiled() else " The first time on this computer takes up to half a minute."

@@ -50,7 +50,8 @@ def _columns_away(costs: Costs, row: int, row_end: int, left: int, right: int, r
         for c in range(right - left):
             last[c] = np.float32(0) if line[c] == LETHAL else last[c] + np.float32(1)
         if r >= row:
-            away[r - row, :] = last
+            for c in range(right - left):
+                away[r - row, c] = last[c]
     last[:] = np.float32(1e4)
     for r in range(min(costs.shape[0], row_end + reach) - 1, row - 1, -1):
         line = costs[r, left:right]
@@ -84,10 +85,12 @@ def _inflate(
     line = np.full(width + 2 * reach, FAR)
     best = np.empty(width, np.float32)
     for r in range(row, row_end):
-        line[left - (col - reach) : right - (col - reach)] = away[r - row]
+        for c in range(left, right):
+            line[c - (col - reach)] = away[r - row, c - left]
         if line.min() >= farthest:
             continue
-        best[:] = line[reach : reach + width]
+        for c in range(width):
+            best[c] = line[reach + c]
         for step in range(1, reach + 1):
             squared = np.float32(step * step)
             before, behind = line[reach - step : reach - step + width], line[reach + step : reach + step + width]

@@ -65,21 +65,28 @@ def _apart(changes: NDArray[np.int64], reach: int, bounds: NDArray[np.int64]) ->
         if changes[i, 2] <= changes[i, 0] or changes[i, 3] <= changes[i, 1]:
             continue
         window = np.empty(4, np.int64)
-        window[:2] = np.maximum(changes[i, :2] - reach, bounds[:2])
-        window[2:] = np.minimum(changes[i, 2:] + reach, bounds[2:])
+        for side in range(2):
+            window[side] = max(changes[i, side] - reach, bounds[side])
+            window[side + 2] = min(changes[i, side + 2] + reach, bounds[side + 2])
         if window[2] <= window[0] or window[3] <= window[1]:
             continue
         k = 0
         while k < count:
-            union = np.concatenate((np.minimum(window[:2], apart[k, :2]), np.maximum(window[2:], apart[k, 2:])))
+            union = np.empty(4, np.int64)
+            for side in range(2):
+                union[side] = min(window[side], apart[k, side])
+                union[side + 2] = max(window[side + 2], apart[k, side + 2])
             # Around every window the costs are read as far as they reach.
             if _cells(union, reach) <= _cells(window, reach) + _cells(apart[k], reach):
-                apart[k : count - 1] = apart[k + 1 : count].copy()
                 count -= 1
+                for later in range(k, count):
+                    for side in range(4):
+                        apart[later, side] = apart[later + 1, side]
                 window, k = union, 0
             else:
                 k += 1
-        apart[count] = window
+        for side in range(4):
+            apart[count, side] = window[side]
         count += 1
     return apart[:count]
 

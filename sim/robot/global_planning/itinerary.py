@@ -281,7 +281,8 @@ def executable(points: FloatArray, times: FloatArray, others: OtherItineraries, 
     count = others.starts.shape[0]
     ends = np.empty(count, np.int64)
     ends[0] = own - 1
-    ends[1:] = own + others.starts[1:] - 1
+    for robot in range(1, count):
+        ends[robot] = own + others.starts[robot] - 1
     at = _driven(points, times, others, separation)
     if at[0] < ends[0]:
         return False

@@ -282,7 +282,8 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
         here_x, here_y = np.float32(cell % cols + dx), np.float32(cell // cols + dy)
         if n + 1 >= path.shape[0]:
             longer = np.empty((2 * path.shape[0], 2), np.float32)
-            longer[:n] = path[:n]
+            for i in range(n):
+                longer[i, 0], longer[i, 1] = path[i, 0], path[i, 1]
             path = longer
         if abs(here_x - end_x) <= 0.5 and abs(here_y - end_y) <= 0.5:
             break

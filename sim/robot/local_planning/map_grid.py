@@ -126,7 +126,8 @@ def spread(grid: MapGrids, cols: int, seeds: Steps, queried: Steps, steps: Steps
         queried: flat indices of the cells whose count is wanted; negative ones are left out. Empty: all.
         steps: array of the grid, overwritten with the result.
     """
-    steps[:] = grid.terrain
+    for cell in range(steps.size):
+        steps[cell] = grid.terrain[cell]
     wanted, queue = grid.wanted, grid.queue
     left = 0
     for i in range(queried.shape[0]):

@@ -65,7 +65,7 @@ def sweep_run(
     from thbridge.batch.folder import open_folder
     from ui.actions.sweep.run import chosen_engine, run_shown
     from ui.actions.sweep.telling import design_as_json, progress_as_json, show_design, show_progress
-    from ui.first_start import announce_compiling
+    from ui.first_start import compile_ahead
 
     part = Shard() if shard is None else shard_in(shard)
     if part is None:
@@ -89,7 +89,7 @@ def sweep_run(
     )
     with bad_input():
         folder = open_folder(design, root)
-    announce_compiling()
+    compile_ahead(whole_hunt=True)
     try:
         with bad_input(FAILED):
             progress = run_shown(design, folder, chosen, part, retry=retry)

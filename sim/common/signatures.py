@@ -1,0 +1,76 @@
+"""Signatures of kernels that hunts usually need, recorded once, by which they can be compiled before they are called.
+
+What is missing here, or has changed, is compiled when it is first called.
+"""
+
+import importlib
+import json
+from pathlib import Path
+
+import numpy as np
+from numba import from_dtype, types
+
+from sim.common.kernels import is_kept
+
+RECORDED = Path(__file__).with_suffix(".jsonl")
+"""A call a line, as `as_line` writes it, those that take longest first; `scripts/record_signatures.py` makes it."""
+
+
+def missing(*, before_moves: bool) -> list[str]:
+    """Return the recorded calls for which code was not kept here.
+
+    Args:
+        before_moves: only those of the first tick, when no robot has a goal yet.
+    """
+    calls = RECORDED.read_text(encoding="utf-8").splitlines()
+    return [call for call in calls if not (before_moves and json.loads(call)["moves"]) and not is_kept(*_read(call))]
+
+
+def compile_call(call: str) -> None:
+    """Compile the kernel of a recorded call, with all that it calls."""
+    kernel, arguments = _read(call)
+    kernel.compile(arguments)  # type: ignore[attr-defined]  # numba's
+
+
+def as_line(kernel: object, arguments: tuple[types.Type, ...], *, moves: bool) -> str:
+    """Return the line of a kernel called with arguments of these types; `moves`: by robots that have goals."""
+    name = f"{kernel.__module__}:{kernel.__name__}"  # type: ignore[attr-defined]
+    return json.dumps({"kernel": name, "arguments": list(map(_encoded, arguments)), "moves": moves})
+
+
+def _read(call: str) -> tuple[object, tuple[types.Type, ...]]:
+    recorded = json.loads(call)
+    return _named(recorded["kernel"]), tuple(map(_decoded, recorded["arguments"]))
+
+
+def _named(name: str) -> object:
+    module, _, thing = name.partition(":")
+    return getattr(importlib.import_module(module), thing)
+
+
+def _encoded(kind: types.Type) -> object:
+    """A scalar by its name, an array by its layout, a tuple by its class and what it holds."""
+    match kind:
+        case types.Array():
+            return {"array": str(kind.dtype), "ndim": kind.ndim, "layout": kind.layout, "readonly": not kind.mutable}
+        case types.NamedTuple() | types.NamedUniTuple():
+            held, made = [*map(_encoded, kind)], kind.instance_class
+            return {"tuple": f"{made.__module__}:{made.__name__}", "of": held}
+        case types.BaseTuple():
+            return {"tuple": None, "of": [*map(_encoded, kind)]}
+        case _:
+            return str(kind)
+
+
+def _decoded(kind: dict[str, object] | str) -> types.Type:
+    match kind:
+        case {"array": str(dtype), "ndim": int(ndim), "layout": str(layout), "readonly": bool(readonly)}:
+            return types.Array(from_dtype(np.dtype(dtype)), ndim, layout, readonly=readonly)
+        case {"tuple": None, "of": list(held)}:
+            return types.BaseTuple.from_types(tuple(map(_decoded, held)))
+        case {"tuple": str(name), "of": list(held)}:
+            return types.BaseTuple.from_types(tuple(map(_decoded, held)), _named(name))
+        case str():
+            return from_dtype(np.dtype(kind))
+        case _:
+            raise ValueError(kind)
