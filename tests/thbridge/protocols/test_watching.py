@@ -46,7 +46,7 @@ def stream(messages, chunked=True) -> bytes:
     """What a session says of these; all in one chunk, or bare."""
     pieces = [connection_record(topic) for topic in TOPICS]
     for topic, stamp, data in messages:
-        pieces += [message_head(topic), time_bytes(stamp), U32.pack(len(data)), data]
+        pieces += [message_head(topic.number), time_bytes(stamp), U32.pack(len(data)), data]
     records = b"".join(pieces)
     return MAGIC + bag_header(0, 0, 0) + (chunk_record(records, Compression.NONE) if chunked else records)
 
@@ -92,7 +92,7 @@ def test_garbage_breaks_a_stream_once_or_is_waited_out(garbage, begins_well):
         b"HTTP/1.1 404\r\n\r\n",
         MAGIC + struct.pack("<I", 2**31),
         MAGIC + chunk_record(b"", Compression.BZ2),
-        MAGIC + message_head(TOPICS[0]) + time_bytes(1) + U32.pack(0),
+        MAGIC + message_head(TOPICS[0].number) + time_bytes(1) + U32.pack(0),
         MAGIC + chunk_record(b"\1\0\0\0", Compression.NONE),
     ],
     ids=["another protocol", "a record without end", "packed", "a message of no connection", "a chunk of nonsense"],

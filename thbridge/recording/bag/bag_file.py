@@ -12,7 +12,7 @@ from thbridge.recording.bag.records import (
     BagConnection,
     bag_header,
     chunk_info_record,
-    chunk_record,
+    chunk_pieces,
     connection_record,
     index_record,
 )
@@ -150,7 +150,7 @@ class ChunkFile:
 def _records(head: bytes, chunk: Chunk, compression: Compression) -> bytes:
     """A chunk with its index data records, without which ROS's `reindex` refuses a last chunk."""
     index = (index_record(connection, chunk.moved_entries(connection, len(head))) for connection in chunk.entries)
-    return b"".join((chunk_record(head + chunk.data, compression), *index))
+    return b"".join((*chunk_pieces(head + chunk.data, compression), *index))
 
 
 class BagFile:

@@ -1,10 +1,11 @@
 """Chunks of a bag, built in memory from messages."""
 
-from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain, pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from thbridge.recording.bag.records import U32, BagConnection, message_head, time_bytes
 
@@ -16,7 +17,19 @@ every topic in it), or before it spans more time than this."""
 MOST_BYTES = 2 * CHUNK_BYTES
 """Size beyond which a chunk ends even between messages with equal stamps."""
 
-_ENTRY = np.dtype([("time", "V8"), ("offset", "<u4")])
+_NO_TIME = time_bytes(0)
+_TIME = np.dtype(f"V{len(_NO_TIME)}")
+_ENTRY = np.dtype([("time", _TIME), ("offset", "<u4")])
+_HEAD = message_head(0) + _NO_TIME + U32.pack(0)
+"""All of a message record but the message."""
+_HEAD_FIELDS = np.dtype(
+    {
+        "names": ["connection", "time", "size"],
+        "formats": ["<u4", _TIME, "<u4"],
+        "offsets": [_HEAD.index(b"conn=") + 5, len(_HEAD) - U32.size - _TIME.itemsize, len(_HEAD) - U32.size],
+        "itemsize": len(_HEAD),
+    }
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,63 +52,84 @@ class Chunk:
 
     def moved_entries(self, connection: BagConnection, by: int) -> bytes:
         """The index entries of a connection, when `by` bytes are written before `data` in the chunk."""
+        if not by:
+            return self.entries[connection]
         entries = np.frombuffer(self.entries[connection], _ENTRY).copy()
         entries["offset"] += by
         return entries.tobytes()
 
 
 class ChunkBuilder:
-    """Collects messages for a chunk.
+    """Collects messages for a chunk; their records are made all at once, when the chunk is wanted.
 
     Attributes:
-        size: bytes of the collected message records.
+        size: bytes of the collected messages' records.
     """
 
     def __init__(self) -> None:
-        self._heads: dict[BagConnection, bytes] = {}
-        self._stamp_ns = -1
-        self._time = b""
         self._begin()
 
     def _begin(self) -> None:
         self.size = 0
-        self._pieces: list[bytes] = []
-        self._entries: defaultdict[BagConnection, list[bytes]] = defaultdict(list)
-        self._start_ns = self._end_ns = 0
+        self._connections: list[BagConnection] = []
+        self._messages: list[bytes] = []
+        self._stamps: list[int] = []
+        self._repeats: list[int] = []
+        """Numbers of messages, one after another, that have each of these."""
+        self._start_ns = 0
 
     def accepts(self, stamp_ns: int) -> bool:
         """Return True when a message with this stamp still belongs into the chunk."""
         if not self.size:
             return True
-        if stamp_ns == self._stamp_ns:
+        if stamp_ns == self._stamps[-1]:
             return self.size <= MOST_BYTES
         return self.size <= CHUNK_BYTES and stamp_ns - self._start_ns < CHUNK_NS
 
     def add(self, connection: BagConnection, stamp_ns: int, data: bytes) -> None:
         """Add a message."""
-        head = self._heads.get(connection)
-        if head is None:
-            head = self._heads[connection] = message_head(connection)
-        if stamp_ns != self._stamp_ns:
-            self._stamp_ns, self._time = stamp_ns, time_bytes(stamp_ns)
-        if not self.size:
-            self._start_ns = self._end_ns = stamp_ns
-        elif stamp_ns > self._end_ns:
-            self._end_ns = stamp_ns
-        elif stamp_ns < self._start_ns:
-            self._start_ns = stamp_ns
-        self._entries[connection] += (self._time, U32.pack(self.size))
-        self._pieces += (head, self._time, U32.pack(len(data)), data)
-        self.size += len(head) + len(self._time) + U32.size + len(data)
+        self._add(stamp_ns, (connection,), (data,), len(data) + len(_HEAD))
+
+    def add_all(self, connections: Sequence[BagConnection], stamp_ns: int, messages: Sequence[bytes]) -> bool:
+        """Add messages of one stamp, of which the chunk accepts the first; return False, and add none, if not all."""
+        size = sum(map(len, messages)) + len(_HEAD) * len(messages)
+        if self.size + size > MOST_BYTES:
+            return False
+        self._add(stamp_ns, connections, messages, size)
+        return True
+
+    def _add(self, stamp_ns: int, connections: Sequence[BagConnection], messages: Sequence[bytes], size: int) -> None:
+        if self._stamps and self._stamps[-1] == stamp_ns:
+            self._repeats[-1] += len(messages)
+        else:
+            self._start_ns = min(self._start_ns, stamp_ns) if self._stamps else stamp_ns
+            self._stamps.append(stamp_ns)
+            self._repeats.append(len(messages))
+        self._connections += connections
+        self._messages += messages
+        self.size += size
 
     def snapshot(self) -> Chunk:
         """The chunk so far, which goes on growing."""
+        numbers = np.array([connection.number for connection in self._connections])
+        sizes = np.array([len(message) for message in self._messages])
+        times = np.repeat(np.frombuffer(b"".join(map(time_bytes, self._stamps)), _TIME), self._repeats)
+        records = zip(_heads(numbers, times, sizes), self._messages, strict=True)
+        entries = np.empty(len(sizes), _ENTRY)
+        entries["time"] = times
+        entries["offset"] = np.cumsum(sizes + len(_HEAD)) - sizes - len(_HEAD)
+        # Sorted by connection, each connection's entries are one piece.
+        packed = entries[np.argsort(numbers, kind="stable")].tobytes()
+        counts = np.bincount(numbers)
+        ends = (np.cumsum(counts) * _ENTRY.itemsize).tolist()
+        of_number = [packed[begin:end] for begin, end in pairwise((0, *ends))]
+        connections = dict.fromkeys(self._connections)
         return Chunk(
-            b"".join(self._pieces),
+            b"".join(chain.from_iterable(records)),
             self._start_ns,
-            self._end_ns,
-            {connection: b"".join(entries) for connection, entries in self._entries.items()},
-            {connection: len(entries) // 2 for connection, entries in self._entries.items()},
+            max(self._stamps),
+            {connection: of_number[connection.number] for connection in connections},
+            {connection: int(counts[connection.number]) for connection in connections},
         )
 
     def take(self) -> Chunk:
@@ -103,3 +137,11 @@ class ChunkBuilder:
         chunk = self.snapshot()
         self._begin()
         return chunk
+
+
+def _heads(numbers: NDArray[np.int64], times: NDArray[np.void], sizes: NDArray[np.int64]) -> list[bytes]:
+    """The heads of messages: (n,) numbers of their connections, times as in `_TIME`, and lengths."""
+    rows = np.frombuffer(bytearray(_HEAD * len(sizes)), _HEAD_FIELDS)
+    rows["connection"], rows["time"], rows["size"] = numbers, times, sizes
+    packed = rows.tobytes()
+    return [packed[at : at + len(_HEAD)] for at in range(0, len(packed), len(_HEAD))]

@@ -85,9 +85,9 @@ def connection_record(connection: BagConnection) -> bytes:
     return head + _fields(fields)
 
 
-def message_head(connection: BagConnection) -> bytes:
+def message_head(connection: int) -> bytes:
     """The beginning of a message record; `time_bytes`, the message's length (`U32`) and the message follow."""
-    fields = (b"op=" + bytes((RecordType.MSGDATA,)), b"conn=" + U32.pack(connection.number))
+    fields = (b"op=" + bytes((RecordType.MSGDATA,)), b"conn=" + U32.pack(connection))
     head = b"".join(map(_sized, fields)) + U32.pack(len(b"time=") + _TIME.size) + b"time="
     return U32.pack(len(head) + _TIME.size) + head
 
@@ -100,21 +100,30 @@ def time_in(record: bytes) -> bytes:
 
 def chunk_record(data: bytes, compression: Compression) -> bytes:
     """A chunk record with message and connection records in it."""
+    return b"".join(chunk_pieces(data, compression))
+
+
+def chunk_pieces(data: bytes, compression: Compression) -> tuple[bytes, bytes]:
+    """A `chunk_record` in two pieces, for who joins it to others: what is large is copied only once."""
     header = _header(RecordType.CHUNK, compression=compression.encode(), size=U32.pack(len(data)))
-    return header + _sized(_packed(data, compression))
+    packed = _packed(data, compression)
+    return header + U32.pack(len(packed)), packed
 
 
 def index_record(connection: BagConnection, entries: bytes) -> bytes:
     """An index data record for the chunk before it: stamp and offset (4 bytes) of each message of a connection."""
-    return _index_head(connection.number, len(entries) // INDEX_ENTRY_BYTES) + _sized(entries)
+    return _index_head(connection.number, len(entries)) + entries
 
 
 INDEX_ENTRY_BYTES = _TIME.size + U32.size
 
 
 @lru_cache(maxsize=4096)
-def _index_head(number: int, count: int) -> bytes:
-    return _header(RecordType.IDXDATA, ver=U32.pack(1), conn=U32.pack(number), count=U32.pack(count))
+def _index_head(number: int, size: int) -> bytes:
+    """An index data record up to its entries, which are so many bytes."""
+    count = size // INDEX_ENTRY_BYTES
+    header = _header(RecordType.IDXDATA, ver=U32.pack(1), conn=U32.pack(number), count=U32.pack(count))
+    return header + U32.pack(size)
 
 
 def chunk_info_record(position: int, start_ns: int, end_ns: int, counts: Mapping[BagConnection, int]) -> bytes:

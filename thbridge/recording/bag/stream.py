@@ -56,7 +56,7 @@ class BagStream:
             number, topic.name, topic.msgtype, definition.md5, definition.text, CALLER, topic.latched
         )
         self.connections.append(connection)
-        self._of_topic[topic] = connection, message_head(connection)
+        self._of_topic[topic] = connection, message_head(number)
         return self._of_topic[topic]
 
 

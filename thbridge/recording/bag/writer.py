@@ -1,8 +1,10 @@
 """Records a session in a bag. A program killed at any time loses no more than the last second."""
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import groupby
+from operator import attrgetter
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -143,20 +145,11 @@ class BagWriter:
         """Write one message of another node; raises as `write` does."""
         self._add(source, stamp_ns, data)
 
-    def _add(self, topic: Topic | ForeignTopic, stamp_ns: int, data: bytes) -> None:
-        if stamp_ns != self._stamp_ns or not self._open:
-            self._turn_to(stamp_ns)
-        if not self._chunks.accepts(stamp_ns):
-            self._hand_over()
-        connection = self._connections.get(topic) or self._connect(topic)
-        self._chunks.add(connection, stamp_ns, data)
-        if topic.latched:
-            self._latched[connection] = data
-
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
         """Write the messages of a tick, and sync if it is time to; raises as `write` does."""
-        for message in messages:
-            self.write(message)
+        kept = list(filter(self._keep, messages))
+        for stamp_ns, group in groupby(kept, attrgetter("stamp_ns")):
+            self._add_all(stamp_ns, list(group))
         self.sync_if_due()
 
     def sync_if_due(self) -> None:
@@ -196,7 +189,32 @@ class BagWriter:
     ) -> None:
         self.close()
 
+    def _add_all(self, stamp_ns: int, messages: Sequence[RosMessage]) -> None:
+        """Add messages of one stamp."""
+        self._turn_to(stamp_ns)
+        connections = [self._connections.get(topic) or self._connect(topic) for topic, _, _, _ in messages]
+        if not self._chunks.add_all(connections, stamp_ns, [data for _, _, data, _ in messages]):
+            for topic, _, data, _ in messages:
+                self._add(topic, stamp_ns, data)
+        elif self._splitting.wanted:
+            latched = zip(connections, messages, strict=True)
+            self._latched.update((connection, message.data) for connection, message in latched if connection.latching)
+
+    def _add(self, topic: Topic | ForeignTopic, stamp_ns: int, data: bytes) -> None:
+        self._turn_to(stamp_ns)
+        connection = self._connections.get(topic) or self._connect(topic)
+        self._chunks.add(connection, stamp_ns, data)
+        if topic.latched:
+            self._latched[connection] = data
+
     def _turn_to(self, stamp_ns: int) -> None:
+        """Make ready for a message with this stamp: check it, and begin another chunk where that is due."""
+        if stamp_ns != self._stamp_ns or not self._open:
+            self._go_on_to(stamp_ns)
+        if not self._chunks.accepts(stamp_ns):
+            self._hand_over()
+
+    def _go_on_to(self, stamp_ns: int) -> None:
         """Go on to another stamp."""
         if not self._open:
             raise ValueError(f"{self.path} is closed")

@@ -87,6 +87,23 @@ def test_equal_sessions_give_equal_bytes_however_fast_the_wall_clock_goes(tmp_pa
     assert (tmp_path / "slow.bag").read_bytes() == (tmp_path / "fast.bag").read_bytes()
 
 
+@pytest.mark.parametrize("splitting", [WHOLE, SplitLimits(duration_ns=700_000_000)])
+def test_ticks_are_written_as_their_messages_one_by_one(tmp_path: Path, splitting: SplitLimits) -> None:
+    """Among them a tick of more than a chunk, and a list of more than one stamp."""
+    latched = text(0)._replace(topic=CHATTER._replace(name="/latched", latched=True))
+    in_ticks = [[latched, text(0)], [text(1, 10_000)] * 300, [text(40), text(41)], [text(90)]]
+    with BagWriter(tmp_path / "ticks.bag", PLAIN, splitting=splitting) as writer:
+        for tick, said in enumerate(in_ticks):
+            writer.take(tick, said)
+    with BagWriter(tmp_path / "single.bag", PLAIN, splitting=splitting) as writer:
+        for said in in_ticks:
+            for message in said:
+                writer.write(message)
+    ticks, single = (parts_of(tmp_path / name) for name in ("ticks.bag", "single.bag"))
+    assert [part.read_bytes() for part in ticks] == [part.read_bytes() for part in single]
+    assert len(list(messages(tmp_path / "ticks.bag"))) == 305
+
+
 def test_the_first_record_is_padded_as_ros_pads_it(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     recorded(path, 1, 1)
