@@ -62,10 +62,9 @@ class StatusList:
 
 @dataclass(frozen=True, slots=True)
 class Feedback:
-    """The pose of the base while it drives to a goal."""
+    """News of a goal that the base drives to; the robot's pose goes with it."""
 
     entry: GoalStatus
-    base_in_map: Pose2
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,13 +158,12 @@ class MoveBaseServer:
                     assert_never(request)
         return self._execute()
 
-    def follow(self, tick: int, navigation: Navigation | None, base_in_map: Pose2) -> list[ActionServerMessage]:
+    def follow(self, tick: int, navigation: Navigation | None) -> list[ActionServerMessage]:
         """Read what the navigator did in the tick, and return the messages to publish.
 
         Args:
             tick: the number of the tick.
             navigation: the navigator's output of this tick; None when the robot is dead.
-            base_in_map: the estimated pose of the robot.
         """
         if navigation is None:
             self._dead = True
@@ -175,11 +173,12 @@ class MoveBaseServer:
             self._revive()
         if navigation.result is not None:
             self._end_driven(navigation.result)
-        if navigation.goal is not None and navigation.goal != self._driven:
-            self._adopt(navigation.goal)
-        self._driven = navigation.goal
+        goal = navigation.goal
+        if goal is not None and goal is not self._driven and goal != self._driven:
+            self._adopt(goal)
+        self._driven = goal
         if tick % FEEDBACK_PERIOD == 0 and self._current is not None and self._current.is_active:
-            self._outgoing.append(Feedback(self._current.report(), base_in_map))
+            self._outgoing.append(Feedback(self._current.report()))
         if tick % STATUS_PERIOD == 0:
             self._publish_status()
         outgoing, self._outgoing = self._outgoing, []

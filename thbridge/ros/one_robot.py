@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import assert_never
+from typing import NamedTuple, assert_never
 
 import numpy as np
 
 from sim.common import elementary
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
-from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Twist
+from sim.common.observations import TICKS_PER_SECOND
 from sim.robot.navigator.navigation import Navigation
 from sim.robot.software import RobotOutput
 from thbridge.ros.actionlib import (
@@ -41,6 +41,30 @@ _ODOM_TWIST = pack.covariance(np.diag([1e-3, 1e-3, 1e-3]), UNMEASURED)
 robot_localization) use its increments, and a covariance that grows with the distance would make them distrust each."""
 
 
+class PackedMotion(NamedTuple):
+    """Motion of a robot in one tick; bytes are geometry_msgs/Pose and geometry_msgs/Twist.
+
+    Attributes:
+        true: x, y, theta of its true pose.
+        given: the command to its motors, m/s and rad/s.
+        pose: its true pose; so its true twist.
+        sensed: its pose by odometry; so its twist.
+        correction: the pose of the frame odom in the map, by its localiser.
+        believed: its pose in the map, by its localiser.
+        command: `given`.
+    """
+
+    true: Sequence[float]
+    given: Sequence[float]
+    pose: bytes
+    sensed: bytes
+    correction: bytes
+    believed: bytes
+    twist: bytes
+    sensed_twist: bytes
+    command: bytes
+
+
 class RobotPublisher:
     """Makes one robot's messages; keeps the last of those that are published only when they change.
 
@@ -52,19 +76,23 @@ class RobotPublisher:
     Attributes:
         names: its namespace and frames.
         topics: all topics that it publishes.
+        map_to_odom: the frames of its odometry's transform, packed.
+        odom_to_base: the frames of its base's transform, packed.
     """
 
     def __init__(self, robot: int, scan_period: float, planners: Planners) -> None:
         self.names = RobotNames.of(robot)
         self.topics = RobotTopics(self.names, planners)
-        self.odom, self.base_footprint = self.names.odom, self.names.base_footprint
+        self.map_to_odom = pack.frame_names(MAP_FRAME, self.names.odom)
+        self.odom_to_base = pack.frame_names(self.names.odom, self.names.base_footprint)
+        self._map_to_base = pack.frame_names(MAP_FRAME, self.names.base_footprint)
         self._robot = robot
         self._base_laser = self.names.base_laser
         self._scan_period = scan_period
         self._server = MoveBaseServer(robot)
         self._charge = math.nan
         self._lost: bool | None = None
-        self._command = STANDSTILL
+        self._command: Sequence[float] = [0.0, 0.0]
         self._command_tick = 0
         self._plan: FloatArray = np.empty((0, 3))
         self._local_plan: FloatArray = self._plan
@@ -89,52 +117,39 @@ class RobotPublisher:
     ) -> list[ActionServerMessage]:
         """Return the action server's messages in a tick, given the clients' requests in that tick."""
         self._server.take(tick, requests)
-        return self._server.follow(tick, None if dead else output.navigation, output.estimate.base_in_map)
+        return self._server.follow(tick, None if dead else output.navigation)
 
-    def truth(self, tick: int, base_in_map: Pose2, twist: Twist) -> tuple[Topic, bytes]:
+    def truth(self, tick: int, motion: PackedMotion) -> tuple[Topic, bytes]:
         """The true pose and twist of the robot; of a dead one, too."""
-        data = pack.odometry(tick, MAP_FRAME, self.base_footprint, base_in_map, twist)
-        return self.topics.base_pose_ground_truth, data
-
-    def errors(self, tick: int, true: Pose2, output: RobotOutput) -> Iterator[tuple[Topic, bytes]]:
-        """Yield at every scan the believed pose and its errors, and that the robot is lost, when that changes."""
-        estimate = output.estimate
-        if estimate.lost is not self._lost:
-            self._lost = estimate.lost
-            yield self.topics.lost, pack.boolean(estimate.lost)
-        if output.observations.scan is None:
-            return
-        believed = estimate.base_in_map
-        yield self.topics.believed_pose, pack.pose_stamped(tick, MAP_FRAME, believed)
-        yield self.topics.position_error, pack.float64(elementary.hypot(believed.x - true.x, believed.y - true.y))
-        yield self.topics.heading_error, pack.float64(wrap_angle(believed.theta - true.theta))
+        fields = (pack.head(tick), self._map_to_base, motion.pose, pack.NO_COVARIANCE, motion.twist, pack.NO_COVARIANCE)
+        return self.topics.base_pose_ground_truth, b"".join(fields)
 
     def tick(
-        self, tick: int, command: Twist, output: RobotOutput, goals: Sequence[ActionServerMessage]
+        self, tick: int, motion: PackedMotion, output: RobotOutput, goals: Sequence[ActionServerMessage]
     ) -> Iterator[tuple[Topic, bytes]]:
         """Yield the messages of a robot in one tick; it must not be dead.
 
         Args:
             tick: the number of the tick.
-            command: the command to its motors.
+            motion: of the robot.
             output: the output of its software.
             goals: the messages of its action server.
         """
         topics, observations, estimate = self.topics, output.observations, output.estimate
-        sensed = observations.odometry
-        yield (
-            topics.odom,
-            pack.odometry(
-                tick, self.odom, self.base_footprint, sensed.base_in_odom, sensed.twist, _ODOM_POSE, _ODOM_TWIST
-            ),
-        )
-        if observations.scan is not None:
-            yield topics.scan, pack.laser_scan(observations.scan, self._base_laser, self._scan_period)
+        scan = observations.scan
+        believed = pack.header(tick, MAP_FRAME) + motion.believed
+        if estimate.lost is not self._lost:
+            self._lost = estimate.lost
+            yield topics.lost, pack.boolean(estimate.lost)
+        if scan is not None:
+            yield topics.believed_pose, believed
+            yield from self._errors(motion.true, estimate.base_in_map)
+        odometry = (pack.head(tick), self.odom_to_base, motion.sensed, _ODOM_POSE, motion.sensed_twist, _ODOM_TWIST)
+        yield topics.odom, b"".join(odometry)
+        if scan is not None:
+            yield topics.scan, pack.laser_scan(scan, self._base_laser, self._scan_period)
         if estimate.updated:
-            yield (
-                topics.amcl_pose,
-                pack.pose_with_covariance(tick, MAP_FRAME, estimate.base_in_map, estimate.covariance),
-            )
+            yield topics.amcl_pose, believed + pack.covariance(estimate.covariance)
             if len(estimate.particles):
                 yield topics.particlecloud, pack.pose_array(tick, MAP_FRAME, estimate.particles)
         charge = observations.battery.charge
@@ -142,29 +157,36 @@ class RobotPublisher:
             self._charge = charge
             yield topics.battery, pack.battery_state(observations.battery, self.names.namespace[1:])
         for message in goals:
-            yield self._packed(tick, message)
-        yield from self._navigation(tick, command, output.navigation)
-        yield from self._footprints(tick, estimate.base_in_map, output.neighbour.footprint)
+            yield self._packed(tick, message, believed)
+        navigation = output.navigation
+        repeated = navigation.goal is not None and tick - self._command_tick >= COMMAND_PERIOD
+        if repeated or motion.given != self._command:
+            self._command, self._command_tick = motion.given, tick
+            yield topics.cmd_vel, motion.command
+        yield from self._plans(tick, navigation)
+        if (tick - self._robot) % LOCAL_FOOTPRINT_PERIOD == 0:
+            yield from self._footprints(tick, estimate.base_in_map, output.neighbour.footprint)
 
-    def _packed(self, tick: int, message: ActionServerMessage) -> tuple[Topic, bytes]:
+    def _errors(self, true: Sequence[float], believed: Pose2) -> Iterator[tuple[Topic, bytes]]:
+        x, y, theta = true
+        yield self.topics.position_error, pack.float64(elementary.hypot(believed.x - x, believed.y - y))
+        yield self.topics.heading_error, pack.float64(wrap_angle(believed.theta - theta))
+
+    def _packed(self, tick: int, message: ActionServerMessage, believed: bytes) -> tuple[Topic, bytes]:
         match message:
             case GoalSet(goal, base):
                 return self.topics.goal, pack.move_base_goal(tick, goal, MAP_FRAME, base)
             case StatusList(entries):
                 return self.topics.status, pack.goal_status_array(tick, entries)
-            case Feedback(entry, base):
-                return self.topics.feedback, pack.move_base_feedback(tick, entry, MAP_FRAME, base)
+            case Feedback(entry):
+                return self.topics.feedback, pack.move_base_feedback(tick, entry, believed)
             case GoalEnded(entry):
                 return self.topics.result, pack.move_base_result(tick, entry)
             case _:
                 assert_never(message)
 
-    def _navigation(self, tick: int, command: Twist, navigation: Navigation) -> Iterator[tuple[Topic, bytes]]:
+    def _plans(self, tick: int, navigation: Navigation) -> Iterator[tuple[Topic, bytes]]:
         topics = self.topics
-        repeated = navigation.goal is not None and tick - self._command_tick >= COMMAND_PERIOD
-        if command != self._command or repeated:
-            self._command, self._command_tick = command, tick
-            yield topics.cmd_vel, pack.command(command)
         if not _is_rest(navigation.plan, self._plan):
             yield topics.plan, pack.path(tick, MAP_FRAME, navigation.plan)
         self._plan = navigation.plan
@@ -178,12 +200,11 @@ class RobotPublisher:
             yield topics.local_costmap, pack.costmap(MAP_FRAME, navigation.local_costmap)
 
     def _footprints(self, tick: int, base: Pose2, footprint: FloatArray) -> Iterator[tuple[Topic, bytes]]:
-        turn = tick - self._robot
-        if turn % LOCAL_FOOTPRINT_PERIOD or not len(footprint):
+        if not len(footprint):
             return
         corners = pack.polygon(tick, MAP_FRAME, base.transform(footprint))
         yield self.topics.local_footprint, corners
-        if turn % GLOBAL_FOOTPRINT_PERIOD == 0:
+        if (tick - self._robot) % GLOBAL_FOOTPRINT_PERIOD == 0:
             yield self.topics.global_footprint, corners
 
 

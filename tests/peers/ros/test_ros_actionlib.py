@@ -153,7 +153,7 @@ def ours(steps: list[Step]) -> list[list[list[object]]]:
             goal = None
         result = results.pop(0) if results else None
         navigation = Navigation(STANDSTILL, goal, "idle", none, np.empty(0), none, result, 0.0)
-        said = server.follow(step["tick"], navigation, Pose2(0.0, 0.0, 0.0))
+        said = server.follow(step["tick"], navigation)
         told_all: list[list[object]] = []
         for item in said:
             if isinstance(item, StatusList):

@@ -1,7 +1,7 @@
 """A team drawn by hand: robots on circles, with all that a snapshot can hold. No physics, the same every time."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -56,7 +56,7 @@ def snapshots(robots: int, ticks: int, first: int = 0) -> Iterator[TeamSnapshot]
     for tick in range(first, first + ticks):
         outputs = tuple(_output(robot, tick) for robot in range(robots))
         commands = np.array([(o.navigation.command.linear, o.navigation.command.angular) for o in outputs])
-        yield TeamSnapshot(tick, _world(robots, tick), outputs, commands)
+        yield TeamSnapshot(tick, _world(tick, [output.observations.odometry for output in outputs]), outputs, commands)
 
 
 def records(tick: int) -> tuple[Record, ...]:
@@ -87,15 +87,14 @@ def _moves(tick: int) -> bool:
     return tick % (LEG + LEG // 2) < LEG
 
 
-def _world(robots: int, tick: int) -> WorldState:
-    poses = np.array([truth(robot, tick).array() for robot in range(robots)])
-    twists = np.tile([SPEED if _moves(tick) else 0.0, 0.0], (robots, 1))
+def _world(tick: int, odometry: Sequence[Odometry]) -> WorldState:
+    robots = len(odometry)
     return WorldState(
         tick,
-        poses,
-        twists,
-        poses,
-        twists,
+        np.array([truth(robot, tick).array() for robot in range(robots)]),
+        np.tile([SPEED if _moves(tick) else 0.0, 0.0], (robots, 1)),
+        np.array([sensed.base_in_odom.array() for sensed in odometry]),
+        np.array([(sensed.twist.linear, sensed.twist.angular) for sensed in odometry]),
         np.full(robots, 100.0),
         np.zeros(robots, bool),
         np.zeros(robots, np.int64),

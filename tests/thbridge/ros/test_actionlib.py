@@ -60,7 +60,7 @@ class Robot:
         if dead:
             self.goal, self.results = None, []
         result = self.results.pop(0) if self.results else None
-        messages = self.server.follow(self.tick, None if dead else navigation(self.goal, result), HERE)
+        messages = self.server.follow(self.tick, None if dead else navigation(self.goal, result))
         self.tick += 1
         return messages
 
@@ -255,7 +255,7 @@ def test_status_comes_five_times_a_second_and_feedback_ten_times_while_under_way
     robot.step(goal("a", 1))
     inputs = [item for item in robot.wait(50) if isinstance(item, Feedback)]
     assert len(inputs) == 10
-    assert (inputs[0].entry.goal.id, inputs[0].base_in_map) == ("a", HERE)
+    assert inputs[0].entry.goal.id == "a"
 
 
 def test_goals_stay_listed_for_five_seconds_after_their_end() -> None:

@@ -7,6 +7,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.observations import Battery, Twist
+from sim.common.robot_numbers import namespace_of
 from sim.parameters import RobotParameters
 from sim.robot.costmap.view import CostmapView
 from sim.robot.navigator.goals import Cancelled, Goal
@@ -209,6 +210,14 @@ def test_what_clients_said_is_recorded_as_they_said_it_before_what_follows() -> 
     assert b"a client's goal rviz-1: (1.00, 2.00)" in log
     assert b"goal rviz-2 is given up: it is in another frame" in log
     assert ended[-1] == unpack.MoveBaseResult("rviz-2", GoalStatusCode.ABORTED, "it is in another frame")
+
+
+def test_feedback_tells_where_the_robot_believes_it_is() -> None:
+    (snapshot,) = snapshots(2, 1, first=LEG // 2)
+    said = {message.topic.name: message.data for message in TeamPublisher(2, MOUNT, SCAN_PERIOD).tick(snapshot)}
+    for robot, output in enumerate(snapshot.robots):
+        _, frame, base = unpack.move_base_feedback(said[f"/{namespace_of(robot)}/move_base/feedback"])
+        assert (frame, base.distance(output.estimate.base_in_map)) == ("map", pytest.approx(0.0, abs=1e-12))
 
 
 def test_status_feedback_and_the_log_tell_of_a_goal() -> None:

@@ -106,7 +106,7 @@ class RobotControls:
         self.researchers = tuple(driven_by.get(robot, set_by.get(robot)) for robot in range(self._robots.size))
         for robot, (server, output) in enumerate(zip(self._servers, snapshot.robots, strict=True)):
             navigation = None if robot in snapshot.dead else output.navigation
-            server.follow(snapshot.tick, navigation, output.estimate.base_in_map)
+            server.follow(snapshot.tick, navigation)
 
     def is_driven(self, robot: int) -> bool:
         """Return True while a robot is driven by hand."""

@@ -222,7 +222,7 @@ def test_feedback_and_cancel() -> None:
     entry = GoalStatus(GoalId("robot1-4", 1_020_000_000), GoalStatusCode.ACTIVE, "under way")
     base = message("geometry_msgs/PoseStamped", ros_header(7, "map"), ros_pose(POSE))
     feedback = message("move_base_msgs/MoveBaseFeedback", base)
-    data = pack.move_base_feedback(7, entry, "map", POSE)
+    data = pack.move_base_feedback(7, entry, pack.pose_stamped(7, "map", POSE))
     assert data == serialised(
         types.MOVE_BASE_FEEDBACK, message(types.MOVE_BASE_FEEDBACK, ros_header(7), ros_status(entry), feedback)
     )

@@ -14,7 +14,16 @@ from thbridge.ros.messages.pack.actions import (
     move_base_goal,
     move_base_result,
 )
-from thbridge.ros.messages.pack.fields import boolean, float64, header, string
+from thbridge.ros.messages.pack.fields import (
+    all_pose_fields,
+    all_twist_fields,
+    boolean,
+    float64,
+    frame_names,
+    head,
+    header,
+    string,
+)
 from thbridge.ros.messages.pack.game import (
     dialogue_move,
     dialogue_state,
@@ -45,6 +54,7 @@ from thbridge.ros.messages.pack.motion import (
     pose_array,
     pose_stamped,
     pose_with_covariance,
+    stamped_transforms,
     transforms,
 )
 from thbridge.ros.messages.pack.sensing import battery_state, laser_scan

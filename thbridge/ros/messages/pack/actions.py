@@ -1,6 +1,7 @@
 """Messages between clients and server of the action move_base."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 from sim.common.geometry import Pose2
 from thbridge.ros.messages.goal_status import GoalId, GoalStatus
@@ -13,7 +14,9 @@ def goal_id(goal: GoalId) -> bytes:
     return stamp(goal.stamp_ns) + string(goal.id)
 
 
+@lru_cache(maxsize=1024)
 def _status(entry: GoalStatus) -> bytes:
+    """actionlib_msgs/GoalStatus, cached: lists repeat it five times a second, feedback ten times."""
     return goal_id(entry.goal) + bytes((entry.status,)) + string(entry.text)
 
 
@@ -27,9 +30,9 @@ def goal_status_array(tick: int, entries: Sequence[GoalStatus]) -> bytes:
     return header(tick) + UINT32.pack(len(entries)) + b"".join(map(_status, entries))
 
 
-def move_base_feedback(tick: int, entry: GoalStatus, frame: str, base: Pose2) -> bytes:
-    """move_base_msgs/MoveBaseActionFeedback: the pose of the base in `frame`."""
-    return header(tick) + _status(entry) + pose_stamped(tick, frame, base)
+def move_base_feedback(tick: int, entry: GoalStatus, base: bytes) -> bytes:
+    """move_base_msgs/MoveBaseActionFeedback; the pose of the base is a whole geometry_msgs/PoseStamped."""
+    return header(tick) + _status(entry) + base
 
 
 def move_base_result(tick: int, entry: GoalStatus) -> bytes:

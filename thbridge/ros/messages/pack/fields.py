@@ -33,12 +33,18 @@ def boolean(value: bool) -> bytes:
 
 
 name = lru_cache(maxsize=1024)(string)
-"""A string field of a frame's name, cached: every message repeats it."""
+"""A string field of a name, cached: of a frame, which every message repeats, or of a part of a robot."""
 
 
 def stamp(nanoseconds: int) -> bytes:
     """A time field."""
     return _STAMP.pack(*divmod(nanoseconds, 1_000_000_000))
+
+
+@lru_cache(maxsize=1024)
+def frame_names(frame: str, child_frame: str) -> bytes:
+    """Two frames' names, one after the other, cached as well."""
+    return string(frame) + string(child_frame)
 
 
 @lru_cache(maxsize=1)
@@ -62,6 +68,25 @@ def pose_rows(poses: FloatArray) -> FloatArray:
     """(n, 7) position and quaternion of (n, 3) poses."""
     rows = np.zeros((len(poses), 7))
     rows[:, :2] = poses[:, :2]
-    rows[:, 5] = elementary_arrays.sin(poses[:, 2] / 2)
-    rows[:, 6] = elementary_arrays.cos(poses[:, 2] / 2)
+    halves = poses[:, 2] / 2
+    rows[:, 5] = elementary_arrays.sin(halves)
+    rows[:, 6] = elementary_arrays.cos(halves)
     return rows
+
+
+def all_pose_fields(poses: FloatArray) -> list[bytes]:
+    """`pose_fields` of each of (n, 3) poses, at much less cost than one by one."""
+    return _pieces(pose_rows(poses))
+
+
+def all_twist_fields(twists: FloatArray) -> list[bytes]:
+    """geometry_msgs/Twist of each of (n, 2) planar velocities: m/s forward, rad/s anti-clockwise."""
+    rows = np.zeros((len(twists), 6))
+    rows[:, 0] = twists[:, 0]
+    rows[:, 5] = twists[:, 1]
+    return _pieces(rows)
+
+
+def _pieces(rows: FloatArray) -> list[bytes]:
+    packed, size = rows.tobytes(), rows.itemsize * rows.shape[1]
+    return [packed[at : at + size] for at in range(0, len(packed), size)]

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from enum import IntEnum
 from typing import NamedTuple
 
-from thbridge.ros.messages.pack.fields import UINT32, header, stamp, string
+from thbridge.ros.messages.pack.fields import UINT32, header, name, stamp, string
 from thbridge.ros.messages.records import LogLine
 from thbridge.ros.messages.stamps import stamp_ns
 
@@ -63,13 +63,13 @@ def diagnostic_array(tick: int, entries: Sequence[DiagnosticStatus]) -> bytes:
 
 
 def _diagnosis(entry: DiagnosticStatus) -> bytes:
-    values = [string(key) + string(value) for key, value in entry.values.items()]
+    values = [name(key) + string(value) for key, value in entry.values.items()]
     return b"".join(
         (
             bytes((entry.level,)),
-            string(entry.name),
-            string(entry.message),
-            string(entry.hardware_id),
+            name(entry.name),
+            name(entry.message),
+            name(entry.hardware_id),
             UINT32.pack(len(values)),
             *values,
         )

@@ -5,7 +5,6 @@ from struct import Struct
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
@@ -63,12 +62,12 @@ def occupancy_grid(tick: int, frame: str, grid: OccupancyGrid) -> bytes:
     )
 
 
-def _occupancy_of_costs() -> NDArray[np.int8]:
-    """(256,) the value of nav_msgs/OccupancyGrid for each cost of costmap_2d."""
+def _occupancy_of_costs() -> bytes:
+    """The value of nav_msgs/OccupancyGrid for each of the 256 costs of costmap_2d."""
     costs = np.arange(256)
     occupancy = 1 + (97 * (costs - 1)) // 251
     occupancy[[0, 253, 254, 255]] = 0, 99, 100, -1
-    return occupancy.astype(np.int8)
+    return occupancy.astype(np.int8).tobytes()
 
 
 _OCCUPANCY_OF_COSTS = _occupancy_of_costs()
@@ -85,7 +84,7 @@ def costmap(frame: str, view: CostmapView) -> bytes:
             header(view.tick, frame),
             _meta_data(view.tick, view.resolution, cols, rows, view.origin),
             UINT32.pack(view.costs.size),
-            _OCCUPANCY_OF_COSTS[view.costs].tobytes(),
+            view.costs.tobytes().translate(_OCCUPANCY_OF_COSTS),
         )
     )
 

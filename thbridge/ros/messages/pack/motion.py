@@ -1,6 +1,7 @@
 """Poses, transforms, paths and velocities."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from operator import add
 from struct import Struct
 from typing import NamedTuple
 
@@ -8,7 +9,7 @@ import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import Twist
-from thbridge.ros.messages.pack.fields import UINT32, head, header, name, pose_fields, pose_rows
+from thbridge.ros.messages.pack.fields import UINT32, all_pose_fields, frame_names, head, header, pose_fields, pose_rows
 
 _TWIST = Struct("<6d")
 
@@ -28,8 +29,9 @@ def covariance(planar: FloatArray, unmeasured: float = 0.0) -> bytes:
         planar: (3, 3); m^2, m rad, rad^2.
         unmeasured: variance of z, roll and pitch.
     """
-    full = np.diag([0.0, 0.0, unmeasured, unmeasured, unmeasured, 0.0])
-    full[np.ix_((0, 1, 5), (0, 1, 5))] = planar
+    full = np.zeros((6, 6))
+    full[:2, :2], full[:2, 5], full[5, :2], full[5, 5] = planar[:2, :2], planar[:2, 2], planar[2, :2], planar[2, 2]
+    full[2, 2] = full[3, 3] = full[4, 4] = unmeasured
     return full.tobytes()
 
 
@@ -38,12 +40,14 @@ NO_COVARIANCE = covariance(np.zeros((3, 3)))
 
 def transforms(tick: int, entries: Iterable[Transform]) -> bytes:
     """tf2_msgs/TFMessage with all entries at one time."""
-    beginning = head(tick)
-    parts = [
-        b"".join((beginning, name(parent), name(child), pose_fields(pose.x, pose.y, pose.theta)))
-        for parent, child, pose in entries
-    ]
-    return UINT32.pack(len(parts)) + b"".join(parts)
+    entries = tuple(entries)
+    frames = [frame_names(entry.parent, entry.child) for entry in entries]
+    return stamped_transforms(head(tick), frames, [pose_fields(pose.x, pose.y, pose.theta) for _, _, pose in entries])
+
+
+def stamped_transforms(head: bytes, frames: Sequence[bytes], poses: Sequence[bytes]) -> bytes:
+    """tf2_msgs/TFMessage of fields: a header without its frame, `frame_names` and `pose_fields` of each transform."""
+    return head.join((UINT32.pack(len(poses)), *map(add, frames, poses)))
 
 
 def odometry(
@@ -56,16 +60,8 @@ def odometry(
     twist_covariance: bytes = NO_COVARIANCE,
 ) -> bytes:
     """nav_msgs/Odometry: pose of `child_frame` in `frame`, twist in `child_frame`; covariances from `covariance`."""
-    return b"".join(
-        (
-            header(tick, frame),
-            name(child_frame),
-            pose_fields(pose.x, pose.y, pose.theta),
-            pose_covariance,
-            command(twist),
-            twist_covariance,
-        )
-    )
+    frames, place = frame_names(frame, child_frame), pose_fields(pose.x, pose.y, pose.theta)
+    return b"".join((head(tick), frames, place, pose_covariance, command(twist), twist_covariance))
 
 
 def command(twist: Twist) -> bytes:
@@ -98,7 +94,4 @@ def polygon(tick: int, frame: str, corners: FloatArray) -> bytes:
 def path(tick: int, frame: str, poses: FloatArray) -> bytes:
     """nav_msgs/Path through (n, 3) poses, all stamped alike."""
     beginning = header(tick, frame)
-    rows = np.empty(len(poses), dtype=[("header", f"V{len(beginning)}"), ("pose", "<f8", 7)])
-    rows["header"] = np.void(beginning)
-    rows["pose"] = pose_rows(poses)
-    return beginning + UINT32.pack(len(poses)) + rows.tobytes()
+    return beginning + beginning.join((UINT32.pack(len(poses)), *all_pose_fields(poses)))
