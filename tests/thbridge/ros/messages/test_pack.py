@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rosbags.typesys.msg import normalize_msgtype
 
+from sim.common import elementary
 from sim.common.geometry import Pose2
 from sim.common.observations import Battery, Scan, Twist
 from sim.robot.costmap.view import CostmapView
@@ -50,7 +51,7 @@ def ros_pose(pose: Pose2) -> object:
     return message(
         "geometry_msgs/Pose",
         message("geometry_msgs/Point", pose.x, pose.y, 0.0),
-        message("geometry_msgs/Quaternion", 0.0, 0.0, math.sin(pose.theta / 2), math.cos(pose.theta / 2)),
+        message("geometry_msgs/Quaternion", 0.0, 0.0, elementary.sin(pose.theta / 2), elementary.cos(pose.theta / 2)),
     )
 
 
@@ -92,7 +93,9 @@ def test_transforms(tick: int, entries: list[tuple[str, str, Pose2]]) -> None:
         moved = message(
             "geometry_msgs/Transform",
             message("geometry_msgs/Vector3", pose.x, pose.y, 0.0),
-            message("geometry_msgs/Quaternion", 0.0, 0.0, math.sin(pose.theta / 2), math.cos(pose.theta / 2)),
+            message(
+                "geometry_msgs/Quaternion", 0.0, 0.0, elementary.sin(pose.theta / 2), elementary.cos(pose.theta / 2)
+            ),
         )
         stamped.append(message("geometry_msgs/TransformStamped", ros_header(tick, parent), child, moved))
     assert data == serialised(types.TFMESSAGE, message(types.TFMESSAGE, stamped))
