@@ -15,6 +15,14 @@ from pyarrow import compute, csv, parquet
 Array: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.generic[object]]]"
 
 
+_ELEMENTS = {pa.list_(pa.string()): ".list.element"}
+"""Path of the elements in columns of lists of words."""
+_PAGE_BYTES = 1 << 18
+"""A quarter of the usual size: every open file holds a page of each column."""
+_ELEMENTS_AT_ONCE = 1 << 17
+"""Elements of a column of lists in a row group: every open file keeps some 10 bytes for each."""
+
+
 class TableFormat(StrEnum):
     """File format of a table."""
 
@@ -63,6 +71,8 @@ class TableFiles:
     """
 
     def __init__(self, folder: Path, formats: Collection[TableFormat]) -> None:
+        # Arrow's own allocator keeps what files gave back.
+        pa.set_memory_pool(pa.system_memory_pool())
         self._folder = folder
         self._formats = formats
         self._csv: dict[str, csv.CSVWriter] = {}
@@ -82,10 +92,20 @@ class TableFiles:
         table = arrow_table(columns, values)
         if TableFormat.PARQUET in self._formats:
             if name not in self._parquet:
-                path = self._folder / f"{name}.parquet"
-                self._parquet[name] = parquet.ParquetWriter(path, table.schema, compression="zstd")
+                # Dictionaries of numbers take most of the time and memory, and make files larger.
+                words = [f"{each.name}{_ELEMENTS.get(each.type, '')}" for each in table.schema if _has_words(each.type)]
+                self._parquet[name] = parquet.ParquetWriter(
+                    self._folder / f"{name}.parquet",
+                    table.schema,
+                    compression="zstd",
+                    use_dictionary=words,
+                    data_page_size=_PAGE_BYTES,
+                )
             if table.num_rows:
-                self._parquet[name].write_table(table)
+                lists = (column.chunk(0) for column in table.columns if pa.types.is_list(column.type))
+                most = max((len(each.values) for each in lists), default=0)
+                rows = max(1, table.num_rows * _ELEMENTS_AT_ONCE // max(most, _ELEMENTS_AT_ONCE))
+                self._parquet[name].write_table(table, row_group_size=rows)
         if TableFormat.CSV in self._formats:
             cells = [_cells(column.combine_chunks()) for column in table.columns]
             plain = pa.Table.from_arrays(cells, names=table.column_names)
@@ -108,6 +128,10 @@ def arrow_table(columns: Sequence[Column], values: Sequence[Values]) -> pa.Table
         for column, array in zip(columns, arrays, strict=True)
     ]
     return pa.Table.from_arrays(arrays, schema=pa.schema(fields))
+
+
+def _has_words(kind: pa.DataType) -> bool:
+    return pa.types.is_string(kind) or kind in _ELEMENTS
 
 
 def _array(kind: str, values: Values) -> pa.Array:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from thbridge.analysis.export.columns import fields_of
-from thbridge.analysis.export.gathering import GatheredRows
+from thbridge.analysis.export.gathering import ALIKE, GatheredRows
 from thbridge.analysis.export.layout import MessageLayout, layout_of
 from thbridge.files.table_files import Column, ListColumn, Values
 from thbridge.ros.messages.types import OWN_TYPES, plain_definition
@@ -153,6 +153,22 @@ def test_a_broken_message_leaves_nothing_behind(good: object, other: object, dat
         gathered.add(whole)
     assert str(taken(record, rows)) == str(taken(record, alone))
     assert [inner.count for inner in rows.inner] == [inner.count for inner in alone.inner]
+
+
+@settings(max_examples=80)
+@given(said=st.lists(rovers, min_size=1, max_size=3), broken=st.binary(max_size=40))
+def test_messages_of_one_length_are_read_together_as_one_by_one(said: list, broken: bytes) -> None:
+    record = layout_of("far_away/Rover", FOREIGN)
+    together, alone = GatheredRows(record), GatheredRows(record)
+    messages = [serialized(rover) for rover in said for _ in range(ALIKE)]
+    messages[len(messages) // 2 : len(messages) // 2] = [broken] * (ALIKE + 1)
+    refused = together.add_all(bytearray().join(messages), np.array([*map(len, messages)]))
+    for index, data in enumerate(messages):
+        if index not in refused:
+            alone.add(data)
+    assert str(taken(record, together)) == str(taken(record, alone))
+    assert len(refused) in {0, ALIKE + 1}
+    assert together.count == alone.count
 
 
 def columns(msgtype: str) -> dict[str, Column]:

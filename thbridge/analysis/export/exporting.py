@@ -1,4 +1,4 @@
-"""Conversion of a recording to tables while it is read: only some MB of each topic, and all poses, are in memory."""
+"""Conversion of a recording to tables while it is read, in memory that does not grow with the recording."""
 
 import re
 from collections import Counter
@@ -21,7 +21,9 @@ from thbridge.ros.messages.types import GAME_EVENT, UTTERANCE
 EMPTY_MD5 = "d41d8cd98f00b204e9800998ecf8427e"
 """Md5 sum of types without fields."""
 PIECE = 4 << 20
-"""Bytes of a topic's messages that are converted to rows together."""
+"""Bytes of a topic's messages that are converted to rows together, at most."""
+HELD = 48 << 20
+"""Bytes of all topics' messages that wait for others of their topic; beyond, those of one topic are converted."""
 
 
 @dataclass(slots=True)
@@ -64,6 +66,7 @@ def export(
     names = {poses.NAME, *dialogues.NAMES}
     together = (poses.PosesTable(), dialogues.DialogueTables())
     broken: Counter[str] = Counter()
+    held = 0
     for publisher, stamp_ns, data in recorded:
         key = (publisher.topic, publisher.msgtype, publisher.md5)
         if key not in topics:
@@ -71,20 +74,35 @@ def export(
         gathered = topics[key]
         if gathered is None:
             continue
-        try:
-            gathered.add(stamp_ns, data)
-        except ValueError as error:
-            broken[f"{publisher.topic}: {error}"] += 1
-        if gathered.size > PIECE:
-            yield from _counted(map(numbered.of, gathered.take()), together, exported, tables)
+        before = gathered.size
+        gathered.add(stamp_ns, data)
+        held += gathered.size - before
+        if gathered.size > PIECE or held > HELD:
+            full = gathered
+            if gathered.size <= PIECE:
+                full = max(filter(None, topics.values()), key=_bytes_of_a_column)
+            held -= full.size
+            yield from _counted(_taken(full, broken, numbered), together, exported, tables)
     for gathered in topics.values():
         if gathered is not None:
-            yield from _counted(map(numbered.of, gathered.take()), together, exported, tables)
+            yield from _counted(_taken(gathered, broken, numbered), together, exported, tables)
             exported.frames |= gathered.frames()
     exported.frames |= poses.FRAMES
     for each in together:
         yield from _counted(map(numbered.of, each.pieces()), (), exported, tables)
     exported.notices += [f"{count} messages of {what}." for what, count in broken.items()]
+
+
+def _bytes_of_a_column(gathered: TopicTables) -> float:
+    """Bytes that wait for each column. Files keep a kilobyte for each column of each piece until they are closed."""
+    return gathered.size / gathered.columns
+
+
+def _taken(gathered: TopicTables, broken: Counter[str], numbered: "_GameNumbers") -> Iterator[TableRows]:
+    """Yield the rows of a topic with the numbers of games; messages that cannot be read are counted by sentence."""
+    lost: Counter[str] = Counter()
+    yield from map(numbered.of, gathered.take(lost))
+    broken.update({f"{gathered.topic}: {problem}": count for problem, count in lost.items()})
 
 
 def _with_room_names(piece: TableRows, rooms: RoomNames) -> TableRows:

@@ -9,6 +9,7 @@ length).
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TypeAlias, cast
 
 import numpy as np
@@ -144,6 +145,7 @@ class MessageLayout:
         return tuple(part for part in self.parts if isinstance(part, MessageArray))
 
 
+@lru_cache(maxsize=256)
 def layout_of(msgtype: str, definition: str) -> MessageLayout:
     """The layout of a type.
 

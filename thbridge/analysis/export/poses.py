@@ -1,8 +1,10 @@
 """The table `poses`: true, estimated and odometry poses of all robots at common times.
 
-Poses are kept until the end of the recording, 32 bytes each: only then it is known which topic has the truth and which
-an estimate.
+Poses are kept until the end of the recording, 32 bytes each, on disk but for the latest: only then it is known which
+topic has the truth and which an estimate. Then those of one robot are in memory.
 """
+
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -10,7 +12,7 @@ from sim.common import elementary_arrays
 from sim.common.geometry import FloatArray
 from thbridge.analysis.export.tables import SECONDS, Table, TableRows
 from thbridge.analysis.report.paths import at_times, wrapped
-from thbridge.analysis.report.tracks import PoseSeries, SeriesByTopic
+from thbridge.analysis.report.tracks import SeriesByTopic
 from thbridge.analysis.report.values import Track
 from thbridge.files.table_files import Column, Values
 from thbridge.ros.messages.types import ODOMETRY, POSE_STAMPED, POSE_WITH_COVARIANCE
@@ -58,10 +60,10 @@ class PosesTable:
         if table.msgtype == _TRANSFORM:
             self._add_frames(table.source.partition(":")[0], frames, children, rows)
         elif table.msgtype == ODOMETRY:
-            poses = self._series.odometry.setdefault(table.source, PoseSeries(frames[0], children[0]))
+            poses = self._series.odometry.setdefault(table.source, self._series.poses_of(frames[0], children[0]))
             poses.rows.frombytes(rows.tobytes())
         else:
-            poses = self._series.poses.setdefault(table.source, PoseSeries(frames[0], ""))
+            poses = self._series.poses.setdefault(table.source, self._series.poses_of(frames[0], ""))
             poses.rows.frombytes(rows.tobytes())
 
     def _add_frames(self, topic: str, parents: list[str], children: list[str], rows: FloatArray) -> None:
@@ -70,12 +72,12 @@ class PosesTable:
             parent, child = (frame.lstrip("/") for frame in pair.split("\n"))
             if is_map_frame(parent) or is_odom_frame(parent):
                 key = (topic.strip("/").rpartition("/")[0], parent, child)
-                edge = self._series.edges.setdefault(key, PoseSeries(parent, child))
+                edge = self._series.edges.setdefault(key, self._series.poses_of(parent, child))
                 edge.rows.frombytes(rows[pairs == pair].tobytes())
 
-    def pieces(self) -> list[TableRows]:
-        """The table's rows, robot by robot; empty when there were no poses."""
-        return [piece for track in self._series.tracks(0.0) if (piece := _piece(track)).rows]
+    def pieces(self) -> Iterator[TableRows]:
+        """Yield the table's rows, robot by robot; nothing when there were no poses."""
+        yield from (piece for track in self._series.tracks(0.0) if (piece := _piece(track)).rows)
 
 
 def _texts(values: Values) -> list[str]:

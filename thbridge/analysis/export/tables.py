@@ -1,6 +1,8 @@
 """The tables of a topic: one row a message, and a separate table for each array of messages within them."""
 
 import json
+from array import array
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
@@ -69,33 +71,41 @@ class TopicTables:
         topic: the topic, with its leading slash.
         record: the layout of the type.
         start_ns: beginning of the recording.
+
+    Attributes:
+        topic: the topic.
+        columns: number of columns of all its tables.
+        size: bytes of the messages that were added and not taken; 0 for game events, whose columns are known only at
+            the end of the recording.
     """
 
     def __init__(self, name: str, topic: str, record: MessageLayout, start_ns: int) -> None:
         self._rows = GatheredRows(record)
-        self._stamps: list[int] = []
+        self._stamps, self._lengths, self._messages = array("q"), array("q"), bytearray()
         self._start_ns = start_ns
         self._open_ended = record.msgtype == GAME_EVENT
         self._top = _TableNode(name, topic, words.topic_meaning(topic), record, top=True)
-
-    @property
-    def size(self) -> int:
-        """Bytes gathered; 0 for game events, whose columns are known only at the end of the recording."""
-        return 0 if self._open_ended else self._rows.size
+        self.topic, self.size = topic, 0
+        self.columns = self._top.columns
 
     def add(self, stamp_ns: int, data: bytes) -> None:
-        """Append a message. Raises ValueError: it is not of this type."""
-        self._rows.add(data)
+        """Append a message."""
         self._stamps.append(stamp_ns)
+        self._lengths.append(len(data))
+        self._messages += data
+        if not self._open_ended:
+            self.size += len(data)
 
-    def take(self) -> Iterator[TableRows]:
-        """Yield the rows gathered so far, then drop them."""
-        stamps = np.array(self._stamps, dtype=np.int64)
+    def take(self, broken: Counter[str]) -> Iterator[TableRows]:
+        """Yield the rows of the messages that were added, then drop them; those that cannot be read are counted."""
+        lost = self._rows.add_all(self._messages, np.array(self._lengths))
+        broken.update(lost.values())
+        stamps = np.delete(np.array(self._stamps), list(lost))
+        self._stamps, self._lengths, self._messages, self.size = array("q"), array("q"), bytearray(), 0
         seconds = (stamps - self._start_ns) / 1e9
         for piece in self._top.pieces(self._rows, seconds, (stamps,)):
             yield _with_events(piece) if self._open_ended else piece
         self._rows.clear()
-        self._stamps = []
 
     def frames(self) -> Mapping[tuple[str, str], str]:
         """The frame of each column's values, by table and column, as far as messages have one."""
@@ -141,6 +151,11 @@ class _TableNode:
             )
         name, source = f"{self.name}.{path}", f"{self.source}: {path}"
         return _TableNode(name, source, meaning or self.meaning, items.record, False, own_frame)
+
+    @property
+    def columns(self) -> int:
+        """Number of columns of this table and those within, times and keys included."""
+        return len(self.fields) + 4 + sum(within.columns for _, within in self.inner)
 
     @property
     def _only_array(self) -> bool:
@@ -196,7 +211,7 @@ class _TableNode:
         return TableRows(table, rows.count, (*values, *own))
 
     def _note_frames(self, column: str, frames: list[str] | list[str | None] | list[bytes]) -> None:
-        self.seen_frames.setdefault(column, set()).update(str(frame) for frame in frames)
+        self.seen_frames.setdefault(column, set()).update(map(str, set(frames)))
 
     def frames(self, above: Mapping[str, set[str]]) -> Iterator[tuple[tuple[str, str], str]]:
         """Yield what `TopicTables.frames` returns; `above`: the frames in the parent table, by column."""

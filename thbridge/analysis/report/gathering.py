@@ -15,8 +15,9 @@ from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
 from sim.common.robot_numbers import namespace_of, robot_name
 from thbridge.analysis.games import OF_A_GAME, game_start
+from thbridge.analysis.report.batches import MessageBatches
 from thbridge.analysis.report.dialogues import DialogueGatherer
-from thbridge.analysis.report.tracks import PoseSeries, SeriesByTopic, deviations
+from thbridge.analysis.report.tracks import SeriesByTopic, deviations
 from thbridge.analysis.report.values import GoalAttempt, ObstacleTrack, Report, TimelineEntry, Track
 from thbridge.hunt.event_words import event_in_words, kind_in_words
 from thbridge.hunt.rooms import RoomNames
@@ -25,8 +26,8 @@ from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import GoalStatusCode
 from thbridge.ros.messages.session_records import GameEvent, ScoreRecord, SessionRecord, UtteranceRecord
 from thbridge.ros.messages.unpack import PoseInFrame
-from thbridge.ros.names import MAP, ROOMS, THINGS, frame_name
-from thbridge.ros.robots import is_map_frame, is_odom_frame, usual_first
+from thbridge.ros.names import MAP, ROOMS, THINGS
+from thbridge.ros.robots import usual_first
 
 OUTCOMES: dict[int, str] = {
     GoalStatusCode.SUCCEEDED: "arrived",
@@ -91,12 +92,10 @@ class _ReportBuilder:
         self._rooms = RoomNames()
         self._dialogues = DialogueGatherer()
         self._unread: dict[str, str] = {}
+        self._batches = MessageBatches(self._series, self._unread)
         self._handlers: dict[str, Callable[[float, str, bytes], None]] = {
-            types.ODOMETRY: self._odometry,
-            types.TFMESSAGE: self._transforms,
             types.POSE_WITH_COVARIANCE: self._pose_with_covariance,
             types.POSE_STAMPED: self._pose,
-            types.TWIST: self._command,
             types.BATTERY_STATE: self._battery,
             types.MOVE_BASE_GOAL: self._goal,
             types.MOVE_BASE_RESULT: self._result,
@@ -136,10 +135,13 @@ class _ReportBuilder:
         self._last_ns = max(self._last_ns, message.stamp_ns)
         msgtype = types.TFMESSAGE if message.msgtype == _TF_OLD else message.msgtype
         handler = self._handlers.get(msgtype)
-        if handler is None:
+        if handler is None and not self._batches.takes(msgtype):
             return
         if message.md5 != types.plain_definition(msgtype).md5:
             self._unread[message.topic] = f"{message.topic} holds another release's {message.msgtype}"
+            return
+        if handler is None:
+            self._batches.add(self._seconds(message.stamp_ns), message.topic, msgtype, message.data)
             return
         try:
             handler(self._seconds(message.stamp_ns), message.topic, message.data)
@@ -148,7 +150,8 @@ class _ReportBuilder:
 
     def report(self, grid: OccupancyGrid | None) -> Report:
         duration = self._seconds(self._last_ns)
-        tracks = self._series.tracks(duration)
+        self._batches.flush()
+        tracks = self._series.thinned_tracks(duration)
         grid = grid or next((self._grids[name] for name in usual_first(self._grids, (MAP.strip("/"),))), None)
         return Report(
             duration,
@@ -186,18 +189,6 @@ class _ReportBuilder:
         if self._score is None:
             yield "No score: nobody published /hunt/score."
 
-    def _odometry(self, time: float, topic: str, data: bytes) -> None:
-        message = unpack.odometry(data)
-        poses = self._series.odometry.setdefault(topic, PoseSeries(message.frame, message.child_frame))
-        poses.add(time, message.pose)
-        poses.speeds.extend((time, message.twist.linear, message.twist.angular))
-
-    def _transforms(self, time: float, topic: str, data: bytes) -> None:
-        for _, (parent, child, pose) in unpack.transforms(data):
-            if is_map_frame(parent) or is_odom_frame(parent):
-                key = (topic.strip("/").rpartition("/")[0], frame_name(parent), frame_name(child))
-                self._series.edges.setdefault(key, PoseSeries(key[1], key[2])).add(time, pose)
-
     def _pose_with_covariance(self, time: float, topic: str, data: bytes) -> None:
         self._add_pose(time, topic, unpack.pose_with_covariance(data))
 
@@ -205,14 +196,12 @@ class _ReportBuilder:
         self._add_pose(time, topic, unpack.pose_stamped(data))
 
     def _add_pose(self, time: float, topic: str, message: PoseInFrame) -> None:
-        poses = self._series.poses.setdefault(topic, PoseSeries(message.frame, ""))
+        poses = self._series.poses.get(topic)
+        if poses is None:
+            poses = self._series.poses[topic] = self._series.poses_of(message.frame, "")
         poses.add(time, message.pose)
         if (row := deviations(time, message.covariance)) is not None:
             poses.deviations.extend(row)
-
-    def _command(self, time: float, topic: str, data: bytes) -> None:
-        message = unpack.twist(data)
-        self._series.commands[topic].extend((time, message.linear, message.angular))
 
     def _battery(self, time: float, topic: str, data: bytes) -> None:
         message = unpack.battery_state(data)

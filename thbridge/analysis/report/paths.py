@@ -4,7 +4,6 @@ They give the same bits on every machine, and so do tables of a recording.
 """
 
 import math
-from array import array
 
 import numpy as np
 
@@ -14,11 +13,6 @@ from sim.common.geometry import FloatArray
 RELOCATED = 0.5
 """Metres by which a localiser moves a robot at once when it has found it elsewhere, not merely corrected it: as no
 message tells of that, the step itself does."""
-
-
-def table(series: "array[float]", columns: int) -> FloatArray:
-    """(n, columns) table of numbers that are stored row by row; n may be 0."""
-    return np.array(series, dtype=np.float64).reshape(-1, columns)
 
 
 def corrected(odometry: FloatArray, corrections: FloatArray) -> FloatArray:

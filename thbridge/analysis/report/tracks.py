@@ -1,16 +1,16 @@
 """Assignment of topics to robots, and choice of each robot's truth, odometry and estimate among them."""
 
-from array import array
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2
-from thbridge.analysis.report.paths import corrected, distance, errors, relocations, table
+from thbridge.analysis.report.paths import corrected, distance, errors, relocations
 from thbridge.analysis.report.values import NEVER, GoalAttempt, Track
 from thbridge.analysis.report.ways_made import WaysMade
+from thbridge.files.number_rows import NumberRows, NumberSpool
 from thbridge.ros.names import frame_name
 from thbridge.ros.robots import (
     ODOM_FRAME,
@@ -35,9 +35,8 @@ NO_ESTIMATES = ("initialpose", "goal", "current_goal", "target", "believed_pose"
 BASES = ("base_footprint", "base_link")
 
 
-def numbers() -> "array[float]":
-    """An empty compact array for rows of numbers, large enough for hours of poses."""
-    return array("d")
+MOST_POSES = 500_000
+"""Poses of all robots' paths in a report; of longer recordings every second, third, ... is kept."""
 
 
 @dataclass(slots=True)
@@ -47,16 +46,16 @@ class PoseSeries:
     Attributes:
         frame: the frame of the poses.
         child: the frame whose poses they are; "" where it is unknown.
-        rows: rows of time, x, y, theta, concatenated.
+        rows: rows of time, x, y, theta.
         speeds: rows of time, m/s, rad/s.
         deviations: rows of time, standard deviations of position (m) and heading (rad).
     """
 
     frame: str
     child: str
-    rows: "array[float]" = field(default_factory=numbers)
-    speeds: "array[float]" = field(default_factory=numbers)
-    deviations: "array[float]" = field(default_factory=numbers)
+    rows: NumberRows
+    speeds: NumberRows
+    deviations: NumberRows
 
     def add(self, time: float, pose: Pose2) -> None:
         """Append a pose."""
@@ -68,6 +67,7 @@ class SeriesByTopic:
     """Data of robots over time, by topic.
 
     Attributes:
+        spool: where their numbers go.
         odometry: poses of type nav_msgs/Odometry.
         poses: poses of types geometry_msgs/PoseWithCovarianceStamped and PoseStamped.
         edges: transforms whose parent is a map or odometry, by namespace of the tf topic, parent and child.
@@ -79,20 +79,37 @@ class SeriesByTopic:
         ways_made: times in which robots made way for others.
     """
 
+    spool: NumberSpool = field(default_factory=NumberSpool)
     odometry: dict[str, PoseSeries] = field(default_factory=dict)
     poses: dict[str, PoseSeries] = field(default_factory=dict)
     edges: dict[tuple[str, str, str], PoseSeries] = field(default_factory=dict)
-    energy: "defaultdict[str, array[float]]" = field(default_factory=lambda: defaultdict(numbers))
-    commands: "defaultdict[str, array[float]]" = field(default_factory=lambda: defaultdict(numbers))
+    energy: defaultdict[str, NumberRows] = field(init=False)
+    commands: defaultdict[str, NumberRows] = field(init=False)
     goals: defaultdict[str, dict[str, float]] = field(default_factory=lambda: defaultdict(dict))
     attempts: defaultdict[str, list[GoalAttempt]] = field(default_factory=lambda: defaultdict(list))
     carried: defaultdict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
     ways_made: WaysMade = field(default_factory=WaysMade)
 
-    def tracks(self, duration: float) -> tuple[Track, ...]:
-        """The track of each robot, in the order of their numbers."""
+    def __post_init__(self) -> None:
+        self.energy, self.commands = defaultdict(self.numbers), defaultdict(self.numbers)
+
+    def numbers(self) -> NumberRows:
+        """An empty series of numbers."""
+        return NumberRows(self.spool)
+
+    def poses_of(self, frame: str, child: str) -> PoseSeries:
+        """An empty series of poses."""
+        return PoseSeries(frame, child, self.numbers(), self.numbers(), self.numbers())
+
+    def tracks(self, duration: float) -> Iterator[Track]:
+        """Yield the track of each robot, in the order of their numbers."""
         robots = self._robots()
-        return tuple(self._track(robot, robots, duration) for robot in sorted(robots, key=by_number))
+        return (self._track(robot, robots, duration) for robot in sorted(robots, key=by_number))
+
+    def thinned_tracks(self, duration: float) -> tuple[Track, ...]:
+        """The tracks of all robots, with at most `MOST_POSES` poses of a kind together."""
+        most = max(1, MOST_POSES // max(1, len(self._robots())))
+        return tuple(_thinned(track, most) for track in self.tracks(duration))
 
     def _robots(self) -> frozenset[str]:
         """Names of the robots: prefixes of frames, and namespaces; "" for a robot without either."""
@@ -104,7 +121,7 @@ class SeriesByTopic:
         sources = _Sources(self, robot, robots)
         truth, odometry = sources.truth(), sources.odometry()
         estimate, relocated = sources.estimate(odometry)
-        true_path, driven = table(truth.rows, 4), table(odometry.rows, 4)
+        true_path, driven = truth.rows.table(4), odometry.rows.table(4)
         carried = np.array(self.carried.get(robot, ()), dtype=np.float64)
         paths = ((true_path, carried), (estimate, relocated), (driven, NEVER))
         attempts = [attempt for topic in sources.own(self.attempts) for attempt in self.attempts[topic]]
@@ -118,13 +135,13 @@ class SeriesByTopic:
             truth=true_path,
             estimate=estimate,
             errors=errors(estimate, true_path),
-            energy=table(_first(self.energy, sources.own(self.energy), BATTERIES), 2),
+            energy=_first(self.energy, sources.own(self.energy), BATTERIES, 2),
             attempts=tuple(sorted(attempts, key=lambda attempt: attempt.start)),
             distance=next((distance(path, cuts) for path, cuts in paths if len(path)), 0.0),
             odometry=driven,
-            speeds=table(odometry.speeds, 3),
-            commands=table(_first(self.commands, sources.own(self.commands), COMMANDS), 3),
-            deviations=table(sources.admitted(), 3),
+            speeds=odometry.speeds.table(3),
+            commands=_first(self.commands, sources.own(self.commands), COMMANDS, 3),
+            deviations=sources.admitted(),
             sources=tuple(sources.notes),
             carried=carried,
             relocated=relocated,
@@ -142,6 +159,7 @@ class _Sources:
     def __init__(self, by_topic: SeriesByTopic, robot: str, robots: frozenset[str]) -> None:
         self.notes: list[str] = []
         self._robot, self._robots = robot, robots
+        self._nothing = by_topic.poses_of("", "")
         self._odometry = self._own_poses(by_topic.odometry)
         self._poses = self._own_poses(by_topic.poses)
         self._edges = {
@@ -181,17 +199,17 @@ class _Sources:
             lambda _, series: is_map_frame(series.frame) and frame_name(series.child) == frame_name(odometry.frame),
         )
         if odometry.rows and corrections:
-            counted, last = table(odometry.rows, 4), table(self._take("estimate", (corrections, ())).rows, 4)
+            counted, last = odometry.rows.table(4), self._take("estimate", (corrections, ())).rows.table(4)
             return corrected(counted, last), relocations(counted, last)
         fused = _chosen(self._odometry, lambda topic, series: not is_truth(topic) and is_map_frame(series.frame))
         direct = _chosen(self._edges, lambda _, series: is_map_frame(series.frame) and last_word(series.child) in BASES)
         found = self._take("estimate", (_estimates(self._poses), ESTIMATES), (fused, ()), (direct, ()))
-        return table(found.rows, 4), NEVER
+        return found.rows.table(4), NEVER
 
-    def admitted(self) -> "array[float]":
-        """Rows of the standard deviations that its localiser reports; see `PoseSeries.deviations`."""
+    def admitted(self) -> FloatArray:
+        """(d, 3) table of the standard deviations that its localiser reports; see `PoseSeries.deviations`."""
         names = usual_first(_estimates(self._poses), ESTIMATES)
-        return self._poses[names[0]].deviations if names else numbers()
+        return self._poses[names[0]].deviations.table(3) if names else np.empty((0, 3))
 
     def _own_poses(self, by_topic: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
         """The poses of the robot: by the prefix of their frame if it is a robot's, else by the namespace."""
@@ -209,13 +227,35 @@ class _Sources:
                 others = f"; there is also {', '.join(names[1:])}" if len(names) > 1 else ""
                 self.notes.append(f"{what} from {names[0]}{others}")
                 return candidates[names[0]]
-        return PoseSeries("", "")
+        return self._nothing
 
 
-def _first(by_topic: Mapping[str, "array[float]"], topics: Iterable[str], usual: tuple[str, ...]) -> "array[float]":
-    """The rows of the topic with the most usual name; none without a topic."""
+def _first(
+    by_topic: Mapping[str, NumberRows], topics: Iterable[str], usual: tuple[str, ...], columns: int
+) -> FloatArray:
+    """(n, columns) table of the topic with the most usual name; without rows if there is no topic."""
     names = usual_first(topics, usual)
-    return by_topic[names[0]] if names else numbers()
+    return by_topic[names[0]].table(columns) if names else np.empty((0, columns))
+
+
+def _thinned(track: Track, most: int) -> Track:
+    """A track with at most so many poses of a kind, the last of each among them. Its distance stays that of all."""
+    long = (track.truth, track.estimate, track.errors, track.odometry, track.speeds)
+    every = -(-max(map(len, long)) // most)
+    if every <= 1:
+        return track
+    truth, estimate, errors, odometry, speeds = (
+        np.concatenate((path[: len(path) - 1 : every], path[-1:])) if len(path) else path for path in long
+    )
+    return replace(
+        track,
+        truth=truth,
+        estimate=estimate,
+        errors=errors,
+        odometry=odometry,
+        speeds=speeds,
+        sources=(*track.sources, f"one pose in {every} is used, for there are very many"),
+    )
 
 
 def _chosen(by_topic: Mapping[str, PoseSeries], wanted: Callable[[str, PoseSeries], bool]) -> dict[str, PoseSeries]:

@@ -17,7 +17,7 @@ from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.records import INDEX_ENTRY_BYTES, U32
 
 BYTES_KEPT = 32 * 1024 * 1024
-"""Bytes of unpacked chunks that are cached."""
+"""Bytes of unpacked chunks that are cached, unless told otherwise."""
 WHOLE = 1024 * 1024
 """Largest uncompressed chunk that is read as a whole; of larger ones single messages are read."""
 
@@ -70,10 +70,11 @@ class ChunkReader:
     Args:
         parts: paths of the files.
         files: the same, opened; `close` closes them.
+        bytes_kept: bytes of unpacked chunks that are cached.
     """
 
-    def __init__(self, parts: Sequence[Path], files: Sequence[BinaryIO]) -> None:
-        self._parts, self._files = parts, files
+    def __init__(self, parts: Sequence[Path], files: Sequence[BinaryIO], bytes_kept: int = BYTES_KEPT) -> None:
+        self._parts, self._files, self._bytes_kept = parts, files, bytes_kept
         self._packed: dict[ChunkInfo, _Packed] = {}
         self._unpacked: OrderedDict[ChunkInfo, bytes] = OrderedDict()
         self._bytes = 0
@@ -184,7 +185,7 @@ class ChunkReader:
             known = known if packed.unpack is None else packed.unpack(known)
         self._unpacked[chunk] = known
         self._bytes += len(known)
-        while self._bytes > BYTES_KEPT and len(self._unpacked) > 1:
+        while self._bytes > self._bytes_kept and len(self._unpacked) > 1:
             self._bytes -= len(self._unpacked.popitem(last=False)[1])
         return known
 

@@ -15,6 +15,9 @@ from thbridge.recording.bag.file_end import FileEnd, read_end
 from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.recordings import parts_of
 
+BYTES_KEPT = 4 * 1024 * 1024
+"""Bytes of unpacked chunks that are cached, for those that overlap in time."""
+
 
 @dataclass(frozen=True, slots=True)
 class TopicInfo:
@@ -228,4 +231,4 @@ def opened(path: Path) -> Iterator[tuple[FileEnd, ChunkReader]]:
         with damage_as_bad_file(path):
             for _ in read_end(file, 0, path, end):
                 pass
-        yield end, ChunkReader((path,), (file,))
+        yield end, ChunkReader((path,), (file,), BYTES_KEPT)
