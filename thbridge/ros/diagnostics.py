@@ -7,7 +7,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import TICK
 from sim.common.robot_numbers import namespace_of, robot_name
 from sim.robot.navigator.navigation import NavigatorState
-from sim.robot.software import RobotOutput
+from sim.robot.software import CarriedOutput, RobotOutput
 from sim.team import TeamSnapshot
 from thbridge.ros.actionlib import ActionRequest, ActionServerMessage, GoalEnded, GoalSet
 from thbridge.ros.messages.goal_status import GoalStatusCode
@@ -80,7 +80,8 @@ class RobotDiagnostics:
         yield from self._way_made(snapshot.tick, None if dead else output.navigation.makes_way_for)
         if dead:
             return
-        if output.estimate.lost != self._lost:
+        # Carried on are only robots that know where they are, as in the tick before.
+        if not isinstance(output, CarriedOutput) and output.estimate.lost != self._lost:
             self._lost = output.estimate.lost
             text = "the robot does not know where it is" if self._lost else "the robot knows where it is"
             yield LogLine(LogLevel.WARN if self._lost else LogLevel.INFO, self._localiser, text)

@@ -8,7 +8,7 @@ import numpy as np
 
 from sim.common import elementary
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
-from sim.common.observations import TICKS_PER_SECOND
+from sim.common.observations import TICKS_PER_SECOND, Neighbour
 from sim.robot.navigator.navigation import Navigation
 from sim.robot.software import RobotOutput
 from thbridge.ros.actionlib import (
@@ -47,22 +47,29 @@ class PackedMotion(NamedTuple):
     Attributes:
         true: x, y, theta of its true pose.
         given: the command to its motors, m/s and rad/s.
-        pose: its true pose; so its true twist.
-        sensed: its pose by odometry; so its twist.
-        correction: the pose of the frame odom in the map, by its localiser.
-        believed: its pose in the map, by its localiser.
+        charge: its energy left.
+        pose: `true`.
+        sensed: its pose by odometry.
+        twist: its true twist.
+        sensed_twist: its twist by odometry.
         command: `given`.
     """
 
     true: Sequence[float]
     given: Sequence[float]
+    charge: float
     pose: bytes
     sensed: bytes
-    correction: bytes
-    believed: bytes
     twist: bytes
     sensed_twist: bytes
     command: bytes
+
+
+class PackedEstimate(NamedTuple):
+    """Poses in the map by a robot's localiser, as geometry_msgs/Pose: of the robot's frame odom, and of its base."""
+
+    odom: bytes
+    base: bytes
 
 
 class RobotPublisher:
@@ -78,6 +85,7 @@ class RobotPublisher:
         topics: all topics that it publishes.
         map_to_odom: the frames of its odometry's transform, packed.
         odom_to_base: the frames of its base's transform, packed.
+        odom_in_map: the pose of its frame odom by its last estimate, packed; empty before the first.
     """
 
     def __init__(self, robot: int, scan_period: float, planners: Planners) -> None:
@@ -86,6 +94,7 @@ class RobotPublisher:
         self.map_to_odom = pack.frame_names(MAP_FRAME, self.names.odom)
         self.odom_to_base = pack.frame_names(self.names.odom, self.names.base_footprint)
         self._map_to_base = pack.frame_names(MAP_FRAME, self.names.base_footprint)
+        self.odom_in_map = b""
         self._robot = robot
         self._base_laser = self.names.base_laser
         self._scan_period = scan_period
@@ -125,60 +134,77 @@ class RobotPublisher:
         return self.topics.base_pose_ground_truth, b"".join(fields)
 
     def tick(
-        self, tick: int, motion: PackedMotion, output: RobotOutput, goals: Sequence[ActionServerMessage]
+        self,
+        tick: int,
+        motion: PackedMotion,
+        localised: PackedEstimate | None,
+        output: RobotOutput,
+        goals: Sequence[ActionServerMessage],
     ) -> Iterator[tuple[Topic, bytes]]:
         """Yield the messages of a robot in one tick; it must not be dead.
 
         Args:
             tick: the number of the tick.
             motion: of the robot.
+            localised: its estimate; None where its output is carried on. Parts of such an output are made when they
+                are looked at, and are looked at only where a message needs them.
             output: the output of its software.
             goals: the messages of its action server.
         """
-        topics, observations, estimate = self.topics, output.observations, output.estimate
-        scan = observations.scan
-        believed = pack.header(tick, MAP_FRAME) + motion.believed
+        topics = self.topics
+        fields = (pack.head(tick), self.odom_to_base, motion.sensed, _ODOM_POSE, motion.sensed_twist, _ODOM_TWIST)
+        odometry = topics.odom, b"".join(fields)
+        if localised is None:
+            yield odometry
+        else:
+            believed = pack.header(tick, MAP_FRAME) + localised.base
+            yield from self._errors(motion.true, output, believed)
+            yield odometry
+            yield from self._sensed(tick, output, believed)
+        if tick % TICKS_PER_SECOND == 0 or motion.charge != self._charge:
+            self._charge = motion.charge
+            yield topics.battery, pack.battery_state(output.observations.battery, self.names.namespace[1:])
+        for message in goals:
+            yield self._packed(tick, message, output)
+        navigation = output.navigation
+        repeated = navigation.goal is not None and tick - self._command_tick >= COMMAND_PERIOD
+        if repeated or motion.given != self._command:
+            self._command, self._command_tick = motion.given, tick
+            yield topics.cmd_vel, motion.command
+        if localised is not None:
+            yield from self._plans(tick, navigation)
+        if (tick - self._robot) % LOCAL_FOOTPRINT_PERIOD == 0:
+            yield from self._footprints(tick, output.neighbour)
+
+    def _errors(self, true: Sequence[float], output: RobotOutput, believed: bytes) -> Iterator[tuple[Topic, bytes]]:
+        """Yield at every scan the believed pose and its errors, and that the robot is lost, when that changes."""
+        topics, estimate = self.topics, output.estimate
         if estimate.lost is not self._lost:
             self._lost = estimate.lost
             yield topics.lost, pack.boolean(estimate.lost)
-        if scan is not None:
+        if output.observations.scan is not None:
+            base, (x, y, theta) = estimate.base_in_map, true
             yield topics.believed_pose, believed
-            yield from self._errors(motion.true, estimate.base_in_map)
-        odometry = (pack.head(tick), self.odom_to_base, motion.sensed, _ODOM_POSE, motion.sensed_twist, _ODOM_TWIST)
-        yield topics.odom, b"".join(odometry)
+            yield topics.position_error, pack.float64(elementary.hypot(base.x - x, base.y - y))
+            yield topics.heading_error, pack.float64(wrap_angle(base.theta - theta))
+
+    def _sensed(self, tick: int, output: RobotOutput, believed: bytes) -> Iterator[tuple[Topic, bytes]]:
+        topics, scan, estimate = self.topics, output.observations.scan, output.estimate
         if scan is not None:
             yield topics.scan, pack.laser_scan(scan, self._base_laser, self._scan_period)
         if estimate.updated:
             yield topics.amcl_pose, believed + pack.covariance(estimate.covariance)
             if len(estimate.particles):
                 yield topics.particlecloud, pack.pose_array(tick, MAP_FRAME, estimate.particles)
-        charge = observations.battery.charge
-        if tick % TICKS_PER_SECOND == 0 or charge != self._charge:
-            self._charge = charge
-            yield topics.battery, pack.battery_state(observations.battery, self.names.namespace[1:])
-        for message in goals:
-            yield self._packed(tick, message, believed)
-        navigation = output.navigation
-        repeated = navigation.goal is not None and tick - self._command_tick >= COMMAND_PERIOD
-        if repeated or motion.given != self._command:
-            self._command, self._command_tick = motion.given, tick
-            yield topics.cmd_vel, motion.command
-        yield from self._plans(tick, navigation)
-        if (tick - self._robot) % LOCAL_FOOTPRINT_PERIOD == 0:
-            yield from self._footprints(tick, estimate.base_in_map, output.neighbour.footprint)
 
-    def _errors(self, true: Sequence[float], believed: Pose2) -> Iterator[tuple[Topic, bytes]]:
-        x, y, theta = true
-        yield self.topics.position_error, pack.float64(elementary.hypot(believed.x - x, believed.y - y))
-        yield self.topics.heading_error, pack.float64(wrap_angle(believed.theta - theta))
-
-    def _packed(self, tick: int, message: ActionServerMessage, believed: bytes) -> tuple[Topic, bytes]:
+    def _packed(self, tick: int, message: ActionServerMessage, output: RobotOutput) -> tuple[Topic, bytes]:
         match message:
             case GoalSet(goal, base):
                 return self.topics.goal, pack.move_base_goal(tick, goal, MAP_FRAME, base)
             case StatusList(entries):
                 return self.topics.status, pack.goal_status_array(tick, entries)
             case Feedback(entry):
+                believed = pack.pose_stamped(tick, MAP_FRAME, output.neighbour.base_in_map)
                 return self.topics.feedback, pack.move_base_feedback(tick, entry, believed)
             case GoalEnded(entry):
                 return self.topics.result, pack.move_base_result(tick, entry)
@@ -199,10 +225,10 @@ class RobotPublisher:
         if navigation.local_costmap is not None:
             yield topics.local_costmap, pack.costmap(MAP_FRAME, navigation.local_costmap)
 
-    def _footprints(self, tick: int, base: Pose2, footprint: FloatArray) -> Iterator[tuple[Topic, bytes]]:
-        if not len(footprint):
+    def _footprints(self, tick: int, robot: Neighbour) -> Iterator[tuple[Topic, bytes]]:
+        if not len(robot.footprint):
             return
-        corners = pack.polygon(tick, MAP_FRAME, base.transform(footprint))
+        corners = pack.polygon(tick, MAP_FRAME, robot.base_in_map.transform(robot.footprint))
         yield self.topics.local_footprint, corners
         if (tick - self._robot) % GLOBAL_FOOTPRINT_PERIOD == 0:
             yield self.topics.global_footprint, corners

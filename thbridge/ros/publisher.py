@@ -1,7 +1,7 @@
 """The messages of a session, tick by tick, in one order for bags and live graphs."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import assert_never
 
 import numpy as np
@@ -10,6 +10,7 @@ from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICKS_PER_SECOND, LaserMount
 from sim.common.polygons import NO_POLYGONS, unpack_polygons
+from sim.robot.software import CarriedOutput
 from sim.team import TeamSnapshot
 from thbridge.ros.actionlib import ActionRequest
 from thbridge.ros.diagnostics import RobotDiagnostics
@@ -41,7 +42,7 @@ from thbridge.ros.messages.session_records import (
 )
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import GRAPH_LINK, MAP_FRAME, RobotNames
-from thbridge.ros.one_robot import PackedMotion, RobotPublisher
+from thbridge.ros.one_robot import PackedEstimate, PackedMotion, RobotPublisher
 from thbridge.ros.topics import (
     CLOCK,
     DIAGNOSTICS,
@@ -164,14 +165,14 @@ class TeamPublisher:
             elif isinstance(record, InitialPose):
                 data = pack.pose_with_covariance(tick, MAP_FRAME, record.base_in_map, record.covariance)
                 messages.append(RosMessage(self._robots[record.robot].topics.initialpose, stamp, data, foreign=True))
-        motions = tuple(_motions(snapshot))
-        said = [(TF, self._moving_frames(snapshot, motions))]
+        motions, localised = self._packed(snapshot)
+        said = [(TF, self._moving_frames(snapshot, motions, localised))]
         for index, (robot, motion, output) in enumerate(zip(self._robots, motions, snapshot.robots, strict=True)):
             dead = index in snapshot.dead
             goals = robot.goals(tick, requests.get(index, ()), output, dead)
             said.append(robot.truth(tick, motion))
             if not dead:
-                said += robot.tick(tick, motion, output, goals)
+                said += robot.tick(tick, motion, localised.get(index), output, goals)
             lines += self._watches[index].log_lines(snapshot, output, goals)
         said += self._things(snapshot)
         said += [(ROSOUT, pack.log(tick, line)) for line in lines]
@@ -203,13 +204,46 @@ class TeamPublisher:
             for diagnosis in watch.diagnoses(snapshot, output)
         ]
 
-    def _moving_frames(self, snapshot: TeamSnapshot, motions: Sequence[PackedMotion]) -> bytes:
+    def _packed(self, snapshot: TeamSnapshot) -> tuple[tuple[PackedMotion, ...], dict[int, PackedEstimate]]:
+        """The motion of each robot, and the new estimates by robot.
+
+        The fields of all robots are packed together, at a fraction of the cost of one by one.
+        """
+        truth, commands = snapshot.truth, snapshot.commands
+        estimates = {
+            index: output.estimate
+            for index, (robot, output) in enumerate(zip(self._robots, snapshot.robots, strict=True))
+            if not isinstance(output, CarriedOutput) or not robot.odom_in_map
+        }
+        rows = [
+            (pose.x, pose.y, pose.theta) for each in estimates.values() for pose in (each.odom_in_map, each.base_in_map)
+        ]
+        planar = np.concatenate((truth.poses, truth.odom_poses, np.reshape(rows, (-1, 3))))
+        size, poses = len(self._robots), pack.all_pose_fields(planar)
+        twists = pack.all_twist_fields(np.concatenate((truth.twists, truth.odom_twists, commands)))
+        motions = map(
+            PackedMotion,
+            truth.poses.tolist(),
+            commands.tolist(),
+            truth.charge.tolist(),
+            poses[:size],
+            poses[size : 2 * size],
+            *(twists[at : at + size] for at in range(0, 3 * size, size)),
+        )
+        localised = map(PackedEstimate, poses[2 * size :: 2], poses[2 * size + 1 :: 2])
+        return tuple(motions), dict(zip(estimates, localised, strict=True))
+
+    def _moving_frames(
+        self, snapshot: TeamSnapshot, motions: Sequence[PackedMotion], localised: Mapping[int, PackedEstimate]
+    ) -> bytes:
         frames: list[bytes] = []
         poses: list[bytes] = []
         for index, (robot, motion) in enumerate(zip(self._robots, motions, strict=True)):
+            if index in localised:
+                robot.odom_in_map = localised[index].odom
             if index not in snapshot.dead:
                 frames += (robot.map_to_odom, robot.odom_to_base)
-                poses += (motion.correction, motion.sensed)
+                poses += (robot.odom_in_map, motion.sensed)
         return pack.stamped_transforms(pack.head(snapshot.tick), frames, poses)
 
     def _things(self, snapshot: TeamSnapshot) -> Iterator[tuple[Topic, bytes]]:
@@ -222,19 +256,6 @@ class TeamPublisher:
         things = [presence.thing.name for presence in snapshot.truth.things if presence.appeared]
         outlines = zip(things, unpack_polygons(bodies), strict=True)
         yield THINGS, pack.outlines(snapshot.tick, MAP_FRAME, outlines)
-
-
-def _motions(snapshot: TeamSnapshot) -> Iterator[PackedMotion]:
-    """The motion of each robot; the fields of all are packed together, at a fraction of the cost of one by one."""
-    truth, commands = snapshot.truth, snapshot.commands
-    estimates = [output.estimate for output in snapshot.robots]
-    localised = [each.odom_in_map for each in estimates] + [each.base_in_map for each in estimates]
-    rows = np.array([(pose.x, pose.y, pose.theta) for pose in localised])
-    poses = pack.all_pose_fields(np.concatenate((truth.poses, truth.odom_poses, rows)))
-    twists = pack.all_twist_fields(np.concatenate((truth.twists, truth.odom_twists, commands)))
-    size = len(estimates)
-    by_kind = [fields[at : at + size] for fields in (poses, twists) for at in range(0, len(fields), size)]
-    return map(PackedMotion, truth.poses.tolist(), commands.tolist(), *by_kind)
 
 
 def messages_of(stamp: int, tick: int, record: Record) -> Iterator[RosMessage]:

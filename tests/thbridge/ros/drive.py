@@ -56,7 +56,7 @@ def snapshots(robots: int, ticks: int, first: int = 0) -> Iterator[TeamSnapshot]
     for tick in range(first, first + ticks):
         outputs = tuple(_output(robot, tick) for robot in range(robots))
         commands = np.array([(o.navigation.command.linear, o.navigation.command.angular) for o in outputs])
-        yield TeamSnapshot(tick, _world(tick, [output.observations.odometry for output in outputs]), outputs, commands)
+        yield TeamSnapshot(tick, _world(tick, [output.observations for output in outputs]), outputs, commands)
 
 
 def records(tick: int) -> tuple[Record, ...]:
@@ -87,15 +87,15 @@ def _moves(tick: int) -> bool:
     return tick % (LEG + LEG // 2) < LEG
 
 
-def _world(tick: int, odometry: Sequence[Odometry]) -> WorldState:
-    robots = len(odometry)
+def _world(tick: int, observations: Sequence[Observations]) -> WorldState:
+    robots, odometry = len(observations), [each.odometry for each in observations]
     return WorldState(
         tick,
         np.array([truth(robot, tick).array() for robot in range(robots)]),
         np.tile([SPEED if _moves(tick) else 0.0, 0.0], (robots, 1)),
         np.array([sensed.base_in_odom.array() for sensed in odometry]),
         np.array([(sensed.twist.linear, sensed.twist.angular) for sensed in odometry]),
-        np.full(robots, 100.0),
+        np.array([each.battery.charge for each in observations]),
         np.zeros(robots, bool),
         np.zeros(robots, np.int64),
         SensorNoise.of([WorldParameters()] * robots),
@@ -131,7 +131,7 @@ def _output(robot: int, tick: int) -> RobotOutput:
         observations,
         estimate,
         navigation,
-        Neighbour(robot, true, twist, np.empty((0, 2)), np.empty((0, 2)), np.empty(0)),
+        Neighbour(robot, estimate.base_in_map, twist, np.empty((0, 2)), np.empty((0, 2)), np.empty(0)),
     )
 
 

@@ -1,6 +1,7 @@
 import re
 from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,13 +9,16 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import Battery, Twist
 from sim.common.robot_numbers import namespace_of
-from sim.parameters import RobotParameters
+from sim.inputs import KillRobot, ReviveRobot, SendGoal, SetCharge
+from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.view import CostmapView
 from sim.robot.navigator.goals import Cancelled, Goal
-from sim.team import TeamSnapshot
+from sim.robot.software import CarriedOutput, RobotOutput
+from sim.team import Team, TeamSnapshot
 from sim.world.thing import Thing
 from sim.world.things import ThingState, polygons_of
 from tests.thbridge.ros.drive import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from thbridge.files.map_files import read_map
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import GoalStatusCode
 from thbridge.ros.messages.pack import RoomLabel
@@ -22,6 +26,8 @@ from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal
 from thbridge.ros.messages.types import plain_definition, typestore
 from thbridge.ros.names import RobotNames
 from thbridge.ros.publisher import Planners, RosMessage, TeamPublisher, Topic, clock_message
+
+ARENA = read_map(Path(__file__).parents[3] / "maps" / "arena8")
 
 
 def published(robots: int, ticks: int) -> list[RosMessage]:
@@ -210,6 +216,30 @@ def test_what_clients_said_is_recorded_as_they_said_it_before_what_follows() -> 
     assert b"a client's goal rviz-1: (1.00, 2.00)" in log
     assert b"goal rviz-2 is given up: it is in another frame" in log
     assert ended[-1] == unpack.MoveBaseResult("rviz-2", GoalStatusCode.ABORTED, "it is in another frame")
+
+
+def test_robots_that_are_carried_on_say_what_they_would_if_they_had_been_stepped() -> None:
+    team = Team(ARENA.grid, WorldParameters(), [RobotParameters()] * 3, ARENA.starts[:3], 1, 100.0)
+    inputs = {
+        1: [SendGoal(robot, Goal(robot, ARENA.rooms[-1 - robot].goal)) for robot in range(3)],
+        60: [KillRobot(2), SetCharge(0, 50.0)],
+        90: [ReviveRobot(2)],
+    }
+    seen, stepped = (TeamPublisher(3, MOUNT, SCAN_PERIOD) for _ in range(2))
+    carried = looked_at = 0
+    for tick in range(1, 200):
+        snapshot = team.step(inputs.get(tick, ()))
+        said = seen.tick(snapshot)
+        outputs = [output for output in snapshot.robots if isinstance(output, CarriedOutput)]
+        carried += len(outputs)
+        looked_at += sum("observations" in vars(output) for output in outputs)
+        whole = tuple(
+            RobotOutput(output.observations, output.estimate, output.navigation, output.neighbour)
+            for output in snapshot.robots
+        )
+        assert said == stepped.tick(replace(snapshot, robots=whole))
+    assert carried > 100
+    assert looked_at < carried / 10
 
 
 def test_feedback_tells_where_the_robot_believes_it_is() -> None:
