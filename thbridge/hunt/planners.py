@@ -85,12 +85,12 @@ def own_tours(
 ) -> tuple[Tour, ...]:
     """Return tours on which each robot plans anew for itself before each move; see `PlanTours` and `_in_turns`.
 
-    Raises:
-        ValueError: more rooms than one robot can compare tours of.
+    Of more rooms than can be compared, its own tour is a good one.
     """
 
     def first_of_tour(start: TourStart, left: Collection[Room]) -> Room | None:
-        (tour,) = best_team_tours(costs, (start,), left, visit)
+        plan = best_team_tours if len(left) <= most_rooms_shared_out(1) else search_team_tours
+        (tour,) = plan(costs, (start,), left, visit)
         return tour.rooms[0] if tour.rooms else None
 
     return _in_turns(first_of_tour, costs, starts, unvisited, visit, sent)

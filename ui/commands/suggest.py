@@ -51,6 +51,7 @@ def _suggest_to_robot(costs: Path, at: int, unvisited: str, as_json: bool) -> No
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.hunt.rooms import Room
     from thbridge.hunt.tour import MOST_ROOMS, best_tour
+    from thbridge.hunt.tour_bound import least_tour_cost
 
     with bad_input():
         matrix = read_map_times(costs)
@@ -61,19 +62,30 @@ def _suggest_to_robot(costs: Path, at: int, unvisited: str, as_json: bool) -> No
             f"--at: {at} is not a place in the cost file. Write 0, the corridor, or a room up to {len(matrix.rooms)}.",
         )
     places = _rooms(unvisited, matrix.rooms)
-    proven = len({*places} - {start}) <= MOST_ROOMS
-    tour = best_tour(matrix, start, places) if proven else _good_tour(matrix, start, places)
+    compared = len({*places} - {start}) <= MOST_ROOMS
+    tour = best_tour(matrix, start, places) if compared else _good_tour(matrix, start, places)
     if isinstance(tour, RequestRefused):
         fail(FAILED, tour.sentence)
+    visits_all = {*tour.rooms} == {*places} - {start}
+    # Of all rooms that can be reached the bound is not known where some cannot.
+    least = tour.cost if compared else least_tour_cost(matrix, start, places, tour.cost) if visits_all else None
+    proven = least == tour.cost
     rooms = [each.people for each in tour.rooms]
-    cost = int(tour.cost) if tour.cost == int(tour.cost) else tour.cost
     if as_json:
-        print_json({"next": rooms[0], "tour": rooms, "cost": cost, "proven": proven})
+        told = {"next": rooms[0], "tour": rooms, "cost": _plain(tour.cost), "proven": proven}
+        print_json(told | {"at_least": None if least is None else _plain(least)})
         return
     kind = "the cheapest" if proven else "a good"
-    show(f"Next room {rooms[0]}; {kind} tour is {' '.join(map(str, rooms))} and costs {cost}.")
-    if not proven:
+    show(f"Next room {rooms[0]}; {kind} tour is {' '.join(map(str, rooms))} and costs {_plain(tour.cost)}.")
+    if least is None:
         show("Of so many rooms no tour can be proven the cheapest: a cheaper one may exist.")
+    elif not proven:
+        over = 100.0 * (tour.cost / least - 1.0) if least > 0.0 else math.inf
+        show(f"No tour costs less than {least:g}, so this one is at most {over:.1f} % dearer than the cheapest.")
+
+
+def _plain(cost: float) -> float:
+    return int(cost) if cost == int(cost) else cost
 
 
 def _good_tour(costs: "CostMatrix", at: "Room", unvisited: Collection["Room"]) -> "Tour | RequestRefused":
@@ -87,15 +99,11 @@ def _good_tour(costs: "CostMatrix", at: "Room", unvisited: Collection["Room"]) -
 
 
 def _suggest_to_team(study_file: Path, unvisited: str | None, planner: TeamPlanner, as_json: bool) -> None:
-    from thbridge.hunt.tour import MOST_ROOMS
     from ui.actions.suggest import plan_as_json, plan_of, show_plan
     from ui.settings import setting_of, study_of
 
     setting = setting_of(study_of(study_file, {}), study_file)
     rooms = setting.costs.rooms if unvisited is None else _rooms(unvisited, setting.costs.rooms)
-    if planner is TeamPlanner.TOUR and len(rooms) > MOST_ROOMS:
-        problem = f"tours of {len(rooms)} rooms take too long to compare"
-        fail(BAD_INPUT, f"--planner: {problem}. Name at most {MOST_ROOMS} rooms by --unvisited, or another planner.")
     plan = plan_of(setting, rooms, planner)
     if as_json:
         print_json(plan_as_json(plan))
