@@ -12,6 +12,29 @@ MAX_CLEARANCE = 2.0
 """Greatest clearance that is told apart, metres: to a robot farther from the walls it makes no difference."""
 
 
+BAND = 256
+"""Rows that are worked out at a time: what is needed besides for a whole map of a hectare would be 100 MB."""
+
+
+def nearest_cells(mask: NDArray[np.bool_]) -> NDArray[np.int32]:
+    """(2, rows, cols) row and column of the cell nearest to each one of those in a mask, which must not be empty."""
+    nearest: NDArray[np.int32] = distance_transform_edt(~mask, return_distances=False, return_indices=True)
+    return nearest
+
+
+def _distances(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float32]:
+    occupied = grid.cells == OCCUPIED
+    field = np.full(grid.cells.shape, max_distance, dtype=np.float32)
+    if occupied.any():
+        near_row, near_col = nearest_cells(occupied)
+        row, col = np.indices(occupied.shape, sparse=True)
+        for begin in range(0, grid.rows, BAND):
+            band = slice(begin, begin + BAND)
+            squares = (row[band] - near_row[band]) ** 2 + (col - near_col[band]) ** 2
+            field[band] = np.minimum(np.sqrt(squares) * grid.resolution, max_distance)
+    return field
+
+
 @lru_cache(maxsize=8)
 def distance_field(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float32]:
     """Metres from each cell's centre to the centre of the nearest occupied cell, capped.
@@ -22,13 +45,21 @@ def distance_field(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float
         (rows, cols) float32 in [0, max_distance]; `max_distance` everywhere when no cell is occupied. Read-only: a map
         never changes, and all robots on it share one field.
     """
-    open_cells = grid.cells != OCCUPIED
-    field = np.full(grid.cells.shape, max_distance, dtype=np.float32)
-    if not open_cells.all():
-        metres = np.asarray(distance_transform_edt(open_cells)) * grid.resolution
-        field = np.minimum(metres, max_distance).astype(np.float32)
+    field = _distances(grid, max_distance)
     field.setflags(write=False)
     return field
+
+
+@lru_cache(maxsize=8)
+def near_walls(grid: OccupancyGrid, distance: float) -> NDArray[np.bool_]:
+    """(rows, cols) True in cells whose centre is within so many metres of that of an occupied one.
+
+    Read-only, and shared by all robots on the map.
+    """
+    # To the last bit as the distances themselves would be compared, by kernels, as numbers of double precision.
+    near: NDArray[np.bool_] = _distances(grid, 2.0 * distance) <= np.float64(distance)
+    near.setflags(write=False)
+    return near
 
 
 @lru_cache(maxsize=8)
@@ -41,6 +72,6 @@ def clearance_field(grid: OccupancyGrid) -> NDArray[np.float32]:
         writable copies, and numba compiles a kernel once for each of the two.
     """
     field: NDArray[np.float32] = np.maximum(
-        distance_field(grid, MAX_CLEARANCE) - np.float32(0.5 * grid.resolution), np.float32(0)
+        _distances(grid, MAX_CLEARANCE) - np.float32(0.5 * grid.resolution), np.float32(0)
     )
     return field

@@ -4,7 +4,8 @@ Grids are (rows, cols) with row 0 and column 0 at the map's origin, as nav_msgs/
 """
 
 import math
-from dataclasses import dataclass
+import zlib
+from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -58,6 +59,7 @@ class OccupancyGrid:
     cells: Cells
     resolution: float
     origin: Pose2
+    _hash: int = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Own the cells: a caller's later writing must not change a map in use.
@@ -75,12 +77,14 @@ class OccupancyGrid:
         # Kernels would be compiled once more for corners that are given as whole numbers.
         origin = Pose2(float(self.origin.x), float(self.origin.y), float(self.origin.theta))
         object.__setattr__(self, "origin", origin)
+        # Worked out once: whatever is shared by all robots on a map is looked up by it.
+        object.__setattr__(self, "_hash", hash((self.resolution, origin, cells.shape, zlib.crc32(cells.data))))
 
     def __eq__(self, other: object) -> bool:
         """Same place, same size, same cells."""
         if not isinstance(other, OccupancyGrid):
             return NotImplemented
-        return (
+        return self is other or (
             self.resolution == other.resolution
             and self.origin == other.origin
             and np.array_equal(self.cells, other.cells)
@@ -88,7 +92,7 @@ class OccupancyGrid:
 
     def __hash__(self) -> int:
         """Agrees with equality."""
-        return hash((self.resolution, self.origin, self.cells.tobytes()))
+        return self._hash
 
     @property
     def rows(self) -> int:

@@ -5,6 +5,7 @@ Source: ros-planning/navigation, costmap_2d/src/costmap_2d_ros.cpp.
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -80,20 +81,16 @@ class Costmap2D:
             explained_by_walls=parameters.static_layer.enabled,
         )
         self._clear_ticks = round(TICKS_PER_SECOND / parameters.update_frequency)
-        static = StaticLayer(parameters.static_layer, grid)
-        inflation = InflationLayer(parameters.inflation_layer, grid.resolution, self.inscribed_radius)
-        layers: tuple[tuple[CostmapLayer, bool], ...] = (
-            (static, parameters.static_layer.enabled),
-            (self.obstacles, parameters.obstacle_layer.enabled),
-            (self._robots, parameters.robots_layer.enabled),
-            (inflation, parameters.inflation_layer.enabled),
-        )
-        self._layers = [layer for layer, enabled in layers if enabled]
+        self._layers = _enabled(parameters, grid, self.inscribed_radius, self.obstacles, self._robots)
+        self._walls: Costs | None = None
+        if self._shape is None:
+            self._walls = _walls_of(replace(parameters, publish_frequency=0.0), grid, self.inscribed_radius)
         self._layered = self._empty(self._layers)
 
     def _empty(self, layers: Sequence[CostmapLayer]) -> LayeredCostmap:
-        """Make a costmap of this one's size, of which nothing is written yet."""
-        return LayeredCostmap(self._grid, layers, self._shape, self._parameters.track_unknown_space)
+        """Make a costmap of this one's size, of which at most the walls are written yet."""
+        track = self._parameters.track_unknown_space
+        return LayeredCostmap(self._grid, layers, self._shape, track, self._walls)
 
     def configure(self, parameters: CostmapParameters) -> None:
         """Go on with these parameters and the marks made so far; the costs are up to date at once."""
@@ -107,7 +104,7 @@ class Costmap2D:
             self._layered.origin = (middle[0] - rows // 2, middle[1] - cols // 2)
             self.obstacles.roll(self._layered.origin)
         self.obstacles.take_over(seen)
-        self._layered.write((self._layered.window,))
+        self._layered.compose()
 
     @property
     def costs(self) -> Costs:
@@ -151,7 +148,9 @@ class Costmap2D:
         return self._composed([layer for layer in self._layers if layer is not self._robots])
 
     def without_observations(self) -> Costs:
-        """(rows, cols) costs as they would be if, besides, the laser had seen nothing."""
+        """(rows, cols) costs as they would be if, besides, the laser had seen nothing; not to be written to."""
+        if self._walls is not None:
+            return self._walls
         blank = self.obstacles.copied()
         blank.clear()
         layers = [blank if layer is self.obstacles else layer for layer in self._layers]
@@ -160,7 +159,7 @@ class Costmap2D:
     def _composed(self, layers: Sequence[CostmapLayer]) -> Costs:
         composed = self._empty(layers)
         composed.origin = self._layered.origin
-        composed.write((composed.window,))
+        composed.compose()
         return composed.costs
 
     def as_updated(
@@ -177,7 +176,8 @@ class Costmap2D:
             (rows, cols) and its frame.
         """
         robots = RobotsLayer(self._parameters.robots_layer, self._grid)
-        obstacles = self.obstacles.copied()
+        changes = pending is not None or self._shape is not None
+        obstacles = self.obstacles.copied() if changes else self.obstacles
         instead: dict[CostmapLayer, CostmapLayer] = {self._robots: robots, self.obstacles: obstacles}
         layers = [instead.get(layer, layer) for layer in self._layers]
         updated = self._empty(layers)
@@ -186,12 +186,47 @@ class Costmap2D:
         obstacles.roll(updated.origin)
         if pending is not None:
             obstacles.observe(*pending)
-        updated.write((updated.window,))
+        updated.compose()
         return updated.costs, updated.frame
 
     def _roll(self, x: float, y: float) -> None:
         self._layered.roll(x, y)
         self.obstacles.roll(self._layered.origin)
+
+
+def _enabled(
+    parameters: CostmapParameters,
+    grid: OccupancyGrid,
+    inscribed_radius: float,
+    obstacles: ObstacleLayer,
+    robots: RobotsLayer,
+) -> list[CostmapLayer]:
+    """Return those layers that are enabled, in the order in which they write."""
+    static = StaticLayer(parameters.static_layer, grid)
+    inflation = InflationLayer(parameters.inflation_layer, grid.resolution, inscribed_radius)
+    layers: tuple[tuple[CostmapLayer, bool], ...] = (
+        (static, parameters.static_layer.enabled),
+        (obstacles, parameters.obstacle_layer.enabled),
+        (robots, parameters.robots_layer.enabled),
+        (inflation, parameters.inflation_layer.enabled),
+    )
+    return [layer for layer, enabled in layers if enabled]
+
+
+@lru_cache(maxsize=8)
+def _walls_of(parameters: CostmapParameters, grid: OccupancyGrid, inscribed_radius: float) -> Costs:
+    """(rows, cols) costs of a costmap that covers the map, before anything is seen or heard of.
+
+    All robots with the same parameters share them, so they must not be written to.
+    """
+    obstacles = ObstacleLayer(
+        parameters.obstacle_layer, grid, np.empty((0, 2)), parameters.track_unknown_space, explained_by_walls=False
+    )
+    robots = RobotsLayer(parameters.robots_layer, grid)
+    track = parameters.track_unknown_space
+    walls = LayeredCostmap(grid, _enabled(parameters, grid, inscribed_radius, obstacles, robots), None, track)
+    walls.compose()
+    return walls.costs
 
 
 def _corners(parameters: CostmapParameters, body: FloatArray) -> FloatArray:

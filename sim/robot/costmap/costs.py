@@ -82,6 +82,10 @@ class Window(NamedTuple):
         )
 
 
+NOTHING = Window(0, 0, 0, 0)
+"""A window without cells."""
+
+
 class Changes:
     """The windows that a layer has changed since it was last asked."""
 

@@ -136,6 +136,10 @@ class InflationLayer:
         """None of its own: it only follows the changes of the layers before it."""
         return ()
 
+    def extents(self) -> tuple[Window, ...]:
+        """None of its own, likewise."""
+        return ()
+
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
         """Raise the costs around lethal cells in and near the window; unknown cells mostly stay unknown."""
         if self.reach == 0:

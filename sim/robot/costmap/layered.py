@@ -31,6 +31,9 @@ class CostmapLayer(Protocol):
     def bounds(self) -> tuple[Window, ...]:
         """Return the windows in which its costs differ from the last time it was asked."""
 
+    def extents(self) -> tuple[Window, ...]:
+        """Return windows outside of which its costs are what they were when it was new."""
+
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
         """Write its costs into a window; writing twice leaves the same as writing once.
 
@@ -99,6 +102,8 @@ class LayeredCostmap:
         layers: in the order in which they write.
         shape: rows and columns of a rolling window; None covers the map.
         track_unknown_space: True when cells that no layer writes are unknown; else they are free.
+        ready: (rows, cols) costs that the layers wrote when they were new, of a costmap that covers the map: only what
+            changes from then on is written. Left as they are. None: the first update writes all.
     """
 
     def __init__(
@@ -107,6 +112,7 @@ class LayeredCostmap:
         layers: Sequence[CostmapLayer],
         shape: tuple[int, int] | None = None,
         track_unknown_space: bool = False,
+        ready: Costs | None = None,
     ) -> None:
         self._corner = (grid.origin.x, grid.origin.y)
         self._resolution = grid.resolution
@@ -115,7 +121,18 @@ class LayeredCostmap:
         self._reach = max((layer.reach for layer in self._layers), default=0)
         self._default = UNKNOWN if track_unknown_space else FREE
         self.origin = (0, 0)
-        self.costs: Costs = np.full(shape or grid.cells.shape, self._default, dtype=np.uint8)
+        self._shape = shape or grid.cells.shape
+        self._ready = ready
+        self._all_due = ready is None
+        self._costs: Costs | None = None
+
+    @property
+    def costs(self) -> Costs:
+        """(rows, cols) as of the last update; room is made for them when they are first asked for."""
+        if self._costs is None:
+            ready = self._ready
+            self._costs = np.full(self._shape, self._default, np.uint8) if ready is None else ready.copy()
+        return self._costs
 
     @property
     def frame(self) -> CostFrame:
@@ -128,12 +145,12 @@ class LayeredCostmap:
     def window(self) -> Window:
         """The cells of the static map that it lies on."""
         row, col = self.origin
-        return Window(row, col, row + self.costs.shape[0], col + self.costs.shape[1])
+        return Window(row, col, row + self._shape[0], col + self._shape[1])
 
     def roll(self, x: float, y: float) -> None:
         """Move a rolling window by whole cells until its middle is at this map point; `update` writes the costs."""
         if self._rolling:
-            rows, cols = self.costs.shape
+            rows, cols = self._shape
             self.origin = (
                 round((y - self._corner[1]) / self._resolution) - rows // 2,
                 round((x - self._corner[0]) / self._resolution) - cols // 2,
@@ -146,12 +163,21 @@ class LayeredCostmap:
             The cells that were written, in cells of the static map; windows may overlap.
         """
         changes = [window for layer in self._layers for window in layer.bounds()]
-        windows: tuple[Window, ...] = (self.window,)
-        if not self._rolling:
-            apart = _apart(np.array(changes, np.int64).reshape(-1, 4), self._reach, np.array(self.window))
-            windows = tuple(Window(*window) for window in apart.tolist())
+        windows = (self.window,) if self._rolling or self._all_due else self._around(changes)
+        self._all_due = False
         self.write(windows)
         return windows
+
+    def compose(self) -> None:
+        """Write the costs of all layers into a costmap of which nothing but what was ready is written."""
+        changes = [window for layer in self._layers for window in layer.extents()]
+        self.write((self.window,) if self._rolling or self._all_due else self._around(changes))
+        self._all_due = False
+
+    def _around(self, changes: Sequence[Window]) -> tuple[Window, ...]:
+        """Return the windows to write when these have changed."""
+        apart = _apart(np.array(changes, np.int64).reshape(-1, 4), self._reach, np.array(self.window))
+        return tuple(Window(*window) for window in apart.tolist())
 
     def write(self, windows: Sequence[Window]) -> None:
         """Write the costs of these windows anew, each within the costmap; the layers' bounds are not asked for."""

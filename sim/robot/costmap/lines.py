@@ -119,6 +119,7 @@ def fill_convex(costs: Costs, corners: FloatArray, cost: int) -> bool:
             lows[c], highs[c] = min(lows[c], side[j, 0]), max(highs[c], side[j, 0])
     for c in range(max(first, 0), min(first + lows.shape[0], cols)):
         for r in range(max(lows[c - first], 0), min(highs[c - first] + 1, rows)):
-            changes = changes or costs[r, c] != cost
-            costs[r, c] = cost
+            if costs[r, c] != cost:
+                costs[r, c] = cost
+                changes = True
     return changes

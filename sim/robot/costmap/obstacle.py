@@ -21,18 +21,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.common import elementary
-from sim.common.distance_fields import distance_field
+from sim.common.distance_fields import near_walls
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.kernels import njit
 from sim.common.observations import Scan
 from sim.parameters import ObservationSource, ObstacleParameters
-from sim.robot.costmap.costs import FREE, LETHAL, UNKNOWN, Changes, CostFrame, Costs, Window
+from sim.robot.costmap.costs import FREE, LETHAL, NOTHING, UNKNOWN, Changes, CostFrame, Costs, Window
 from sim.robot.costmap.footprint_cost import in_cells
 from sim.robot.costmap.lines import clear_line, fill_convex, include
 
 OVERWRITE = 0
 MAXIMUM = 1
+
+NOWHERE: NDArray[np.bool_] = np.empty((0, 0), np.bool_)
+"""No wall of which anything would be near."""
+NOWHERE.setflags(write=False)
+
+TILE = 64
+"""Cells along a side of the tiles by which marks are looked for."""
 
 
 class Sweep(NamedTuple):
@@ -60,13 +67,13 @@ class KnownObstacles(NamedTuple):
 
     Attributes:
         distance: metres within which they are explained.
-        wall_distance: (rows, cols) of the static map, metres to its nearest wall.
+        near_walls: (rows, cols) of the static map, True where a wall is as near as that.
         row: that of the marks' cell (0, 0) in the static map; so col.
         discs: (n, 3) x, y and radius of the other robots, metres.
     """
 
     distance: float
-    wall_distance: NDArray[np.float32]
+    near_walls: NDArray[np.bool_]
     row: int
     col: int
     discs: FloatArray
@@ -198,8 +205,8 @@ def _mark(
         if known.distance > 0.0:
             # The map's walls, then the other robots: their bodies, and the errors of everybody's pose.
             r, c = row + known.row, col + known.col
-            in_map = r >= 0 and c >= 0 and r < known.wall_distance.shape[0] and c < known.wall_distance.shape[1]
-            explained = in_map and known.wall_distance[r, c] <= known.distance
+            in_map = r >= 0 and c >= 0 and r < known.near_walls.shape[0] and c < known.near_walls.shape[1]
+            explained = in_map and known.near_walls[r, c]
             k = 0
             while not explained and k < known.discs.shape[0]:
                 reach = known.discs[k, 2] + known.distance
@@ -243,6 +250,46 @@ def _combine(
                 target[c] = source[c]
 
 
+@njit(cache=True)
+def _tiles_other_than(marks: Costs, mark: int) -> NDArray[np.int64]:
+    """(n, 2) rows and columns of the tiles in which a mark other than this one is, row by row."""
+    rows, cols = (marks.shape[0] + TILE - 1) // TILE, (marks.shape[1] + TILE - 1) // TILE
+    tiles = np.empty((rows * cols, 2), np.int64)
+    count = 0
+    for i in range(rows):
+        for j in range(cols):
+            tile = marks[i * TILE : (i + 1) * TILE, j * TILE : (j + 1) * TILE]
+            other = False
+            for r in range(tile.shape[0]):
+                # Without a branch within a row, so that many cells are compared at once.
+                differing = 0
+                for c in range(tile.shape[1]):
+                    differing |= tile[r, c] ^ mark
+                if differing != 0:
+                    other = True
+                    break
+            if other:
+                tiles[count, 0], tiles[count, 1] = i, j
+                count += 1
+    return tiles[:count]
+
+
+@njit(cache=True)
+def _any_lethal(marks: Costs, row: int, col: int, row_end: int, col_end: int) -> bool:
+    """Return True when something stands in a window of the marks."""
+    for r in range(max(0, row), min(marks.shape[0], row_end)):
+        for c in range(max(0, col), min(marks.shape[1], col_end)):
+            if marks[r, c] == LETHAL:
+                return True
+    return False
+
+
+def _window(changed: NDArray[np.int64], row: int, col: int) -> Window:
+    """Return the window of the static map that has changed, of marks whose cell (0, 0) is (row, col) there."""
+    first, left, end, right = changed.tolist()
+    return Window(first + row, left + col, end + row, right + col)
+
+
 class ObstacleLayer:
     """Marks of what the laser has seen.
 
@@ -274,22 +321,29 @@ class ObstacleLayer:
         self._footprint = footprint
         distance = parameters.explained_distance
         if distance > 0.0 and explained_by_walls:
-            self._wall_distance = distance_field(grid, 2 * distance)
+            self._near_walls = near_walls(grid, distance)
         else:
-            self._wall_distance = np.empty((0, 0), np.float32)
+            self._near_walls = NOWHERE
         own = parameters.track_unknown_space
         self._default = UNKNOWN if (track_unknown_space if own is None else own) else FREE
-        self.marks: Costs = np.full(shape or grid.cells.shape, self._default, dtype=np.uint8)
+        # Zeros take no memory until they are written over.
+        blank = np.zeros if self._default == FREE else np.ones
+        self.marks: Costs = blank(shape or grid.cells.shape, dtype=np.uint8)
+        if self._default != FREE:
+            self.marks[:] = self._default
         self._origin = (0, 0)
         self._changes = Changes()
-        self._may_stand = False
+        self._standing = NOTHING
 
     @property
     def any_marks(self) -> bool:
         """True when anything stands."""
-        # Only marking sets `_may_stand`; that the last mark is cleared is found out here, when asked.
-        self._may_stand = self._may_stand and bool((self.marks == LETHAL).any())
-        return self._may_stand
+        # Only marking grows `_standing`; that the last mark is cleared is found out here, when asked.
+        row, col = self._origin
+        first, left, end, right = self._standing
+        if not _any_lethal(self.marks, first - row, left - col, end - row, right - col):
+            self._standing = NOTHING
+        return not self._standing.empty
 
     @property
     def window(self) -> Window:
@@ -338,7 +392,7 @@ class ObstacleLayer:
             mount.range_min,
             mount.range_max,
         )
-        known = KnownObstacles(self._parameters.explained_distance, self._wall_distance, row, col, discs)
+        known = KnownObstacles(self._parameters.explained_distance, self._near_walls, row, col, discs)
         changed = np.array([*self.marks.shape, -1, -1], dtype=np.int64)
         for source in self._parameters.observation_sources:
             if source.clearing and clears:
@@ -350,13 +404,13 @@ class ObstacleLayer:
         for source in self._parameters.observation_sources:
             if source.marking:
                 marked = _mark(self.marks, frame, sweep, self._obstacle_range(source), known, changed)
-                self._may_stand = self._may_stand or bool(marked)
+                if marked:
+                    self._standing = self._standing.union(_window(changed, row, col))
         if self._parameters.footprint_clearing_enabled:
             place = base_in_map
             _clear_footprint(self.marks, frame, self._footprint, place.x, place.y, place.theta, changed)
         if changed[2] > changed[0]:
-            first, left, end, right = changed.tolist()
-            self._changes.add(Window(first + row, left + col, end + row, right + col))
+            self._changes.add(_window(changed, row, col))
 
     def _obstacle_range(self, source: ObservationSource) -> float:
         return self._parameters.obstacle_range if source.obstacle_range is None else source.obstacle_range
@@ -375,12 +429,13 @@ class ObstacleLayer:
         common = self.window.clipped(other.window)
         if not common.empty:
             common.of(self.marks, self._origin)[:] = common.of(other.marks, other._origin)
-            self._may_stand = other._may_stand
+            self._standing = other._standing
 
     def clear(self) -> None:
         """Forget everything seen (move_base's clear_costmap_recovery)."""
-        self.marks[:] = self._default
-        self._changes.add(self.window)
+        for window in self.extents():
+            window.of(self.marks, self._origin)[:] = self._default
+            self._changes.add(window)
 
     def clear_outside(self, x: float, y: float, side: float) -> None:
         """Forget what was seen outside a square of this side around a map point (clear_costmap_recovery)."""
@@ -399,6 +454,12 @@ class ObstacleLayer:
     def bounds(self) -> tuple[Window, ...]:
         """Return the windows that were marked or cleared since the last time."""
         return self._changes.take()
+
+    def extents(self) -> tuple[Window, ...]:
+        """Return windows outside of which nothing is marked."""
+        row, col = self._origin
+        tiles = TILE * _tiles_other_than(self.marks, self._default) + np.array([row, col])
+        return tuple(Window(r, c, r + TILE, c + TILE).clipped(self.window) for r, c in tiles.tolist())
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
         """Combine the marks with the costs of the layers before, by `combination_method`."""

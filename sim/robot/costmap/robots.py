@@ -173,6 +173,10 @@ class RobotsLayer:
         """Return the windows that robots came into or left."""
         return self._changes.take()
 
+    def extents(self) -> tuple[Window, ...]:
+        """Return the windows in which robots are."""
+        return tuple(seen.window for seen in self._seen.values())
+
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
         """Write LETHAL under every footprint, and at least `path_cost` along paths."""
         row, col = origin

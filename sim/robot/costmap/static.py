@@ -9,7 +9,7 @@ import numpy as np
 
 from sim.common.grid import OccupancyGrid
 from sim.parameters import StaticParameters
-from sim.robot.costmap.costs import FREE, LETHAL, UNKNOWN, Changes, Costs, Window
+from sim.robot.costmap.costs import FREE, LETHAL, UNKNOWN, Costs, Window
 
 
 def interpretation(parameters: StaticParameters) -> Costs:
@@ -43,12 +43,14 @@ class StaticLayer:
     def __init__(self, parameters: StaticParameters, grid: OccupancyGrid) -> None:
         self._costs = _costs_of(parameters, grid)
         self._use_maximum = parameters.use_maximum
-        self._changes = Changes()
-        self._changes.add(Window(0, 0, grid.rows, grid.cols))
 
     def bounds(self) -> tuple[Window, ...]:
-        """Return the whole map once, then nothing."""
-        return self._changes.take()
+        """Return nothing: a map never changes."""
+        return ()
+
+    def extents(self) -> tuple[Window, ...]:
+        """Return nothing, likewise."""
+        return ()
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
         """Write the map's costs where there is map; with use_maximum they only raise what other layers wrote."""

@@ -156,7 +156,7 @@ class Amcl:
         self._grid = grid
         self._mount = mount
         self._use(parameters)
-        self._free_space = FreeSpace.of(grid)
+        self._free_space = FreeSpace(grid)
         # Walls may lie anywhere in their cells: an error that all particles share, and none can show.
         self._unknowable = np.diag((1.0, 1.0, 0.0)) * (grid.resolution * grid.resolution) / 12.0
         self._start_noise = NoiseStream.named(seed, robot, "amcl", "start")

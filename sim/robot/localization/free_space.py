@@ -13,11 +13,14 @@ from sim.common.noise_arrays import NoiseStream
 
 
 @lru_cache(maxsize=8)
-def _free_cells(grid: OccupancyGrid) -> NDArray[np.int64]:
-    """(n, 2) rows and columns, see `FreeSpace`; read-only: all robots on a map share them."""
+def _free_cells(grid: OccupancyGrid) -> NDArray[np.uint32]:
+    """(n,) free cells, numbered row by row; read-only: all robots on a map share them.
+
+    They are found when they are first needed: most robots never have to look for themselves all over the map.
+    """
     candidates = (grid.cells == FREE, grid.cells != OCCUPIED)
     free = next((cells for cells in candidates if cells.any()), np.ones_like(grid.cells, dtype=np.bool_))
-    cells: NDArray[np.int64] = np.argwhere(free)
+    cells = np.flatnonzero(free).astype(np.uint32)
     cells.setflags(write=False)
     return cells
 
@@ -28,16 +31,9 @@ class FreeSpace:
 
     Attributes:
         grid: the map.
-        cells: (n, 2) rows and columns.
     """
 
     grid: OccupancyGrid
-    cells: NDArray[np.int64]
-
-    @classmethod
-    def of(cls, grid: OccupancyGrid) -> "FreeSpace":
-        """The free cells of a map."""
-        return cls(grid, _free_cells(grid))
 
     def draw(self, count: int, noise: NoiseStream, tick: int) -> FloatArray:
         """(count, 3) poses in the middles of free cells, uniform over the map and all headings.
@@ -45,5 +41,7 @@ class FreeSpace:
         Source: AmclNode::uniformPoseGenerator.
         """
         cell, heading = noise.uniforms(tick, 2 * count).reshape(2, count)
-        cells = self.cells[(cell * len(self.cells)).astype(np.int64)]
+        free = _free_cells(self.grid)
+        drawn = free[(cell * len(free)).astype(np.int64)].astype(np.int64)
+        cells = np.column_stack(np.divmod(drawn, self.grid.cols))
         return np.column_stack((self.grid.centres_of(cells), heading * 2.0 * math.pi - math.pi))

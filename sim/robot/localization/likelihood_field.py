@@ -1,13 +1,14 @@
 """The likelihood field: the fit of a scan to the map from a place, by how near to walls its beams end."""
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 
 from sim.common import elementary, elementary_arrays
+from sim.common.distance_fields import BAND, nearest_cells
 from sim.common.geometry import FloatArray
 from sim.common.grid import OCCUPIED, GridFrame, OccupancyGrid
 from sim.common.kernels import njit
@@ -25,21 +26,45 @@ def facing_distance(grid: OccupancyGrid, max_distance: float) -> NDArray[np.floa
         (4, rows, cols); beams of quadrant 0 head for lower columns and rows, 1: higher columns and lower rows, 2: lower
         columns and higher rows, 3: higher columns and rows.
     """
+    levels, level = facing_levels(grid, max_distance)
+    return levels[level]
+
+
+def facing_levels(
+    grid: OccupancyGrid, max_distance: float
+) -> tuple[NDArray[np.float32], NDArray[np.uint16 | np.uint32]]:
+    """(n,) the different distances of `facing_distance`, and (4, rows, cols) the number of each cell's.
+
+    Between cells there are few different distances, so their numbers take half the memory or less.
+    """
     occupied = grid.cells == OCCUPIED
     row, col = np.indices(occupied.shape, sparse=True)
-    distances = np.full((4, *occupied.shape), max_distance, dtype=np.float32)
+    # From the middle of the wall's outermost cell half a cell back to its surface, or half a cell on.
+    reach = math.ceil(max_distance / grid.resolution + 0.5)
+    squares = np.unique(np.arange(reach + 1)[:, np.newaxis] ** 2 + np.arange(reach + 1) ** 2)
+    squares = squares[squares <= reach**2]
+    cells_away = np.abs(np.sqrt(squares)[:, np.newaxis] + 0.5 * np.array([-1, 0, 1]))
+    cells_away[0] = 0.5
+    capped = np.minimum(cells_away * grid.resolution, max_distance).ravel()
+    levels = np.append(capped, max_distance).astype(np.float32)
+    number = np.full(reach**2 + 2, len(capped), dtype=np.min_scalar_type(max(len(capped), 256)))
+    number[squares] = 3 * np.arange(len(squares)) + 1
+    level = np.full((4, *occupied.shape), len(capped), dtype=number.dtype)
     for quadrant in range(4):
         col_step = 1 if quadrant & 1 else -1
         row_step = 1 if quadrant & 2 else -1
         met = occupied & ~(_shifted(occupied, 0, col_step) & _shifted(occupied, row_step, 0))
         if not met.any():
             continue
-        away, (near_row, near_col) = distance_transform_edt(~met, return_indices=True)
-        # From the middle of the wall's outermost cell half a cell back to its surface.
-        behind = np.sign((row - near_row) * row_step + (col - near_col) * col_step)
-        beyond = np.where(met, 0.5, np.abs(away + 0.5 * behind))
-        distances[quadrant] = np.minimum(beyond * grid.resolution, max_distance)
-    return distances
+        near_row, near_col = nearest_cells(met)
+        for begin in range(0, grid.rows, BAND):
+            band = slice(begin, begin + BAND)
+            rows, cols = row[band] - near_row[band], col - near_col[band]
+            away = np.minimum(rows**2 + cols**2, reach**2 + 1)
+            behind = np.sign(rows * row_step + cols * col_step)
+            # Beyond the reach all are as far as can be.
+            level[quadrant, band] = np.where(away <= reach**2, number[away] + behind, len(capped))
+    return levels, level
 
 
 def _shifted(mask: NDArray[np.bool_], rows: int, cols: int) -> NDArray[np.bool_]:
@@ -52,32 +77,35 @@ def _shifted(mask: NDArray[np.bool_], rows: int, cols: int) -> NDArray[np.bool_]
 @lru_cache(maxsize=8)
 def _table(
     grid: OccupancyGrid, max_distance: float, z_hit: float, random: float, sigma_hit: float
-) -> NDArray[np.float32]:
-    """(4, rows, cols) log probability of readings that end there, see `facing_distance`.
+) -> tuple[NDArray[np.float32], NDArray[np.uint16 | np.uint32]]:
+    """(n,) log probabilities of readings that end at each distance, and (4, rows, cols) the number of each cell's.
 
-    Read-only: a map never changes, and all robots on it with the same laser share one table.
+    Read-only: a map never changes, and all robots on it with the same laser share one table. See `facing_levels`.
     """
-    table = _log_probability(facing_distance(grid, max_distance), z_hit, random, sigma_hit).astype(np.float32)
-    table.setflags(write=False)
-    return table
+    levels, level = facing_levels(grid, max_distance)
+    values = _log_probability(levels, z_hit, random, sigma_hit).astype(np.float32)
+    values.setflags(write=False)
+    level.setflags(write=False)
+    return values, level
 
 
 @njit(cache=True)
 def _sum_over_points(
-    table: NDArray[np.float32],
+    values: NDArray[np.float32],
+    level: NDArray[np.uint16 | np.uint32],
     frame: GridFrame,
     outside: float,
     laser: tuple[float, float],
     particles: FloatArray,
     points: FloatArray,
 ) -> FloatArray:
-    """(n,) sums of the table's values at (m, 2) points, as seen from each of (n, 3) poses.
+    """(n,) sums of the field's values at (m, 2) points, as seen from each of (n, 3) poses.
 
     This loop takes most of the filter's time. So it is in one piece, computes in cells, has no branch on the quadrant,
     which no processor could predict, and no index that might be negative: that makes it four times faster.
     """
-    _, rows, cols = table.shape
-    values = table.reshape(-1)
+    _, rows, cols = level.shape
+    levels = level.reshape(-1)
     out = np.empty(particles.shape[0])
     for i in range(particles.shape[0]):
         dx, dy = particles[i, 0] - frame.x, particles[i, 1] - frame.y
@@ -94,7 +122,7 @@ def _sum_over_points(
             col, row = base_col + right, base_row + up
             if 0.0 <= col < cols and 0.0 <= row < rows:
                 quadrant = np.int64(right > laser_right) + 2 * np.int64(up > laser_up)
-                total += values[np.uint32((quadrant * rows + int(row)) * cols + int(col))]
+                total += values[levels[np.uint32((quadrant * rows + int(row)) * cols + int(col))]]
             else:
                 total += outside
         out[i] = total
@@ -184,7 +212,7 @@ class LikelihoodField:
     """Log probability that a beam ends in each cell of the map.
 
     Attributes:
-        table: (4, rows, cols) float32, by the beam's quadrant (see `facing_distance`): log of
+        values: (n,) log of
             `z_hit * exp(-d^2 / (2 sigma_hit^2)) + z_rand / range_max`, d being the distance to the nearest surface
             that faces the beam, capped at `max_dist`.
         frame: place of the table in the map.
@@ -193,7 +221,8 @@ class LikelihoodField:
         noise: z_hit, z_rand / range_max and sigma_hit.
     """
 
-    table: NDArray[np.float32]
+    values: NDArray[np.float32]
+    level: NDArray[np.uint16 | np.uint32]
     frame: GridFrame
     outside: float
     laser: tuple[float, float]
@@ -217,10 +246,10 @@ class LikelihoodField:
         Differs: measures to surfaces that face the beam, where table and amcl measure to occupied cells.
         """
         noise = z_hit, z_rand / beams.range_max, sigma_hit
-        table = _table(grid, max_dist, *noise)
+        values, level = _table(grid, max_dist, *noise)
         outside = float(_log_probability(np.array([max_dist]), *noise)[0])
         laser = beams.mount.laser_in_base.x, beams.mount.laser_in_base.y
-        return cls(table, grid.frame, outside, laser, noise)
+        return cls(values, level, grid.frame, outside, laser, noise)
 
     def log_likelihood(self, particles: FloatArray, points: FloatArray) -> FloatArray:
         """Log likelihood of a scan from each of several places.
@@ -234,7 +263,7 @@ class LikelihoodField:
 
         Source: Probabilistic Robotics, table 6.3. Differs: ROS 1 amcl adds cubes, `1 + sum(p^3)`.
         """
-        return _sum_over_points(self.table, self.frame, self.outside, self.laser, particles, points)
+        return _sum_over_points(self.values, self.level, self.frame, self.outside, self.laser, particles, points)
 
     def explained(
         self, particles: FloatArray, points: FloatArray, distance: float, threshold: float, error_threshold: float

@@ -128,8 +128,9 @@ def test_a_layer_switched_off_and_on_again_has_forgotten_nothing():
     assert np.array_equal(costmap.costs, before)
 
 
-def test_what_an_update_would_make_of_a_costmap_is_what_it_makes():
-    costmap = seeing(HUNT.local_costmap)
+@pytest.mark.parametrize("standard", [HUNT.global_costmap, HUNT.local_costmap], ids=["global", "local"])
+def test_what_an_update_would_make_of_a_costmap_is_what_it_makes(standard):
+    costmap = seeing(standard)
     before, marks = costmap.costs.copy(), costmap.obstacles.marks.copy()
     look = CostmapObservation(Pose2(1.1, 1.8, 0.1), Scan(25, MOUNT, np.array([0.6], np.float32)), np.empty((0, 3)))
     others = [neighbour(Pose2(0.4, 2.9, -1.0))]

@@ -220,6 +220,22 @@ def test_clearing_forgets_all_and_says_so():
     assert layer.bounds()
 
 
+@given(st.lists(st.tuples(st.integers(0, 149), st.integers(0, 199)), max_size=6), st.booleans())
+def test_all_that_is_marked_lies_in_its_extents_and_is_forgotten_when_it_is_cleared(cells, unknown):
+    grid = OccupancyGrid(np.zeros((150, 200), np.int8), 0.05, Pose2(0.0, 0.0, 0.0))
+    layer = ObstacleLayer(ObstacleParameters(), grid, np.empty((0, 2)), track_unknown_space=unknown)
+    blank = layer.marks.copy()
+    assert layer.extents() == ()
+    for row, col in cells:
+        layer.marks[row, col] = LETHAL
+    outside = layer.marks.copy()
+    for window in layer.extents():
+        window.of(outside)[:] = blank[0, 0]
+    assert np.array_equal(outside, blank)
+    layer.clear()
+    assert np.array_equal(layer.marks, blank)
+
+
 def test_a_rolling_layer_keeps_what_stays_in_its_window():
     layer = layer_of(shape=(20, 30))
     layer.roll((10, 10))

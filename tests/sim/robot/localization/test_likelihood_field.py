@@ -73,7 +73,7 @@ def test_log_likelihood_is_that_of_table_6_3(origin):
 
 def test_without_random_readings_the_logarithm_stays_finite():
     field = LikelihoodField.of(box(), Beams.of(MOUNT, 10, -1.0), 1.0, 0.0, 0.001, 2.0)
-    assert np.isfinite(field.table).all() and math.isfinite(field.outside)
+    assert np.isfinite(field.values).all() and math.isfinite(field.outside)
 
 
 def test_no_beams_say_nothing():
