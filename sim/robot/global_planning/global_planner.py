@@ -11,6 +11,7 @@ ForwardThenInterpolate begins where it should, at the start of the last straight
 
 import heapq
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,13 +48,13 @@ def passage_costs(parameters: GlobalPlannerParameters) -> CellCosts:
     lethal = parameters.lethal_cost
     if not parameters.use_dijkstra:
         # A* takes costs as they are.
-        taken: CellCosts = np.minimum(costs + parameters.neutral_cost, MAX_PASSAGE_COST).astype(np.float32)
+        taken: CellCosts = np.minimum(costs + parameters.neutral_cost, MAX_PASSAGE_COST).astype(np.uint8)
         taken[lethal:] = BLOCKED
         if parameters.allow_unknown:
             taken[UNKNOWN] = MAX_PASSAGE_COST
         return taken
     scaled = np.floor(costs * parameters.cost_factor + parameters.neutral_cost)
-    table: CellCosts = np.minimum(scaled, max(lethal - 1, 1)).astype(np.float32)
+    table: CellCosts = np.minimum(scaled, max(lethal - 1, 1)).astype(np.uint8)
     passable = costs < lethal - 1
     if parameters.allow_unknown:
         passable[UNKNOWN] = True
@@ -62,9 +63,53 @@ def passage_costs(parameters: GlobalPlannerParameters) -> CellCosts:
 
 
 @njit(cache=True)
-def astar(
-    potential: Potential, costs: CellCosts, cols: int, start: int, target: int, neutral: float, quad: bool
-) -> None:
+def _astar_on(
+    potential: Potential,
+    costs: CellCosts,
+    cols: int,
+    target: int,
+    neutral: float,
+    quad: bool,
+    ranks: FloatArray,
+    cells: NDArray[np.int64],
+    portion: int,
+) -> tuple[FloatArray, NDArray[np.int64]]:
+    """Go on with A* from the (n,) cells that wait, and their ranks, until so many cells have been visited.
+
+    Returns:
+        Those that wait then, in the heap's order; none when the target is met, or all cells are.
+    """
+    queue = [(ranks[i], cells[i]) for i in range(ranks.size)]
+    visited = 0
+    met = False
+    while len(queue) > 0 and visited < portion and not met:
+        _, cell = heapq.heappop(queue)
+        visited += 1
+        met = cell == target
+        for step in (1, -1, cols, -cols):
+            neighbour = cell + step
+            if (
+                met
+                or not 0 <= neighbour < costs.size
+                or potential[neighbour] < UNREACHED
+                or costs[neighbour] == BLOCKED
+            ):
+                continue
+            if quad:
+                value = value_of(potential, neighbour, cols, costs[neighbour], True)
+            else:
+                value = np.float32(potential[cell] + np.float32(costs[neighbour]))
+            potential[neighbour] = value
+            away = abs(neighbour % cols - target % cols) + abs(neighbour // cols - target // cols) if target >= 0 else 0
+            heapq.heappush(queue, (float(value) + away * neutral, neighbour))
+    left = 0 if met else len(queue)
+    still_ranks, still = np.empty(left), np.empty(left, np.int64)
+    for i in range(left):
+        still_ranks[i], still[i] = queue[i]
+    return still_ranks, still
+
+
+def astar(space: Workspace, start: int, target: int, neutral: float, quad: bool, portion: int) -> Iterator[None]:
     """Fill the potential cell by cell, always the one first that promises the cheapest path, until the target is met.
 
     As in ROS a cell's potential is set once, when the first neighbour reaches it. So the path found is not always the
@@ -72,31 +117,24 @@ def astar(
     too high.
 
     Args:
-        potential: (rows * cols,) UNREACHED.
-        costs: (rows * cols,) cost of passing a cell.
-        cols: columns of the map.
+        space: prepared.
         start: the cell where it begins.
         target: the cell where it ends; -1 for the whole map.
         neutral: estimated cost of a step towards the target.
         quad: see `quadratic` of `spread`.
+        portion: cells to visit at a time.
+
+    Yields:
+        Between two portions.
     """
-    potential[start] = np.float32(0.0)
-    queue: list[tuple[float, int]] = [(0.0, start)]
-    while len(queue) > 0:
-        _, cell = heapq.heappop(queue)
-        if cell == target:
+    space.potential[start] = np.float32(0.0)
+    cols = space.shape[1]
+    ranks, cells = np.zeros(1), np.array([start], np.int64)
+    while True:
+        ranks, cells = _astar_on(space.potential, space.costs, cols, target, neutral, quad, ranks, cells, portion)
+        if not cells.size:
             return
-        for step in (1, -1, cols, -cols):
-            neighbour = cell + step
-            if not 0 <= neighbour < costs.size or potential[neighbour] < UNREACHED or costs[neighbour] == BLOCKED:
-                continue
-            if quad:
-                value = value_of(potential, neighbour, cols, costs[neighbour], True)
-            else:
-                value = potential[cell] + costs[neighbour]
-            potential[neighbour] = value
-            away = abs(neighbour % cols - target % cols) + abs(neighbour // cols - target // cols) if target >= 0 else 0
-            heapq.heappush(queue, (float(value) + away * neutral, neighbour))
+        yield
 
 
 @njit(cache=True)
@@ -107,7 +145,7 @@ def fill_around(potential: Potential, costs: CellCosts, cols: int, cell: int, re
     for r in range(max(1, row - reach), min(rows - 1, row + reach + 1)):
         for c in range(max(1, col - reach), min(cols - 1, col + reach + 1)):
             near = r * cols + c
-            if potential[near] >= UNREACHED and costs[near] < BLOCKED:
+            if potential[near] >= UNREACHED and costs[near] != BLOCKED:
                 value = value_of(potential, near, cols, costs[near], quadratic)
                 potential[near] = min(value, UNREACHED)
 
@@ -125,7 +163,7 @@ class GlobalPlanner:
         self.exact = not parameters.old_navfn_behavior
         self._parameters = parameters
 
-    def spread(self, space: Workspace, x: float, y: float, target: int) -> None:
+    def spread(self, space: Workspace, x: float, y: float, target: int, portion: int) -> Iterator[None]:
         """Spread the wave in Dijkstra's order or in A*'s."""
         parameters = self._parameters
         cols = space.shape[1]
@@ -133,21 +171,11 @@ class GlobalPlanner:
         neutral, quadratic = float(parameters.neutral_cost), parameters.use_quadratic
         if parameters.use_dijkstra:
             seeds = self._seeds(space, x, y)
-            spread(
-                space.potential,
-                space.costs,
-                space.waiting,
-                space.queues,
-                cols,
-                seeds,
-                target,
-                0.0,
-                float(parameters.lethal_cost),
-                2.0 * neutral,
-                quadratic,
-            )
+            threshold = float(parameters.lethal_cost)
+            yield from spread(space, seeds, target, 0.0, threshold, 2.0 * neutral, quadratic, portion)
         else:
-            astar(space.potential, space.costs, cols, start, target, neutral, quadratic)
+            # A cell of its heap takes several times as long as one of the unsorted queues.
+            yield from astar(space, start, target, neutral, quadratic, portion // 2)
         if target >= 0 and self.exact and space.potential[target] < UNREACHED:
             fill_around(space.potential, space.costs, cols, target, FILL_REACH, quadratic)
 
@@ -172,11 +200,11 @@ class GlobalPlanner:
         aside, up = (1 if x >= col else -1), (1 if y >= row else -1)
         seeds = [(row, col)]
         for r, c in ((row, col + aside), (row + up, col)):
-            if 0 <= r < rows and 0 <= c < cols and space.costs[r * cols + c] < BLOCKED:
+            if 0 <= r < rows and 0 <= c < cols and space.costs[r * cols + c] != BLOCKED:
                 seeds.append((r, c))
         across = (row + up, col + aside)
         within = all(0 <= i < n for i, n in zip(across, space.shape, strict=True))
-        if len(seeds) > 1 and within and space.costs[across[0] * cols + across[1]] < BLOCKED:
+        if len(seeds) > 1 and within and space.costs[across[0] * cols + across[1]] != BLOCKED:
             seeds.append(across)
         for r, c in seeds:
             space.potential[r * cols + c] = self._parameters.neutral_cost * elementary.hypot(c - x, r - y)

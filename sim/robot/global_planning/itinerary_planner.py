@@ -6,8 +6,9 @@ time (`safe_interval`); if that fails, the path that there would be without the 
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ from sim.robot.costmap.costmap_2d import Costmap2D
 from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
 from sim.robot.costmap.inflation import cost_at
 from sim.robot.global_planning.itinerary import (
+    NEAR_START,
     POINT_SPACING,
     Itinerary,
     OtherItineraries,
@@ -33,7 +35,7 @@ from sim.robot.global_planning.itinerary import (
     keeps_separation,
     timed_itinerary,
 )
-from sim.robot.global_planning.path import PathPlanner, PlanRefusal
+from sim.robot.global_planning.path import Path, PathPlanner, PathSearch, PlanRefusal
 from sim.robot.global_planning.safe_interval import BoolArray, Roadmap, make_roadmap, refuge, route
 
 PLANNED_GAP = 0.16
@@ -53,6 +55,26 @@ class BlockedByRobots:
     """
 
     wanted_path: FloatArray
+
+
+_PathCosts = Literal["present", "without robots", "without observations"]
+
+
+@dataclass(slots=True)
+class _Attempt:
+    """An attempt to plan, as far as it has come: on large maps it takes several ticks.
+
+    Attributes:
+        start: where it began.
+        goal: the goal.
+        found: by costs that they are over, the paths searched so far.
+        search: the one under way, and by which costs.
+    """
+
+    start: Pose2
+    goal: Pose2
+    found: dict[_PathCosts, Path | PlanRefusal] = field(default_factory=dict)
+    search: tuple[_PathCosts, PathSearch] | None = None
 
 
 class ItineraryPlanner:
@@ -86,6 +108,7 @@ class ItineraryPlanner:
         """
         costmap = self.costmap
         self._planner = planner
+        self._attempt: _Attempt | None = None
         self._alone_query: tuple[Pose2, Pose2] | None = None
         self._alone_answer: BlockedByRobots | PlanRefusal | None = None
         self._walls = costmap.without_observations()
@@ -100,9 +123,31 @@ class ItineraryPlanner:
         self.costmap.update_neighbours(neighbours)
         self.costmap.update(0.0, 0.0)
 
+    @property
+    def searching(self) -> bool:
+        """True from a `plan` that found nothing yet until one does."""
+        return self._attempt is not None
+
+    def search_on(self) -> None:
+        """Go on with the search under way, for this tick."""
+        attempt = self._attempt
+        if attempt is None or attempt.search is None:
+            return
+        over, search = attempt.search
+        try:
+            next(search)
+        except StopIteration as done:
+            attempt.found[over], attempt.search = done.value, None
+
+    def give_up(self) -> None:
+        """Give up the search under way."""
+        attempt, self._attempt = self._attempt, None
+        if attempt is not None and attempt.search is not None:
+            attempt.search[1].close()
+
     def plan(
         self, start: Pose2, goal: Pose2, time: float, others: OtherItineraries
-    ) -> Itinerary | BlockedByRobots | PlanRefusal:
+    ) -> Itinerary | BlockedByRobots | PlanRefusal | None:
         """Plan an itinerary to a goal that keeps clear of all others: the planner's if it does, else the quickest.
 
         Args:
@@ -110,8 +155,33 @@ class ItineraryPlanner:
             goal: pose at the end.
             time: from which the itinerary is numbered.
             others: the other robots' itineraries.
+
+        Returns:
+            None where a path is still being searched: `search_on` then, once a tick, and ask again. What was found is
+            kept as long as the goal stays and the robot does not go far.
         """
-        path = self._planner.plan(self.costmap.costs, self._frame, start, goal)
+        attempt = self._attempt
+        if attempt is None or attempt.goal != goal or attempt.start.distance(start) > NEAR_START:
+            self.give_up()
+            attempt = self._attempt = _Attempt(start, goal)
+        planned = self._planned(attempt, start, time, others)
+        if planned is not None:
+            self.give_up()
+        return planned
+
+    def _path(self, attempt: _Attempt, over: _PathCosts, costs: Costs) -> Path | PlanRefusal | None:
+        """Return the path over these costs, None while it is being searched."""
+        if over not in attempt.found and attempt.search is None:
+            attempt.search = over, self._planner.search(costs, self._frame, attempt.start, attempt.goal)
+            self.search_on()
+        return attempt.found.get(over)
+
+    def _planned(
+        self, attempt: _Attempt, start: Pose2, time: float, others: OtherItineraries
+    ) -> Itinerary | BlockedByRobots | PlanRefusal | None:
+        path = self._path(attempt, "present", self.costmap.costs)
+        if path is None:
+            return None
         if not isinstance(path, PlanRefusal):
             direct = timed_itinerary(thinned(path.poses[:, :2], POINT_SPACING), time)
             if keeps_separation(direct.points, direct.times, others, self.separation) and self._executable(
@@ -119,35 +189,38 @@ class ItineraryPlanner:
             ):
                 return direct
         free, walls = self._free_space()
+        goal = attempt.goal
         start_point, goal_point = np.array([start.x, start.y]), np.array([goal.x, goal.y])
         among = route(self._roadmap, free, start_point, goal_point, time, others, self.separation)
         if among is not None:
             among = densified(among)
             if self._executable(among, others):
                 return among
-        alone = self._alone(walls, start, goal)
-        return self._refusal(alone, start, goal) if isinstance(alone, PlanRefusal) else alone
+        alone = self._alone(attempt, walls)
+        return self._refusal(attempt, alone) if isinstance(alone, PlanRefusal) else alone
 
-    def _alone(self, walls: Costs, start: Pose2, goal: Pose2) -> BlockedByRobots | PlanRefusal:
+    def _alone(self, attempt: _Attempt, walls: Costs) -> BlockedByRobots | PlanRefusal | None:
         """Plan the path that there would be without the other robots.
 
         A robot that waits for others asks for the same path again and again: it is planned once.
         """
-        asked = (start, goal)
+        asked = (attempt.start, attempt.goal)
         if walls is self._walls and asked == self._alone_query and self._alone_answer is not None:
             return self._alone_answer
-        path = self._planner.plan(walls, self._frame, start, goal)
+        path = self._path(attempt, "without robots", walls)
+        if path is None:
+            return None
         answer = path if isinstance(path, PlanRefusal) else BlockedByRobots(thinned(path.poses[:, :2], POINT_SPACING))
         if walls is self._walls:
             self._alone_query, self._alone_answer = asked, answer
         return answer
 
-    def _refusal(self, refused: PlanRefusal, start: Pose2, goal: Pose2) -> PlanRefusal:
+    def _refusal(self, attempt: _Attempt, refused: PlanRefusal) -> PlanRefusal | None:
         """Return the refusal itself, unless the map alone has a path: then an obstacle that was seen is the cause."""
         if not self.costmap.obstacles.any_marks:
             return refused
-        bare = self._planner.plan(self._walls, self._frame, start, goal)
-        if isinstance(bare, PlanRefusal):
+        bare = self._path(attempt, "without observations", self._walls)
+        if bare is None or isinstance(bare, PlanRefusal):
             return bare
         return PlanRefusal("blocked_by_obstacle", "an obstacle that is not on the map blocks the way")
 
@@ -220,13 +293,13 @@ class ItineraryPlanner:
 
 
 @lru_cache(maxsize=8)
-def _coarse(static: OccupancyGrid, radius: float) -> tuple[Roadmap, NDArray[np.int64]]:
+def _coarse(static: OccupancyGrid, radius: float) -> tuple[Roadmap, NDArray[np.int32]]:
     """The coarse grid for robots of a radius, metres, and (n, 2) the cells of the map in which its centres lie.
 
     All robots of one size share them, so they must not be written to.
     """
-    made = make_roadmap(static, clearance_field(static).astype(np.float64), radius)
-    return made, static.cells_of(made.centres.reshape(-1, 2))
+    made = make_roadmap(static, clearance_field(static), radius)
+    return made, static.cells_of(made.centres.reshape(-1, 2)).astype(np.int32)
 
 
 @njit(cache=True)

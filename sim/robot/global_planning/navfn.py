@@ -5,6 +5,8 @@ Differs: poses head along the path, where ROS leaves all but the last one unturn
 `potential_planner`.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from sim.common import elementary_arrays
@@ -22,7 +24,7 @@ COST_OBSTACLE = LETHAL
 def passage_costs(allow_unknown: bool) -> CellCosts:
     """(256,) cost of passing a cell, for each of a costmap's costs: 50 when free, more near obstacles."""
     costs = np.arange(256)
-    table: CellCosts = np.minimum(COST_NEUTRAL + np.floor(COST_FACTOR * costs), COST_OBSTACLE - 1).astype(np.float32)
+    table: CellCosts = np.minimum(COST_NEUTRAL + np.floor(COST_FACTOR * costs), COST_OBSTACLE - 1).astype(np.uint8)
     table[INSCRIBED] = table[LETHAL] = BLOCKED
     table[UNKNOWN] = COST_OBSTACLE - 1 if allow_unknown else BLOCKED
     return table
@@ -42,7 +44,7 @@ class Navfn:
         self.tolerance = parameters.default_tolerance
         self._use_astar = parameters.use_astar
 
-    def spread(self, space: Workspace, x: float, y: float, target: int) -> None:
+    def spread(self, space: Workspace, x: float, y: float, target: int, portion: int) -> Iterator[None]:
         """Spread the wave, cheap cells first, or with A* those that are cheap and near to the target."""
         cols = space.shape[1]
         start = round(y) * cols + round(x)
@@ -56,19 +58,8 @@ class Navfn:
                     elementary_arrays.hypot(target % cols - start % cols, target // cols - start // cols) * COST_NEUTRAL
                 )
             )
-        spread(
-            space.potential,
-            space.costs,
-            space.waiting,
-            space.queues,
-            cols,
-            np.array([start], np.uint32),
-            target,
-            attraction,
-            threshold,
-            2.0 * COST_NEUTRAL,
-            True,
-        )
+        seeds = np.array([start], np.uint32)
+        return spread(space, seeds, target, attraction, threshold, 2.0 * COST_NEUTRAL, True, portion)
 
     def trace(self, potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
         """Trace the path down the slope in steps of half a cell."""

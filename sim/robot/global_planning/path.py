@@ -1,5 +1,6 @@
 """Paths through the map, and refusals where there is none."""
 
+from collections.abc import Generator
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
@@ -63,11 +64,15 @@ def plan_refusal(code: PlanRefusalCode) -> PlanRefusal:
     return PlanRefusal(code, _SENTENCES[code])
 
 
+PathSearch = Generator[None, None, Path | PlanRefusal]
+"""A search for a path, a portion of the work at a time."""
+
+
 class PathPlanner(Protocol):
     """Finds paths over a costmap."""
 
-    def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | PlanRefusal:
-        """Plan a path between two poses.
+    def search(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> PathSearch:
+        """Search a path between two poses.
 
         Args:
             costs: (rows, cols); left as they are.

@@ -15,6 +15,7 @@ not as that bin is.
 import heapq
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +37,19 @@ UNHINDERED = 1.0
 """Seconds that an itinerary may take longer than without other robots, and still counts as going on unhindered."""
 
 BoolArray = NDArray[np.bool_]
+CellNumbers = NDArray[np.int32]
+
+
+class BusyBins(NamedTuple):
+    """Bins of time in which other robots come near cells, in the form that compiled kernels take.
+
+    Attributes:
+        row: (rows, cols) of the coarse grid: the row of `busy` that a cell has; -1 where nobody ever comes near.
+        busy: (n, bins) True where another robot comes near within a bin.
+    """
+
+    row: CellNumbers
+    busy: BoolArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,7 +69,7 @@ class Roadmap:
     side: float
 
 
-def make_roadmap(grid: OccupancyGrid, clearance: FloatArray, radius: float) -> Roadmap:
+def make_roadmap(grid: OccupancyGrid, clearance: FloatArray | NDArray[np.float32], radius: float) -> Roadmap:
     """Lay a coarse grid over a map.
 
     Args:
@@ -68,28 +82,34 @@ def make_roadmap(grid: OccupancyGrid, clearance: FloatArray, radius: float) -> R
     whole = clearance[: rows * stride, : cols * stride]
     blocks = whole.reshape(rows, stride, cols, stride).swapaxes(1, 2).reshape(rows, cols, stride * stride)
     middle = (stride // 2) * stride + stride // 2
-    roomiest = np.where(blocks[:, :, middle] >= radius, middle, blocks.argmax(axis=2))
+    # Compared as numbers of double precision, whatever those of the clearance are.
+    needed = np.float64(radius)
+    roomiest = np.where(blocks[:, :, middle] >= needed, middle, blocks.argmax(axis=2))
     row, col = np.divmod(roomiest, stride)
     x = (np.arange(cols) * stride + col + 0.5) * grid.resolution + grid.origin.x
     y = (np.arange(rows)[:, np.newaxis] * stride + row + 0.5) * grid.resolution + grid.origin.y
     corner = np.array([grid.origin.x, grid.origin.y])
-    return Roadmap(np.stack([x, y], axis=2), blocks.max(axis=2) >= radius, corner, stride * grid.resolution)
+    return Roadmap(np.stack([x, y], axis=2), blocks.max(axis=2) >= needed, corner, stride * grid.resolution)
 
 
 @njit(cache=True)
 def _shade(
-    busy: BoolArray, free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, x: float, y: float,
-    radius: float, start_x: float, start_y: float, present: float, first: int, last: int,
-) -> None:  # fmt: skip
+    traffic: BusyBins, count: int, free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, x: float,
+    y: float, radius: float, start_x: float, start_y: float, present: float, first: int, last: int,
+) -> tuple[BusyBins, int]:  # fmt: skip
     """Mark the free cells around a robot at (x, y) busy from bin `first` to bin `last`.
+
+    Of the traffic's rows `count` are in use; both are returned as they are then.
 
     `present` is that robot's distance, metres, from the planning robot's start (start_x, start_y): at the start no more
     distance is asked for than there is, or a robot that stands too near to another could never leave.
     """
-    rows, cols, bins = busy.shape
+    row_of, busy = traffic
+    rows, cols = row_of.shape
+    bins = busy.shape[1]
     first, last = max(first, 0), min(last, bins - 1)
     if last < first:
-        return
+        return traffic, count
     col, row = (x - corner[0]) / side, (y - corner[1]) / side
     span = radius / side + 1.0
     for r in range(max(0, int(row - span)), min(rows, int(row + span) + 1)):
@@ -107,65 +127,85 @@ def _shade(
                 # as much as a cell's half diagonal; the cells beside it may not, but for rounding.
                 needed = min(radius, present - (0.75 * side if off < 0.71 * side else 0.02))
             if distance < needed:
-                for b in range(first, last + 1):
-                    busy[r, c, b] = True
+                if row_of[r, c] < 0:
+                    if count == busy.shape[0]:
+                        more = np.zeros((2 * count, bins), np.bool_)
+                        more[:count] = busy
+                        busy = more
+                    row_of[r, c] = count
+                    count += 1
+                busy[row_of[r, c], first : last + 1] = True
+    return BusyBins(row_of, busy), count
 
 
 @njit(cache=True)
 def _traffic(
     free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, others: OtherItineraries, start: FloatArray,
     time: float, separation: float, bins: int, bin_length: float,
-) -> BoolArray:  # fmt: skip
-    """(rows, cols, bins) True where another robot comes near a free cell within a bin of time."""
-    rows, cols = free.shape
-    busy = np.zeros((rows, cols, bins), np.bool_)
+) -> BusyBins:  # fmt: skip
+    """Find the bins of time in which another robot comes near free cells."""
+    traffic, count = BusyBins(np.full(free.shape, -1, np.int32), np.zeros((256, bins), np.bool_)), 0
     for k in range(others.starts.shape[0] - 1):
         begin, end = others.starts[k], others.starts[k + 1]
         # Before an itinerary begins, its robot stands at its first point.
         now_x, now_y = others.points[begin, 0], others.points[begin, 1]
         present = elementary.hypot(now_x - start[0], now_y - start[1])
         first = math.floor((others.times[begin] - time) / bin_length) if others.times[begin] > -math.inf else 0
-        _shade(busy, free, centres, corner, side, now_x, now_y, separation, start[0], start[1], present, 0, first)
+        traffic, count = _shade(
+            traffic, count, free, centres, corner, side, now_x, now_y, separation, start[0], start[1], present, 0, first
+        )
         for i in range(begin, end):
             x, y = others.points[i, 0], others.points[i, 1]
             first = 0 if others.times[i] == -math.inf else math.floor((others.times[i] - time) / bin_length)
             last = bins - 1 if i == end - 1 else math.floor((others.times[i + 1] - time) / bin_length)
-            _shade(busy, free, centres, corner, side, x, y, separation, start[0], start[1], present, first, last)
+            traffic, count = _shade(
+                traffic, count, free, centres, corner, side, x, y, separation, start[0], start[1], present, first, last
+            )
             # From one point to the next takes less than a bin. Where it goes over the border of two bins the robot may
             # be near this point in both. A longer span can only be a wait, at this very point.
             if i > begin:
                 first = math.floor((others.times[i - 1] - time) / bin_length)
                 last = math.floor((others.times[i] - time) / bin_length)
                 if last - first == 1:
-                    _shade(
-                        busy, free, centres, corner, side, x, y, separation, start[0], start[1], present, first, last
-                    )
-    return busy
+                    traffic, count = _shade(
+                        traffic, count, free, centres, corner, side, x, y, separation, start[0], start[1], present,
+                        first, last,
+                    )  # fmt: skip
+    return BusyBins(traffic.row, traffic.busy[:count])
 
 
 @njit(cache=True)
 def _distances(free: BoolArray, targets: BoolArray, side: float) -> FloatArray:
     """(rows, cols) metres to the nearest target through free cells; inf where none can be reached.
 
-    The grid is swept forward and backward in turn until nothing changes (a distance transform over eight neighbours).
+    The grid is swept forward and backward in turn until nothing changes (a distance transform over eight neighbours). A
+    cell is looked at again only where one of its neighbours has changed since: nothing else can have become nearer.
     """
     rows, cols = free.shape
     field = np.full((rows, cols), np.inf)
+    due = np.zeros((rows, cols), np.bool_)
+    # Number of cells that are due in each row.
+    in_row = np.zeros(rows, np.int64)
+    left = 0
     for r in range(rows):
         for c in range(cols):
             if targets[r, c] and free[r, c]:
                 field[r, c] = 0.0
+                left += _make_due(due, in_row, free, r, c)
     diagonal = math.sqrt(2.0) * side
-    changed = True
     forward = True
-    while changed:
-        changed = False
+    while left > 0:
         for i in range(rows):
             r = i if forward else rows - 1 - i
+            if in_row[r] == 0:
+                continue
             for j in range(cols):
                 c = j if forward else cols - 1 - j
-                if not free[r, c]:
+                if not due[r, c]:
                     continue
+                due[r, c] = False
+                in_row[r] -= 1
+                left -= 1
                 best = field[r, c]
                 for dr in (-1, 0, 1):
                     for dc in (-1, 0, 1):
@@ -176,21 +216,68 @@ def _distances(free: BoolArray, targets: BoolArray, side: float) -> FloatArray:
                         best = min(best, field[nr, nc] + step)
                 if best < field[r, c] - 1e-9:
                     field[r, c] = best
-                    changed = True
+                    left += _make_due(due, in_row, free, r, c)
         forward = not forward
     return field
 
 
 @njit(cache=True)
+def _make_due(due: BoolArray, in_row: NDArray[np.int64], free: BoolArray, row: int, col: int) -> int:
+    """Have the free cells around one looked at again; return how many were not due before."""
+    count = 0
+    for r in range(max(0, row - 1), min(due.shape[0], row + 2)):
+        for c in range(max(0, col - 1), min(due.shape[1], col + 2)):
+            if free[r, c] and not due[r, c] and (r != row or c != col):
+                due[r, c] = True
+                in_row[r] += 1
+                count += 1
+    return count
+
+
+@njit(cache=True)
+def _reachable(
+    free: BoolArray, first: NDArray[np.int64], closes: FloatArray, targets: BoolArray, start_row: int, start_col: int
+) -> bool:
+    """Return True unless, however long it waits, no robot can get from the start to a target where it may stay.
+
+    Only then a search would look at all states in vain: where a target is never left free, or where a robot that stands
+    for good bars every way. The states are as in `_search`.
+    """
+    rows, cols = free.shape
+    met = np.zeros((rows, cols), np.bool_)
+    queue = np.empty(rows * cols, np.int64)
+    queue[0] = start_row * cols + start_col
+    met[start_row, start_col] = True
+    length = 1
+    i = 0
+    while i < length:
+        cell = queue[i]
+        i += 1
+        r, c = cell // cols, cell % cols
+        if targets[r, c] and closes[first[cell + 1] - 1] == np.inf:
+            return True
+        for nr in range(max(0, r - 1), min(rows, r + 2)):
+            for nc in range(max(0, c - 1), min(cols, c + 2)):
+                number = nr * cols + nc
+                if not met[nr, nc] and first[number + 1] > first[number]:
+                    met[nr, nc] = True
+                    queue[length] = number
+                    length += 1
+    return False
+
+
+@njit(cache=True)
 def _search(
-    free: BoolArray, busy: BoolArray, targets: BoolArray, centres: FloatArray, side: float, start_row: int,
+    free: BoolArray, traffic: BusyBins, targets: BoolArray, centres: FloatArray, side: float, start_row: int,
     start_col: int, bin_length: float, speed: float,
 ) -> FloatArray:  # fmt: skip
     """(m, 4) x, y, seconds from now, and seconds that would be left there without other robots.
 
     They are those of the quickest path to a target where one may stay; (0, 4): there is none.
     """
-    rows, cols, bins = busy.shape
+    rows, cols = free.shape
+    row_of, busy = traffic
+    bins = busy.shape[1]
     # The heuristic ignores other robots and the walls beside diagonal steps, so it hardly ever overestimates.
     to_go = _distances(free, targets, side)
     if to_go[start_row, start_col] == np.inf:
@@ -201,12 +288,14 @@ def _search(
     for cell in range(rows * cols):
         r, c = cell // cols, cell % cols
         count = 0
-        if free[r, c]:
+        if free[r, c] and row_of[r, c] < 0:
+            count = 1
+        elif free[r, c]:
             before = True
-            for b in range(bins):
-                if before and not busy[r, c, b]:
+            for now in busy[row_of[r, c]]:
+                if before and not now:
                     count += 1
-                before = busy[r, c, b]
+                before = now
         first[cell + 1] = first[cell] + count
     total = first[rows * cols]
     opens, closes = np.empty(total), np.empty(total)
@@ -214,10 +303,13 @@ def _search(
         if first[cell + 1] == first[cell]:
             continue
         r, c = cell // cols, cell % cols
+        if row_of[r, c] < 0:
+            opens[first[cell]], closes[first[cell]] = 0.0, np.inf
+            continue
         k = first[cell] - 1
         before = True
         for b in range(bins):
-            now = busy[r, c, b]
+            now = busy[row_of[r, c], b]
             if before and not now:
                 k += 1
                 opens[k], closes[k] = b * bin_length, np.inf
@@ -226,6 +318,8 @@ def _search(
             before = now
     start_cell = start_row * cols + start_col
     if first[start_cell + 1] == first[start_cell] or opens[first[start_cell]] > 0.0:
+        return np.empty((0, 4))
+    if not _reachable(free, first, closes, targets, start_row, start_col):
         return np.empty((0, 4))
     # arrival[k] is the earliest known arrival in state k, from state parent[k]. Once done it is final.
     arrival = np.full(total, np.inf)
@@ -403,10 +497,10 @@ def _itinerary_to(
     cell = _nearest(roadmap, free, start[0], start[1], NEAR_START)
     if cell is None:
         return None
-    busy = _traffic(
+    traffic = _traffic(
         free, roadmap.centres, roadmap.corner, roadmap.side, others, start, time, separation, BIN_COUNT, BIN_LENGTH
     )
-    found = _search(free, busy, targets, roadmap.centres, roadmap.side, *cell, BIN_LENGTH, ITINERARY_SPEED)
+    found = _search(free, traffic, targets, roadmap.centres, roadmap.side, *cell, BIN_LENGTH, ITINERARY_SPEED)
     if len(found) < 2:
         return None
     # The first cell's centre is but the start, rounded: a robot that has to wait there stays where it is.

@@ -8,8 +8,11 @@ sorted queue there are three unsorted ones: the cells of this round, of the next
 because they are dearer than a threshold, which rises when the first two are empty. Cells may then be visited before
 their potential is final; they are put in again when a neighbour can lower it.
 
-Cells are numbered row by row. Positions are (x, y) in cells, whole numbers at cell centres. Costs of passage are at
-least 1, and BLOCKED where there is none; the rim of the map has none.
+Cells are numbered row by row. Positions are (x, y) in cells, whole numbers at cell centres. Costs of passage are whole
+numbers from 1 to 255, and BLOCKED where there is none; the rim of the map has none.
+
+A wave over a large map takes longer than a tick may. So it can be spread a portion at a time: what it becomes in the
+end does not depend on the portions, which end between two rounds.
 
 Source: ros-planning/navigation, navfn/src/navfn.cpp; global_planner/src/dijkstra.cpp and gradient_path.cpp; Konolige,
 A Gradient Method for Realtime Robot Control (IROS 2000).
@@ -17,6 +20,9 @@ Differs: there is no limit to the cells in wait, to the cycles, or to a path's l
 cells out; a path never squeezes between two blocked cells that meet at a corner; and where the slope leads nowhere it
 goes from cell to cell until it is lower than ever, so that a path is found wherever there is one.
 """
+
+from collections import deque
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,11 +33,11 @@ from sim.robot.costmap.costs import Costs
 
 Potential = NDArray[np.float32]
 """(rows * cols,) cost of the cheapest path from the robot; UNREACHED where the wave did not come."""
-CellCosts = NDArray[np.float32]
+CellCosts = NDArray[np.uint8]
 Cells = NDArray[np.uint32]
 Points = NDArray[np.float32]
 
-BLOCKED = np.float32(np.inf)
+BLOCKED = 0
 UNREACHED = np.float32(1.0e10)
 MAX_STEPS_WITHOUT_DESCENT = 8
 """Steps that a path may take down the slope without coming lower than before."""
@@ -44,20 +50,24 @@ class Workspace:
         shape: rows and columns.
         costs: (rows * cols,) cost of passing a cell.
         potential: (rows * cols,).
-        waiting: (rows * cols,) True while a cell waits in a queue; all False between plans.
+        waiting: (rows * cols,) True while a cell waits in a queue.
         queues: (3, rows * cols) cells that wait.
+        users: those who plan in it, the first of them now, the others after it.
     """
 
     def __init__(self, rows: int, cols: int) -> None:
         self.shape = (rows, cols)
-        self.costs = np.empty(rows * cols, np.float32)
+        self.costs = np.empty(rows * cols, np.uint8)
         self.potential = np.empty(rows * cols, np.float32)
-        self.waiting = np.zeros(rows * cols, np.bool_)
+        self.waiting = np.empty(rows * cols, np.bool_)
         self.queues = np.empty((3, rows * cols), np.uint32)
+        self.users: deque[object] = deque()
 
 
 @njit(cache=True)
-def prepare(costs: Costs, table: CellCosts, passage: CellCosts, potential: Potential) -> None:
+def prepare(
+    costs: Costs, table: CellCosts, passage: CellCosts, potential: Potential, waiting: NDArray[np.bool_]
+) -> None:
     """Translate costs, close the rim, and reset the potential.
 
     The rim is closed so that every cell that the wave enters has four neighbours: no step needs a check of the borders.
@@ -67,6 +77,7 @@ def prepare(costs: Costs, table: CellCosts, passage: CellCosts, potential: Poten
         table: (256,) cost of passing a cell of each cost.
         passage: (rows * cols,) to write to.
         potential: (rows * cols,) to write to.
+        waiting: (rows * cols,) to write to.
     """
     rows, cols = costs.shape
     for r in range(rows):
@@ -78,6 +89,7 @@ def prepare(costs: Costs, table: CellCosts, passage: CellCosts, potential: Poten
     passage[:cols] = BLOCKED
     passage[-cols:] = BLOCKED
     potential[:] = UNREACHED
+    waiting[:] = False
 
 
 @njit(cache=True)
@@ -99,10 +111,19 @@ def wave_value(
 
 
 @njit(cache=True)
-def value_of(potential: Potential, cell: int, cols: int, cost: np.float32, quadratic: bool) -> np.float32:
+def value_of(potential: Potential, cell: int, cols: int, cost: int, quadratic: bool) -> np.float32:
     """Do the same for a cell by its number; it is not on the rim."""
-    left, right = potential[cell - 1], potential[cell + 1]
-    return np.float32(wave_value(left, right, potential[cell - cols], potential[cell + cols], cost, quadratic))
+    left, right, below, above = potential[cell - 1], potential[cell + 1], potential[cell - cols], potential[cell + cols]
+    return np.float32(wave_value(left, right, below, above, np.float32(cost), quadratic))
+
+
+@njit(cache=True)
+def _lowered(value: np.float32, rank: np.float32, cost: int) -> bool:
+    """Return True where a neighbour of this value and cost may become lower from a cell of this rank.
+
+    It can by 0.7 of its own cost at least, the factor of a diagonal wave in `wave_value`.
+    """
+    return bool(cost != BLOCKED and value > rank + np.float32(0.707106781 * cost))
 
 
 @njit(cache=True)
@@ -116,58 +137,74 @@ def _push(queues: Cells, queue: int, length: int, waiting: NDArray[np.bool_], ce
 
 
 @njit(cache=True)
-def spread(
-    potential: Potential,
-    costs: CellCosts,
-    waiting: NDArray[np.bool_],
-    queues: Cells,
-    cols: int,
-    seeds: Cells,
-    target: int,
-    attraction: float,
-    threshold: float,
-    increment: float,
-    quadratic: bool,
-) -> None:
-    """Spread the wave, cheap cells first, until it reaches the target or ends.
-
-    Args:
-        potential: (rows * cols,) set at the seeds, UNREACHED elsewhere.
-        costs: (rows * cols,) cost of passing a cell.
-        waiting: (rows * cols,) all False; again so at the end.
-        queues: (3, rows * cols) room for cells that wait.
-        cols: columns of the map.
-        seeds: cells whose neighbours are first.
-        target: the cell at which to stop; -1 for the whole map.
-        attraction: cost per cell of the straight line to the target, which A* adds in choosing what comes first; or 0.
-        threshold: cells of at most this cost are first ...
-        increment: ... then those of so much more, and so on.
-        quadratic: True when the wave runs in all directions alike, or along rows and columns.
-    """
-    # Invariant: `waiting` is True exactly for the cells in the queues, each of which stands in one of them once. So no
-    # queue ever holds more cells than the map has.
-    current, following, later = 0, 1, 2
-    n_current = n_following = n_later = 0
-    limit = np.float32(threshold)
-    target_row, target_col = target // cols, target % cols
+def _begin(
+    potential: Potential, costs: CellCosts, waiting: NDArray[np.bool_], queue: Cells, cols: int, seeds: Cells
+) -> int:
+    """Put the neighbours of the seeds into a queue; return its length."""
+    length = 0
     for seed in seeds:
         for step in (1, -1, -cols, cols):
             first = np.int64(seed) + step
             inside = 0 <= first < costs.size
-            if inside and costs[first] < BLOCKED and not waiting[first] and potential[first] == UNREACHED:
-                queues[current, n_current] = first
-                n_current += 1
+            if inside and costs[first] != BLOCKED and not waiting[first] and potential[first] == UNREACHED:
+                queue[length] = first
+                length += 1
                 waiting[first] = True
+    return length
+
+
+@njit(cache=True)
+def _spread_on(
+    potential: Potential,
+    costs: CellCosts,
+    waiting: NDArray[np.bool_],
+    queues: Cells,
+    lengths: NDArray[np.int64],
+    cols: int,
+    target: int,
+    attraction: float,
+    limit: np.float32,
+    increment: float,
+    quadratic: bool,
+    portion: int,
+) -> tuple[np.float32, bool]:
+    """Go on with a wave, round after round, until so many cells have been visited.
+
+    Args:
+        potential: (rows * cols,) so far.
+        costs: (rows * cols,) cost of passing a cell.
+        waiting: (rows * cols,) True for the cells in the queues.
+        queues: (3, rows * cols) cells of this round, of the next one, and those put off.
+        lengths: (3,) of the queues; changed in place. The second is 0.
+        cols: see `spread`, as other arguments.
+        target: the cell at which to stop; -1 for the whole map.
+        attraction: as in `spread`.
+        limit: cells of at most this cost are first.
+        increment: by which it rises.
+        quadratic: as in `spread`.
+        portion: cells to visit.
+
+    Returns:
+        The limit now, and whether the wave goes on.
+    """
+    # Invariant: `waiting` is True exactly for the cells in the queues, each of which stands in one of them once. So no
+    # queue ever holds more cells than the map has.
+    current, following, later = 0, 1, 2
+    n_current, n_following, n_later = lengths[0], 0, lengths[2]
+    target_row, target_col = target // cols, target % cols
     # Unsigned, for which numba need not look out for indices that count from the end.
     one, width = np.uint64(1), np.uint64(cols)
-    while n_current > 0:
+    visited = 0
+    goes_on = n_current > 0
+    while goes_on and visited < portion:
+        visited += n_current
         for i in range(n_current):
             waiting[queues[current, i]] = False
         for i in range(n_current):
             cell = np.uint64(queues[current, i])
             left, right = potential[cell - one], potential[cell + one]
             below, above = potential[cell - width], potential[cell + width]
-            value = wave_value(left, right, below, above, costs[cell], quadratic)
+            value = wave_value(left, right, below, above, np.float32(costs[cell]), quadratic)
             if value >= potential[cell]:
                 continue
             potential[cell] = value
@@ -177,17 +214,15 @@ def spread(
                 away = elementary.hypot(float(col) - target_col, float(row) - target_row)
                 rank += np.float32(np.float32(away) * attraction)
             # navfn's A* also asks a neighbour to be worse by this rank: cells once reached are seldom looked at again.
-            # A neighbour is put in where this cell may lower it: by 0.7 of its own cost at least, the factor of a
-            # diagonal wave in `wave_value`.
             near = rank < limit
             queue, n = (following, n_following) if near else (later, n_later)
-            if left > rank + np.float32(0.707106781 * costs[cell - one]):
+            if _lowered(left, rank, costs[cell - one]):
                 n = _push(queues, queue, n, waiting, cell - one)
-            if right > rank + np.float32(0.707106781 * costs[cell + one]):
+            if _lowered(right, rank, costs[cell + one]):
                 n = _push(queues, queue, n, waiting, cell + one)
-            if below > rank + np.float32(0.707106781 * costs[cell - width]):
+            if _lowered(below, rank, costs[cell - width]):
                 n = _push(queues, queue, n, waiting, cell - width)
-            if above > rank + np.float32(0.707106781 * costs[cell + width]):
+            if _lowered(above, rank, costs[cell + width]):
                 n = _push(queues, queue, n, waiting, cell + width)
             if near:
                 n_following = n
@@ -201,12 +236,50 @@ def spread(
             current, later = later, current
             n_current, n_later = n_later, 0
         # As in ROS the wave stops at the end of the round in which it reaches the target.
-        if target >= 0 and potential[target] < UNREACHED:
-            break
-    for i in range(n_current):
-        waiting[queues[current, i]] = False
-    for i in range(n_later):
-        waiting[queues[later, i]] = False
+        goes_on = n_current > 0 and not (target >= 0 and potential[target] < UNREACHED)
+    if goes_on:
+        # Where they are looked for next time.
+        this, put_off = queues[current, :n_current].copy(), queues[later, :n_later].copy()
+        queues[0, :n_current], queues[2, :n_later] = this, put_off
+        lengths[0], lengths[2] = n_current, n_later
+    return limit, goes_on
+
+
+def spread(
+    space: Workspace,
+    seeds: Cells,
+    target: int,
+    attraction: float,
+    threshold: float,
+    increment: float,
+    quadratic: bool,
+    portion: int,
+) -> Iterator[None]:
+    """Spread a wave, cheap cells first, until it reaches the target or ends.
+
+    Args:
+        space: prepared; the potential is set at the seeds, UNREACHED elsewhere.
+        seeds: cells whose neighbours are first.
+        target: the cell at which to stop; -1 for the whole map.
+        attraction: cost per cell of the straight line to the target, which A* adds in choosing what comes first; or 0.
+        threshold: cells of at most this cost are first ...
+        increment: ... then those of so much more, and so on.
+        quadratic: True when the wave runs in all directions alike, or along rows and columns.
+        portion: cells to visit at a time, and the rest of a round.
+
+    Yields:
+        Between two portions.
+    """
+    cols = space.shape[1]
+    arrays = space.potential, space.costs, space.waiting, space.queues
+    lengths = np.zeros(3, np.int64)
+    lengths[0] = _begin(space.potential, space.costs, space.waiting, space.queues[0], cols, seeds)
+    limit = np.float32(threshold)
+    while True:
+        limit, goes_on = _spread_on(*arrays, lengths, cols, target, attraction, limit, increment, quadratic, portion)
+        if not goes_on:
+            return
+        yield
 
 
 @njit(cache=True)

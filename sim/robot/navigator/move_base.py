@@ -8,8 +8,9 @@ the cause, a goal whose remaining path has not become shorter for PROGRESS_TIMEO
 in bounded time. `navigator.states` has the states, and the table of all transitions between them.
 
 Source: ros-planning/navigation, move_base/src/move_base.cpp.
-Differs: plans and commands are made in the tick that is due, without threads; robots take turns in planning. A goal
-that the map alone makes impossible is given up without recovery. A robot that waits for its right of way neither
+Differs: plans and commands are made in the tick that is due, without threads, but the search for a path on a large map
+takes several ticks, a portion of the map in each; robots take turns in planning. A goal that the map alone makes
+impossible is given up without recovery. A robot that waits for its right of way neither
 oscillates nor is out of valid commands.
 """
 
@@ -109,6 +110,8 @@ class Navigator:
         self._goal: Goal | None = None
         self._tick = -1
         self._command = STANDSTILL
+        # True when the robot follows its present itinerary should the plan under way find none.
+        self._keeps = False
         self._restart(0)
 
     def _restart(self, tick: int) -> None:
@@ -174,7 +177,8 @@ class Navigator:
         place = turned.pose_in_grid(base_in_map)
         costs, frame = self._costmaps.global_costmap.as_updated(place.x, place.y, self._stale.known(self._tick))
         adds = self._parameters.move_base.make_plan_add_unreachable_goal
-        planner = self._planner(self._parameters)
+        # In room of its own: a search may be under way in the other.
+        planner = global_planner(*_plans_by(self._parameters))
         poses = make_plan(planner, costs, frame, turned.pose_in_grid(start), turned.pose_in_grid(goal), tolerance, adds)
         return poses if isinstance(poses, PlanRefusal) else turned.poses_in_map(poses)
 
@@ -218,6 +222,7 @@ class Navigator:
                 discs = _discs(self._stale.known(tick), laser, self._costmaps.explained_range)
                 self._costmaps.global_costmap.observe(pose, scan, discs)
                 self._controller.keep_scan(pose, scan, discs)
+        self._itinerary_planner.search_on()
         if (tick - self._robot) % self._team == 0 and tick >= self._next_plan and not isinstance(self._state, Clearing):
             self._choose_plan(tick, pose, self._stale.known(tick))
         if self._controller.command_due(tick):
@@ -236,7 +241,12 @@ class Navigator:
         """
         state = self._state
         waits = self._making_way.pauses or self._progress.yields_to(tick) is not None
-        if waits or self._results or not isinstance(state, Idle | Planning | Controlling):
+        if (
+            waits
+            or self._results
+            or self._itinerary_planner.searching
+            or not isinstance(state, Idle | Planning | Controlling)
+        ):
             return tick + 1
         due = [self._costmaps.next_due(tick)]
         if isinstance(state, Controlling):
@@ -314,8 +324,9 @@ class Navigator:
         return Idle(wanted) if self._goal is None else Planning(wanted, waits_for)
 
     def _stop(self, event: Event, state: State | None = None) -> None:
-        """Stand, and follow the present itinerary no longer."""
+        """Stand, and follow the present itinerary no longer; give up the search for another."""
         self._command = STANDSTILL
+        self._itinerary_planner.give_up()
         if not isinstance(self._state, Lost):
             self._enter(event, state or self._standing())
 
@@ -344,8 +355,9 @@ class Navigator:
         """Plan if there is something to plan for; it is this robot's turn."""
         if self._goal is not None and self._progress.timed_out(tick):
             self._end(self._given_up(self._goal))
-        keeps = False
-        if isinstance(self._state, Controlling):
+        # A search that takes several ticks ends as what it was begun for.
+        keeps = self._itinerary_planner.searching and self._keeps
+        if isinstance(self._state, Controlling) and not self._itinerary_planner.searching:
             if self._state.follower.obstructed():
                 self._plan_after(tick, PLAN_RETRY)
             elif self._oscillation.due(tick) or self._out_of_control(tick):
@@ -414,6 +426,9 @@ class Navigator:
         others = itineraries_of(neighbours)
         self._itinerary_planner.update_neighbours(neighbours)
         planned = self._itinerary_planner.plan(pose, target, self._time(tick, pose, others), others)
+        if planned is None:
+            self._next_plan, self._keeps = tick + 1, keeps
+            return
         if keeps and not isinstance(planned, Itinerary):
             return
         match planned:

@@ -19,7 +19,6 @@ from sim.robot.costmap.static import interpretation
 from sim.robot.global_planning.navfn import Navfn
 from sim.robot.global_planning.path import Path as Way
 from sim.robot.global_planning.potential_planner import PotentialPlanner
-from sim.robot.global_planning.wave import Workspace, prepare
 from tests.bench.budget import best
 
 pytestmark = pytest.mark.bench
@@ -81,7 +80,7 @@ def theirs(peer: Path, costs: Costs, queries: NDArray[np.int32], mode: str, fold
 def ours(costs: Costs, queries: NDArray[np.int32], mode: str) -> tuple[float, float]:
     frame = CostFrame(0.0, 0.0, RESOLUTION)
     method = Navfn(NavfnParameters(use_astar=mode == "astar"))
-    planner, space = PotentialPlanner(method), Workspace(*costs.shape)
+    planner = PotentialPlanner(method)
     ends = [
         tuple(Pose2((col + 0.5) * RESOLUTION, (row + 0.5) * RESOLUTION, 0.0) for col, row in (query[:2], query[2:]))
         for query in queries.tolist()
@@ -90,10 +89,9 @@ def ours(costs: Costs, queries: NDArray[np.int32], mode: str) -> tuple[float, fl
 
     def plan() -> None:
         length = 0.0
-        for (start, goal), query in zip(ends, queries.tolist(), strict=True):
+        for start, goal in ends:
             if mode == "whole":
-                prepare(costs, method.table, space.costs, space.potential)
-                method.spread(space, query[0], query[1], -1)
+                planner.potential(costs, frame, start)
             else:
                 way = planner.plan(costs, frame, start, goal)
                 length += way.length if isinstance(way, Way) else 0.0

@@ -12,7 +12,8 @@ from sim.robot.costmap.costs import CostFrame
 from sim.robot.global_planning.global_planner import GlobalPlanner, orientations, passage_costs
 from sim.robot.global_planning.path import Path, PlanRefusal
 from sim.robot.global_planning.planners import global_planner
-from sim.robot.global_planning.potential_planner import PotentialPlanner
+from sim.robot.global_planning.potential_planner import PORTION, PotentialPlanner
+from sim.robot.global_planning.wave import BLOCKED, Workspace, prepare
 
 FRAME = CostFrame(0.0, 0.0, 0.1)
 
@@ -24,11 +25,27 @@ def plan(costs, start, goal, **parameters):
 def test_costs_are_translated_as_global_planner_does():
     table = passage_costs(GlobalPlannerParameters())
     assert (table[0], table[10], table[100], table[251], table[255]) == (50, 80, 252, 252, 252)
-    assert np.isinf(table[252:255]).all()
-    assert np.isinf(passage_costs(GlobalPlannerParameters(allow_unknown=False))[255])
+    assert (table[252:255] == BLOCKED).all()
+    assert passage_costs(GlobalPlannerParameters(allow_unknown=False))[255] == BLOCKED
     table = passage_costs(GlobalPlannerParameters(use_dijkstra=False))
     assert (table[0], table[10], table[252], table[255]) == (50, 60, 255, 255)
-    assert np.isinf(table[[253, 254]]).all()
+    assert (table[[253, 254]] == BLOCKED).all()
+
+
+@pytest.mark.parametrize("use_dijkstra", [False, True])
+@pytest.mark.parametrize("portion", [2, 50, 777])
+def test_a_wave_that_spreads_a_portion_at_a_time_becomes_the_same(use_dijkstra, portion):
+    method, space = GlobalPlanner(GlobalPlannerParameters(use_dijkstra=use_dijkstra)), Workspace(60, 80)
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        costs = random.choice(np.array([0, 20, 60, 254], np.uint8), (60, 80), p=[0.6, 0.1, 0.1, 0.2])
+        potentials = []
+        for size in (PORTION, portion):
+            prepare(costs, method.table, space.costs, space.potential, space.waiting)
+            for _ in method.spread(space, 10.2, 30.4, 30 * 80 + 60, size):
+                pass
+            potentials.append(space.potential.copy())
+        assert np.array_equal(*potentials)
 
 
 @settings(max_examples=60, deadline=None)

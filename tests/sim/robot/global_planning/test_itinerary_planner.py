@@ -42,13 +42,13 @@ def barred(itineraries, start, goal):
 def test_the_wanted_path_is_planned_once_as_long_as_start_goal_and_planner_stay(monkeypatch: pytest.MonkeyPatch):
     itineraries, planner = itinerary_planner_and_path_planner()
     asked = []
-    plan = PotentialPlanner.plan
+    search = PotentialPlanner.search
 
     def counted(self, costs, *arguments):
         asked.append(costs is not itineraries.costmap.costs)
-        return plan(self, costs, *arguments)
+        return search(self, costs, *arguments)
 
-    monkeypatch.setattr(PotentialPlanner, "plan", counted)
+    monkeypatch.setattr(PotentialPlanner, "search", counted)
     first, again = (barred(itineraries, START, GOAL) for _ in range(2))
     assert isinstance(first, BlockedByRobots)
     assert np.array_equal(first.wanted_path, again.wanted_path)

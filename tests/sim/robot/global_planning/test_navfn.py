@@ -1,4 +1,5 @@
 import math
+from pathlib import Path as Path_
 
 import numpy as np
 import pytest
@@ -9,12 +10,16 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from sim.common.geometry import Pose2
-from sim.parameters import NavfnParameters
+from sim.parameters import GlobalPlannerParameters, NavfnParameters, RobotParameters, WorldParameters
+from sim.robot.costmap.costmap_2d import Costmap2D
 from sim.robot.costmap.costs import CostFrame
+from sim.robot.global_planning import potential_planner
 from sim.robot.global_planning.navfn import Navfn, passage_costs
 from sim.robot.global_planning.path import Path, PlanRefusal
-from sim.robot.global_planning.potential_planner import PotentialPlanner
-from sim.robot.global_planning.wave import Workspace, prepare
+from sim.robot.global_planning.planners import global_planner
+from sim.robot.global_planning.potential_planner import PORTION, PotentialPlanner
+from sim.robot.global_planning.wave import BLOCKED, Workspace, prepare
+from thbridge.files.map_files import read_map
 
 FRAME = CostFrame(-1.0, -2.0, 0.05)
 
@@ -41,8 +46,8 @@ def cells_of(points):
 def test_costs_are_translated_as_navfn_does():
     table = passage_costs(allow_unknown=True)
     assert (table[0], table[100], table[252], table[255]) == (50, 130, 251, 253)
-    assert np.isinf(table[[253, 254]]).all()
-    assert np.isinf(passage_costs(allow_unknown=False)[255])
+    assert (table[[253, 254]] == BLOCKED).all()
+    assert passage_costs(allow_unknown=False)[255] == BLOCKED
 
 
 def test_a_free_way_is_nearly_straight_and_ends_with_the_goals_heading():
@@ -62,7 +67,8 @@ def test_a_free_way_is_nearly_straight_and_ends_with_the_goals_heading():
 def cheapest(costs, start, goal):
     """Length in cells of a cheapest way from centre to centre of cells, eight neighbours each, none across a corner."""
     rows, cols = costs.shape
-    price = passage_costs(allow_unknown=True)[costs]
+    price = passage_costs(allow_unknown=True)[costs].astype(np.float64)
+    price[price == BLOCKED] = np.inf
     price[[0, -1]] = price[:, [0, -1]] = np.inf
     index = np.arange(costs.size).reshape(costs.shape)
     begins, ends, prices = [], [], []
@@ -118,13 +124,31 @@ def test_a_way_is_found_exactly_when_there_is_one_and_it_never_crosses_a_wall(wa
     assert (passable[rows, cols] | passable[rows - 1, cols] | passable[rows, cols - 1]).all()
 
 
-def field_of(costs, start, goal=None, astar=False):
+def field_of(costs, start, goal=None, astar=False, portion=PORTION):
     """The potential from one cell, (rows, cols), until it reaches the goal."""
     method, space = Navfn(NavfnParameters(use_astar=astar)), Workspace(*costs.shape)
-    prepare(costs, method.table, space.costs, space.potential)
-    method.spread(space, start[1], start[0], -1 if goal is None else goal[0] * costs.shape[1] + goal[1])
-    assert not space.waiting.any()
+    prepare(costs, method.table, space.costs, space.potential, space.waiting)
+    for _ in method.spread(
+        space, start[1], start[0], -1 if goal is None else goal[0] * costs.shape[1] + goal[1], portion
+    ):
+        pass
     return space.potential.reshape(costs.shape)
+
+
+def crowded(seed):
+    """A room with walls and costs at random."""
+    random = np.random.default_rng(seed)
+    costs = random.choice(np.array([0, 60, 200, 254], np.uint8), (60, 80), p=[0.6, 0.1, 0.1, 0.2])
+    costs[30, 10] = costs[30, 60] = 0
+    return costs
+
+
+@pytest.mark.parametrize("astar", [False, True])
+@pytest.mark.parametrize("portion", [1, 50, 777])
+def test_a_wave_that_spreads_a_portion_at_a_time_becomes_the_same(astar, portion):
+    for seed in range(20):
+        whole, parts = (field_of(crowded(seed), (30, 10), (30, 60), astar, size) for size in (PORTION, portion))
+        assert np.array_equal(whole, parts)
 
 
 def test_the_potential_in_the_open_is_the_distance():
@@ -219,6 +243,60 @@ def test_planners_that_share_their_room_plan_as_alone(shared):
         assert np.array_equal(one.plan(walls, FRAME, at(10, 10), at(50, 10)).poses, alone.poses)
         assert not isinstance(other.plan(open_room(), FRAME, at(50, 5), at(5, 70)), PlanRefusal)
         assert not isinstance(other.plan(open_room(20, 20), FRAME, at(5, 5), at(15, 15)), PlanRefusal)
+
+
+def ended(search):
+    """The result of a search, and how many portions it takes."""
+    portions = 1
+    while True:
+        try:
+            next(search)
+        except StopIteration as done:
+            return done.value, portions
+        portions += 1
+
+
+def test_searches_that_share_their_room_take_turns(monkeypatch):
+    monkeypatch.setattr(potential_planner, "PORTION", 500)
+    space = Workspace(60, 80)
+    first, second, third = (PotentialPlanner(Navfn(NavfnParameters()), space) for _ in range(3))
+    began = first.search(open_room(), FRAME, at(10, 10), at(50, 70))
+    next(began)
+    waits = second.search(open_room(), FRAME, at(50, 10), at(5, 70))
+    next(waits)
+    last = third.search(open_room(), FRAME, at(50, 10), at(5, 5))
+    for _ in range(20):
+        next(last)
+    # Who gives up leaves the room to the next.
+    began.close()
+    path, portions = ended(waits)
+    assert np.array_equal(path.poses, plan(open_room(), at(50, 10), at(5, 70)).poses)
+    assert portions > 3
+    assert np.array_equal(ended(last)[0].poses, plan(open_room(), at(50, 10), at(5, 5)).poses)
+
+
+MAPS = Path_(__file__).parents[4] / "maps"
+
+
+@pytest.mark.parametrize("name", sorted(folder.name for folder in MAPS.iterdir() if folder.is_dir()))
+@pytest.mark.parametrize("base_global_planner", ["navfn/NavfnROS", "global_planner/GlobalPlanner"])
+@pytest.mark.parametrize("astar", [False, True])
+def test_on_the_maps_that_come_with_it_no_search_takes_more_than_a_portion(name, base_global_planner, astar):
+    place, software = read_map(MAPS / name), RobotParameters()
+    costmap = Costmap2D(software.global_costmap, np.array(WorldParameters().footprint), place.grid)
+    costmap.update(0.0, 0.0)
+    planner = global_planner(
+        base_global_planner, NavfnParameters(use_astar=astar), GlobalPlannerParameters(use_dijkstra=not astar)
+    )
+    costs = costmap.costs.copy()
+    # A goal that no wave reaches: it spreads over all of the map.
+    middle = costs.shape[0] // 2, costs.shape[1] // 2
+    costs[middle[0] - 2 : middle[0] + 3, middle[1] - 2 : middle[1] + 3] = 254
+    costs[middle] = 0
+    x, y = place.grid.centre_of(*middle)
+    path, portions = ended(planner.search(costs, costmap.frame, place.starts[0], Pose2(x, y, 0.0)))
+    assert path.code == "no_way"
+    assert portions == 1
 
 
 def test_a_planner_keeps_nothing_from_plan_to_plan():

@@ -1,12 +1,16 @@
+import math
+
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.ndimage import distance_transform_edt
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, Neighbour
 from sim.robot.global_planning.itinerary import densified, itineraries_of, keeps_separation, timed_itinerary
-from sim.robot.global_planning.safe_interval import make_roadmap, refuge, route
+from sim.robot.global_planning.safe_interval import _distances, make_roadmap, refuge, route
 
 SQUARE = np.array([[0.25, 0.25], [-0.25, 0.25], [-0.25, -0.25], [0.25, -0.25]])
 NEAR = 0.9
@@ -74,3 +78,32 @@ def test_a_refuge_is_off_the_wanted_path():
         refuge(CORRIDOR, CORRIDOR.free, np.array([5.5, 1.5]), wish, 0.0, itineraries_of([standing(0, 6.7, 1.5)]), NEAR)
         is None
     )
+
+
+def swept(free, targets, side):
+    """Distances by sweeps over all cells until nothing changes."""
+    rows, cols = free.shape
+    field = np.where(targets & free, 0.0, np.inf)
+    cells = [(r, c) for r in range(rows) for c in range(cols)]
+    changed = True
+    while changed:
+        changed = False
+        for r, c in cells:
+            around = [(r + dr, c + dc) for dr in (-1, 0, 1) for dc in (-1, 0, 1) if (dr, dc) != (0, 0)]
+            near = [(i, j) for i, j in around if 0 <= i < rows and 0 <= j < cols and free[i, j]]
+            step = {(i, j): side if i == r or j == c else math.sqrt(2.0) * side for i, j in near}
+            best = min([field[r, c], *(field[cell] + step[cell] for cell in near)])
+            if free[r, c] and best < field[r, c] - 1e-9:
+                field[r, c] = best
+                changed = True
+        cells.reverse()
+    return field
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=30, deadline=None)
+def test_distances_to_go_are_those_of_sweeps_over_all_cells(seed):
+    random = np.random.default_rng(seed)
+    free = random.random((14, 17)) < random.uniform(0.4, 1.0)
+    targets = random.random(free.shape) < 0.02
+    assert np.array_equal(_distances(free, targets, 0.2), swept(free, targets, 0.2))
