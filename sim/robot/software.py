@@ -28,6 +28,16 @@ class RobotOutput:
     navigation: Navigation
     neighbour: Neighbour
 
+    @property
+    def tick(self) -> int:
+        """The tick of its observations."""
+        return self.observations.tick
+
+    @property
+    def lost(self) -> bool:
+        """True when the robot holds itself to be lost."""
+        return self.estimate.lost
+
 
 class CarriedOutput(RobotOutput):
     """Output in a tick in which nothing was due: that of the last step, carried on by odometry.
@@ -58,6 +68,16 @@ class CarriedOutput(RobotOutput):
         output = cls.__new__(cls)
         output.__dict__.update(navigation=left.navigation, _parts=(left, tick, base_in_map, twist, sense))
         return output
+
+    @property
+    def tick(self) -> int:
+        """See `RobotOutput`; nothing is made."""
+        return self._parts[1]
+
+    @property
+    def lost(self) -> bool:
+        """See `RobotOutput`; nothing is made."""
+        return self._parts[0].lost
 
     @cached_property
     def observations(self) -> Observations:

@@ -16,6 +16,7 @@ from sim.common.observations import TICKS_PER_SECOND, Twist
 from sim.common.robot_numbers import number_of
 from sim.inputs import GlobalLocalization, KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot, WithdrawGoal
 from sim.robot.navigator.goals import GoalReached, GoalResult, NoPath
+from sim.robot.software import CarriedOutput
 from sim.team import TeamSnapshot
 from thbridge.api.errors import HuntError, told
 from thbridge.api.participant import HuntParticipant, QueuePlayer, checked_index, whole
@@ -230,11 +231,12 @@ class HuntSession:
         self._last = snapshot
         self._finished = self._ending.reached(self._session)
         for robot, output in enumerate(snapshot.robots):
-            scan = output.observations.scan
-            if scan is not None:
-                self._scans[robot] = scan.ranges
-            if output.navigation.result is not None:
-                self._note_goal(robot, output.navigation.result)
+            # One that was carried on has neither, and would be made by the look.
+            if not isinstance(output, CarriedOutput):
+                if (scan := output.observations.scan) is not None:
+                    self._scans[robot] = scan.ranges
+                if (result := output.navigation.result) is not None:
+                    self._note_goal(robot, result)
         if record.events or record.utterances or record.refusals:
             self._note(record)
 

@@ -327,7 +327,7 @@ class SimR(RobotsRole):
                 outgoing.append(legacy.RoomReached(robot, Room(move.order.room).wire).message())
             elif isinstance(result, NoPath):
                 self._fail(robot, move, reasons.failure_sentence(robot, result.reason))
-            elif navigation.goal is None and output.observations.tick == snapshot.tick:
+            elif navigation.goal is None and output.tick == snapshot.tick:
                 if self._orders is not None and self._orders.moves[robot] is None:
                     self._fail(robot, move, reasons.CALLED_BACK)
                 elif not self._controls.is_driven(robot):
@@ -342,10 +342,10 @@ class SimR(RobotsRole):
             return False
         anew = False
         for robot, output in enumerate(snapshot.robots):
-            here, priced = output.estimate.base_in_map, self._priced[robot]
             moving = robot in self._moves or output.navigation.goal is not None or self._controls.is_driven(robot)
-            if moving or output.estimate.lost or self._is_silent(snapshot, output):
+            if moving or output.lost or self._is_silent(snapshot, output):
                 continue
+            here, priced = output.estimate.base_in_map, self._priced[robot]
             if priced is None or elementary.hypot(here.x - priced[0].x, here.y - priced[0].y) > PRICED_DISTANCE:
                 self._priced[robot] = here, travel.costs_from(here)
                 anew = True
@@ -363,16 +363,12 @@ class SimR(RobotsRole):
 
     def _is_silent(self, snapshot: TeamSnapshot, robot: RobotOutput) -> bool:
         """Return True for a robot whose last observations are older than the timeout."""
-        return snapshot.tick - robot.observations.tick >= self._response_timeout
+        return snapshot.tick - robot.tick >= self._response_timeout
 
     def _conditions_in(self, snapshot: TeamSnapshot) -> tuple[Condition, ...]:
         """Return the condition of each robot, as far as its messages show it."""
         return tuple(
-            Condition.SILENT
-            if self._is_silent(snapshot, robot)
-            else Condition.LOST
-            if robot.estimate.lost
-            else Condition.WELL
+            Condition.SILENT if self._is_silent(snapshot, robot) else Condition.LOST if robot.lost else Condition.WELL
             for robot in snapshot.robots
         )
 

@@ -65,7 +65,7 @@ class VehicleTrip:
 
 def is_responding(snapshot: TeamSnapshot, robot: int) -> bool:
     """Return True when a robot's observations are less than a second old."""
-    return snapshot.tick - snapshot.robots[robot].observations.tick < RESPONSE_TIMEOUT
+    return snapshot.tick - snapshot.robots[robot].tick < RESPONSE_TIMEOUT
 
 
 def advanced(trip: VehicleTrip, snapshot: TeamSnapshot, game: GameState, robot: int) -> VehicleTrip:
