@@ -182,8 +182,11 @@ class HuntEnv(ParallelEnv[str, Vector, Action]):
             HuntError: the environment is not reset, or an action is outside its space.
         """
         session = self.session
-        if session is None or not self.agents:
+        if session is None:
             raise HuntError("no episode is under way. Reset the environment first.")
+        if not self.agents:
+            # Wrappers step on when all agents are done.
+            return {}, {}, {}, {}, {}
         before = self._game(session)
         # What was refused because somebody else commanded a robot is asked for again.
         self._decided = None

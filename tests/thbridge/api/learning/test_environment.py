@@ -195,6 +195,14 @@ def test_who_drives_to_a_room_enters_it_by_the_games_rules() -> None:
     assert now.named[2] == now.true_treasures[2]
 
 
+def test_an_episode_that_is_over_stays_over() -> None:
+    env = HuntEnv(STUDY, max_seconds=1)
+    env.reset(seed=1)
+    _, _, terminations, truncations, _ = env.step({})
+    assert not any(terminations.values()) and all(truncations.values())
+    assert env.agents == [] and env.step({}) == ({}, {}, {}, {}, {})
+
+
 def test_pictures_are_drawn_on_request() -> None:
     env = HuntEnv(STUDY, render_mode="rgb_array")
     assert env.render() is None
