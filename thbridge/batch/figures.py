@@ -13,7 +13,7 @@ from scipy import stats
 
 from sim.common.geometry import FloatArray
 from sim.common.noise_arrays import NoiseStream
-from thbridge.analysis.plot.style import FigureStyle, colour
+from thbridge.analysis.plot.style import INK, FigureStyle, colour
 
 RESAMPLES = 2000
 """Bootstrap samples of a band."""
@@ -144,13 +144,14 @@ def draw_curves(curves: Curves, axes: FigureAxes, style: FigureStyle) -> Figure:
                 place.margins(x=0.12)
             elif axes.is_log:
                 place.set_xscale("log")
+                place.minorticks_off()
             if not are_words and len(words) <= MOST_TICKS:
                 place.set_xticks([float(word) for word in words], [f"{word:g}" for word in words])
         for place in flat[len(panels) :]:
             place.set_visible(False)
         for row in grid:
             row[0].set_ylabel(axes.measure.replace("_", " "))
-        figure.supxlabel(axes.x, fontsize=style.font, color="#1f2933")
+        figure.supxlabel(axes.x, fontsize=style.font, color=INK)
         if axes.lines is not None:
             handles, labels = flat[0].get_legend_handles_labels()
             figure.legend(

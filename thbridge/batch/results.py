@@ -192,9 +192,23 @@ def read_digests(path: Path) -> Mapping[int, tuple[str | None, str]]:
     return {row["seed"]: (row["messages"], row["worker"]) for row in table.to_pylist()}
 
 
-def has_faults(path: Path) -> bool:
-    """Return True when a game of a chunk has no result. Raises BadFile."""
-    return any(fault is not None for fault in read_table(path, ["fault"])["fault"].to_pylist())
+def game_faults(path: Path, condition: int) -> list[str]:
+    """Return a sentence for each game of a chunk that has no result. Raises BadFile."""
+    return [
+        f"condition {condition}, seed {row['seed']}: {row['fault']}"
+        for row in read_table(path, ["seed", "fault"]).to_pylist()
+        if row["fault"] is not None
+    ]
+
+
+def differing_games(path: Path, condition: int) -> list[str]:
+    """Return a sentence for each game of a chunk that was not the same again. Raises BadFile."""
+    return [
+        f"condition {condition}, seed {row['seed']}: not the same again (first by {row['first_worker']}, "
+        f"again by {row['again_worker']})"
+        for row in read_table(path).to_pylist()
+        if not row["equal"]
+    ]
 
 
 def read_table(path: Path, columns: Sequence[str] | None = None) -> pa.Table:

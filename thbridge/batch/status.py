@@ -10,7 +10,7 @@ from pyarrow import parquet
 
 from thbridge.batch.chunks import is_drawn
 from thbridge.batch.folder import read_manifest
-from thbridge.batch.results import VERSIONS, GameStatus, read_table
+from thbridge.batch.results import VERSIONS, GameStatus, differing_games, game_faults, read_table
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,26 +58,23 @@ def status_of(root: Path) -> SweepStatus:
     """Read the status of a sweep. Raises BadFile: it is no folder of one, or a file cannot be read."""
     folder, manifest = read_manifest(root)
     by_status, versions = Counter[str](), Counter[str]()
-    faults, differing, written = [], [], []
+    faults, differing, written = list[str](), list[str](), list[tuple[float, int]]()
     drawn = verified = 0
     cpu = 0.0
     for chunk in manifest.chunks:
         drawn += sum(is_drawn("verified", manifest.one_verified_in, chunk.condition, seed) for seed in chunk.seeds)
         path, again = folder.games(chunk), folder.verified(chunk)
         if path.exists():
-            rows = read_table(path, ["seed", "status", "fault", "cpu_seconds"]).to_pylist()
+            rows = read_table(path, ["status", "cpu_seconds"]).to_pylist()
             written.append((path.stat().st_mtime, len(rows)))
             versions[(parquet.read_metadata(path).metadata or {}).get(VERSIONS.encode(), b"{}").decode()] += 1
             for row in rows:
                 by_status[row["status"]] += 1
                 cpu += row["cpu_seconds"]
-                if row["fault"]:
-                    faults.append(f"condition {chunk.condition}, seed {row['seed']}: {row['fault']}")
+            faults += game_faults(path, chunk.condition)
         if again.exists():
-            for row in read_table(again, ["seed", "equal"]).to_pylist():
-                verified += 1
-                if not row["equal"]:
-                    differing.append(f"condition {chunk.condition}, seed {row['seed']}: not the same again")
+            verified += parquet.read_metadata(again).num_rows
+            differing += differing_games(again, chunk.condition)
     done = by_status.total()
     rate = _rate(sorted(written))
     return SweepStatus(

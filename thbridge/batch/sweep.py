@@ -9,7 +9,7 @@ from thbridge.batch.chunks import GameChunk, Shard, chunks_of
 from thbridge.batch.design import SweepDesign
 from thbridge.batch.engines.engine import Engine, EngineFailed, FinishedTask
 from thbridge.batch.folder import SweepFolder
-from thbridge.batch.results import has_faults
+from thbridge.batch.results import game_faults
 from thbridge.batch.tasks import MOST_DEATHS, SweepTask
 
 EVERYTHING = Shard()
@@ -66,7 +66,7 @@ def run_sweep(
     told, deaths = SweepProgress(), Counter[Path]()
     for task in tasks_of(design, folder, shard.has):
         told.games += len(task.chunk.seeds)
-        if retry and task.result.exists() and has_faults(task.result):
+        if retry and task.result.exists() and game_faults(task.result, task.chunk.condition):
             folder.verified(task.chunk).unlink(missing_ok=True)
             task.result.unlink()
         if task.result.exists():

@@ -18,6 +18,8 @@ from thbridge.batch.results import (
     GameResult,
     GameStatus,
     Verification,
+    differing_games,
+    game_faults,
     read_digests,
     write_games,
     write_verified,
@@ -108,14 +110,16 @@ def carry_out(task: SweepTask) -> TaskOutcome:
     """
     with _playing:
         began = time.process_time()
-        if task.result.exists():
-            return TaskOutcome(0, 0, (), 0.0)
-        faults = _verify(task) if task.again else _play(task)
+        # It is there already where a worker was lost between its file and its answer.
+        if not task.result.exists():
+            (_verify if task.again else _play)(task)
+        faults = (differing_games if task.again else game_faults)(task.result, task.chunk.condition)
         games = len(task.verified_seeds if task.again else task.chunk.seeds)
         return TaskOutcome(games, len(faults), tuple(faults), time.process_time() - began)
 
 
-def _play(task: SweepTask) -> list[str]:
+def _play(task: SweepTask) -> None:
+    """Play the games of a chunk."""
     folder, games = SweepFolder(task.folder), []
     journal = folder.attempts(task.chunk)
     deaths = _deaths(journal)
@@ -129,10 +133,10 @@ def _play(task: SweepTask) -> list[str]:
         games.append(_game(task, seed, recorded=seed in task.recorded_seeds, hashed=seed in task.verified_seeds))
     write_games(folder.games(task.chunk), games, task.chunk.condition, task.factors, task.measures)
     journal.unlink(missing_ok=True)
-    return [f"condition {task.chunk.condition}, seed {game.seed}: {game.fault}" for game in games if game.fault]
 
 
-def _verify(task: SweepTask) -> list[str]:
+def _verify(task: SweepTask) -> None:
+    """Play drawn games of a chunk again."""
     folder = SweepFolder(task.folder)
     first = read_digests(folder.games(task.chunk))
     games = []
@@ -143,12 +147,6 @@ def _verify(task: SweepTask) -> list[str]:
         again = _game(task, seed, recorded=False, hashed=True)
         games.append(Verification(seed, said, again.messages, by, worker_name()))
     write_verified(folder.verified(task.chunk), games)
-    where = f"condition {task.chunk.condition}, seed"
-    return [
-        f"{where} {game.seed}: not the same again (first by {game.first_worker}, again by {game.again_worker})"
-        for game in games
-        if not game.equal
-    ]
 
 
 def _game(task: SweepTask, seed: int, *, recorded: bool, hashed: bool) -> GameResult:

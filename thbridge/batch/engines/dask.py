@@ -42,9 +42,14 @@ class DaskEngine:
             others = [name for name in self._client.scheduler_info(n_workers=-1)["workers"] if name != avoid] or None
         self._submitted += 1
         key = f"thbridge-sweep-{os.getpid()}-{self._submitted}"
-        # Any worker will do once those named are gone.
         future = self._client.submit(
-            _carried_out, task, key=key, pure=False, workers=others, allow_other_workers=others is not None
+            _carried_out,
+            task,
+            key=key,
+            pure=False,
+            workers=others,
+            allow_other_workers=others is not None,  # once those named are gone
+            priority=int(task.again),  # so that a difference shows early
         )
         self._tasks[key] = task
         self._ended.add(future)

@@ -45,8 +45,11 @@ class ProcessEngine:
         self._workers: list[_WorkerProcess] = []
 
     def submit(self, task: SweepTask, avoid: str | None = None) -> None:
-        """See `Engine`."""
-        self._waiting.append((task, avoid))
+        """See `Engine`; what is played again comes first, so that a difference shows early."""
+        if avoid is not None and self._processes > 1:
+            self._waiting.appendleft((task, avoid))
+        else:
+            self._waiting.append((task, avoid))
 
     def finished(self) -> Iterator[FinishedTask]:
         """See `Engine`."""
