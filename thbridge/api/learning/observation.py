@@ -114,12 +114,12 @@ class ObservationEncoder:
         for robot, output in enumerate(team.robots):
             numbers = self._of_game[robot]
             row = bodies[robot] + numbers.own[:2]
-            row.append(1.0 if output.estimate.lost else 0.0)
+            row.append(1.0 if output.lost else 0.0)
             row.append(output.navigation.remaining / (self._scale.width + self._scale.height))
             row += numbers.bound_for
             row += numbers.costs
             if self._with_scans:
-                row += self._directions(output.estimate.base_in_map)
+                row += self._directions(output.neighbour.base_in_map)
                 row += self._sectors(scans[robot])
             row += self._of_rooms
             row.append(time)
@@ -151,10 +151,10 @@ class ObservationEncoder:
 
     def _body(self, output: RobotOutput) -> list[float]:
         """Place, heading, spread and speed of a robot."""
-        scale, estimate, twist = self._scale, output.estimate, output.observations.odometry.twist
-        pose = estimate.base_in_map
+        # What it broadcasts is pose and odometry; its observations need not be made for them.
+        scale, pose, twist = self._scale, output.neighbour.base_in_map, output.neighbour.twist
         cosine, sine = elementary.cos_sin(pose.theta)
-        (xx, _, _), (_, yy, _), (_, _, aa) = estimate.covariance.tolist()
+        (xx, _, _), (_, yy, _), (_, _, aa) = output.estimate.covariance.tolist()
         return [
             2.0 * (pose.x - scale.left) / scale.width - 1.0,
             2.0 * (pose.y - scale.low) / scale.height - 1.0,
