@@ -1,4 +1,4 @@
-"""Conversion of a recording to tables while it is read, in memory that does not grow with the recording."""
+"""Conversion of a recording to tables while it is read; of what was read only open row groups stay in memory."""
 
 import re
 from collections import Counter

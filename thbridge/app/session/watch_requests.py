@@ -222,7 +222,7 @@ def objection(request: WatchRequest, robots: RobotTeam) -> str | None:
             unfit = None if is_covariance(covariance) else "its covariance is not one: (3, 3), positive semi-definite"
             return _objection_to_pose(pose) or unfit
         case VelocityCommand(_, twist):
-            return None if max(abs(twist.linear), abs(twist.angular)) <= FARTHEST else "nothing is that fast"
+            return None if _are_near(twist.linear, twist.angular) else "nothing is that fast"
         case SetParameters(robot, values):
             if robot >= len(robots.parameters):
                 return "these robots' software is not ours to change"
@@ -242,4 +242,9 @@ def objection(request: WatchRequest, robots: RobotTeam) -> str | None:
 
 
 def _objection_to_pose(pose: Pose2) -> str | None:
-    return None if max(abs(pose.x), abs(pose.y), abs(pose.theta)) <= FARTHEST else "no map is that large"
+    return None if _are_near(pose.x, pose.y, pose.theta) else "no map is that large"
+
+
+def _are_near(*numbers: float) -> bool:
+    """Return True when no number is farther from 0 than anything can be, or none at all (nan)."""
+    return all(abs(number) <= FARTHEST for number in numbers)
