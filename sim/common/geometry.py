@@ -59,8 +59,12 @@ class Pose2:
     def transform(self, points: FloatArray) -> FloatArray:
         """(..., 2) points of this frame, seen from its parent."""
         c, s = _cos_sin(self.theta)
-        x, y = np.moveaxis(np.asarray(points), -1, 0)
-        return np.stack((self.x + c * x - s * y, self.y + s * x + c * y), axis=-1)
+        points = np.asarray(points, dtype=np.float64)
+        x, y = points[..., 0], points[..., 1]
+        moved = np.empty(points.shape)
+        moved[..., 0] = self.x + c * x - s * y
+        moved[..., 1] = self.y + s * x + c * y
+        return moved
 
     def array(self) -> FloatArray:
         """(3,) x, y, theta."""
