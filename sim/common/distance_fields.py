@@ -30,7 +30,7 @@ def _distances(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float32]:
         row, col = np.indices(occupied.shape, sparse=True)
         for begin in range(0, grid.rows, BAND):
             band = slice(begin, begin + BAND)
-            squares = (row[band] - near_row[band]) ** 2 + (col - near_col[band]) ** 2
+            squares = (row[band] - near_row[band]) ** 2 + (col - near_col[band]) ** 2  # of integers
             field[band] = np.minimum(np.sqrt(squares) * grid.resolution, max_distance)
     return field
 

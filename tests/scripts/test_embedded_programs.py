@@ -9,6 +9,8 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 OURS = re.compile(r"^\s*from ((?:sim|thbridge|ui|tests)(?:\.\w+)*) import ([\w, ]+)", re.MULTILINE)
+MADE = {"sim.caller", "sim.callee"}
+"""Modules that a test writes itself."""
 IMPORTS = sorted(
     {
         (str(path.relative_to(ROOT)), module, name.split()[0])
@@ -17,6 +19,7 @@ IMPORTS = sorted(
         for node in ast.walk(ast.parse(path.read_text()))
         if isinstance(node, ast.Constant) and isinstance(node.value, str)
         for module, names in OURS.findall(node.value)
+        if module not in MADE
         for name in names.split(",")
     }
 )

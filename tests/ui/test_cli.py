@@ -213,6 +213,7 @@ def test_a_suggestion_is_the_first_room_of_the_cheapest_tour() -> None:
         "next": 1,
         "tour": [1, 2, 5],
         "cost": 49,
+        "at_least": 49,
         "proven": True,
     }
     message = thbridge("suggest", "--costs", COSTS, "--at", "0", "--unvisited", "1,2,5").stdout

@@ -62,7 +62,7 @@ def _tree_bound(moves: FloatArray, known: float) -> float:
         excess = neighbours - 2
         if not excess.any() or best >= known:
             break
-        prices += step * max(known - bound, 1e-3 * known) / float(excess @ excess) * excess
+        prices += step * max(known - bound, 1e-3 * known) / float((excess * excess).sum()) * excess
     return best
 
 

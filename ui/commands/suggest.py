@@ -51,7 +51,6 @@ def _suggest_to_robot(costs: Path, at: int, unvisited: str, as_json: bool) -> No
     from thbridge.hunt.refusals import RequestRefused
     from thbridge.hunt.rooms import Room
     from thbridge.hunt.tour import MOST_ROOMS, best_tour
-    from thbridge.hunt.tour_bound import least_tour_cost
 
     with bad_input():
         matrix = read_map_times(costs)
@@ -68,7 +67,12 @@ def _suggest_to_robot(costs: Path, at: int, unvisited: str, as_json: bool) -> No
         fail(FAILED, tour.sentence)
     visits_all = {*tour.rooms} == {*places} - {start}
     # Of all rooms that can be reached the bound is not known where some cannot.
-    least = tour.cost if compared else least_tour_cost(matrix, start, places, tour.cost) if visits_all else None
+    least = tour.cost if compared else None
+    if visits_all and not compared:
+        # The bound needs scipy, whose import takes longer than most tours take to find.
+        from thbridge.hunt.tour_bound import least_tour_cost
+
+        least = least_tour_cost(matrix, start, places, tour.cost)
     proven = least == tour.cost
     rooms = [each.people for each in tour.rooms]
     if as_json:

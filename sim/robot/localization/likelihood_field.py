@@ -41,13 +41,13 @@ def facing_levels(
     row, col = np.indices(occupied.shape, sparse=True)
     # From the middle of the wall's outermost cell half a cell back to its surface, or half a cell on.
     reach = math.ceil(max_distance / grid.resolution + 0.5)
-    squares = np.unique(np.arange(reach + 1)[:, np.newaxis] ** 2 + np.arange(reach + 1) ** 2)
-    squares = squares[squares <= reach**2]
+    squares = np.unique(np.arange(reach + 1)[:, np.newaxis] ** 2 + np.arange(reach + 1) ** 2)  # of integers
+    squares = squares[squares <= reach**2]  # of integers
     cells_away = np.abs(np.sqrt(squares)[:, np.newaxis] + 0.5 * np.array([-1, 0, 1]))
     cells_away[0] = 0.5
     capped = np.minimum(cells_away * grid.resolution, max_distance).ravel()
     levels = np.append(capped, max_distance).astype(np.float32)
-    number = np.full(reach**2 + 2, len(capped), dtype=np.min_scalar_type(max(len(capped), 256)))
+    number = np.full(reach**2 + 2, len(capped), dtype=np.min_scalar_type(max(len(capped), 256)))  # of integers
     number[squares] = 3 * np.arange(len(squares)) + 1
     level = np.full((4, *occupied.shape), len(capped), dtype=number.dtype)
     for quadrant in range(4):
@@ -60,10 +60,10 @@ def facing_levels(
         for begin in range(0, grid.rows, BAND):
             band = slice(begin, begin + BAND)
             rows, cols = row[band] - near_row[band], col - near_col[band]
-            away = np.minimum(rows**2 + cols**2, reach**2 + 1)
+            away = np.minimum(rows**2 + cols**2, reach**2 + 1)  # of integers
             behind = np.sign(rows * row_step + cols * col_step)
             # Beyond the reach all are as far as can be.
-            level[quadrant, band] = np.where(away <= reach**2, number[away] + behind, len(capped))
+            level[quadrant, band] = np.where(away <= reach**2, number[away] + behind, len(capped))  # of integers
     return levels, level
 
 
