@@ -75,7 +75,7 @@ def peer_world(robots: int, folder: Path) -> Path:
                 {"type": "lidar2d", "range_max": 10.0, "angle_range": 2 * math.pi, "number": 360, "noise": True}
             ],
         }
-        for place, goal in zip(places[:robots], places[robots : 2 * robots], strict=True)
+        for place, goal in zip(places[:robots], places[-robots:], strict=True)
     ]
     world = {
         "world": {
