@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.common import noise
+from sim.numerics import noise
 from thbridge.app.compose.robots import build_travel_times
 from thbridge.app.compose.setting import read_setting
 from thbridge.hunt import rules

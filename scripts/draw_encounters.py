@@ -13,10 +13,11 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from sim.common.observations import TICK
 from sim.inputs import KillRobot, SendGoal, TeamInput
+from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal, GoalReached, NoPath
 from sim.team import Team

@@ -25,8 +25,9 @@ from scipy.ndimage import distance_transform_edt
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
-from sim.common.geometry import Pose2, wrap_angle
+from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
+from sim.numerics.elementary import wrap_angle
 from thbridge.files.map_files import FOOTPRINT, read_map, write_grid
 from thbridge.files.yaml.tree import quoted
 

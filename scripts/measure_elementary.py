@@ -15,9 +15,9 @@ from concurrent.futures import ProcessPoolExecutor
 import mpmath
 import numpy as np
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray
-from sim.common.kernels import njit
+from sim.numerics import elementary
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 
 Draw = Callable[[random.Random], float]
 

@@ -15,7 +15,7 @@ os.environ["NUMBA_CACHE_DIR"] = FOLDER.name
 
 from numba.core import event  # noqa: E402
 
-from sim.common.signatures import RECORDED, as_line  # noqa: E402
+from sim.numerics.signatures import RECORDED, as_line  # noqa: E402
 from sim.team import Team  # noqa: E402
 from ui.cli import main  # noqa: E402
 

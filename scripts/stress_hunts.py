@@ -27,9 +27,9 @@ from pathlib import Path
 from statistics import mean, stdev
 from typing import TypeVar
 
-from sim.common import noise
 from sim.common.geometry import Pose2
 from sim.common.observations import TICK, TICKS_PER_SECOND
+from sim.numerics import noise
 from sim.robot.navigator.goals import GoalReached, NoPath
 from sim.team import TeamSnapshot
 from thbridge.app.compose.game import build_bot, build_hider, build_keeper

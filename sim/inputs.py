@@ -6,8 +6,9 @@ All are plain values, so that a recording can hold them and a run can be repeate
 
 from dataclasses import dataclass
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.observations import Twist
+from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal
 from sim.world.thing import Thing

@@ -12,7 +12,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import Neighbour
 from sim.common.robot_numbers import namespace_of
@@ -36,6 +36,7 @@ from sim.inputs import (
     TeamInput,
     WithdrawGoal,
 )
+from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters, WorldParameters
 from sim.parameters.reconfiguration import P, fixed_differences
 from sim.robot.global_planning.path import PlanRefusal

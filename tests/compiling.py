@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from sim.common.kernels import folder_of
+from sim.numerics.kernels import folder_of
 
 ROOT = Path(__file__).parents[1]
 STUDIES = (

@@ -11,8 +11,8 @@ from threading import Thread
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from sim.common.signatures import RECORDED, compile_call, missing
-from sim.common.sources import ROOT
+from sim.numerics.signatures import RECORDED, compile_call, missing
+from sim.numerics.sources import ROOT
 from ui.terminal import err, note
 
 COMPILERS = 4

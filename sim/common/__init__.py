@@ -1,1 +1,1 @@
-"""Shared ground of the world and a robot's software: geometry, grids, rays, sensor messages, and keyed noise."""
+"""Shared ground of the world and a robot's software: geometry, grids, rays, and sensor messages."""

@@ -1,28 +1,16 @@
 """SE(2): poses of the plane, their composition, and angles in [-pi, pi)."""
 
-import math
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sim.common import elementary
-
-FloatArray = NDArray[np.float64]
+from sim.numerics import elementary
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
 
 _cos_sin = lru_cache(maxsize=1024)(elementary.cos_sin)
 """A frame is asked for the same directions tick after tick: where a robot's odometry began, where its laser stands."""
-
-
-def wrap_angle(angle: float) -> float:
-    """The same direction in [-pi, pi); an angle that is there already comes back as it is. Kernels may call this."""
-    angle = float(angle)  # a plain number, though it was one of an array
-    if -math.pi <= angle < math.pi:
-        return angle
-    wrapped = (angle + math.pi) % (2.0 * math.pi) - math.pi
-    # The remainder of a tiny negative number rounds to the modulus itself.
-    return wrapped if wrapped < math.pi else -math.pi
 
 
 @dataclass(frozen=True, slots=True)

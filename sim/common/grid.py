@@ -11,8 +11,9 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
+from sim.numerics import elementary
+from sim.numerics.float_array import FloatArray
 
 Cells = NDArray[np.int8]
 """(rows, cols): 0 free, 100 occupied, all else unknown or undecided."""

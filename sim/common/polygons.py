@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_cdt
 
-from sim.common import elementary, elementary_arrays
-from sim.common.geometry import FloatArray
 from sim.common.grid import OCCUPIED, GridFrame, OccupancyGrid
-from sim.common.kernels import njit
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 
 _HALF_DIAGONAL = math.sqrt(0.5)
 

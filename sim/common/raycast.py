@@ -19,10 +19,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary, elementary_arrays
-from sim.common.geometry import FloatArray
 from sim.common.grid import OCCUPIED, Cells, GridFrame, OccupancyGrid
-from sim.common.kernels import njit
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 
 FreeSquares = NDArray[np.uint8]
 """(4, rows, cols): sides, in cells, of the largest square without an occupied cell that has this cell for a corner and

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, label
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OccupancyGrid
+from sim.numerics.float_array import FloatArray
 
 Point = tuple[float, float]
 Polygon = tuple[Point, ...]

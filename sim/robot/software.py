@@ -4,8 +4,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.observations import Neighbour, Observations, Twist
+from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters
 from sim.robot.localization.estimate import Estimate, Localizer
 from sim.robot.navigator.move_base import Navigator

@@ -13,12 +13,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary, elementary_arrays
-from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.geometry import Pose2
 from sim.common.grid import GridFrame, OccupancyGrid
-from sim.common.kernels import njit
-from sim.common.noise import key
-from sim.common.noise_arrays import normals
 from sim.common.observations import TICK
 from sim.common.polygons import (
     NO_POLYGONS,
@@ -31,6 +27,12 @@ from sim.common.polygons import (
     within_margin,
 )
 from sim.common.robot_numbers import namespace_of, robot_name
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
+from sim.numerics.noise import key
+from sim.numerics.noise_arrays import normals
 from sim.parameters import WorldParameters
 from sim.world.sensor_noise import SensorNoise, WheelNoise, measured_increment
 from sim.world.thing import Thing

@@ -1,6 +1,6 @@
 """Errors of every robot's sensors: their true magnitudes, which may change while robots run.
 
-They are factors of keyed noise (`sim.common.noise`), so that a change of one robot's changes no number that another
+They are factors of keyed noise (`sim.numerics.noise`), so that a change of one robot's changes no number that another
 draws.
 """
 
@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.common.geometry import FloatArray
-from sim.common.kernels import njit
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.parameters import OdometryNoise, WorldParameters
 
 

@@ -7,16 +7,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary, elementary_arrays
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import GridFrame, OccupancyGrid
-from sim.common.kernels import njit
-from sim.common.noise import key
-from sim.common.noise_arrays import normals, uniforms
 from sim.common.observations import TICKS_PER_SECOND, Battery, Imu, LaserMount, Observations, Odometry, Scan, Twist
 from sim.common.polygons import Polygons
 from sim.common.raycast import BeamFan, FreeSquares, cast_beams, directions_of, free_squares_of, shorten_fan_by_polygon
 from sim.common.robot_numbers import namespace_of
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
+from sim.numerics.noise import key
+from sim.numerics.noise_arrays import normals, uniforms
 from sim.parameters import LaserParameters, WorldParameters
 from sim.world.physics import WorldState
 

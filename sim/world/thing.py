@@ -5,8 +5,9 @@ from functools import cached_property
 
 import numpy as np
 
-from sim.common import elementary, elementary_arrays
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.float_array import FloatArray
 
 
 @dataclass(frozen=True)

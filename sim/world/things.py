@@ -8,11 +8,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray, Pose2
-from sim.common.kernels import njit
+from sim.common.geometry import Pose2
 from sim.common.observations import TICK, TICKS_PER_SECOND
 from sim.common.polygons import NO_POLYGONS, Polygons, pack_polygons, placed_at, within_margin
+from sim.numerics import elementary
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.world.thing import Thing
 
 ROBOT_MARGIN = 0.3

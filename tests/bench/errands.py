@@ -6,10 +6,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
-from sim.common.noise_arrays import NoiseStream
+from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import SendGoal, TeamInput
+from sim.numerics.float_array import FloatArray
+from sim.numerics.noise_arrays import NoiseStream
 from sim.robot.navigator.goals import Goal
 from sim.team import Team, TeamSnapshot
 

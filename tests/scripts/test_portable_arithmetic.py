@@ -46,7 +46,7 @@ def _in_call(node: ast.Call) -> Iterator[str]:
         case ast.Call(ast.Name("sum"), [summed, *_]) if not _counts(summed):
             yield "sum of floats? math.fsum is exact"
         case ast.Call(ast.Attribute(_, "dot")):
-            yield "sums in BLAS's order; see sim.common.matrices"
+            yield "sums in BLAS's order; see sim.numerics.matrices"
         case ast.Call(ast.Attribute(_, "argpartition")):
             yield "unstable order of equal keys"
         case ast.Call(ast.Attribute(_, "argsort"), _, keywords):
@@ -63,7 +63,7 @@ def faults(source: str) -> list[tuple[int, str]]:
     def found(node: ast.AST) -> Iterator[str]:
         match node:
             case ast.BinOp(op=ast.MatMult()) | ast.AugAssign(op=ast.MatMult()):
-                yield "sums in BLAS's order; see sim.common.matrices"
+                yield "sums in BLAS's order; see sim.numerics.matrices"
             case ast.BinOp(base, ast.Pow(), exponent) | ast.AugAssign(base, ast.Pow(), exponent):
                 is_written = isinstance(exponent, ast.Constant) and isinstance(exponent.value, int)
                 if not (_is_power_of_two(base) or (node in kernels and is_written)):

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.common.noise_arrays import NoiseStream
 from sim.common.observations import Twist
 from sim.inputs import (
     ClearCostmaps,
@@ -22,6 +21,7 @@ from sim.inputs import (
     SetPoseEstimate,
     WithdrawGoal,
 )
+from sim.numerics.noise_arrays import NoiseStream
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal
 from sim.robot.software import CarriedOutput

@@ -4,13 +4,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-from sim.common.signatures import RECORDED
+from sim.numerics.signatures import RECORDED
 from tests.compiling import ROOT
 
 PROGRAM = """\
 import sys
 from pathlib import Path
-from sim.common import signatures
+from sim.numerics import signatures
 from ui.first_start import compile_ahead
 
 signatures.RECORDED = Path(sys.argv[1])

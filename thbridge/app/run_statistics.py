@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.common import elementary
-from sim.common.geometry import wrap_angle
 from sim.common.observations import TICK
 from sim.common.robot_numbers import number_of
+from sim.numerics import elementary
+from sim.numerics.elementary import wrap_angle
 from sim.team import TeamSnapshot
 
 

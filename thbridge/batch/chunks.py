@@ -5,7 +5,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sim.common import noise
+from sim.numerics import noise
 
 _SHARD = re.compile(r"([1-9]\d{0,6})/([1-9]\d{0,6})")
 

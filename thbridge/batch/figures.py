@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy import stats
 
-from sim.common.geometry import FloatArray
-from sim.common.noise_arrays import NoiseStream
+from sim.numerics.float_array import FloatArray
+from sim.numerics.noise_arrays import NoiseStream
 from thbridge.analysis.plot.style import INK, FigureStyle, colour
 
 RESAMPLES = 2000

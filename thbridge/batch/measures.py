@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.common import elementary
+from sim.numerics import elementary
 from sim.robot.navigator.goals import GoalReached, NoPath
 from sim.team import TeamSnapshot
 from thbridge.app.play import HuntOutcome

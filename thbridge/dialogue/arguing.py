@@ -8,7 +8,7 @@ open the next one. Beside the games she may ask for explanations, which change n
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from sim.common import noise
+from sim.numerics import noise
 from thbridge.argumentation.arguments import Argument
 from thbridge.argumentation.beliefs import Beliefs, Source
 from thbridge.argumentation.cases import Side, Stance

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from sim.common import noise
+from sim.numerics import noise
 from thbridge.argumentation.arguments import Belief
 from thbridge.argumentation.cases import Side
 from thbridge.argumentation.propositions import Literal, Proposition, Rule

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from sim.common import noise
+from sim.numerics import noise
 from thbridge.argumentation.cases import Side
 from thbridge.argumentation.propositions import Literal
 from thbridge.dialogue.conditions import DialogueCondition

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.yaml.tree import read_text
 

@@ -13,10 +13,11 @@ from typing import Literal, TypeVar
 
 import numpy as np
 
-from sim.common import elementary
-from sim.common.geometry import Pose2, wrap_angle
+from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED, UNKNOWN, MapMode, OccupancyGrid, interpret_image
 from sim.common.traversability import Polygon, TraversabilityMap, area, crosses_itself, inside
+from sim.numerics import elementary
+from sim.numerics.elementary import wrap_angle
 from sim.parameters import WorldParameters
 from sim.robot.costmap.footprint import radii
 from thbridge.files.errors import BadFile, BadFiles

@@ -7,7 +7,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 
 RECENT = 8192
 """Numbers of one series in memory, at most: more go to the file. Short recordings never need it."""

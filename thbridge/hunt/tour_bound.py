@@ -11,7 +11,7 @@ from collections.abc import Collection
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.rooms import Room
 

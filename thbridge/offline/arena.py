@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, binary_fill_holes, label
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.traversability import Mask, Point, Polygon, TraversabilityMap, area, crosses_itself, inside
+from sim.numerics.float_array import FloatArray
 from sim.robot.costmap.footprint import radii
 from thbridge.files.map_files import FOOTPRINT, MapRoom
 from thbridge.hunt.rooms import Room

@@ -5,8 +5,9 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Imu, Odometry, Scan
+from sim.numerics.float_array import FloatArray
 from sim.parameters import AmclParameters
 from sim.robot.localization.amcl import Amcl
 from sim.robot.localization.estimate import Estimate, Localizer

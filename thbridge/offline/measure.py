@@ -5,9 +5,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from statistics import fmean, stdev
 
-from sim.common import noise
 from sim.common.observations import TICK
 from sim.inputs import SendGoal
+from sim.numerics import noise
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal, GoalReached, NoPath
 from sim.team import Team

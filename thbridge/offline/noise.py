@@ -11,12 +11,13 @@ from typing import Literal
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
-from sim.common.kernels import njit
-from sim.common.noise import key
-from sim.common.noise_arrays import NoiseStream, normals
 from sim.common.observations import TICK, Scan
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
+from sim.numerics.noise import key
+from sim.numerics.noise_arrays import NoiseStream, normals
 from sim.parameters import AmclParameters, OdometryNoise, WorldParameters
 from sim.robot.localization.motion import Alphas, MotionModel
 from sim.world.physics import Misplaced, World

@@ -8,7 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.geometry import Pose2
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
 
 CLOCK_SET_BACK_NS = 1_000_000_000
 """Stamps that go back farther than this are not reordered messages: the clock was set back."""

@@ -6,8 +6,9 @@ from typing import Literal
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
+from sim.numerics.float_array import FloatArray
 from sim.parameters import InflationParameters, NavfnParameters, RobotParameters, StaticParameters
 from sim.robot.costmap.costs import CostFrame, Costs, Window
 from sim.robot.costmap.inflation import InflationLayer

@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, find_objects, label
 
-from sim.common.geometry import FloatArray
 from sim.common.grid import FREE, OccupancyGrid
 from sim.common.traversability import Mask
+from sim.numerics.float_array import FloatArray
 
 Labels = NDArray[np.int32]
 """(rows, cols) number of the room of each cell, from 1 in reading order; 0 is corridor, wall and unknown."""

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
 from sim.common.raycast import Raycaster
+from sim.numerics.float_array import FloatArray
 
 
 def beam_angles(beams: int, angle_min: float, angle_max: float | None) -> FloatArray:

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from sim.common import noise
 from sim.common.observations import TICKS_PER_SECOND
+from sim.numerics import noise
 from thbridge.hunt.codec import treasure_fields
 from thbridge.hunt.properties import OF_2016, TreasureProperty, labelled
 from thbridge.hunt.treasures import TreasureKind, hide, same_name

@@ -11,9 +11,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.observations import Twist
+from sim.numerics import elementary
+from sim.numerics.float_array import FloatArray
 from thbridge.ros.messages.cursor import FLOAT32, Cursor
 from thbridge.ros.names import MAP_FRAME, frame_name
 

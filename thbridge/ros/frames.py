@@ -5,8 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.geometry import Pose2
+from sim.numerics import elementary
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
 from thbridge.ros.messages.unpack import SpatialTransform
 from thbridge.ros.names import frame_name
 

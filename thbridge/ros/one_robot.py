@@ -6,9 +6,11 @@ from typing import NamedTuple, assert_never
 
 import numpy as np
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND, Neighbour
+from sim.numerics import elementary
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
 from sim.robot.navigator.navigation import Navigation
 from sim.robot.software import RobotOutput
 from thbridge.ros.actionlib import (

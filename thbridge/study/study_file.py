@@ -12,9 +12,9 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Never, cast
 
-from sim.common import elementary
 from sim.common.observations import TICKS_PER_SECOND
 from sim.common.robot_numbers import RobotNumber
+from sim.numerics import elementary
 from sim.parameters import MIN_MAX_PAIRS, RobotParameters, WorldParameters, param
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.strategies import Attitude

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TypeVar
 
-from sim.common import elementary
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from sim.common.robot_numbers import index_of
 from sim.common.traversability import Polygon, area, crosses_itself
 from sim.inputs import KidnapRobot, KillRobot, PutThing, RemoveThing, ReviveRobot, ScheduledInput, TeamInput
+from sim.numerics import elementary
 from sim.parameters import param
 from sim.world.thing import Thing
 from thbridge.files.errors import BadFile

@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from sim.common.geometry import Pose2, wrap_angle
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
+from sim.numerics.elementary import wrap_angle
 from sim.parameters import AmclParameters
 from sim.robot.localization.amcl import Amcl
 from thbridge.files.errors import BadFile

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 from thbridge.files.csv_files import read_columns
 from thbridge.offline.plan import PlanResult
 from ui.terminal import BAD_INPUT, fail

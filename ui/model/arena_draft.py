@@ -10,10 +10,11 @@ from itertools import count
 import numpy as np
 from scipy.ndimage import binary_dilation, label
 
-from sim.common.geometry import Pose2, wrap_angle
+from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OccupancyGrid
 from sim.common.robot_numbers import robot_name
 from sim.common.traversability import Mask, Point, Polygon, TraversabilityMap, area, crosses_itself, inside
+from sim.numerics.elementary import wrap_angle
 from sim.robot.costmap.footprint import radii
 from thbridge.files.map_files import FOOTPRINT, MapRoom
 from thbridge.hunt.refusals import RequestRefused

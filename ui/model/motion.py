@@ -12,7 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.geometry import Pose2
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
 from thbridge.roles.notices import Ellipse, PlannedPaths, PoseTelemetry
 from ui.model.playback_clock import PlaybackClock
 from ui.model.trails import PathAhead, Trail

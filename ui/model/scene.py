@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
+from sim.numerics.float_array import FloatArray
 from thbridge.roles.notices import Ellipse
 
 RoomState = Literal["unvisited", "reserved", "visited"]

@@ -5,7 +5,7 @@ from collections import deque
 
 import numpy as np
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 
 TRAIL_STEP = 0.12
 """Metres between two points of a trail."""

@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICKS_PER_SECOND, Neighbour, Scan
+from sim.numerics.float_array import FloatArray
 from sim.parameters import CostmapParameters, LocalCostmapParameters
 from sim.robot.costmap.costs import CostFrame, Costs, Window
 from sim.robot.costmap.footprint import of_radius, pad, radii

@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray
+from sim.numerics import elementary
+from sim.numerics.float_array import FloatArray
 
 
 def of_radius(radius: float) -> FloatArray:

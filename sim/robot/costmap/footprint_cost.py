@@ -7,9 +7,9 @@ import math
 
 import numpy as np
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray
-from sim.common.kernels import njit
+from sim.numerics import elementary
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
 
 COLLIDES = -1.0

@@ -15,8 +15,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary
-from sim.common.kernels import njit
+from sim.numerics import elementary
+from sim.numerics.kernels import njit
 from sim.parameters import InflationParameters
 from sim.robot.costmap.costs import FREE, INSCRIBED, LETHAL, UNKNOWN, Costs, Window
 

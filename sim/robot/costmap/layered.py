@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.common.grid import OccupancyGrid
-from sim.common.kernels import njit
+from sim.numerics.kernels import njit
 from sim.robot.costmap.costs import FREE, UNKNOWN, CostFrame, Costs, Window
 
 

@@ -20,12 +20,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary
 from sim.common.distance_fields import near_walls
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.kernels import njit
 from sim.common.observations import Scan
+from sim.numerics import elementary
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.parameters import ObservationSource, ObstacleParameters
 from sim.robot.costmap.costs import FREE, LETHAL, NOTHING, UNKNOWN, Changes, CostFrame, Costs, Window
 from sim.robot.costmap.footprint_cost import in_cells

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.common import elementary, elementary_arrays
-from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
-from sim.common.kernels import njit
 from sim.common.observations import Neighbour
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.parameters import RobotsParameters
 from sim.robot.costmap.costs import LETHAL, UNKNOWN, Changes, CostFrame, Costs, Window
 from sim.robot.costmap.footprint_cost import circumscribed_radius, in_cells

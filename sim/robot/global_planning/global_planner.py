@@ -16,9 +16,10 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary, elementary_arrays
-from sim.common.geometry import FloatArray, wrap_angle
-from sim.common.kernels import njit
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.parameters import GlobalPlannerParameters
 from sim.robot.costmap.costs import UNKNOWN
 from sim.robot.global_planning.wave import (

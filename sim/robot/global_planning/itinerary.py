@@ -26,10 +26,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary, elementary_arrays
-from sim.common.geometry import FloatArray
-from sim.common.kernels import njit
 from sim.common.observations import Neighbour
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 
 ITINERARY_SPEED = 0.5
 """Metres a second by which itineraries are timed: what is left of a robot's speed after turns and arrivals."""

@@ -13,12 +13,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary, elementary_arrays
 from sim.common.distance_fields import clearance_field
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.kernels import njit
 from sim.common.observations import Neighbour
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.parameters import InflationParameters
 from sim.robot.costmap.costmap_2d import Costmap2D
 from sim.robot.costmap.costs import LETHAL, CostFrame, Costs

@@ -9,7 +9,8 @@ import math
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
+from sim.numerics.float_array import FloatArray
 from sim.robot.costmap.costs import CostFrame, Costs
 from sim.robot.global_planning.path import Path, PlanRefusal
 from sim.robot.global_planning.potential_planner import PotentialPlanner

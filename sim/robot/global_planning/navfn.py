@@ -9,8 +9,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sim.common import elementary_arrays
-from sim.common.geometry import FloatArray
+from sim.numerics import elementary_arrays
+from sim.numerics.float_array import FloatArray
 from sim.parameters import NavfnParameters
 from sim.robot.costmap.costs import INSCRIBED, LETHAL, UNKNOWN
 from sim.robot.global_planning.path import headings

@@ -6,8 +6,9 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from sim.common import elementary_arrays
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
+from sim.numerics import elementary_arrays
+from sim.numerics.float_array import FloatArray
 from sim.robot.costmap.costs import CostFrame, Costs
 
 PlanRefusalCode = Literal[

@@ -13,8 +13,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary_arrays
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
+from sim.numerics import elementary_arrays
+from sim.numerics.float_array import FloatArray
 from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
 from sim.robot.global_planning.path import Path, PathSearch, PlanRefusal, plan_refusal
 from sim.robot.global_planning.wave import BLOCKED, UNREACHED, CellCosts, Points, Potential, Workspace, prepare

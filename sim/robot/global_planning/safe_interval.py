@@ -20,10 +20,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary, elementary_arrays
-from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
-from sim.common.kernels import njit
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.robot.global_planning.itinerary import ITINERARY_SPEED, NEAR_START, Itinerary, OtherItineraries
 
 CELL_SIDE = 0.2

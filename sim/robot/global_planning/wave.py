@@ -27,8 +27,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary
-from sim.common.kernels import njit
+from sim.numerics import elementary
+from sim.numerics.kernels import njit
 from sim.robot.costmap.costs import Costs
 
 Potential = NDArray[np.float32]

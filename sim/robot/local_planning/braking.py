@@ -20,11 +20,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray, Pose2
-from sim.common.kernels import njit
+from sim.common.geometry import Pose2
 from sim.common.observations import Neighbour
 from sim.common.polygons import placed_at, point_to_edge, side
+from sim.numerics import elementary
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
 from sim.robot.costmap.footprint_cost import circumscribed_radius
 

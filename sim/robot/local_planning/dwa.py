@@ -19,9 +19,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray
-from sim.common.kernels import njit
+from sim.numerics import elementary
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.parameters import DwaPlannerParameters, InflationParameters
 from sim.robot.costmap.costs import CostFrame, Costs
 from sim.robot.local_planning.braking import Surroundings

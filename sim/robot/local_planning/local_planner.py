@@ -8,10 +8,12 @@ import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray, Pose2, wrap_angle
-from sim.common.kernels import njit
+from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Twist
+from sim.numerics import elementary
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.parameters import InflationParameters
 from sim.robot.costmap.costs import CostFrame, Costs
 from sim.robot.costmap.footprint import outline, pad, radii

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray
-from sim.common.kernels import njit
+from sim.numerics import elementary
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
 
 Steps = NDArray[np.int32]

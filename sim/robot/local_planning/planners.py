@@ -1,6 +1,6 @@
 """Choice of the local planner that a robot drives by."""
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters
 from sim.robot.local_planning.dwa import DwaPlanner
 from sim.robot.local_planning.local_planner import LocalPlanner

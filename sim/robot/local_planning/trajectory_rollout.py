@@ -12,9 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray, wrap_angle
-from sim.common.kernels import njit
+from sim.numerics import elementary
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.parameters import InflationParameters, TrajectoryPlannerParameters
 from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
 from sim.robot.local_planning.braking import Surroundings

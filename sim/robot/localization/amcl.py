@@ -17,11 +17,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.matrices import covariance_of, product, root
-from sim.common.noise_arrays import NoiseStream
 from sim.common.observations import Imu, LaserMount, Odometry, Scan
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
+from sim.numerics.matrices import covariance_of, product, root
+from sim.numerics.noise_arrays import NoiseStream
 from sim.parameters import AmclParameters, RobotParameters
 from sim.robot.localization.beam import BeamModel
 from sim.robot.localization.clusters import CloudSummary, ParticleBins, bin_particles, summarise

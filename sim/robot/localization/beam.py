@@ -5,11 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.common import elementary, elementary_arrays
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.kernels import njit
 from sim.common.raycast import Raycaster, cast_beams
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.parameters import AmclParameters
 from sim.robot.localization.likelihood_field import Beams
 

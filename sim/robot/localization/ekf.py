@@ -9,11 +9,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.matrices import inverse, product, solution
 from sim.common.observations import TICK, Imu, LaserMount, Odometry, Scan
+from sim.numerics import elementary
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
+from sim.numerics.matrices import inverse, product, solution
 from sim.parameters import EkfParameters, RobotParameters
 from sim.robot.localization.estimate import Estimate, PosePrior, read_only
 from sim.robot.localization.likelihood_field import Beams

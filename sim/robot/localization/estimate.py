@@ -5,10 +5,12 @@ from typing import Protocol
 
 import numpy as np
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray, Pose2, wrap_angle
-from sim.common.kernels import njit
+from sim.common.geometry import Pose2
 from sim.common.observations import Imu, Odometry, Scan
+from sim.numerics import elementary
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.parameters import RobotParameters
 
 

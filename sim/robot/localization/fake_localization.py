@@ -4,8 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.geometry import Pose2
 from sim.common.observations import Imu, Odometry, Scan
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
 from sim.parameters import FakeLocalizationParameters, RobotParameters
 from sim.robot.localization.estimate import Estimate, read_only
 

@@ -7,9 +7,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common.geometry import FloatArray
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
-from sim.common.noise_arrays import NoiseStream
+from sim.numerics.float_array import FloatArray
+from sim.numerics.noise_arrays import NoiseStream
 
 
 @lru_cache(maxsize=8)

@@ -7,12 +7,12 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary, elementary_arrays
 from sim.common.distance_fields import BAND, nearest_cells
-from sim.common.geometry import FloatArray
 from sim.common.grid import OCCUPIED, GridFrame, OccupancyGrid
-from sim.common.kernels import njit
 from sim.common.observations import LaserMount, Scan
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 
 
 def facing_distance(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float32]:

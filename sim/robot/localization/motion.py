@@ -6,9 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray, Pose2, wrap_angle
-from sim.common.kernels import njit
+from sim.common.geometry import Pose2
+from sim.numerics import elementary
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 
 _STANDING = 0.01
 """Metres: two places nearer than this give no trustworthy bearing (amcl)."""

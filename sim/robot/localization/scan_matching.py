@@ -6,12 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.common import elementary, elementary_arrays
 from sim.common.distance_fields import distance_field
-from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED, GridFrame, OccupancyGrid
-from sim.common.kernels import njit
-from sim.common.matrices import solution
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
+from sim.numerics.matrices import solution
 
 REACH = 1.0
 """Metres: farther from any wall the field is flat and points pull nowhere."""

@@ -8,9 +8,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from sim.common.distance_fields import clearance_field
-from sim.common.geometry import IDENTITY, FloatArray, Pose2
+from sim.common.geometry import IDENTITY, Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Scan, Twist, next_turn
+from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters
 from sim.robot.costmap.costmap_2d import CostmapObservation
 from sim.robot.costmap.costs import CostFrame

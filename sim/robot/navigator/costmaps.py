@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND, Neighbour, next_turn
+from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters
 from sim.robot.costmap.costmap_2d import Costmap2D, CostmapObservation
 from sim.robot.costmap.view import CostmapView

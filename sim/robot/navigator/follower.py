@@ -10,10 +10,12 @@ from typing import Literal
 
 import numpy as np
 
-from sim.common import elementary, elementary_arrays
-from sim.common.geometry import FloatArray, Pose2, wrap_angle
-from sim.common.kernels import njit
+from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Neighbour, Twist
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
 from sim.robot.global_planning.itinerary import (
     Itinerary,

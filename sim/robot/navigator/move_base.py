@@ -21,10 +21,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from sim.common import elementary_arrays
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Claim, Neighbour, Scan, Twist, next_turn
+from sim.numerics import elementary_arrays
+from sim.numerics.float_array import FloatArray
 from sim.parameters import GlobalPlannerParameters, NavfnParameters, RobotParameters
 from sim.robot.costmap.robots import neighbours_reaching
 from sim.robot.global_planning.itinerary import (

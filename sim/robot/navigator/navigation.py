@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from sim.common.geometry import FloatArray
 from sim.common.observations import Claim, Twist
+from sim.numerics.float_array import FloatArray
 from sim.robot.costmap.view import CostmapView
 from sim.robot.navigator.goals import Goal, GoalResult
 

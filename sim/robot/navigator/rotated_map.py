@@ -7,9 +7,10 @@ frames, when they come in and go out. Where the origin is not turned, nothing is
 from collections.abc import Sequence
 from dataclasses import replace
 
-from sim.common.geometry import IDENTITY, FloatArray, Pose2
+from sim.common.geometry import IDENTITY, Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import Neighbour
+from sim.numerics.float_array import FloatArray
 
 
 class RotatedMap:

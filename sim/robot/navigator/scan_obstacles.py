@@ -5,9 +5,9 @@ import math
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
-from sim.common import elementary, elementary_arrays
-from sim.common.geometry import FloatArray
 from sim.common.observations import Scan
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.float_array import FloatArray
 from sim.robot.costmap.costs import CostFrame
 from sim.robot.local_planning.braking import WALL_MARGIN, Surroundings
 

@@ -14,10 +14,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray, Pose2
-from sim.common.kernels import njit
+from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Neighbour, Scan
+from sim.numerics import elementary
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 
 STALE_TIMEOUT = 20.0
 """Seconds for which plans keep clear of a robot that broadcasts no more."""

@@ -7,8 +7,8 @@ Differs: a robot without a goal is Idle; one that does not know where it is is L
 from dataclasses import dataclass
 from typing import Literal
 
-from sim.common.geometry import FloatArray
 from sim.common.observations import Claim
+from sim.numerics.float_array import FloatArray
 from sim.robot.navigator.follower import STANDING, Follower, FollowerOutput
 
 

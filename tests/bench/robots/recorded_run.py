@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.common.geometry import FloatArray
-from sim.common.noise_arrays import NoiseStream
 from sim.common.observations import Imu, LaserMount, Odometry, Scan
 from sim.inputs import SendGoal
+from sim.numerics.float_array import FloatArray
+from sim.numerics.noise_arrays import NoiseStream
 from sim.parameters import LaserParameters, OdometryNoise, RobotParameters, WorldParameters
 from sim.robot.navigator.goals import Goal
 from sim.team import Team

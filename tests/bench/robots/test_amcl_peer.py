@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
+from sim.numerics.float_array import FloatArray
 from sim.parameters import AmclParameters
 from sim.robot.localization.amcl import Amcl
 from tests.bench.budget import Budgets

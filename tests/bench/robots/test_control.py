@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 
 from sim.common.distance_fields import distance_field
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.observations import Twist
+from sim.numerics.float_array import FloatArray
 from sim.parameters import (
     DwaPlannerParameters,
     NavfnParameters,

@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 from sim.common.distance_fields import distance_field
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICKS_PER_SECOND
+from sim.numerics.float_array import FloatArray
 from sim.team import Team
 from tests.bench.budget import Budgets
 from tests.bench.errands import best_ticks, drive

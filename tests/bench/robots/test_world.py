@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
 from sim.common.raycast import Raycaster
+from sim.numerics.float_array import FloatArray
 from sim.parameters import WorldParameters
 from sim.world.physics import World, WorldState
 from sim.world.sensors import Sensors

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.common.geometry import FloatArray
 from sim.common.observations import TICK
+from sim.numerics.float_array import FloatArray
 from tests.peers.windows.desktop import desktop, needs_desktop
 
 pytestmark = [pytest.mark.bench, needs_desktop]

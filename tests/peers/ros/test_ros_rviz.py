@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 from tests.peers.ros.beside import Ros
 from tests.peers.windows.desktop import x_server
 from tests.system.ports import free_port

@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.common.geometry import IDENTITY, Pose2, wrap_angle
-from sim.common.kernels import njit
+from sim.common.geometry import IDENTITY, Pose2
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.kernels import njit
 
 coordinates = st.floats(-100, 100)
 angles = st.floats(-math.pi, math.pi, exclude_max=True)

@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.raycast import BeamFan, Raycaster, directions_of, shorten_by_polygon, shorten_fan_by_polygon
+from sim.numerics.float_array import FloatArray
 
 ORIGINS = st.builds(Pose2, st.floats(-20, 20), st.floats(-20, 20), st.floats(-math.pi, 3.14))
 SEEDS = st.integers(0, 2**32 - 1)

@@ -6,9 +6,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICK
+from sim.numerics.float_array import FloatArray
 from sim.parameters import OdometryNoise, WorldParameters
 from sim.world.physics import Misplaced, World, WorldState, with_charge
 

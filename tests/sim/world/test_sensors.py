@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICKS_PER_SECOND, Scan
+from sim.numerics.float_array import FloatArray
 from sim.parameters import LaserParameters, OdometryNoise, WorldParameters
 from sim.world.physics import World, WorldState, with_charge
 from sim.world.sensors import Sensors, mount_of

@@ -5,9 +5,10 @@ from collections.abc import Iterable
 import numpy as np
 import pytest
 
-from sim.common.geometry import IDENTITY, FloatArray, Pose2
+from sim.common.geometry import IDENTITY, Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, Twist
+from sim.numerics.float_array import FloatArray
 from thbridge.analysis.report.gathering import read_report
 from thbridge.analysis.report.values import Report, Track
 from thbridge.ros.messages import pack, types

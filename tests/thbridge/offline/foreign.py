@@ -8,9 +8,10 @@ import numpy as np
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import get_types_from_msg
 
-from sim.common.geometry import IDENTITY, FloatArray, Pose2
+from sim.common.geometry import IDENTITY, Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.raycast import Raycaster
+from sim.numerics.float_array import FloatArray
 from thbridge.files.map_files import write_grid
 from thbridge.ros.messages.types import typestore
 

@@ -5,9 +5,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, Battery, Imu, LaserMount, Neighbour, Observations, Odometry, Scan, Twist
+from sim.numerics.float_array import FloatArray
 from sim.parameters import WorldParameters
 from sim.robot.localization.estimate import Estimate
 from sim.robot.navigator.goals import Goal, GoalReached, NoPath

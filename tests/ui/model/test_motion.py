@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.common.geometry import wrap_angle
+from sim.numerics.elementary import wrap_angle
 from thbridge.roles.notices import Ellipse, PlannedPaths, PoseTelemetry
 from ui.model.motion import KEPT_SAMPLES, MotionPlayback
 from ui.model.trails import TRAIL_POINTS

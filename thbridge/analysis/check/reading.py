@@ -14,7 +14,7 @@ import numpy as np
 from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 from rosbags.typesys.msg import normalize_msgtype
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 
 Quaternion = tuple[float, float, float, float]
 """x, y, z, w."""

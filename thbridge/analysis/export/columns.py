@@ -13,7 +13,7 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary_arrays
+from sim.numerics import elementary_arrays
 from thbridge.analysis.export import meanings as words
 from thbridge.analysis.export.gathering import GatheredRows
 from thbridge.analysis.export.layout import (

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sim.common import elementary_arrays
-from sim.common.geometry import FloatArray
+from sim.numerics import elementary_arrays
+from sim.numerics.float_array import FloatArray
 from thbridge.analysis.export.tables import SECONDS, Table, TableRows
 from thbridge.analysis.report.paths import at_times, wrapped
 from thbridge.analysis.report.tracks import SeriesByTopic

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFormatter
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 from thbridge.analysis.plot.paths import paths
 from thbridge.analysis.plot.style import FAINT, INK, FigureStyle, clock, colour, label_above, robot_handles
 from thbridge.analysis.plot.thinning import changes, peaks

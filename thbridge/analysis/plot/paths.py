@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from sim.common.geometry import FloatArray
 from sim.common.grid import OCCUPIED, UNKNOWN, OccupancyGrid
+from sim.numerics.float_array import FloatArray
 from thbridge.analysis.plot.style import FAINT, INK, FigureStyle, colour, label_above, robot_handles
 from thbridge.analysis.plot.thinning import simplified
 from thbridge.analysis.report.paths import pieces

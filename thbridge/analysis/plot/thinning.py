@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 
 POINTS = 700
 """Largest number of points of a curve, so that files do not grow with the session."""

@@ -6,8 +6,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary_arrays
-from sim.common.geometry import FloatArray
+from sim.numerics import elementary_arrays
+from sim.numerics.float_array import FloatArray
 from thbridge.analysis.export.gathering import GatheredRows
 from thbridge.analysis.export.layout import FixedBlock, layout_of
 from thbridge.analysis.report.tracks import SeriesByTopic

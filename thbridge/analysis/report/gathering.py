@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
 from sim.common.robot_numbers import namespace_of, robot_name
+from sim.numerics.float_array import FloatArray
 from thbridge.analysis.games import OF_A_GAME, game_start
 from thbridge.analysis.report.batches import MessageBatches
 from thbridge.analysis.report.dialogues import DialogueGatherer

@@ -8,8 +8,8 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
+from sim.numerics.float_array import FloatArray
 from thbridge.analysis.plot.figures import energy, error, timeline
 from thbridge.analysis.plot.paths import paths
 from thbridge.analysis.plot.style import PAGE, FigureFormat, FigureStyle, clock, colour

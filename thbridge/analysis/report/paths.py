@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
-from sim.common import elementary_arrays
-from sim.common.geometry import FloatArray
+from sim.numerics import elementary_arrays
+from sim.numerics.float_array import FloatArray
 
 RELOCATED = 0.5
 """Metres by which a localiser moves a robot at once when it has found it elsewhere, not merely corrected it: as no

@@ -6,7 +6,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
+from sim.numerics.float_array import FloatArray
 from thbridge.analysis.report.paths import corrected, distance, errors, relocations
 from thbridge.analysis.report.values import NEVER, GoalAttempt, Track
 from thbridge.analysis.report.ways_made import WaysMade

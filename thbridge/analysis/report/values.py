@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
 from sim.common.robot_numbers import index_of, robot_name
+from sim.numerics.float_array import FloatArray
 from thbridge.analysis.report.dialogues import RecordedDialogues
 from thbridge.hunt.rooms import RoomNames
 from thbridge.ros.messages.session_records import ScoreRecord, SessionRecord

@@ -6,11 +6,11 @@ from typing import Literal, TypeAlias, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import noise
 from sim.common.geometry import Pose2
 from sim.common.observations import TICK, TICKS_PER_SECOND, Twist
 from sim.common.robot_numbers import index_of, number_of
 from sim.inputs import DriveManually
+from sim.numerics import noise
 from thbridge.api.errors import HuntError
 from thbridge.api.learning.observation import (
     LayoutOfParts,

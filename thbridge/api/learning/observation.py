@@ -8,9 +8,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary
 from sim.common.geometry import Pose2
 from sim.common.observations import TICK
+from sim.numerics import elementary
 from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
 from thbridge.api.snapshot import Ranges

@@ -4,10 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from sim.common import elementary
 from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED
 from sim.common.robot_numbers import robot_numbers
+from sim.numerics import elementary
 from thbridge.api.snapshot import HuntSnapshot
 from thbridge.app.compose.setting import StudySetting
 

@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from sim.common import noise
 from sim.common.observations import TICKS_PER_SECOND
 from sim.common.robot_numbers import index_of
+from sim.numerics import noise
 from thbridge.app.compose.setting import StudySetting
 from thbridge.dialogue.arguing import ArguingEngine
 from thbridge.dialogue.conditions import DialogueCondition, Manner

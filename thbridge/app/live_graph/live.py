@@ -13,9 +13,9 @@ from itertools import count
 
 import numpy as np
 
-from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
 from sim.inputs import ClearCostmaps, GlobalLocalization, NomotionUpdate, SetPoseEstimate
+from sim.numerics.float_array import FloatArray
 from sim.robot.global_planning.path import PlanRefusal as NoPlan
 from sim.team import Team
 from thbridge.app.live_graph.live_parameters import LiveParameters, sendable

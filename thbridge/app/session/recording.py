@@ -6,9 +6,9 @@ from typing import Protocol
 
 import numpy as np
 
-from sim.common import elementary_arrays
-from sim.common.geometry import FloatArray
 from sim.common.observations import TICKS_PER_SECOND
+from sim.numerics import elementary_arrays
+from sim.numerics.float_array import FloatArray
 from sim.team import TeamSnapshot
 from thbridge.app.session.input_records import to_record
 from thbridge.app.session.inputs import ClientRequest

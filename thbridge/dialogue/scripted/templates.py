@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from sim.common import noise
+from sim.numerics import noise
 from thbridge.dialogue.moves import Ask, Continue, DecideAlone, Dialogue, Move, OfferedSentence, Scenario, Speaker, Stop
 from thbridge.dialogue.words import fill, is_filled, words_of
 from thbridge.hunt.costs import energy_text

@@ -6,9 +6,10 @@ north, clockwise. Heights are ignored: all robots stand on one floor.
 
 import math
 
-from sim.common import elementary
-from sim.common.geometry import Pose2, wrap_angle
+from sim.common.geometry import Pose2
 from sim.common.observations import Twist
+from sim.numerics import elementary
+from sim.numerics.elementary import wrap_angle
 from thbridge.protocols.mavlink.dialect import mav
 
 GLOBAL = frozenset(

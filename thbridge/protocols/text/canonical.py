@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from enum import Enum, StrEnum
 from typing import TypeAlias
 
-from sim.common.geometry import wrap_angle
+from sim.numerics.elementary import wrap_angle
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import TextCommand, TextMessage, UnreadableText
 

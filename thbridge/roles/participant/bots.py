@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from sim.common import noise
+from sim.numerics import noise
 from thbridge.dialogue.games.strategies import Attitude
 from thbridge.hunt.events import Condition
 from thbridge.hunt.properties import Teller

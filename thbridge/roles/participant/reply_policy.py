@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sim.common import noise
+from sim.numerics import noise
 from thbridge.dialogue.games.strategies import Attitude
 from thbridge.roles.view import DialogueView
 

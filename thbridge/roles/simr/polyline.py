@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary_arrays
-from sim.common.geometry import FloatArray
+from sim.numerics import elementary_arrays
+from sim.numerics.float_array import FloatArray
 
 
 def needed_points(points: FloatArray, tolerance: float) -> NDArray[np.bool_]:

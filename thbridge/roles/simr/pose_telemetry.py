@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray
 from sim.common.observations import TICKS_PER_SECOND
+from sim.numerics import elementary
+from sim.numerics.float_array import FloatArray
 from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
 from thbridge.hunt.events import Condition

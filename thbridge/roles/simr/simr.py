@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from sim.common import elementary
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND, Twist
 from sim.inputs import DriveManually, PlaceRobot, SendGoal, SetCharge, TeamInput, WithdrawGoal
+from sim.numerics import elementary
 from sim.robot.navigator.goals import Goal, GoalReached, NoPath
 from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot

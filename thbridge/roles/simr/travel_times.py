@@ -13,10 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.common import elementary, elementary_arrays
-from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.matrices import product, solution
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.elementary import wrap_angle
+from sim.numerics.float_array import FloatArray
+from sim.numerics.matrices import product, solution
 from sim.parameters import NavfnParameters
 from sim.robot.costmap.costs import CostFrame, Costs
 from sim.robot.global_planning.navfn import Navfn

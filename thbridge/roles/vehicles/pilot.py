@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim.common import elementary
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from sim.common.robot_numbers import robot_name
 from sim.common.traversability import TraversabilityMap, inside
 from sim.inputs import DriveManually, SendGoal, WithdrawGoal
+from sim.numerics import elementary
 from sim.team import TeamSnapshot
 from thbridge.hunt import rules
 from thbridge.hunt.events import Commander, CommanderChanged

@@ -7,8 +7,9 @@ count from 1, as their namespaces do.
 from dataclasses import dataclass
 from enum import IntEnum
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.observations import Twist
+from sim.numerics.float_array import FloatArray
 from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.session_records import (
     DialogueMoveRecord,

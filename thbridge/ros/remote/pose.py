@@ -10,8 +10,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Twist
+from sim.numerics.float_array import FloatArray
 from sim.robot.localization.estimate import Estimate
 from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages.pack import Transform

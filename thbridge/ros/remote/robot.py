@@ -11,11 +11,12 @@ from typing import assert_never
 
 import numpy as np
 
-from sim.common import elementary, elementary_arrays
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Battery, Imu, LaserMount, Neighbour, Observations, Odometry, Scan, Twist
 from sim.common.robot_numbers import namespace_of, robot_name
 from sim.inputs import DriveManually, SendGoal, SetPoseEstimate, WithdrawGoal
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.float_array import FloatArray
 from sim.robot.navigator.navigation import Navigation
 from sim.robot.software import RobotOutput
 from thbridge.ros import clients, names

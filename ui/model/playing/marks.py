@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from sim.common.geometry import FloatArray
 from sim.common.robot_numbers import number_of
+from sim.numerics.float_array import FloatArray
 from thbridge.roles.notices import FloorPlan
 from thbridge.roles.view import View
 from ui.model.motion import DisplayedRobot

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 
 MAX_SAMPLES = 20_000
 """Samples that a curve keeps: half an hour of ten a second as they were, then the older half ever thinner."""

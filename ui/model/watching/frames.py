@@ -5,7 +5,8 @@ from struct import Struct
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
+from sim.numerics.float_array import FloatArray
 from thbridge.ros.frames import PlanarMount, matrix
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.unpack import SpatialTransform

@@ -7,8 +7,9 @@ from typing import TypeVar
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
+from sim.numerics.float_array import FloatArray
 from thbridge.analysis.report.tracks import deviations
 from thbridge.roles.notices import Ellipse
 from thbridge.ros.messages import types, unpack

@@ -8,8 +8,9 @@ from typing import Literal
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
+from sim.numerics.float_array import FloatArray
 from thbridge.roles.notices import Ellipse
 from ui.model.scene import RoomMark
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import msgspec
 import numpy as np
 
-from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
+from sim.numerics.float_array import FloatArray
 from thbridge.files.map_files import MapRoom
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack

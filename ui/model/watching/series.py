@@ -5,7 +5,8 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from sim.common.geometry import Pose2, wrap_angle
+from sim.common.geometry import Pose2
+from sim.numerics.elementary import wrap_angle
 from thbridge.analysis.report.paths import RELOCATED
 from thbridge.analysis.report.tracks import deviations
 from thbridge.ros.messages import types, unpack

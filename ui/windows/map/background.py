@@ -8,7 +8,7 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QPainter, QPen, QPixmap, QTransform
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 from ui.model.scene import RoomMark
 from ui.model.theme import Palette
 from ui.windows.map.camera import Camera

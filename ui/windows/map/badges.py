@@ -7,7 +7,7 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen, QPixmap, QPolygonF
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 from ui.model.theme import Palette
 from ui.windows.map.lettering import text_scale
 

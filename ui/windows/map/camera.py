@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 
 MAX_SCALE = 400.0
 """Largest scale, pixels a metre."""

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.traversability import inside
+from sim.numerics.float_array import FloatArray
 from thbridge.roles.notices import FloorPlan
 
 FREE, WALL, UNKNOWN = 0, 1, 2

@@ -7,7 +7,7 @@ from PySide6.QtCore import QLineF
 from PySide6.QtGui import QPolygonF
 from shiboken6 import Shiboken
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 
 
 def polygon(points: FloatArray) -> QPolygonF:

@@ -18,7 +18,7 @@ from PySide6.QtGui import (
     QTransform,
 )
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 from ui.model.scene import RoomMark
 from ui.model.theme import Palette
 from ui.windows.map.camera import Camera

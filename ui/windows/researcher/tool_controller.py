@@ -7,8 +7,9 @@ from functools import partial
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMessageBox
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.robot_numbers import robot_name
+from sim.numerics.float_array import FloatArray
 from thbridge.hunt.refusals import RequestRefused
 from ui.model.watching.scene import PendingTurn, Scene
 from ui.model.watching.tools import Tools, dragged_pose

@@ -7,8 +7,8 @@ import numpy as np
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QCloseEvent
 
-from sim.common.geometry import FloatArray
 from sim.common.robot_numbers import number_of, robot_name
+from sim.numerics.float_array import FloatArray
 from thbridge.roles.keeper.disclosed.floor_plan import floor_plan_of
 from ui.model.scene import RobotMark
 from ui.model.theme import Palette

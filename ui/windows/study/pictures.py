@@ -10,7 +10,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen, QPolygonF, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 from thbridge.offline.noise import PathSpread, RoomScan
 from ui.model.study_form.noise import NoisePreview
 from ui.model.theme import Palette

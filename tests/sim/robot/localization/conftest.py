@@ -8,11 +8,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.noise_arrays import NoiseStream
 from sim.common.observations import TICK, Imu, LaserMount, Odometry, Scan, Twist
 from sim.common.raycast import cast_beams, directions_of, free_squares_of, shorten_by_polygon
+from sim.numerics.float_array import FloatArray
+from sim.numerics.noise_arrays import NoiseStream
 from sim.parameters import OdometryNoise
 
 WALLS = (

@@ -7,9 +7,10 @@ import pytest
 from filterpy.kalman import ExtendedKalmanFilter
 from scipy.stats import chi2
 
-from sim.common.geometry import Pose2, wrap_angle
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import Imu
+from sim.numerics.elementary import wrap_angle
 from sim.parameters import EkfParameters
 from sim.robot.localization.ekf import Ekf, carried, corrected
 from sim.robot.localization.scan_matching import ScanMatcher

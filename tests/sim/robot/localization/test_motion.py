@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
-from sim.common.noise_arrays import NoiseStream
+from sim.numerics.noise_arrays import NoiseStream
 from sim.robot.localization.motion import (
     Alphas,
     DiffIncrement,

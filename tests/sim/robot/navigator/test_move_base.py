@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from scipy.stats import spearmanr
 
-from sim.common.geometry import Pose2, wrap_angle
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, TICK, LaserMount, Neighbour, Scan, Twist
 from sim.common.polygons import placed_at
 from sim.inputs import PutThing, RemoveThing, ScheduledInput, SendGoal
+from sim.numerics.elementary import wrap_angle
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.costs import LETHAL
 from sim.robot.costmap.footprint import outline

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rosbags.typesys.msg import normalize_msgtype
 
-from sim.common import elementary
 from sim.common.geometry import Pose2
 from sim.common.observations import Battery, Scan, Twist
+from sim.numerics import elementary
 from sim.robot.costmap.view import CostmapView
 from tests.thbridge.ros.drive import MOUNT, SESSION, arena
 from thbridge.ros.messages import pack, types, unpack

@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from sim.common import elementary
+from sim.numerics import elementary
 from thbridge.protocols.mavlink.conventions import COMMANDER
 from thbridge.protocols.mavlink.dialect import TEXT_SIZE, Message, crc_extra, decoded, mav, payload_of
 from thbridge.protocols.mavlink.frames.frame import Frame, missing_between

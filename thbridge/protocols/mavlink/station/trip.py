@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum, auto
 
-from sim.common import elementary
+from sim.numerics import elementary
 from thbridge.protocols.mavlink.conventions import ARRIVED
 from thbridge.protocols.mavlink.coordinates import PER_METRE, yaw_of
 from thbridge.protocols.mavlink.dialect import mav

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 from typing import TypeVar
 
-from sim.common import elementary
+from sim.numerics import elementary
 from thbridge.protocols.mavlink.options import GeoOrigin
 
 _SEMI_MAJOR = 6_378_137.0

@@ -7,8 +7,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from sim.common import noise
 from sim.common.robot_numbers import robot_name
+from sim.numerics import noise
 from thbridge.hunt import rules
 from thbridge.hunt.costs import CostMatrix, energy_text
 from thbridge.hunt.events import Commander, RoomAdvised

@@ -5,8 +5,8 @@ from struct import Struct
 
 import numpy as np
 
-from sim.common import elementary, elementary_arrays
-from sim.common.geometry import FloatArray
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.float_array import FloatArray
 from thbridge.ros.messages.stamps import stamp_ns
 
 UINT32 = Struct("<I")

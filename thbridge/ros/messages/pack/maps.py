@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
+from sim.numerics.float_array import FloatArray
 from sim.robot.costmap.view import CostmapView
 from thbridge.ros.messages.pack.fields import UINT32, header, pose_fields, stamp, string
 from thbridge.ros.messages.stamps import stamp_ns

@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.observations import Twist
+from sim.numerics.float_array import FloatArray
 from thbridge.ros.messages.pack.fields import UINT32, all_pose_fields, frame_names, head, header, pose_fields, pose_rows
 
 _TWIST = Struct("<6d")

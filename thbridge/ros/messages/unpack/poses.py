@@ -2,8 +2,8 @@
 
 import math
 
-from sim.common import elementary
 from sim.common.geometry import Pose2
+from sim.numerics import elementary
 from thbridge.ros.messages.cursor import Cursor
 
 

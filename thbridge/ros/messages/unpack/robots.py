@@ -7,10 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.common import elementary_arrays
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import Twist
+from sim.numerics import elementary_arrays
+from sim.numerics.float_array import FloatArray
 from thbridge.ros.messages.cursor import FLOAT32, INT32, UINT32, Cursor
 from thbridge.ros.messages.pack import ADD, Transform
 from thbridge.ros.messages.unpack.poses import read_pose

@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QColor, QFont, QFontMetricsF, QResizeEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 from ui.model.theme import Palette
 from ui.windows.look import follow_text, font, px
 

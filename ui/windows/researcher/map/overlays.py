@@ -4,7 +4,7 @@ import numpy as np
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 from ui.model.watching.scene import NO_POINTS, RobotScene, Scene
 from ui.windows.map import MapView
 from ui.windows.map.layers import CostmapImageLayer, LineLayer, PointLayer, PoseLayer

@@ -5,7 +5,8 @@ import math
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 
-from sim.common.geometry import FloatArray, Pose2
+from sim.common.geometry import Pose2
+from sim.numerics.float_array import FloatArray
 from ui.model.watching.tools import Shape, obstacle
 from ui.windows.map import MapView
 from ui.windows.researcher.map.tools import Gesture, MapTool

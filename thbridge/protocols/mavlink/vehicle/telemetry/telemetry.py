@@ -4,8 +4,8 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from sim.common import elementary
 from sim.common.observations import TICKS_PER_SECOND
+from sim.numerics import elementary
 from thbridge.protocols.mavlink.conventions import COMMANDER
 from thbridge.protocols.mavlink.coordinates import compass, north_east, quaternion, yaw_of
 from thbridge.protocols.mavlink.dialect import Message, mav

@@ -11,14 +11,14 @@ from tests.compiling import ROOT
 
 CALLER = """\
 from sim.callee import doubled
-from sim.common.kernels import njit
+from sim.numerics.kernels import njit
 
 @njit(cache=True)
 def kernel(x):
     return doubled(x) + 1
 """
 CALLEE = """\
-from sim.common.kernels import njit
+from sim.numerics.kernels import njit
 
 @njit(cache=True)
 def doubled(x):

@@ -1,4 +1,4 @@
-"""The functions of `sim.common.elementary` for arrays of any shape; a single number is theirs as well.
+"""The functions of `sim.numerics.elementary` for arrays of any shape; a single number is theirs as well.
 
 The compiler is imported by the first call: many programs know paths and places, and calculate with none of them.
 """
@@ -9,7 +9,7 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sim.common.geometry import FloatArray
+from sim.numerics.float_array import FloatArray
 
 
 def _copy(values: ArrayLike) -> FloatArray:
@@ -19,7 +19,7 @@ def _copy(values: ArrayLike) -> FloatArray:
 
 @cache
 def _kernels() -> ModuleType:
-    from sim.common import elementary_kernels  # noqa: PLC0415
+    from sim.numerics import elementary_kernels  # noqa: PLC0415
 
     return elementary_kernels
 

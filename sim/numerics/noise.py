@@ -5,7 +5,7 @@ A counter-based generator has no state to share, store or restore: robot 3 canno
 from it by tick.
 
 Functions here are plain, for who draws a number now and then; kernels that draw many of them call the same functions
-(`sim.common.noise_arrays`).
+(`sim.numerics.noise_arrays`).
 
 Source: Salmon, Moraes, Dror, Shaw, Parallel random numbers: as easy as 1, 2, 3 (SC 2011), Philox4x32 with 10 rounds.
 """

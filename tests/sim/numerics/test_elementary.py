@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.common import elementary, elementary_arrays
-from sim.common.kernels import njit
+from sim.numerics import elementary, elementary_arrays
+from sim.numerics.kernels import njit
 
 COUNT = 4000
 BOUND = 0.502

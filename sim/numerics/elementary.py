@@ -11,7 +11,7 @@ rounding takes from the leading products and sums is carried along. So results a
 error is at most 0.502 units in the last place, where half a unit is the best there can be.
 
 They are plain functions, for who needs a number now and then. Kernels compile these same functions, and
-`sim.common.elementary_arrays` has them for arrays.
+`sim.numerics.elementary_arrays` has them for arrays.
 
 Sources: Muller, Elementary Functions, 3rd ed. (2016), chapters 6 (tables: Tang, Gal) and 11 (range reduction: Cody and
 Waite, Payne and Hanek); Dekker, A floating-point technique for extending the available precision (1971), for the errors
@@ -22,7 +22,7 @@ import math
 
 import numpy as np
 
-from sim.common.elementary_tables import (
+from sim.numerics.elementary_tables import (
     ARCTANGENTS,
     EXPONENT_STEP,
     EXPONENTIALS,
@@ -315,3 +315,13 @@ def _length(greater: float, less: float) -> float:
         + ((length_2 * length_2 - greater_2 * greater_2) - less_2 * less_2)
     )
     return length - surplus / (2.0 * length)
+
+
+def wrap_angle(angle: float) -> float:
+    """The same direction in [-pi, pi); an angle that is there already comes back as it is. Kernels may call this."""
+    angle = float(angle)  # a plain number, though it was one of an array
+    if -math.pi <= angle < math.pi:
+        return angle
+    wrapped = (angle + math.pi) % (2.0 * math.pi) - math.pi
+    # The remainder of a tiny negative number rounds to the modulus itself.
+    return wrapped if wrapped < math.pi else -math.pi

@@ -1,14 +1,14 @@
-"""Arrays of keyed noise, drawn by compiled code; a single number is drawn by `sim.common.noise.uniform`."""
+"""Arrays of keyed noise, drawn by compiled code; a single number is drawn by `sim.numerics.noise.uniform`."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from sim.common import elementary, noise
-from sim.common.geometry import FloatArray
-from sim.common.kernels import njit, register_jitable
-from sim.common.noise import key, uniform_pair
+from sim.numerics import elementary, noise
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit, register_jitable
+from sim.numerics.noise import key, uniform_pair
 
 for formula in (noise.philox, noise.fraction, noise.uniform_pair):
     register_jitable(formula)

@@ -22,9 +22,8 @@ from numba.core.serialize import dumps
 from numba.extending import register_jitable
 from numba.misc.appdirs import AppDirs
 
-from sim.common import elementary
-from sim.common.geometry import wrap_angle
-from sim.common.sources import ROOT, key_of
+from sim.numerics import elementary
+from sim.numerics.sources import ROOT, key_of
 
 if TYPE_CHECKING:
     from numba.core.base import BaseContext
@@ -39,7 +38,6 @@ KEPT_VERSIONS = 16
 """How many versions of a module keep their compiled code, those used last; more than will run at the same time."""
 
 # Plain code calls these, too, in programs that need no compiler.
-register_jitable(wrap_angle)
 for _, _formula in inspect.getmembers(elementary, inspect.isfunction):
     register_jitable(_formula)
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from sim.common.noise import key, philox, uniform
+from sim.numerics.noise import key, philox, uniform
 
 # Random123, tests/kat_vectors, the lines "philox4x32 10": counter, key, result.
 KNOWN_ANSWERS = [

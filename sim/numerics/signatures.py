@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numba import from_dtype, types
 
-from sim.common.kernels import is_kept
+from sim.numerics.kernels import is_kept
 
 RECORDED = Path(__file__).with_suffix(".jsonl")
 """A call a line, as `as_line` writes it, those that take longest first; `scripts/record_signatures.py` makes it."""

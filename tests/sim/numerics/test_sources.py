@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from sim.common.sources import ROOT, key_of, reached
+from sim.numerics.sources import ROOT, key_of, reached
 
 
 def imported(file: Path) -> set[Path]:

@@ -1,8 +1,8 @@
-"""Kernels of `sim.common.elementary_arrays`."""
+"""Kernels of `sim.numerics.elementary_arrays`."""
 
-from sim.common import elementary
-from sim.common.geometry import FloatArray
-from sim.common.kernels import njit
+from sim.numerics import elementary
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 
 
 @njit(cache=True)

@@ -1,4 +1,4 @@
-"""Tables and constants of `sim.common.elementary`, made from integers when the program starts.
+"""Tables and constants of `sim.numerics.elementary`, made from integers when the program starts.
 
 Numbers are computed in fixed point, as integers of so many units of 2**-BITS, and then cut into doubles, leading bits
 first. Leading parts are short, so that their products with other short numbers are exact.

@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from sim.common.signatures import RECORDED, _read, as_line, missing
+from sim.numerics.signatures import RECORDED, _read, as_line, missing
 from tests.compiling import compile_kernels
 
 CALLS = RECORDED.read_text().splitlines()

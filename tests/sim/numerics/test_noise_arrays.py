@@ -4,8 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from sim.common.noise import key, uniform
-from sim.common.noise_arrays import NoiseStream, normals, uniforms
+from sim.numerics.noise import key, uniform
+from sim.numerics.noise_arrays import NoiseStream, normals, uniforms
 
 
 @given(st.integers(0, 2**64 - 1), st.integers(0, 2**40))

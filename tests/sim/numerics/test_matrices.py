@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from sim.common import matrices
+from sim.numerics import matrices
 
 
 @pytest.fixture

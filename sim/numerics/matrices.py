@@ -11,8 +11,8 @@ import math
 
 import numpy as np
 
-from sim.common.geometry import FloatArray
-from sim.common.kernels import njit
+from sim.numerics.float_array import FloatArray
+from sim.numerics.kernels import njit
 
 
 @njit(cache=True)
