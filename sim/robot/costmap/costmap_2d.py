@@ -6,36 +6,20 @@ Source: ros-planning/navigation, costmap_2d/src/costmap_2d_ros.cpp.
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
-from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.observations import TICKS_PER_SECOND, Neighbour, Scan
+from sim.common.observations import TICKS_PER_SECOND, Neighbour
 from sim.numerics.float_array import FloatArray
 from sim.parameters import CostmapParameters, LocalCostmapParameters
 from sim.robot.costmap.costs import CostFrame, Costs, Window
 from sim.robot.costmap.footprint import of_radius, pad, radii
 from sim.robot.costmap.inflation import InflationLayer
 from sim.robot.costmap.layered import CostmapLayer, LayeredCostmap
-from sim.robot.costmap.obstacle import ObstacleLayer
+from sim.robot.costmap.obstacle import CostmapObservation, ObstacleLayer
 from sim.robot.costmap.robots import RobotsLayer
 from sim.robot.costmap.static import StaticLayer
-
-
-class CostmapObservation(NamedTuple):
-    """A scan, with the poses that are needed to make use of it.
-
-    Attributes:
-        base_in_map: pose of the robot when it scanned.
-        scan: the readings.
-        discs: (n, 3) x, y and radius of the other robots, metres.
-    """
-
-    base_in_map: Pose2
-    scan: Scan
-    discs: FloatArray
 
 
 class Costmap2D:
@@ -117,19 +101,14 @@ class Costmap2D:
         """Place of the costs in the map."""
         return self._layered.frame
 
-    def observe(self, base_in_map: Pose2, scan: Scan, discs: FloatArray) -> None:
-        """Take in a scan: it marks at once, and clears as often as the costmap is to be updated.
-
-        Args:
-            base_in_map: pose of the robot when it scanned.
-            scan: the readings.
-            discs: (n, 3) x, y and radius of the other robots, metres.
-        """
-        self._roll(base_in_map.x, base_in_map.y)
-        clears = not 0 < scan.tick - self._cleared < self._clear_ticks
+    def observe(self, seen: CostmapObservation) -> None:
+        """Take in a scan: it marks at once, and clears as often as the costmap is to be updated."""
+        self._roll(seen.base_in_map.x, seen.base_in_map.y)
+        tick = seen.scan.tick
+        clears = not 0 < tick - self._cleared < self._clear_ticks
         if clears:
-            self._cleared = scan.tick
-        self.obstacles.observe(base_in_map, scan, discs, clears)
+            self._cleared = tick
+        self.obstacles.observe(seen, clears)
 
     def update_neighbours(self, neighbours: Sequence[Neighbour]) -> None:
         """Take in the last broadcasts of the other robots."""
@@ -186,7 +165,7 @@ class Costmap2D:
         robots.update_neighbours(neighbours if self._shape is None else robots.reaching(updated.window, neighbours))
         obstacles.roll(updated.origin)
         if pending is not None:
-            obstacles.observe(*pending)
+            obstacles.observe(pending)
         updated.compose()
         return updated.costs, updated.frame
 

@@ -28,7 +28,7 @@ from sim.numerics import elementary
 from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
 from sim.parameters import ObservationSource, ObstacleParameters
-from sim.robot.costmap.costs import FREE, LETHAL, NOTHING, UNKNOWN, Changes, CostFrame, Costs, Window
+from sim.robot.costmap.costs import FREE, LETHAL, UNKNOWN, Changes, CostFrame, Costs, Window
 from sim.robot.costmap.footprint_cost import in_cells
 from sim.robot.costmap.lines import clear_line, fill_convex, include
 
@@ -81,11 +81,11 @@ class KnownObstacles(NamedTuple):
 
 
 @njit(cache=True)
-def _sweep(
-    x: float, y: float, theta: float, angle_min: float, angle_increment: float, ranges: NDArray[np.float32],
-    range_min: float, range_max: float,
-) -> Sweep:  # fmt: skip
-    """A scan from the pose (x, y, theta) of the laser in the map."""
+def _rays(
+    theta: float, angle_min: float, angle_increment: float, ranges: NDArray[np.float32], range_min: float,
+    range_max: float,
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """Readings and rays of a `Sweep`, of a scan from a laser that heads for `theta` in the map."""
     readings, rays = np.empty(ranges.shape[0]), np.empty((ranges.shape[0], 2))
     for i in range(ranges.shape[0]):
         reading = float(ranges[i])
@@ -94,7 +94,29 @@ def _sweep(
         readings[i] = reading if valid else np.nan
         angle = theta + angle_min + i * angle_increment
         rays[i, 0], rays[i, 1] = elementary.cos_sin(angle)
-    return Sweep(x, y, theta, angle_min, angle_increment, readings, rays)
+    return readings, rays
+
+
+class CostmapObservation:
+    """A scan, with the poses that are needed to make use of it; both costmaps of a robot take in the same.
+
+    Args:
+        base_in_map: pose of the robot when it scanned.
+        scan: the readings.
+        discs: (n, 3) x, y and radius of the other robots, metres.
+
+    Attributes:
+        sweep: the scan as the kernels take it.
+    """
+
+    def __init__(self, base_in_map: Pose2, scan: Scan, discs: FloatArray) -> None:
+        mount = scan.mount
+        laser = base_in_map.compose(mount.laser_in_base)
+        rays = _rays(laser.theta, mount.angle_min, mount.angle_increment, scan.ranges, mount.range_min, mount.range_max)
+        self.base_in_map = base_in_map
+        self.scan = scan
+        self.discs = discs
+        self.sweep = Sweep(laser.x, laser.y, laser.theta, mount.angle_min, mount.angle_increment, *rays)
 
 
 @njit(cache=True)
@@ -118,6 +140,7 @@ def _clear_along_beams(
         return
     longest = math.ceil(raytrace_range / size)
     right, top = frame.x + cols * size, frame.y + rows * size
+    last_row, last_col = -1, -1
     for i in range(sweep.ranges.shape[0]):
         reading = sweep.ranges[i] if sweep.ranges[i] != np.inf else farthest
         if not reading > 0.0:
@@ -136,7 +159,10 @@ def _clear_along_beams(
         row_end, col_end = math.floor((y - frame.y) / size), math.floor((x - frame.x) / size)
         if row_end < 0 or col_end < 0 or row_end >= rows or col_end >= cols:
             continue
-        clear_line(marks, row, col, row_end, col_end, longest, changed)
+        # Near by, several beams end in one cell: the line there is cleared once.
+        if row_end != last_row or col_end != last_col:
+            clear_line(marks, row, col, row_end, col_end, longest, changed)
+            last_row, last_col = row_end, col_end
 
 
 @njit(cache=True)
@@ -276,13 +302,69 @@ def _tiles_other_than(marks: Costs, mark: int) -> NDArray[np.int64]:
 
 
 @njit(cache=True)
-def _any_lethal(marks: Costs, row: int, col: int, row_end: int, col_end: int) -> bool:
-    """Return True when something stands in a window of the marks."""
-    for r in range(max(0, row), min(marks.shape[0], row_end)):
-        for c in range(max(0, col), min(marks.shape[1], col_end)):
+def _any_lethal(marks: Costs, row: int, col: int, standing: NDArray[np.int64]) -> bool:
+    """Return True when something stands in a window; when not, the window becomes empty.
+
+    Args:
+        marks: (rows, cols).
+        row: that of the marks' cell (0, 0) in the static map; so col.
+        standing: (4,) a window of the static map.
+    """
+    for r in range(max(0, standing[0] - row), min(marks.shape[0], standing[2] - row)):
+        for c in range(max(0, standing[1] - col), min(marks.shape[1], standing[3] - col)):
             if marks[r, c] == LETHAL:
                 return True
+    standing[:] = 0
     return False
+
+
+@njit(cache=True)
+def _observe(
+    marks: Costs, grid_x: float, grid_y: float, size: float, row: int, col: int,
+    laser_x: float, laser_y: float, laser_theta: float, angle_min: float, angle_increment: float,
+    readings: FloatArray, rays: FloatArray, range_max: float,
+    sources: FloatArray, clears: bool, clears_between: bool,
+    explained_distance: float, near_walls: NDArray[np.bool_], discs: FloatArray,
+    footprint: FloatArray, x: float, y: float, theta: float,
+    standing: NDArray[np.int64], changed: NDArray[np.int64],
+) -> None:  # fmt: skip
+    """Take in a scan, in one call and with plain arguments: to hand over tuples takes longer than to clear and mark.
+
+    Args:
+        marks: (rows, cols).
+        grid_x: place of the static map's cell (0, 0); so grid_y, and size, a cell's side, metres.
+        row: that of the marks' cell (0, 0) in the static map; so col.
+        laser_x: see `Sweep`, as the next six.
+        range_max: metres for which beams stand that hit nothing, where those are valid.
+        sources: (s, 5) of each source: whether it clears, whether beams that hit nothing are valid, its raytrace_range,
+            whether it marks, its obstacle_range.
+        clears: True when the space before the readings is cleared.
+        clears_between: True when it is cleared between beams as well.
+        explained_distance: see `KnownObstacles`, as the next two.
+        footprint: (n, 2) padded corners of the robot, base frame; (0, 2) where its own place is not cleared.
+        x: place of the robot in the map; so y, and theta.
+        standing: (4,) window of the static map, grown so that all that stands is in there.
+        changed: (4,) window of the marks that is grown by the cells that change.
+    """
+    frame = CostFrame(grid_x + col * size, grid_y + row * size, size)
+    sweep = Sweep(laser_x, laser_y, laser_theta, angle_min, angle_increment, readings, rays)
+    known = KnownObstacles(explained_distance, near_walls, row, col, discs)
+    for i in range(sources.shape[0]):
+        if sources[i, 0] != 0.0 and clears:
+            farthest = range_max if sources[i, 1] != 0.0 else 0.0
+            _clear_along_beams(marks, frame, sweep, farthest, sources[i, 2], changed)
+            if clears_between and _any_lethal(marks, row, col, standing):
+                _clear_between_beams(marks, frame, sweep, farthest, sources[i, 2], changed)
+    for i in range(sources.shape[0]):
+        if sources[i, 3] != 0.0 and _mark(marks, frame, sweep, sources[i, 4], known, changed):
+            new = standing[2] <= standing[0] or standing[3] <= standing[1]
+            for side in range(2):
+                offset = row if side == 0 else col
+                first, end = changed[side] + offset, changed[side + 2] + offset
+                standing[side] = first if new else min(standing[side], first)
+                standing[side + 2] = end if new else max(standing[side + 2], end)
+    if footprint.shape[0] > 0:
+        _clear_footprint(marks, frame, footprint, x, y, theta, changed)
 
 
 def _window(changed: NDArray[np.int64], row: int, col: int) -> Window:
@@ -304,6 +386,7 @@ class ObstacleLayer:
 
     Attributes:
         marks: (rows, cols): LETHAL where something stands, FREE where nothing does, else UNKNOWN.
+        explained_range: metres from the laser beyond which no disc explains a reading that would mark.
     """
 
     reach = 0
@@ -319,7 +402,7 @@ class ObstacleLayer:
     ) -> None:
         self._parameters = parameters
         self._grid = grid
-        self._footprint = footprint
+        self._cleared_footprint = footprint if parameters.footprint_clearing_enabled else footprint[:0]
         distance = parameters.explained_distance
         if distance > 0.0 and explained_by_walls:
             self._near_walls = near_walls(grid, distance)
@@ -334,29 +417,34 @@ class ObstacleLayer:
             self.marks[:] = self._default
         self._origin = (0, 0)
         self._changes = Changes()
-        self._standing = NOTHING
+        self._standing = np.zeros(4, np.int64)
+        self._sources = np.array(
+            [
+                (
+                    source.clearing,
+                    source.inf_is_valid,
+                    self._raytrace_range(source),
+                    source.marking,
+                    self._obstacle_range(source),
+                )
+                for source in parameters.observation_sources
+            ],
+            dtype=np.float64,
+        ).reshape(-1, 5)
+        marking = (self._obstacle_range(source) for source in parameters.observation_sources if source.marking)
+        self.explained_range = max(marking, default=0.0) + distance
 
     @property
     def any_marks(self) -> bool:
         """True when anything stands."""
         # Only marking grows `_standing`; that the last mark is cleared is found out here, when asked.
-        row, col = self._origin
-        first, left, end, right = self._standing
-        if not _any_lethal(self.marks, first - row, left - col, end - row, right - col):
-            self._standing = NOTHING
-        return not self._standing.empty
+        return bool(_any_lethal(self.marks, *self._origin, self._standing))
 
     @property
     def window(self) -> Window:
         """The cells of the static map that the marks lie on."""
         row, col = self._origin
         return Window(row, col, row + self.marks.shape[0], col + self.marks.shape[1])
-
-    @property
-    def explained_range(self) -> float:
-        """Metres from the laser beyond which no disc explains a reading that would mark."""
-        marking = (self._obstacle_range(source) for source in self._parameters.observation_sources if source.marking)
-        return max(marking, default=0.0) + self._parameters.explained_distance
 
     def roll(self, origin: tuple[int, int]) -> None:
         """Move along with a rolling costmap, to begin at this cell of the static map; what leaves is forgotten."""
@@ -369,47 +457,37 @@ class ObstacleLayer:
             kept.of(moved, origin)[:] = kept.of(self.marks, self._origin)
         self.marks, self._origin = moved, origin
 
-    def observe(self, base_in_map: Pose2, scan: Scan, discs: FloatArray, clears: bool = True) -> None:
+    def observe(self, seen: CostmapObservation, clears: bool = True) -> None:
         """Take in a scan: every source clears, then every source marks, then the robot's own place is cleared.
 
         Args:
-            base_in_map: pose of the robot when it scanned.
-            scan: the readings.
-            discs: (n, 3) x, y, radius of the other robots.
+            seen: the scan.
             clears: True when the space before the readings is cleared, which takes longest.
         """
-        row, col = self._origin
-        size = self._grid.resolution
-        frame = CostFrame(self._grid.origin.x + col * size, self._grid.origin.y + row * size, size)
-        mount = scan.mount
-        laser = base_in_map.compose(mount.laser_in_base)
-        sweep = _sweep(
-            laser.x,
-            laser.y,
-            laser.theta,
-            mount.angle_min,
-            mount.angle_increment,
-            scan.ranges,
-            mount.range_min,
-            mount.range_max,
-        )
-        known = KnownObstacles(self._parameters.explained_distance, self._near_walls, row, col, discs)
+        (row, col), corner, base, sweep = self._origin, self._grid.origin, seen.base_in_map, seen.sweep
         changed = np.array([*self.marks.shape, -1, -1], dtype=np.int64)
-        for source in self._parameters.observation_sources:
-            if source.clearing and clears:
-                farthest = mount.range_max if source.inf_is_valid else 0.0
-                reach = self._raytrace_range(source)
-                _clear_along_beams(self.marks, frame, sweep, farthest, reach, changed)
-                if self._parameters.clear_between_beams and self.any_marks:
-                    _clear_between_beams(self.marks, frame, sweep, farthest, reach, changed)
-        for source in self._parameters.observation_sources:
-            if source.marking:
-                marked = _mark(self.marks, frame, sweep, self._obstacle_range(source), known, changed)
-                if marked:
-                    self._standing = self._standing.union(_window(changed, row, col))
-        if self._parameters.footprint_clearing_enabled:
-            place = base_in_map
-            _clear_footprint(self.marks, frame, self._footprint, place.x, place.y, place.theta, changed)
+        _observe(
+            self.marks,
+            corner.x,
+            corner.y,
+            self._grid.resolution,
+            row,
+            col,
+            *sweep,
+            seen.scan.mount.range_max,
+            self._sources,
+            clears,
+            self._parameters.clear_between_beams,
+            self._parameters.explained_distance,
+            self._near_walls,
+            seen.discs,
+            self._cleared_footprint,
+            base.x,
+            base.y,
+            base.theta,
+            self._standing,
+            changed,
+        )
         if changed[2] > changed[0]:
             self._changes.add(_window(changed, row, col))
 
@@ -422,7 +500,7 @@ class ObstacleLayer:
     def copied(self) -> "ObstacleLayer":
         """Return a copy with marks of its own."""
         other = copy.copy(self)
-        other.marks, other._changes = self.marks.copy(), Changes()
+        other.marks, other._changes, other._standing = self.marks.copy(), Changes(), self._standing.copy()
         return other
 
     def take_over(self, other: "ObstacleLayer") -> None:
@@ -430,7 +508,7 @@ class ObstacleLayer:
         common = self.window.clipped(other.window)
         if not common.empty:
             common.of(self.marks, self._origin)[:] = common.of(other.marks, other._origin)
-            self._standing = other._standing
+            self._standing[:] = other._standing
 
     def clear(self) -> None:
         """Forget everything seen (move_base's clear_costmap_recovery)."""

@@ -11,10 +11,9 @@ from sim.common.distance_fields import clearance_field
 from sim.common.geometry import IDENTITY, Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Scan, Twist, next_turn
-from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters
-from sim.robot.costmap.costmap_2d import CostmapObservation
 from sim.robot.costmap.costs import CostFrame
+from sim.robot.costmap.obstacle import CostmapObservation
 from sim.robot.local_planning.braking import LATENCY, WALL_MARGIN, Surroundings, beside_obstacles, surroundings
 from sim.robot.local_planning.local_planner import LocalPlanner, PlannedCommand
 from sim.robot.local_planning.planners import local_planner
@@ -91,20 +90,14 @@ class Controller:
         """Return True when the costmap is to be updated before the command of this tick."""
         return (tick - self._robot) % _ticks(self._parameters.local_costmap.update_frequency) < self.control_ticks
 
-    def keep_scan(self, pose: Pose2, scan: Scan, discs: FloatArray) -> None:
-        """Keep a scan for the costmap's next update; as in ROS, the last one before it counts.
-
-        Args:
-            pose: pose of the robot when it scanned.
-            scan: the readings.
-            discs: (n, 3) x, y and radius of the other robots, metres.
-        """
-        self.pending = CostmapObservation(pose, scan, discs)
+    def keep_scan(self, seen: CostmapObservation) -> None:
+        """Keep a scan for the costmap's next update; as in ROS, the last one before it counts."""
+        self.pending = seen
 
     def update_costmap(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
         """Bring the costmap up to date with the last scan and the other robots."""
         if self.pending is not None:
-            self.costmap.observe(*self.pending)
+            self.costmap.observe(self.pending)
             self.pending = None
         reach = max(self._parameters.local_costmap.width, self._parameters.local_costmap.height)
         self.costmap.update_neighbours(

@@ -8,7 +8,8 @@ from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND, Neighbour, next_turn
 from sim.numerics.float_array import FloatArray
 from sim.parameters import RobotParameters
-from sim.robot.costmap.costmap_2d import Costmap2D, CostmapObservation
+from sim.robot.costmap.costmap_2d import Costmap2D
+from sim.robot.costmap.obstacle import CostmapObservation
 from sim.robot.costmap.view import CostmapView
 from sim.robot.navigator.rotated_map import RotatedMap
 from sim.robot.navigator.stale_neighbours import StaleNeighbours

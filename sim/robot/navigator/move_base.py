@@ -27,6 +27,7 @@ from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Claim, N
 from sim.numerics import elementary_arrays
 from sim.numerics.float_array import FloatArray
 from sim.parameters import GlobalPlannerParameters, NavfnParameters, RobotParameters
+from sim.robot.costmap.obstacle import CostmapObservation
 from sim.robot.costmap.robots import neighbours_reaching
 from sim.robot.global_planning.itinerary import (
     Itinerary,
@@ -221,8 +222,9 @@ class Navigator:
             self._stale.forget_seen_through(laser, scan)
             if self._goal is not None or not self._parameters.move_base.shutdown_costmaps:
                 discs = _discs(self._stale.known(tick), laser, self._costmaps.explained_range)
-                self._costmaps.global_costmap.observe(pose, scan, discs)
-                self._controller.keep_scan(pose, scan, discs)
+                seen = CostmapObservation(pose, scan, discs)
+                self._costmaps.global_costmap.observe(seen)
+                self._controller.keep_scan(seen)
         self._itinerary_planner.search_on()
         if (tick - self._robot) % self._team == 0 and tick >= self._next_plan and not isinstance(self._state, Clearing):
             self._choose_plan(tick, pose, self._stale.known(tick))
