@@ -7,11 +7,12 @@ they are stepped changes nothing.
 
 from bisect import bisect_left
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
 
 import numpy as np
 
+from sim.common.frozen import frozen
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import Neighbour
@@ -51,7 +52,7 @@ from sim.world.physics import Misplaced, World, WorldState, with_charge, with_no
 from sim.world.sensors import Sensors, mount_of
 
 
-@dataclass(frozen=True, slots=True)
+@frozen()
 class TeamSnapshot:
     """Everything that is true, perceived, believed and done in one tick.
 

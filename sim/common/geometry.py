@@ -1,10 +1,10 @@
 """SE(2): poses of the plane, their composition, and angles in [-pi, pi)."""
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
+from sim.common.frozen import frozen
 from sim.numerics import elementary
 from sim.numerics.elementary import wrap_angle
 from sim.numerics.float_array import FloatArray
@@ -13,7 +13,7 @@ _cos_sin = lru_cache(maxsize=1024)(elementary.cos_sin)
 """A frame is asked for the same directions tick after tick: where a robot's odometry began, where its laser stands."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen()
 class Pose2:
     """A pose of the plane, equally the transform from its own frame to its parent's.
 

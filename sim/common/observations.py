@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common.frozen import frozen
 from sim.common.geometry import Pose2
 from sim.numerics.float_array import FloatArray
 
@@ -22,7 +23,7 @@ def next_turn(tick: int, robot: int, period: int) -> int:
     return tick + period - (tick - robot) % period
 
 
-@dataclass(frozen=True, slots=True)
+@frozen()
 class Twist:
     """A velocity of the base, in its own frame: metres per second forward, radians per second anti-clockwise."""
 
@@ -33,7 +34,7 @@ class Twist:
 STANDSTILL = Twist(0.0, 0.0)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen()
 class Odometry:
     """Wheel odometry: the pose since the start in the drifting frame `odom`, and the measured velocity."""
 
@@ -42,7 +43,7 @@ class Odometry:
     twist: Twist
 
 
-@dataclass(frozen=True, slots=True)
+@frozen()
 class Imu:
     """Gyroscope reading: the rate of turn, radians per second."""
 
@@ -69,7 +70,7 @@ class LaserMount:
         return self.angle_min + self.angle_increment * np.arange(self.beams, dtype=np.float64)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen()
 class Scan:
     """One sweep of the laser.
 
@@ -83,7 +84,7 @@ class Scan:
     ranges: NDArray[np.float32]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen()
 class Battery:
     """The energy left, in the game's units; a robot starts with `capacity`."""
 
@@ -104,7 +105,7 @@ class Claim(NamedTuple):
     robot: int
 
 
-@dataclass(frozen=True, slots=True)
+@frozen()
 class Neighbour:
     """State that a robot broadcasts to its team; the others receive it one tick later.
 
@@ -129,7 +130,7 @@ class Neighbour:
     claim: Claim | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen()
 class Observations:
     """Everything one robot perceives in one tick; None where a sensor is not due."""
 

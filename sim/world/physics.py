@@ -13,6 +13,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.common.frozen import frozen
 from sim.common.geometry import Pose2
 from sim.common.grid import GridFrame, OccupancyGrid
 from sim.common.observations import TICK
@@ -42,7 +43,7 @@ BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class WorldState:
     """The truth about n robots at one tick; its arrays are read-only.
 

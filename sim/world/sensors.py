@@ -2,7 +2,6 @@
 
 import math
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,19 +102,62 @@ def _measured(
     return ranges
 
 
-class _Keys(NamedTuple):
-    """One robot's streams of noise."""
+@njit(cache=True)
+def _scan(
+    robot: int, tick: int, poses: FloatArray, laser_x: float, angle_min: float, angle_increment: float,
+    directions: FloatArray, range_min: float, range_max: float, footprint: FloatArray, radius: float,
+    squares: FreeSquares, frame: GridFrame, corners: FloatArray, ends: NDArray[np.int64],
+    circles: FloatArray, keys: NDArray[np.uint64], noise: FloatArray,
+) -> NDArray[np.float32]:  # fmt: skip
+    """(m,) ranges as one robot's laser reports them, in one call with plain arguments.
 
-    gyro: np.uint64
-    ranges: np.uint64
-    dropouts: np.uint64
+    Args:
+        robot: see `_sweep`; `BeamFan` and `Polygons` for their parts.
+        tick: see `_measured`.
+        keys: (robots, 3) see `_keys`.
+        noise: (robots, 3) range_noise, range_bias and dropout.
+    """
+    fan = BeamFan(angle_min, angle_increment, directions)
+    bodies = Polygons(corners, ends, circles)
+    true_ranges = _sweep(
+        robot, poses, laser_x, fan, range_max, footprint, radius, squares, frame, bodies
+    )  # fmt: skip
+    return _measured(
+        true_ranges, tick, keys[robot, 1], keys[robot, 2], noise[robot, 0], noise[robot, 1], noise[robot, 2],
+        range_min, range_max,
+    )  # fmt: skip
 
 
-@lru_cache(maxsize=1024)
-def _keys(seed: int, robot: int) -> _Keys:
-    """The streams of the robot with this index."""
-    name = namespace_of(robot)
-    return _Keys(key(seed, name, "gyro"), key(seed, name, "laser"), key(seed, name, "laser", "dropout"))
+@njit(cache=True)
+def _inner(
+    robot: int, tick: int, odom_poses: FloatArray, odom_twists: FloatArray, twists: FloatArray, charge: FloatArray,
+    keys: NDArray[np.uint64], gyro: FloatArray,
+) -> tuple[float, float, float, float, float, float, float]:  # fmt: skip
+    """All that is sensed but the scan: the pose and the twist of odometry, the rate of turn, and the charge.
+
+    Args:
+        robot: its index.
+        tick: the present one.
+        odom_poses: (robots, 3); so the others, see `WorldState`.
+        keys: (robots, 3) see `_keys`.
+        gyro: (robots,) noise of the rate of turn, rad/s.
+    """
+    error = np.empty(1)
+    normals(keys[robot, 0], tick, error)
+    return (
+        odom_poses[robot, 0], odom_poses[robot, 1], odom_poses[robot, 2], odom_twists[robot, 0], odom_twists[robot, 1],
+        twists[robot, 1] + gyro[robot] * error[0], charge[robot],
+    )  # fmt: skip
+
+
+@lru_cache(maxsize=64)
+def _keys(seed: int, robots: int) -> NDArray[np.uint64]:
+    """(robots, 3) keys of each robot's streams of noise: of its gyroscope, its ranges, and its lost beams."""
+    names = [namespace_of(robot) for robot in range(robots)]
+    return np.array(
+        [(key(seed, name, "gyro"), key(seed, name, "laser"), key(seed, name, "laser", "dropout")) for name in names],
+        dtype=np.uint64,
+    )
 
 
 def mount_of(parameters: LaserParameters) -> LaserMount:
@@ -169,46 +211,38 @@ class Sensors:
 
     def sense(self, state: WorldState, robot: int) -> Observations:
         """Everything robot (index in the team) perceives in this tick."""
-        tick = state.tick
-        x, y, theta = state.odom_poses[robot].tolist()
-        linear, angular = state.odom_twists[robot].tolist()
-        keys = _keys(self._seed, robot)
-        error = np.empty(1)
-        normals(keys.gyro, tick, error)
+        tick, keys = state.tick, _keys(self._seed, len(state.poses))
+        x, y, theta, linear, angular, rate, charge = _inner(
+            robot, tick, state.odom_poses, state.odom_twists, state.twists, state.charge, keys, state.noise.gyro
+        )
         return Observations(
-            tick=tick,
-            odometry=Odometry(tick, Pose2(x, y, theta), Twist(linear, angular)),
-            imu=Imu(tick, float(state.twists[robot, 1] + state.noise.gyro[robot] * error[0])),
-            scan=self._scan(state, robot, keys) if self.scan_due(tick, robot) else None,
-            battery=Battery(tick, float(state.charge[robot]), self._capacity),
+            tick,
+            Odometry(tick, Pose2(x, y, theta), Twist(linear, angular)),
+            Imu(tick, rate),
+            self._scan(state, robot, keys) if self.scan_due(tick, robot) else None,
+            Battery(tick, charge, self._capacity),
         )
 
-    def _scan(self, state: WorldState, robot: int, keys: _Keys) -> Scan:
+    def _scan(self, state: WorldState, robot: int, keys: NDArray[np.uint64]) -> Scan:
         """Make one sweep, all beams at the same instant."""
-        laser = self._laser
-        true_ranges = _sweep(
+        laser, fan = self._laser, self._fan
+        ranges = _scan(
             robot,
+            state.tick,
             state.poses,
             laser.x,
-            self._fan,
+            fan.angle_min,
+            fan.angle_increment,
+            fan.directions,
+            laser.range_min,
             laser.range_max,
             self._footprint,
             self._radius,
             self._squares,
             self._frame,
-            state.bodies,
-        )
-        range_noise, range_bias, dropout = state.noise.laser[robot].tolist()
-        ranges = _measured(
-            true_ranges,
-            state.tick,
-            keys.ranges,
-            keys.dropouts,
-            range_noise,
-            range_bias,
-            dropout,
-            laser.range_min,
-            laser.range_max,
+            *state.bodies,
+            keys,
+            state.noise.laser,
         )
         ranges.flags.writeable = False
         return Scan(state.tick, self.mount, ranges)

@@ -21,6 +21,7 @@ Multi-Robot Trajectory Planning in Well-Formed Infrastructures (ICAPS 2015).
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
@@ -80,7 +81,7 @@ def itineraries_of(neighbours: Sequence[Neighbour]) -> OtherItineraries:
         for other in neighbours
     ]
     times = [other.times if len(other.times) else _FOR_GOOD for other in neighbours]
-    starts = np.cumsum([0, *map(len, times)])
+    starts = np.array([*accumulate(map(len, times), initial=0)])
     return OtherItineraries(np.concatenate(points), np.concatenate(times), starts)
 
 

@@ -8,6 +8,7 @@ import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
+from sim.common.frozen import frozen
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Twist
 from sim.numerics import elementary
@@ -33,7 +34,7 @@ MIN_ARC_RADIUS = 0.05
 """Metres: thinner robots, even a point, back up in arcs as a robot of this radius does."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen()
 class PlannedCommand:
     """A command, its trajectory, and whether the search for one failed.
 

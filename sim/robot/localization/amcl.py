@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sim.common.frozen import frozen
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import Imu, LaserMount, Odometry, Scan
@@ -79,7 +80,7 @@ INITIAL_AGREEMENT = ScanAgreement()
 """The agreement that a filter begins with."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@frozen(eq=False)
 class ParticleBelief:
     """All that the filter remembers between two ticks.
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim.common.geometry import Pose2
-from sim.common.grid import OccupancyGrid
-from sim.common.raycast import Raycaster, cast_beams
+from sim.common.grid import GridFrame, OccupancyGrid
+from sim.common.raycast import FreeSquares, Raycaster, cast_beams
 from sim.numerics import elementary, elementary_arrays
 from sim.numerics.float_array import FloatArray
 from sim.numerics.kernels import njit
@@ -20,7 +20,7 @@ _TOLERANCE = 0.3
 _CUT_SHORT = 0.1
 """Weight of a reading that something unmapped may have cut short, beside 1 for one that went through a wall."""
 
-_TURNS = np.array([-0.02, 0.0, 0.02])
+_TURNS = (-0.02, 0.0, 0.02)
 """Radians by which the heading may be wrong. A beam that grazes a wall then has any of several ranges: all count."""
 
 
@@ -51,6 +51,47 @@ def _sums(
                 p += short
             out[i] += elementary.log(max(p, 1e-300))
     return out
+
+
+@njit(cache=True)
+def _agreement(
+    squares: FreeSquares, frame: GridFrame, directions: FloatArray, range_max: float,
+    laser_x: float, laser_y: float, x: float, y: float, theta: float, ranges: FloatArray,
+) -> float:  # fmt: skip
+    """See `BeamModel.agreement`; NaN where no beam met anything.
+
+    Args:
+        squares: see `Raycaster`, as frame.
+        directions: see `Beams`, as range_max.
+        laser_x: place of the laser in the base frame; so laser_y.
+        x: place of the base in the map; so y and theta.
+        ranges: (m,) readings, metres.
+    """
+    poses = np.empty((len(_TURNS), 3))
+    for i in range(len(_TURNS)):
+        turned = theta + _TURNS[i]
+        c, s = elementary.cos_sin(turned)
+        poses[i, 0] = x + (c * laser_x - s * laser_y)
+        poses[i, 1] = y + (s * laser_x + c * laser_y)
+        poses[i, 2] = turned
+    expected = np.empty((len(_TURNS), ranges.size))
+    cast_beams(squares, frame, poses, directions, range_max, expected)
+    met, short, through = 0, 0, 0
+    for j in range(ranges.size):
+        if not ranges[j] < range_max:
+            continue
+        met += 1
+        nearest, farthest = range_max, 0.0
+        for i in range(len(_TURNS)):
+            nearest, farthest = min(nearest, expected[i, j]), max(farthest, min(expected[i, j], range_max))
+        if ranges[j] < nearest - _TOLERANCE:
+            short += 1
+        if ranges[j] > farthest + _TOLERANCE:
+            through += 1
+    if met == 0:
+        return math.nan
+    hits = met - short - through
+    return hits / (hits + _CUT_SHORT * short + through)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,13 +153,18 @@ class BeamModel:
         A reading is explained when it ends where the map has a wall. A reading cut short counts a tenth as much against
         the place as one that went through a wall: other robots cut readings short, but nothing lengthens them.
         """
-        met = ranges < self.beams.range_max
-        if not met.any():
-            return None
-        poses = np.tile(base_in_map.array(), (len(_TURNS), 1))
-        poses[:, 2] += _TURNS
-        expected = np.minimum(self.expected(poses)[:, met], self.beams.range_max)
-        short = np.count_nonzero(ranges[met] < expected.min(axis=0) - _TOLERANCE)
-        through = np.count_nonzero(ranges[met] > expected.max(axis=0) + _TOLERANCE)
-        hits = np.count_nonzero(met) - short - through
-        return float(hits / (hits + _CUT_SHORT * short + through))
+        beams, place = self.beams, base_in_map
+        laser, raycaster = beams.mount.laser_in_base, self.raycaster
+        share = _agreement(
+            raycaster.squares,
+            raycaster.frame,
+            beams.directions,
+            beams.range_max,
+            laser.x,
+            laser.y,
+            place.x,
+            place.y,
+            place.theta,
+            ranges,
+        )
+        return None if math.isnan(share) else share

@@ -5,6 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
+from sim.common.frozen import frozen
 from sim.common.geometry import Pose2
 from sim.common.observations import Imu, Odometry, Scan
 from sim.numerics import elementary
@@ -14,7 +15,7 @@ from sim.numerics.kernels import njit
 from sim.parameters import RobotParameters
 
 
-@dataclass(frozen=True, slots=True)
+@frozen()
 class Estimate:
     """Pose of the robot as a localiser estimates it.
 

@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from sim.common.frozen import frozen
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Neighbour, Twist
 from sim.numerics import elementary, elementary_arrays
@@ -84,7 +85,7 @@ TRANSITIONS: set[tuple[type[FollowerState], FollowerEvent, type[FollowerState]]]
 """All changes of a follower's state; a new one is Following."""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen()
 class FollowerOutput:
     """A command along an itinerary.
 

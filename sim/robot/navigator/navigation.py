@@ -1,8 +1,8 @@
 """Output of a navigator in one tick."""
 
-from dataclasses import dataclass
 from typing import Literal
 
+from sim.common.frozen import frozen
 from sim.common.observations import Claim, Twist
 from sim.numerics.float_array import FloatArray
 from sim.robot.costmap.view import CostmapView
@@ -11,7 +11,7 @@ from sim.robot.navigator.goals import Goal, GoalResult
 NavigatorState = Literal["idle", "planning", "controlling", "clearing"]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen()
 class Navigation:
     """Command, goal, plan and results of one robot in one tick.
 

@@ -7,6 +7,7 @@ Differs: a robot without a goal is Idle; one that does not know where it is is L
 from dataclasses import dataclass
 from typing import Literal
 
+from sim.common.frozen import frozen
 from sim.common.observations import Claim
 from sim.numerics.float_array import FloatArray
 from sim.robot.navigator.follower import STANDING, Follower, FollowerOutput
@@ -49,7 +50,7 @@ class Planning:
     waits_for: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@frozen()
 class Controlling:
     """The robot follows an itinerary.
 

@@ -1,0 +1,40 @@
+"""Frozen dataclasses that take half as long to make: messages and states are made thousands of times a second.
+
+A frozen dataclass refuses assignments, also those of its own `__init__`, which goes round that by `object.__setattr__`,
+field by field. Here `__init__` calls the setters of the slots themselves.
+"""
+
+from collections.abc import Callable
+from dataclasses import MISSING, dataclass, fields
+from typing import TypeVar, dataclass_transform
+
+T = TypeVar("T")
+
+
+@dataclass_transform(frozen_default=True)
+def frozen(*, eq: bool = True) -> Callable[[type[T]], type[T]]:
+    """Make a dataclass that is frozen and has slots; fields may have defaults, no factories.
+
+    Args:
+        eq: False for classes whose instances are equal to themselves alone.
+    """
+
+    def made(plain: type[T]) -> type[T]:
+        kind = dataclass(frozen=True, slots=True, eq=eq)(plain)
+        known: dict[str, object] = {}
+        parameters, body = ["self"], []
+        for field in fields(kind):  # type: ignore[arg-type]  # a dataclass now
+            known[f"set_{field.name}"] = kind.__dict__[field.name].__set__
+            parameters.append(field.name)
+            if field.default is not MISSING:
+                known[f"default_{field.name}"] = field.default
+                parameters[-1] += f"=default_{field.name}"
+            body.append(f"set_{field.name}(self, {field.name})")
+        if hasattr(kind, "__post_init__"):
+            body.append("self.__post_init__()")
+        exec(f"def __init__({', '.join(parameters)}): {'; '.join(body)}", known)  # as dataclass does
+        known["__init__"].__qualname__ = f"{kind.__qualname__}.__init__"  # type: ignore[attr-defined]
+        kind.__init__ = known["__init__"]  # type: ignore[assignment]
+        return kind
+
+    return made
