@@ -112,20 +112,26 @@ def _shade(
         return traffic, count
     col, row = (x - corner[0]) / side, (y - corner[1]) / side
     span = radius / side + 1.0
+    near, far = radius * radius * (1.0 - 1e-12), radius * radius * (1.0 + 1e-12)
     for r in range(max(0, int(row - span)), min(rows, int(row + span) + 1)):
         for c in range(max(0, int(col - span)), min(cols, int(col + span) + 1)):
             cx, cy = centres[r, c, 0], centres[r, c, 1]
-            if not free[r, c] or abs(cx - x) >= radius or abs(cy - y) >= radius:
+            dx, dy = cx - x, cy - y
+            # Most cells are settled by squares, which take a tenth of the time; where rounding could decide, not so.
+            squared = dx * dx + dy * dy
+            if not free[r, c] or squared > far:
                 continue
-            distance = elementary.hypot(cx - x, cy - y)
+            distance = 0.0 if squared < near else elementary.hypot(dx, dy)
             if distance >= radius:
                 continue
             needed = radius
-            off = elementary.hypot(cx - start_x, cy - start_y)
-            if off < side:
-                # The cell that the start is rounded to may lie nearer to the other robot than the start itself does, by
-                # as much as a cell's half diagonal; the cells beside it may not, but for rounding.
-                needed = min(radius, present - (0.75 * side if off < 0.71 * side else 0.02))
+            if abs(cx - start_x) < side and abs(cy - start_y) < side:
+                off = elementary.hypot(cx - start_x, cy - start_y)
+                if off < side:
+                    # The cell that the start is rounded to may lie nearer to the other robot than the start itself
+                    # does, by as much as a cell's half diagonal; the cells beside it may not, but for rounding.
+                    needed = min(radius, present - (0.75 * side if off < 0.71 * side else 0.02))
+                    distance = elementary.hypot(dx, dy)
             if distance < needed:
                 if row_of[r, c] < 0:
                     if count == busy.shape[0]:

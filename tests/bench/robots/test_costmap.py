@@ -23,6 +23,7 @@ from sim.parameters import (
 from sim.robot.costmap.costmap_2d import Costmap2D
 from sim.robot.costmap.costs import Window
 from sim.robot.costmap.inflation import InflationLayer
+from sim.robot.costmap.obstacle import CostmapObservation
 from sim.robot.costmap.static import StaticLayer
 from tests.bench.budget import Budgets
 
@@ -125,9 +126,15 @@ def test_taking_in_a_scan(budgets: Budgets, capsys: pytest.CaptureFixture[str]) 
     costmap = Costmap2D(GlobalCostmapParameters(robot_radius=None, obstacle_layer=parameters), BODY, GRID)
     pose = Pose2(10.0, 7.0, 0.3)
     scan = laser(pose)
-    figures = milliseconds(lambda: costmap.observe(pose, scan, np.empty((0, 3))))
+
+    def observe() -> None:
+        costmap.observe(CostmapObservation(pose, scan, np.empty((0, 3))))
+
+    figures = milliseconds(observe)
     judge("taking in a scan of 181 beams", figures, budgets, capsys)
-    figures = milliseconds(lambda: costmap.update(0.0, 0.0), lambda: costmap.observe(pose, scan, np.empty((0, 3))))
+    figures = milliseconds(
+        lambda: costmap.update(0.0, 0.0), lambda: costmap.observe(CostmapObservation(pose, scan, np.empty((0, 3))))
+    )
     judge("update after a scan", figures, budgets, capsys)
     with capsys.disabled():
         print()

@@ -35,7 +35,9 @@ print(*(kernel(eval(argument)) for argument in sys.argv[1:]), sum(kernel.stats.c
 def checkout(tmp_path: Path) -> Path:
     """A checkout of the compiler's module, with a kernel that calls another module's."""
     checkout = tmp_path / "checkout"
-    shutil.copytree(ROOT / "sim" / "common", checkout / "sim" / "common", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(
+        ROOT / "sim" / "numerics", checkout / "sim" / "numerics", ignore=shutil.ignore_patterns("__pycache__")
+    )
     (checkout / "sim" / "__init__.py").touch()
     (checkout / "sim" / "caller.py").write_text(CALLER)
     (checkout / "sim" / "callee.py").write_text(CALLEE)
@@ -79,7 +81,7 @@ def test_a_kernel_is_compiled_anew_when_a_module_that_it_calls_has_changed(check
 
 def test_a_change_in_what_a_kernel_does_not_import_leaves_it_compiled(checkout: Path) -> None:
     run(checkout, "3")
-    replace(checkout / "sim/common/raycast.py", '"""', '"""Changed. ')
+    replace(checkout / "sim/numerics/noise.py", '"""', '"""Changed. ')
     assert run(checkout, "3") == ["7", "1"]
 
 

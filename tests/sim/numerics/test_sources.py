@@ -19,7 +19,7 @@ def imported(file: Path) -> set[Path]:
     return {file for path in paths for file in (path.with_suffix(".py"), path / "__init__.py") if file.exists()}
 
 
-@pytest.mark.parametrize("module", ["team.py", "robot/costmap/obstacle.py", "common/noise_arrays.py"])
+@pytest.mark.parametrize("module", ["team.py", "robot/costmap/obstacle.py", "numerics/noise_arrays.py"])
 def test_what_a_file_reaches_is_what_its_syntax_says(module: str) -> None:
     files = reached(ROOT / "sim" / module)
     assert len(files) > 5

@@ -19,8 +19,9 @@ from sim.parameters import (
     StaticParameters,
     WorldParameters,
 )
-from sim.robot.costmap.costmap_2d import Costmap2D, CostmapObservation
+from sim.robot.costmap.costmap_2d import Costmap2D
 from sim.robot.costmap.costs import FREE, LETHAL, UNKNOWN
+from sim.robot.costmap.obstacle import CostmapObservation
 
 BODY = np.array(WorldParameters().footprint)
 HUNT = RobotParameters()
@@ -77,7 +78,9 @@ def test_the_robots_can_be_thought_away():
 def test_a_local_costmap_moves_along_and_keeps_what_the_laser_saw():
     costmap = Costmap2D(replace(HUNT.local_costmap, width=3.0, height=2.0), BODY, grid())
     assert costmap.costs.shape == (40, 60)
-    costmap.observe(Pose2(1.0, 2.0, 0.0), Scan(0, MOUNT, np.array([1.0], np.float32)), np.empty((0, 3)))
+    costmap.observe(
+        CostmapObservation(Pose2(1.0, 2.0, 0.0), Scan(0, MOUNT, np.array([1.0], np.float32)), np.empty((0, 3)))
+    )
     for x in (1.0, 1.3):
         costmap.update(x, 2.0)
         frame = costmap.frame
@@ -90,7 +93,7 @@ def seeing(parameters):
     """A costmap that has seen an obstacle before a wall, and heard of a robot."""
     costmap = Costmap2D(parameters, BODY, grid())
     look = CostmapObservation(Pose2(1.0, 2.0, 0.0), Scan(0, MOUNT, np.array([0.8], np.float32)), np.empty((0, 3)))
-    costmap.observe(*look)
+    costmap.observe(look)
     costmap.update_neighbours([neighbour(Pose2(1.5, 1.2, 0.3))])
     costmap.update(1.0, 2.0)
     return costmap
@@ -138,7 +141,7 @@ def test_what_an_update_would_make_of_a_costmap_is_what_it_makes(standard):
     assert np.array_equal(costmap.costs, before)
     assert np.array_equal(costmap.obstacles.marks, marks)
     assert not np.array_equal(costs, before)
-    costmap.observe(*look)
+    costmap.observe(look)
     costmap.update_neighbours(others)
     costmap.update(1.1, 1.8)
     assert np.array_equal(costmap.costs, costs)

@@ -13,7 +13,7 @@ from sim.common.observations import LaserMount, Scan
 from sim.common.raycast import Raycaster
 from sim.parameters import ObservationSource, ObstacleParameters, RobotParameters, WorldParameters
 from sim.robot.costmap.costs import FREE, LETHAL, UNKNOWN, Window
-from sim.robot.costmap.obstacle import ObstacleLayer
+from sim.robot.costmap.obstacle import CostmapObservation, ObstacleLayer
 
 STUDY = np.array(WorldParameters().footprint)
 HUNT = RobotParameters().global_costmap.obstacle_layer
@@ -47,53 +47,53 @@ def lethal(layer):
 class TestAsInRos:
     def test_a_reading_marks_the_cell_it_ends_in_and_a_longer_one_clears_it(self):
         layer = layer_of()
-        layer.observe(AHEAD, scan(1.02), NOBODY)
+        layer.observe(CostmapObservation(AHEAD, scan(1.02), NOBODY))
         cell = grid_of().cell_of(1.02, 0.0)
         assert lethal(layer) == {cell}
         assert layer.bounds() == (Window(cell[0], cell[1], cell[0] + 1, cell[1] + 1),)
-        layer.observe(AHEAD, scan(2.0), NOBODY)
+        layer.observe(CostmapObservation(AHEAD, scan(2.0), NOBODY))
         assert cell not in lethal(layer)
 
     @pytest.mark.parametrize("reading", [math.nan, math.inf, 2.5, 0.01, 9.0])
     def test_lost_empty_far_and_too_near_readings_do_not_mark(self, reading):
         layer = layer_of()
-        layer.observe(AHEAD, scan(reading), NOBODY)
+        layer.observe(CostmapObservation(AHEAD, scan(reading), NOBODY))
         assert not lethal(layer)
 
     @pytest.mark.parametrize(("inf_is_valid", "left"), [(True, False), (False, True)])
     def test_a_beam_that_hits_nothing_clears_if_that_is_valid(self, inf_is_valid, left):
         source = ObservationSource(clearing=True, inf_is_valid=inf_is_valid)
         layer = layer_of(ObstacleParameters(observation_sources=(source,)))
-        layer.observe(AHEAD, scan(1.02), NOBODY)
-        layer.observe(AHEAD, scan(math.inf), NOBODY)
+        layer.observe(CostmapObservation(AHEAD, scan(1.02), NOBODY))
+        layer.observe(CostmapObservation(AHEAD, scan(math.inf), NOBODY))
         assert bool(lethal(layer)) == left
 
     def test_space_is_cleared_as_far_as_raytrace_range(self):
         layer = layer_of(ObstacleParameters(raytrace_range=1.0, observation_sources=(LASER,)))
         for reading in (0.92, 1.32):
-            layer.observe(AHEAD, scan(math.nan, reading), NOBODY)
-            layer.observe(AHEAD, scan(reading), NOBODY)
-        layer.observe(AHEAD, scan(2.4), NOBODY)
+            layer.observe(CostmapObservation(AHEAD, scan(math.nan, reading), NOBODY))
+            layer.observe(CostmapObservation(AHEAD, scan(reading), NOBODY))
+        layer.observe(CostmapObservation(AHEAD, scan(2.4), NOBODY))
         grid = grid_of()
         ahead = {cell for cell in lethal(layer) if cell[0] == grid.cell_of(0.0, 0.0)[0]}
         assert ahead == {grid.cell_of(1.32, 0.0), grid.cell_of(2.4, 0.0)}
 
     def test_without_sources_nothing_is_seen(self):
         layer = layer_of(ObstacleParameters())
-        layer.observe(AHEAD, scan(1.0), NOBODY)
+        layer.observe(CostmapObservation(AHEAD, scan(1.0), NOBODY))
         assert not lethal(layer)
 
     def test_a_source_has_its_own_ranges_and_need_not_mark_or_clear(self):
         near = ObservationSource(obstacle_range=0.5)
         sweeper = ObservationSource(name="sweeper", marking=False, clearing=True, raytrace_range=0.3)
         layer = layer_of(ObstacleParameters(observation_sources=(near, sweeper), footprint_clearing_enabled=False))
-        layer.observe(AHEAD, scan(0.42), NOBODY)
-        layer.observe(AHEAD, scan(0.7), NOBODY)
+        layer.observe(CostmapObservation(AHEAD, scan(0.42), NOBODY))
+        layer.observe(CostmapObservation(AHEAD, scan(0.7), NOBODY))
         assert lethal(layer) == {grid_of().cell_of(0.42, 0.0)}
 
     def test_the_robots_own_place_is_free(self):
         layer = layer_of(ObstacleParameters(observation_sources=(LASER,)))
-        layer.observe(AHEAD, scan(0.2), NOBODY)
+        layer.observe(CostmapObservation(AHEAD, scan(0.2), NOBODY))
         assert not lethal(layer)
 
     @pytest.mark.parametrize(
@@ -108,7 +108,7 @@ class TestAsInRos:
             footprint_clearing_enabled=False,
         )
         layer = layer_of(parameters)
-        layer.observe(AHEAD, scan(1.02), NOBODY)
+        layer.observe(CostmapObservation(AHEAD, scan(1.02), NOBODY))
         row, col = grid_of().cell_of(1.02, 0.0)
         costs = np.array([[5, LETHAL, 7]], np.uint8)
         # The cell before the mark was seen empty; of the one behind it nothing is known.
@@ -145,7 +145,7 @@ class TestThingsThatComeAndGo:
         truth = OccupancyGrid(cells, self.grid.resolution, self.grid.origin)
         ranges = Raycaster.of(truth).ranges(at.array()[np.newaxis], mount.angles(), laser.range_max)[0]
         believed = Pose2(pose.x + error[0], pose.y + error[1], pose.theta + error[2])
-        layer.observe(believed, Scan(0, mount, ranges.astype(np.float32)), NOBODY)
+        layer.observe(CostmapObservation(believed, Scan(0, mount, ranges.astype(np.float32)), NOBODY))
 
     @settings(max_examples=25, deadline=None)
     @given(st.floats(-0.05, 0.05), st.floats(-0.05, 0.05), st.floats(-0.03, 0.03))
@@ -188,32 +188,32 @@ class TestThingsThatComeAndGo:
                 observation_sources=(LASER,), clear_between_beams=between, footprint_clearing_enabled=False
             )
             layer = layer_of(parameters)
-            layer.observe(AHEAD, mark, NOBODY)
+            layer.observe(CostmapObservation(AHEAD, mark, NOBODY))
             assert lethal(layer)
-            layer.observe(AHEAD, gone, NOBODY)
+            layer.observe(CostmapObservation(AHEAD, gone, NOBODY))
             assert bool(lethal(layer)) == left
 
     def test_readings_near_another_robot_do_not_mark(self):
         layer = layer_of(HUNT)
-        layer.observe(AHEAD, scan(0.6), np.array([[0.9, 0.0, 0.35]]))
+        layer.observe(CostmapObservation(AHEAD, scan(0.6), np.array([[0.9, 0.0, 0.35]])))
         assert not lethal(layer)
-        layer.observe(AHEAD, scan(0.6), NOBODY)
+        layer.observe(CostmapObservation(AHEAD, scan(0.6), NOBODY))
         assert lethal(layer)
 
     @pytest.mark.parametrize("reading", [0.6, 1.45])
     def test_only_robots_within_a_certain_distance_do_so(self, reading):
         layer, radius = layer_of(HUNT), 0.35
         farthest = layer.explained_range + radius
-        layer.observe(AHEAD, scan(reading), np.array([[farthest + 0.001, 0.0, radius]]))
+        layer.observe(CostmapObservation(AHEAD, scan(reading), np.array([[farthest + 0.001, 0.0, radius]])))
         assert lethal(layer)
         layer = layer_of(HUNT)
-        layer.observe(AHEAD, scan(reading), np.array([[farthest - 0.06, 0.0, radius]]))
+        layer.observe(CostmapObservation(AHEAD, scan(reading), np.array([[farthest - 0.06, 0.0, radius]])))
         assert bool(lethal(layer)) == (reading < 1.0)
 
 
 def test_clearing_forgets_all_and_says_so():
     layer = layer_of()
-    layer.observe(AHEAD, scan(1.0), NOBODY)
+    layer.observe(CostmapObservation(AHEAD, scan(1.0), NOBODY))
     layer.bounds()
     layer.clear()
     assert not lethal(layer)
@@ -239,7 +239,7 @@ def test_all_that_is_marked_lies_in_its_extents_and_is_forgotten_when_it_is_clea
 def test_a_rolling_layer_keeps_what_stays_in_its_window():
     layer = layer_of(shape=(20, 30))
     layer.roll((10, 10))
-    layer.observe(Pose2(0.0, 0.0, 0.0), scan(0.42), NOBODY)
+    layer.observe(CostmapObservation(Pose2(0.0, 0.0, 0.0), scan(0.42), NOBODY))
     cell = grid_of().cell_of(0.42, 0.0)
     assert lethal(layer) == {(cell[0] - 10, cell[1] - 10)}
     layer.roll((12, 25))
