@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import Neighbour
@@ -69,7 +70,7 @@ def neighbours_reaching(
     """Neighbours whose bodies may reach into a rectangle of the map, with their circumscribed radii, metres."""
     met: list[tuple[Neighbour, float]] = []
     footprint: FloatArray | None = None
-    radius = reach = 0.0
+    radius = 0.0
     for other in neighbours:
         if other.footprint is not footprint:
             # Mostly one and the same for all.
@@ -77,8 +78,9 @@ def neighbours_reaching(
             radius = circumscribed_radius(footprint)
             # A hair more than that: none is left out because of rounding.
             reach = radius + 1e-6
+            from_x, to_x, from_y, to_y = left - reach, right + reach, low - reach, high + reach
         pose = other.base_in_map
-        if left - reach < pose.x < right + reach and low - reach < pose.y < high + reach:
+        if from_x < pose.x < to_x and from_y < pose.y < to_y:
             met.append((other, radius))
     return met
 
@@ -109,6 +111,8 @@ class RobotsLayer:
         self._parameters = parameters
         self._frame = CostFrame(grid.origin.x, grid.origin.y, grid.resolution)
         self._seen: dict[int, _DrawnRobot] = {}
+        # (4, robots) windows of those seen; None when they have changed.
+        self._windows: NDArray[np.int64] | None = None
         self._changes = Changes()
 
     def update_neighbours(self, neighbours: Sequence[Neighbour]) -> None:
@@ -123,6 +127,7 @@ class RobotsLayer:
                 continue
             self._forget(neighbour.robot)
             self._seen[neighbour.robot] = seen = self._drawn(neighbour)
+            self._windows = None
             self._changes.add(seen.window)
         for robot in [robot for robot in self._seen if robot not in received]:
             self._forget(robot)
@@ -168,6 +173,7 @@ class RobotsLayer:
     def _forget(self, robot: int) -> None:
         if robot in self._seen:
             self._changes.add(self._seen.pop(robot).window)
+            self._windows = None
 
     def bounds(self) -> tuple[Window, ...]:
         """Return the windows that robots came into or left."""
@@ -181,7 +187,7 @@ class RobotsLayer:
         """Write LETHAL under every footprint, and at least `path_cost` along paths."""
         row, col = origin
         shift = np.array([col, row])
-        near = [seen for seen in self._seen.values() if seen.window.meets(window)]
+        near = self._meeting(window)
         for seen in near:
             self._write_path(costs, origin, window, seen.path)
         for seen in near:
@@ -193,6 +199,16 @@ class RobotsLayer:
                 window.row_end - row,
                 window.col_end - col,
             )
+
+    def _meeting(self, window: Window) -> list[_DrawnRobot]:
+        """Return the robots that are drawn in a window, in the order in which they were heard of."""
+        seen = list(self._seen.values())
+        if self._windows is None:
+            # Of large teams many windows are written, each for few of all the robots.
+            self._windows = np.array([one.window for one in seen], np.int64).reshape(-1, 4).T
+        row, col, row_end, col_end = self._windows
+        meets = (row < window.row_end) & (col < window.col_end) & (row_end > window.row) & (col_end > window.col)
+        return [seen[i] for i in meets.nonzero()[0].tolist()]
 
     def _write_path(self, costs: Costs, origin: tuple[int, int], window: Window, path: FloatArray) -> None:
         if len(path) == 0:

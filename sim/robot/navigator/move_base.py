@@ -18,6 +18,7 @@ import math
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from operator import attrgetter
 
 import numpy as np
 
@@ -64,6 +65,8 @@ from sim.robot.navigator.states import (
     WantedPath,
 )
 from sim.robot.navigator.transitions import check_transition
+
+_CLAIM = attrgetter("claim")
 
 PLAN_RETRY = 0.5
 """Seconds between attempts to plan."""
@@ -255,7 +258,7 @@ class Navigator:
         if isinstance(state, Controlling):
             due.append(self._controller.next_command(tick))
         rests = isinstance(state, Idle) and state.wanted is None
-        if not rests or any(other.claim is not None for other in neighbours):
+        if not rests or any(map(_CLAIM, neighbours)):
             due.append(next_turn(max(tick, self._next_plan - 1), self._robot, self._team))
         return min((one for one in due if one is not None), default=tick + TICKS_PER_SECOND)
 
