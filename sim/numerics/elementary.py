@@ -291,16 +291,17 @@ def hypot(x: float, y: float) -> float:
     greater, less = abs(x), abs(y)
     if greater < less:
         greater, less = less, greater
+    # False for what is not finite, and for nearly all that is asked for true.
+    if less > 2.0**-400 and greater < 2.0**400:
+        return _length(greater, less)
     if math.isinf(x) or math.isinf(y):
         return math.inf
     if math.isnan(x) or math.isnan(y):
         return math.nan
-    if not (less > 2.0**-400 and greater < 2.0**400):
-        if less == 0.0 or less < greater * 2.0**-60:
-            return greater
-        scale = math.frexp(greater)[1]
-        return _scaled(_length(math.ldexp(greater, -scale), math.ldexp(less, -scale)), scale)
-    return _length(greater, less)
+    if less == 0.0 or less < greater * 2.0**-60:
+        return greater
+    scale = math.frexp(greater)[1]
+    return _scaled(_length(math.ldexp(greater, -scale), math.ldexp(less, -scale)), scale)
 
 
 def _length(greater: float, less: float) -> float:
