@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
+from thbridge.analysis.progress import Tell, untold
 from thbridge.files.errors import BadFile
-from thbridge.files.map_files import read_grid
 from ui.outputs import STANDARD_OUTPUT, destination
 from ui.terminal import note
 
 
-def write_report(bag: Path, page: Path, map_yaml: Path | None = None) -> None:
-    """Make the report of a bag, on a map of its own if one is given.
+def write_report(bag: Path, page: Path, map_yaml: Path | None = None, tell: Tell = untold) -> None:
+    """Make the report of a bag, on a map of its own if one is given; `tell` takes how far it is.
 
     Raises:
         BadFile: the bag or the map cannot be read, or the page not be written.
@@ -19,7 +19,12 @@ def write_report(bag: Path, page: Path, map_yaml: Path | None = None) -> None:
 
     if page.exists() and bag.exists() and page.samefile(bag):
         raise BadFile(page, "this is the bag itself", "choose another file by --to")
-    html = build_report(bag, None if map_yaml is None else read_grid(map_yaml))
+    grid = None
+    if map_yaml is not None:
+        from thbridge.files.map_files import read_grid  # noqa: PLC0415 - 20 MB
+
+        grid = read_grid(map_yaml)
+    html = build_report(bag, grid, tell)
     try:
         with destination(page) as file:
             file.write_text(html, encoding="utf-8")

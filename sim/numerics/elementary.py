@@ -11,7 +11,8 @@ rounding takes from the leading products and sums is carried along. So results a
 error is at most 0.502 units in the last place, where half a unit is the best there can be.
 
 They are plain functions, for who needs a number now and then. Kernels compile these same functions, and
-`sim.numerics.elementary_arrays` has them for arrays.
+`sim.numerics.elementary_arrays` has them for arrays. Their parts without a choice take arrays as well, of which numpy
+makes the same sums and products one by one.
 
 Sources: Muller, Elementary Functions, 3rd ed. (2016), chapters 6 (tables: Tang, Gal) and 11 (range reduction: Cody and
 Waite, Payne and Hanek); Dekker, A floating-point technique for extending the available precision (1971), for the errors
@@ -19,6 +20,7 @@ of sums and products; Borges, An improved algorithm for hypot(a, b) (2019).
 """
 
 import math
+from typing import TypeVar
 
 import numpy as np
 
@@ -36,6 +38,10 @@ from sim.numerics.elementary_tables import (
     TURN_WORDS,
     TURNS,
 )
+from sim.numerics.float_array import FloatArray
+
+Real = TypeVar("Real", float, FloatArray)
+"""A number, or an array of numbers that are calculated with one by one."""
 
 _STEP_1, _STEP_2, _STEP_3, _STEP_4 = TURN_STEP
 _TURN_1, _TURN_2 = FULL_TURN
@@ -46,7 +52,7 @@ _STRAIGHT_1, _STRAIGHT_2 = STRAIGHT_ANGLE
 
 _STEPS_PER_RADIAN = 64.0 / math.pi
 _STEPS_PER_EXPONENT = 128.0 / (_LOG_2_1 + _LOG_2_2)
-_FARTHEST = 2.0**20 / _STEPS_PER_RADIAN
+FARTHEST = 2.0**20 / _STEPS_PER_RADIAN
 """Radians up to which Cody and Waite's reduction is exact."""
 
 _ROUNDING = 1.5 * 2.0**52
@@ -56,28 +62,28 @@ _SPLITTER = 2.0**27 + 1.0
 """Dekker's factor, which splits a double into 26 and 26 bits."""
 
 
-def _leading(x: float) -> float:
+def leading(x: Real) -> Real:
     """The leading 26 bits of a number; the rest has as many."""
     scaled = _SPLITTER * x
     return scaled - (scaled - x)
 
 
-def _sum(a: float, b: float) -> tuple[float, float]:
+def two_sum(a: Real, b: Real) -> tuple[Real, Real]:
     """The sum of two numbers and its rounding error."""
     total = a + b
     of_b = total - a
     return total, (a - (total - of_b)) + (b - of_b)
 
 
-def _ordered_sum(a: float, b: float) -> tuple[float, float]:
+def fast_two_sum(a: Real, b: Real) -> tuple[Real, Real]:
     """The sum of two numbers and its rounding error; the first is the greater one, or 0."""
     total = a + b
     return total, b - (total - a)
 
 
-def _product(a: float, b: float) -> tuple[float, float]:
+def two_product(a: Real, b: Real) -> tuple[Real, Real]:
     """The product of two numbers and its rounding error."""
-    a1, b1 = _leading(a), _leading(b)
+    a1, b1 = leading(a), leading(b)
     a2, b2 = a - a1, b - b1
     product = a * b
     return product, ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2
@@ -90,13 +96,19 @@ def _scaled(x: float, exponent: int) -> float:
 
 def _reduced(x: float) -> tuple[int, float, float]:
     """An angle as a number of steps of pi / 64 and the rest, radians, in two parts."""
-    if abs(x) >= _FARTHEST:
+    if abs(x) >= FARTHEST:
         return _reduced_far(x)
-    steps = (x * _STEPS_PER_RADIAN + _ROUNDING) - _ROUNDING
-    rest, error = _sum(x - steps * _STEP_1, -steps * _STEP_2)
-    rest, more = _sum(rest, -steps * _STEP_3)
-    rest, error = _ordered_sum(rest, more + error - steps * _STEP_4)
+    steps, rest, error = reduced_near(x)
     return int(steps), rest, error
+
+
+def reduced_near(x: Real) -> tuple[Real, Real, Real]:
+    """The same for angles below `FARTHEST`."""
+    steps = (x * _STEPS_PER_RADIAN + _ROUNDING) - _ROUNDING
+    rest, error = two_sum(x - steps * _STEP_1, -steps * _STEP_2)
+    rest, more = two_sum(rest, -steps * _STEP_3)
+    rest, error = fast_two_sum(rest, more + error - steps * _STEP_4)
+    return steps, rest, error
 
 
 def _reduced_far(x: float) -> tuple[int, float, float]:
@@ -130,21 +142,21 @@ def _reduced_far(x: float) -> tuple[int, float, float]:
         float(turn[5]),
     )
     steps = math.floor(w1 * 2.0**-17 + 0.5)
-    part, error = _sum(((w1 - steps * 2.0**17) * 2.0**24 + w2) * 2.0**-48, (w3 * 2.0**24 + w4) * 2.0**-96)
+    part, error = two_sum(((w1 - steps * 2.0**17) * 2.0**24 + w2) * 2.0**-48, (w3 * 2.0**24 + w4) * 2.0**-96)
     error += (w5 * 2.0**24 + w6) * 2.0**-144
-    rest, lost = _product(part, _TURN_1)
-    rest, error = _ordered_sum(rest, lost + (part * _TURN_2 + error * _TURN_1))
+    rest, lost = two_product(part, _TURN_1)
+    rest, error = fast_two_sum(rest, lost + (part * _TURN_2 + error * _TURN_1))
     return (steps, rest, error) if x > 0.0 else (-steps, -rest, -error)
 
 
-def _turned(cos_1: float, cos_2: float, sin_1: float, sin_2: float, rest: float, error: float) -> float:
+def turned(cos_1: Real, cos_2: Real, sin_1: Real, sin_2: Real, rest: Real, error: Real) -> Real:
     """sin(a + r), by sine and cosine of a in two parts, the first of 26 bits, and a small r in two parts."""
     square = rest * rest
     # sin(r) - r and cos(r) - 1
     bent = error + rest * square * (-1.0 / 6.0 + square * (1.0 / 120.0 + square * (-1.0 / 5040.0 + square / 362880.0)))
     short = square * (-0.5 + square * (1.0 / 24.0 + square * (-1.0 / 720.0 + square / 40320.0))) - rest * error
-    rest_1 = _leading(rest)
-    total, lost = _ordered_sum(sin_1, cos_1 * rest_1)
+    rest_1 = leading(rest)
+    total, lost = fast_two_sum(sin_1, cos_1 * rest_1)
     return total + (
         lost + (sin_2 + (cos_1 * (rest - rest_1) + (cos_2 * rest + ((cos_1 + cos_2) * bent + (sin_1 + sin_2) * short))))
     )
@@ -163,7 +175,7 @@ def sin(x: float) -> float:
         return math.nan
     steps, rest, error = _reduced(x)
     i = steps & 127
-    return _turned(float(TURNS[i, 0]), float(TURNS[i, 1]), float(TURNS[i, 2]), float(TURNS[i, 3]), rest, error)
+    return turned(float(TURNS[i, 0]), float(TURNS[i, 1]), float(TURNS[i, 2]), float(TURNS[i, 3]), rest, error)
 
 
 def cos(x: float) -> float:
@@ -173,7 +185,7 @@ def cos(x: float) -> float:
         return math.nan
     steps, rest, error = _reduced(x)
     i = steps & 127
-    return _turned(-float(TURNS[i, 2]), -float(TURNS[i, 3]), float(TURNS[i, 0]), float(TURNS[i, 1]), rest, error)
+    return turned(-float(TURNS[i, 2]), -float(TURNS[i, 3]), float(TURNS[i, 0]), float(TURNS[i, 1]), rest, error)
 
 
 def cos_sin(x: float) -> tuple[float, float]:
@@ -184,8 +196,8 @@ def cos_sin(x: float) -> tuple[float, float]:
     steps, rest, error = _reduced(x)
     i = steps & 127
     cos_1, cos_2, sin_1, sin_2 = float(TURNS[i, 0]), float(TURNS[i, 1]), float(TURNS[i, 2]), float(TURNS[i, 3])
-    cosine = _turned(-sin_1, -sin_2, cos_1, cos_2, rest, error)
-    return cosine, x if abs(x) < 2.0**-27 else _turned(cos_1, cos_2, sin_1, sin_2, rest, error)
+    cosine = turned(-sin_1, -sin_2, cos_1, cos_2, rest, error)
+    return cosine, x if abs(x) < 2.0**-27 else turned(cos_1, cos_2, sin_1, sin_2, rest, error)
 
 
 def exp(x: float) -> float:
@@ -196,7 +208,7 @@ def exp(x: float) -> float:
             return x
         return math.inf if x > 0.0 else 0.0
     steps = (x * _STEPS_PER_EXPONENT + _ROUNDING) - _ROUNDING
-    rest, error = _sum(x - steps * _EXPONENT_1, -steps * _EXPONENT_2)
+    rest, error = two_sum(x - steps * _EXPONENT_1, -steps * _EXPONENT_2)
     error -= steps * _EXPONENT_3
     n = int(steps)
     i = n & 127
@@ -205,8 +217,8 @@ def exp(x: float) -> float:
     bent = error + rest * rest * (
         0.5 + rest * (1.0 / 6.0 + rest * (1.0 / 24.0 + rest * (1.0 / 120.0 + rest * (1.0 / 720.0))))
     )
-    rest_1 = _leading(rest)
-    total, lost = _ordered_sum(value_1, value_1 * rest_1)
+    rest_1 = leading(rest)
+    total, lost = fast_two_sum(value_1, value_1 * rest_1)
     lost += value_2 + (value_1 * (rest - rest_1) + (value_2 * rest + (value_1 + value_2) * bent))
     return _scaled(total + lost, n >> 7)
 
@@ -223,16 +235,16 @@ def log(x: float) -> float:
         mantissa, exponent = 2.0 * mantissa, exponent - 1
     i = int(128.0 * mantissa + 0.5) - LOGARITHMS_FROM
     reciprocal, value_1, value_2 = float(LOGARITHMS[i, 0]), float(LOGARITHMS[i, 1]), float(LOGARITHMS[i, 2])
-    mantissa_1 = _leading(mantissa)
+    mantissa_1 = leading(mantissa)
     # The reciprocal has ten bits, so both products are exact.
-    rest, error = _sum(reciprocal * mantissa_1 - 1.0, reciprocal * (mantissa - mantissa_1))
-    rest_1 = _leading(rest)
+    rest, error = two_sum(reciprocal * mantissa_1 - 1.0, reciprocal * (mantissa - mantissa_1))
+    rest_1 = leading(rest)
     tail = 1.0 / 7.0 + rest * (-1.0 / 8.0 + rest * (1.0 / 9.0 + rest * (-1.0 / 10.0)))
     bent = (
         rest * rest * rest * (1.0 / 3.0 + rest * (-1.0 / 4.0 + rest * (1.0 / 5.0 + rest * (-1.0 / 6.0 + rest * tail))))
     )
-    total, lost = _sum(exponent * _LOG_2_1 + value_1, rest)
-    total, more = _sum(total, -0.5 * rest_1 * rest_1)
+    total, lost = two_sum(exponent * _LOG_2_1 + value_1, rest)
+    total, more = two_sum(total, -0.5 * rest_1 * rest_1)
     lost += more + (exponent * _LOG_2_2 + value_2)
     return total + (lost + (bent + (error - error * rest - 0.5 * (rest - rest_1) * (rest_1 + rest))))
 
@@ -262,27 +274,31 @@ def atan2(y: float, x: float) -> float:
             scale = math.frexp(greater)[1]
             greater, less = math.ldexp(greater, -scale), math.ldexp(less, -scale)
         i = int(ratio * 64.0 + 0.5)
-        near = i / 64.0
-        greater_1, less_1 = _leading(greater), _leading(less)
-        # tan(a - b), by the tangents of both: products with the short number are exact.
-        over, over_error = _sum(less - near * greater_1, -near * (greater - greater_1))
-        under, under_error = _sum(greater, near * less_1)
-        under, under_error = _ordered_sum(under, under_error + near * (less - less_1))
-        tangent = over / under
-        product, product_error = _product(tangent, under)
-        error = ((over - product) - product_error + over_error - tangent * under_error) / under
-        square = tangent * tangent
-        bent = square * (-1.0 / 3.0 + square * (1.0 / 5.0 + square * (-1.0 / 7.0 + square * (1.0 / 9.0))))
-        angle, lost = _sum(float(ARCTANGENTS[i, 0]), tangent)
-        error = lost + (float(ARCTANGENTS[i, 1]) + (error + tangent * bent))
+        angle, error = arctangent(less, greater, i / 64.0, float(ARCTANGENTS[i, 0]), float(ARCTANGENTS[i, 1]))
     if steep:
         base_1, base_2, sign = _RIGHT_1, _RIGHT_2, (-1.0 if x >= 0.0 else 1.0)
     elif x < 0.0 or (x == 0.0 and math.copysign(1.0, x) < 0.0):
         base_1, base_2, sign = _STRAIGHT_1, _STRAIGHT_2, -1.0
     else:
         return math.copysign(angle + error, y)
-    total, lost = _ordered_sum(base_1, sign * angle)
+    total, lost = fast_two_sum(base_1, sign * angle)
     return math.copysign(total + (lost + (base_2 + sign * error)), y)
+
+
+def arctangent(less: Real, greater: Real, near: Real, value_1: Real, value_2: Real) -> tuple[Real, Real]:
+    """The arctangent of a quotient in two parts, by that of a number of six bits near to it, in two parts as well."""
+    greater_1, less_1 = leading(greater), leading(less)
+    # tan(a - b), by the tangents of both: products with the short number are exact.
+    over, over_error = two_sum(less - near * greater_1, -near * (greater - greater_1))
+    under, under_error = two_sum(greater, near * less_1)
+    under, under_error = fast_two_sum(under, under_error + near * (less - less_1))
+    tangent = over / under
+    product, product_error = two_product(tangent, under)
+    error = ((over - product) - product_error + over_error - tangent * under_error) / under
+    square = tangent * tangent
+    bent = square * (-1.0 / 3.0 + square * (1.0 / 5.0 + square * (-1.0 / 7.0 + square * (1.0 / 9.0))))
+    angle, lost = two_sum(value_1, tangent)
+    return angle, lost + (value_2 + (error + tangent * bent))
 
 
 def hypot(x: float, y: float) -> float:
@@ -306,8 +322,12 @@ def hypot(x: float, y: float) -> float:
 
 def _length(greater: float, less: float) -> float:
     """The length of a vector, by its greater and its lesser part; neither square overflows or vanishes."""
-    length = math.sqrt(greater * greater + less * less)
-    length_1, greater_1, less_1 = _leading(length), _leading(greater), _leading(less)
+    return mended_length(math.sqrt(greater * greater + less * less), greater, less)
+
+
+def mended_length(length: Real, greater: Real, less: Real) -> Real:
+    """The length of such a vector, by the rounded root of the sum of the squares."""
+    length_1, greater_1, less_1 = leading(length), leading(greater), leading(less)
     length_2, greater_2, less_2 = length - length_1, greater - greater_1, less - less_1
     # What the square of the rounded root has too much: exact but for its last sum.
     surplus = (

@@ -2,47 +2,24 @@
 
 from array import array
 from collections.abc import Iterable
-from tempfile import TemporaryFile
-from typing import BinaryIO
 
 import numpy as np
 
 from sim.numerics.float_array import FloatArray
+from thbridge.files.spool import SpoolFile
 
 RECENT = 8192
 """Numbers of one series in memory, at most: more go to the file. Short recordings never need it."""
-
-
-class NumberSpool:
-    """A temporary file without a name, made when it is needed; many series share it."""
-
-    def __init__(self) -> None:
-        self._file: BinaryIO | None = None
-
-    def put(self, data: bytes) -> int:
-        """Append bytes. Return their offset. Raises OSError: the disk is full."""
-        if self._file is None:
-            self._file = TemporaryFile(prefix="thbridge-")  # noqa: SIM115 - it is gone with this object
-        at = self._file.seek(0, 2)
-        self._file.write(data)
-        return at
-
-    def get(self, at: int, size: int) -> bytes:
-        """The bytes at an offset."""
-        if self._file is None:
-            return b""
-        self._file.seek(at)
-        return self._file.read(size)
 
 
 class NumberRows:
     """One series: rows of numbers, appended one after the other.
 
     Args:
-        spool: where they go.
+        spool: where they go; many series share it.
     """
 
-    def __init__(self, spool: NumberSpool) -> None:
+    def __init__(self, spool: SpoolFile) -> None:
         self._spool = spool
         self._extents: list[tuple[int, int]] = []
         self._recent = array("d")
@@ -68,7 +45,7 @@ class NumberRows:
         self._count += len(self._recent) - before
         if len(self._recent) > RECENT:
             data = self._recent.tobytes()
-            self._extents.append((self._spool.put(data), len(data)))
+            self._extents.append(self._spool.put(data))
             self._recent = array("d")
 
     def table(self, columns: int) -> FloatArray:

@@ -1,16 +1,20 @@
 """Table files for pandas, R and the like: Parquet and CSV, written piece by piece."""
 
 import base64
-from collections.abc import Collection, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import chain
 from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
-from pyarrow import compute, csv, parquet
+from pyarrow import compute, csv, ipc, parquet
+
+from thbridge.files.spool import SpoolFile
 
 Array: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.generic[object]]]"
 
@@ -61,9 +65,10 @@ Values: TypeAlias = "Array | list[str] | list[str | None] | list[bytes] | ListCo
 
 
 class TableFiles:
-    """Table files NAME.csv and NAME.parquet of a folder, which stay open until all are closed.
+    """Table files NAME.csv and NAME.parquet of a folder, of which one is open at a time.
 
-    The same pieces give the same bytes.
+    A Parquet file keeps about a kilobyte in memory for each column of each row group, until it is finished. So pieces
+    wait on disk, in the same folder, and files are written one after the other. The same pieces give the same bytes.
 
     Args:
         folder: an existing folder.
@@ -75,8 +80,9 @@ class TableFiles:
         pa.set_memory_pool(pa.system_memory_pool())
         self._folder = folder
         self._formats = formats
-        self._csv: dict[str, csv.CSVWriter] = {}
-        self._parquet: dict[str, parquet.ParquetWriter] = {}
+        self._begun: set[str] = set()
+        self._spool = SpoolFile(folder)
+        self._waiting: defaultdict[str, list[tuple[int, int]]] = defaultdict(list)
 
     def write(self, name: str, columns: Sequence[Column], values: Sequence[Values]) -> None:
         """Append rows.
@@ -91,33 +97,62 @@ class TableFiles:
         """
         table = arrow_table(columns, values)
         if TableFormat.PARQUET in self._formats:
-            if name not in self._parquet:
-                # Dictionaries of numbers take most of the time and memory, and make files larger.
-                words = [f"{each.name}{_ELEMENTS.get(each.type, '')}" for each in table.schema if _has_words(each.type)]
-                self._parquet[name] = parquet.ParquetWriter(
-                    self._folder / f"{name}.parquet",
-                    table.schema,
-                    compression="zstd",
-                    use_dictionary=words,
-                    data_page_size=_PAGE_BYTES,
-                )
+            self._waiting[name].append(self._spool.put(_packed(table)))
+        if TableFormat.CSV in self._formats:
+            cells = [_cells(column.combine_chunks()) for column in table.columns]
+            plain = pa.Table.from_arrays(cells, names=table.column_names)
+            options = csv.WriteOptions(
+                include_header=name not in self._begun, quoting_style="needed", quoting_header="needed"
+            )
+            self._begun.add(name)
+            with (self._folder / f"{name}.csv").open("ab") as file:
+                csv.write_csv(plain, file, options)
+
+    def finish(self, tell: Callable[[str, int, int], None]) -> None:
+        """Finish every file.
+
+        Args:
+            tell: takes what is counted, how many are done, and of how many.
+
+        Raises:
+            OSError: the disk is full, or the like.
+        """
+        done, total = 0, sum(map(len, self._waiting.values()))
+        for name, extents in self._waiting.items():
+            pieces = (_unpacked(self._spool.get(*extent)) for extent in extents)
+            for _ in _write_parquet(self._folder / f"{name}.parquet", pieces):
+                done += 1
+                tell("pieces of tables", done, total)
+
+
+def _write_parquet(path: Path, pieces: Iterator[pa.Table]) -> Iterator[None]:
+    """Write a file, yielding after each piece."""
+    first = next(pieces)
+    # Dictionaries of numbers take most of the time and memory, and make files larger.
+    words = [f"{each.name}{_ELEMENTS.get(each.type, '')}" for each in first.schema if _has_words(each.type)]
+    with parquet.ParquetWriter(
+        path, first.schema, compression="zstd", use_dictionary=words, data_page_size=_PAGE_BYTES
+    ) as writer:
+        for table in chain((first,), pieces):
             if table.num_rows:
                 lists = (column.chunk(0) for column in table.columns if pa.types.is_list(column.type))
                 most = max((len(each.values) for each in lists), default=0)
                 rows = max(1, table.num_rows * _ELEMENTS_AT_ONCE // max(most, _ELEMENTS_AT_ONCE))
-                self._parquet[name].write_table(table, row_group_size=rows)
-        if TableFormat.CSV in self._formats:
-            cells = [_cells(column.combine_chunks()) for column in table.columns]
-            plain = pa.Table.from_arrays(cells, names=table.column_names)
-            if name not in self._csv:
-                options = csv.WriteOptions(quoting_style="needed", quoting_header="needed")
-                self._csv[name] = csv.CSVWriter(self._folder / f"{name}.csv", plain.schema, write_options=options)
-            self._csv[name].write_table(plain)
+                writer.write_table(table, row_group_size=rows)
+            yield
 
-    def close(self) -> None:
-        """Finish every file. Raises OSError: the disk is full, or the like."""
-        for writer in (*self._csv.values(), *self._parquet.values()):
-            writer.close()
+
+def _packed(table: pa.Table) -> memoryview:
+    sink = pa.BufferOutputStream()
+    # Threads have heaps of their own, which keep what they get.
+    options = ipc.IpcWriteOptions(compression="lz4", use_threads=False)
+    with ipc.new_stream(sink, table.schema, options=options) as stream:
+        stream.write_table(table)
+    return memoryview(sink.getvalue())
+
+
+def _unpacked(data: bytes) -> pa.Table:
+    return ipc.open_stream(data, options=ipc.IpcReadOptions(use_threads=False)).read_all()
 
 
 def arrow_table(columns: Sequence[Column], values: Sequence[Values]) -> pa.Table:
@@ -136,20 +171,40 @@ def _has_words(kind: pa.DataType) -> bool:
 
 def _array(kind: str, values: Values) -> pa.Array:
     if isinstance(values, np.ndarray):
-        return pa.array(values)
+        return _of_numbers(values)
     if isinstance(values, list):
-        # The type is given explicitly, because an empty list has none.
-        return pa.array(values, type=pa.binary() if kind == "bytes" else pa.string())
+        return _of_words(values, pa.binary() if kind == "bytes" else pa.string())
     offsets = np.concatenate(([0], np.cumsum(values.lengths))).astype(np.int32)
-    elements = pa.array(values.elements, type=pa.string() if isinstance(values.elements, list) else None)
-    return pa.ListArray.from_arrays(pa.array(offsets), elements)
+    if isinstance(values.elements, list):
+        return pa.ListArray.from_arrays(_of_numbers(offsets), _of_words(values.elements, pa.string()))
+    return pa.ListArray.from_arrays(_of_numbers(offsets), _of_numbers(values.elements))
+
+
+# Arrays are put together from what is in memory: `pyarrow.array` imports pandas where it is installed, which takes half
+# a second and 90 MB.
+
+
+def _of_numbers(values: Array) -> pa.Array:
+    kept: Array = np.ascontiguousarray(values)
+    if values.dtype == np.bool_:
+        kept = np.packbits(values.astype(np.bool_), bitorder="little")
+    return pa.Array.from_buffers(pa.from_numpy_dtype(values.dtype), len(values), [None, pa.py_buffer(kept)])
+
+
+def _of_words(words: list[str] | list[str | None] | list[bytes], kind: pa.DataType) -> pa.Array:
+    pieces = [word.encode() if isinstance(word, str) else word or b"" for word in words]
+    ends = np.cumsum([0, *map(len, pieces)], dtype=np.int32)
+    known = None
+    if None in words:
+        known = pa.py_buffer(np.packbits([word is not None for word in words], bitorder="little"))
+    return pa.Array.from_buffers(kind, len(words), [known, pa.py_buffer(ends), pa.py_buffer(b"".join(pieces))])
 
 
 def _cells(array: pa.Array) -> pa.Array:
     """Values that can be written as CSV: arrays as their elements with blanks between, bytes as base64."""
     if pa.types.is_list(array.type):
         texts = pa.ListArray.from_arrays(array.offsets, compute.cast(array.values, pa.string()))
-        return compute.binary_join(texts, " ")
+        return compute.binary_join(texts, _of_words([" "], pa.string())[0])
     if pa.types.is_binary(array.type):
-        return pa.array([base64.b64encode(each).decode() for each in array.to_pylist()], type=pa.string())
+        return _of_words([base64.b64encode(each).decode() for each in array.to_pylist()], pa.string())
     return array

@@ -18,7 +18,10 @@ def report(
     ] = None,
 ) -> None:
     """Make a report of a bag: one HTML page with paths, errors, energy, events and talk."""
+    from ui.heap import give_large_blocks_back
+    from ui.progress import bar_of_progress
     from ui.report import write_report
 
-    with bad_input():
-        write_report(bag, to or bag.with_suffix(".html"), map_yaml)
+    give_large_blocks_back()
+    with bad_input(), bar_of_progress() as tell:
+        write_report(bag, to or bag.with_suffix(".html"), map_yaml, tell)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.numerics import elementary, elementary_arrays
+from sim.numerics import elementary, elementary_arrays, elementary_vectors
 from sim.numerics.kernels import njit
 
 COUNT = 4000
@@ -140,6 +140,20 @@ def test_arrays_of_any_layout_have_the_same_bits(name):
     wanted = [getattr(elementary, name)(*map(float, one)) for one in zip(*(a.ravel() for a in arguments), strict=True)]
     assert found.shape == arguments[0].shape
     assert found.ravel().tolist() == wanted
+
+
+@pytest.mark.parametrize("name", ["sin", "cos", "atan2", "hypot"])
+def test_without_the_compiler_the_bits_are_the_same(name):
+    """Of all kinds of arguments, of special ones in all pairs, and of those that stand still or point along an axis."""
+    draw = random.Random(11)
+    pairs = [(one(draw), one(draw)) for one in ARGUMENTS[name] for _ in range(elementary_vectors.BLOCK)]
+    pairs += [(y, x) for y in SPECIAL for x in SPECIAL]
+    pairs += [(draw.choice((-1.0, 0.0, 2.0)), draw.choice((-1.0, -0.0, 2.0))) for _ in range(50)]
+    pairs += [(y, y * 2.0 ** draw.randint(-70, 70)) for y, _ in pairs[:500]]
+    arguments = [np.array(each) for each in zip(*pairs, strict=True)][: 1 + (name in TWO)]
+    wanted = [getattr(elementary, name)(*map(float, one)) for one in zip(*arguments, strict=True)]
+    getattr(elementary_vectors, f"to_{name}")(*arguments)
+    assert all(map(same, arguments[0].tolist(), wanted))
 
 
 def test_interpolation_is_numpys():

@@ -2,6 +2,11 @@
 
 import csv
 import json
+import os
+import resource
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -150,6 +155,39 @@ def test_pieces_join_without_a_seam(bag: Path, folder: Path, tmp_path: Path, mon
         # As text, where NaN equals NaN.
         assert str(table(tmp_path / "small", path.stem).to_pydict()) == str(table(folder, path.stem).to_pydict())
     assert parquet.ParquetFile(tmp_path / "small" / "robot1_odom.parquet").num_row_groups > 10
+
+
+def test_few_files_are_open_however_many_tables_there_are(bag: Path, folder: Path, tmp_path: Path) -> None:
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    lowest = os.dup(0)
+    os.close(lowest)
+    # A bag, a table, two temporary files, and what libraries want beside.
+    resource.setrlimit(resource.RLIMIT_NOFILE, (lowest + 8, hard))
+    try:
+        export_bag(bag, tmp_path / "few", BOTH)
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+    assert len([*folder.iterdir()]) > 60
+    assert all((folder / path.name).read_bytes() == path.read_bytes() for path in (tmp_path / "few").iterdir())
+
+
+LOOK = """
+import sys
+from pathlib import Path
+from thbridge.analysis.export.folder import export_bag
+from thbridge.analysis.report.page import build_report
+from thbridge.files.table_files import TableFormat
+bag = Path(sys.argv[1])
+export_bag(bag, bag.with_suffix(""), tuple(TableFormat))
+build_report(bag)
+print(*{"numba", "pandas", "scipy"} & sys.modules.keys())
+"""
+
+
+def test_tables_and_reports_need_no_compiler(bag: Path, tmp_path: Path) -> None:
+    copy = shutil.copy(bag, tmp_path)
+    done = subprocess.run([sys.executable, "-c", LOOK, copy], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == ""
 
 
 def test_a_choice_of_topics_and_time(bag: Path, tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 from thbridge.analysis.export.exporting import ExportSummary, export, rooms_in, session_in
 from thbridge.analysis.export.tables import TableRows
 from thbridge.analysis.games import game_starts
+from thbridge.analysis.progress import Tell, followed, untold
 from thbridge.recording.bag.reader import info, recorded
 from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages.types import SESSION
@@ -19,6 +20,7 @@ def rows_of_bag(
     start: float = 0.0,
     until: float | None = None,
     tables: Collection[str] | None = None,
+    tell: Tell = untold,
 ) -> Iterator[TableRows]:
     """Yield the rows of a recording's tables in pieces; those of one table are in order.
 
@@ -29,6 +31,7 @@ def rows_of_bag(
         start: seconds after the recording's beginning.
         until: seconds after the recording's beginning; None for its end.
         tables: names of the tables to make, with the tables of their lists; None for all.
+        tell: takes how far it is.
 
     Raises:
         BadFile: the bag cannot be read.
@@ -40,7 +43,8 @@ def rows_of_bag(
     read = None if topics is None else sessions.union(topics, {ROOMS} & {topic.name for topic in found.topics})
 
     def wanted() -> Iterator[tuple[BagConnection, int, bytes]]:
-        for publisher, stamp_ns, data in recorded(bag, read):
+        total = sum(topic.messages for topic in found.topics if read is None or topic.name in read)
+        for publisher, stamp_ns, data in followed(recorded(bag, read), "messages", total, tell):
             if publisher.topic in sessions:
                 exported.session = exported.session or session_in(data)
             elif publisher.topic == ROOMS:

@@ -6,6 +6,7 @@ from pathlib import Path
 from thbridge.analysis.export.bag_rows import rows_of_bag
 from thbridge.analysis.export.dictionary import dictionary_csv, readme, session_json
 from thbridge.analysis.export.exporting import ExportSummary
+from thbridge.analysis.progress import Tell, untold
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.table_files import TableFiles, TableFormat
 from thbridge.recording.bag.reader import info
@@ -19,6 +20,7 @@ def export_bag(
     start: float = 0.0,
     until: float | None = None,
     tables: Collection[str] | None = None,
+    tell: Tell = untold,
 ) -> ExportSummary:
     """Write the tables of a recording, its data dictionary, a README and its session.json.
 
@@ -30,6 +32,7 @@ def export_bag(
         start: seconds after the recording's beginning.
         until: seconds after the recording's beginning; None for its end.
         tables: names of the tables to write, with the tables of their lists; None for all.
+        tell: takes how far it is.
 
     Raises:
         BadFile: the bag cannot be read, or the folder is not empty or cannot be written.
@@ -43,10 +46,10 @@ def export_bag(
             raise BadFile(folder, "there is something in this folder", "choose a new or an empty one by --to")
         files = TableFiles(folder, formats)
         try:
-            for piece in rows_of_bag(bag, exported, topics, start, until, tables):
+            for piece in rows_of_bag(bag, exported, topics, start, until, tables, tell):
                 files.write(piece.table.name, piece.table.columns, piece.values)
         finally:
-            files.close()
+            files.finish(tell)
         for name, text in (
             ("dictionary.csv", dictionary_csv(exported)),
             ("session.json", session_json(exported, bag.name, first_ns, found.duration)),

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
+from matplotlib.colors import ListedColormap, NoNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
@@ -110,8 +110,7 @@ def _draw_grid(axes: Axes, grid: OccupancyGrid) -> None:
     image = axes.imshow(
         kinds,
         cmap=ListedColormap(["#ffffff", "#e4e7eb", "#52606d"]),
-        vmin=0,
-        vmax=2,
+        norm=NoNorm(),
         origin="lower",
         interpolation="nearest",
         extent=(0.0, grid.cols * grid.resolution, 0.0, grid.rows * grid.resolution),

@@ -46,7 +46,7 @@ def read_report(messages: Iterable[RawMessage], grid: OccupancyGrid | None = Non
         messages: the messages of the bag.
         grid: the map, in place of the bag's own.
     """
-    builder = _ReportBuilder()
+    builder = ReportBuilder()
     for message in messages:
         builder.take(message)
     return builder.report(grid)
@@ -57,7 +57,12 @@ def read_games(messages: Iterable[RawMessage], grid: OccupancyGrid | None = None
 
     What was recorded before the first game belongs to it, and what comes between two games to the earlier one.
     """
-    builders = [_ReportBuilder()]
+    return tuple(builder.report(grid) for builder in gather_games(messages))
+
+
+def gather_games(messages: Iterable[RawMessage]) -> list["ReportBuilder"]:
+    """Gather what the reports of `read_games` are made of: most of it on disk, where a report is in memory."""
+    builders = [ReportBuilder()]
     for message in messages:
         start = game_start(message)
         if start is not None:
@@ -66,10 +71,10 @@ def read_games(messages: Iterable[RawMessage], grid: OccupancyGrid | None = None
             builders[-1].game = start.number
         former = len(builders) > 1 and message.stamp_ns == builders[-1].first_ns and message.msgtype not in OF_A_GAME
         builders[-2 if former else -1].take(message)
-    return tuple(builder.report(grid) for builder in builders)
+    return builders
 
 
-class _ReportBuilder:
+class ReportBuilder:
     """Collects the contents of messages by type.
 
     Attributes:
@@ -116,9 +121,9 @@ class _ReportBuilder:
         """True when a game began, or one that began before the recording was under way."""
         return self.game is not None or self._score is not None
 
-    def next_game(self, begins_ns: int) -> "_ReportBuilder":
+    def next_game(self, begins_ns: int) -> "ReportBuilder":
         """The builder of the next game of the recording: with session, map and rooms, which are recorded once."""
-        builder = _ReportBuilder()
+        builder = ReportBuilder()
         builder.first_ns = builder._last_ns = begins_ns
         builder._begins = self._begins + self._seconds(begins_ns)
         builder._session, builder._grids, builder._rooms = self._session, self._grids, self._rooms
@@ -149,6 +154,7 @@ class _ReportBuilder:
             self._unread[message.topic] = f"{message.topic} holds a message that cannot be read: {error}"
 
     def report(self, grid: OccupancyGrid | None) -> Report:
+        """The report, on a map in place of the bag's own if one is given."""
         duration = self._seconds(self._last_ns)
         self._batches.flush()
         tracks = self._series.thinned_tracks(duration)

@@ -1,6 +1,7 @@
 """A session's report as one HTML page without other files: figures are embedded as SVG."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,23 +14,27 @@ from sim.numerics.float_array import FloatArray
 from thbridge.analysis.plot.figures import energy, error, timeline
 from thbridge.analysis.plot.paths import paths
 from thbridge.analysis.plot.style import PAGE, FigureFormat, FigureStyle, clock, colour
+from thbridge.analysis.progress import Tell, followed, untold
 from thbridge.analysis.report.dialogues import ENDS, RecordedDialogues, RecordedGame
-from thbridge.analysis.report.gathering import read_games
+from thbridge.analysis.report.gathering import gather_games
 from thbridge.analysis.report.values import Report, Track, label_of
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reader import info, messages
 
 
-def build_report(bag: Path, grid: OccupancyGrid | None = None) -> str:
+def build_report(bag: Path, grid: OccupancyGrid | None = None, tell: Tell = untold) -> str:
     """The report of a bag as HTML, with a part for each game; the same bag gives the same page.
 
     Args:
         bag: a bag of ours or of other robots.
         grid: the map, in place of the bag's own.
+        tell: takes how far it is.
 
     Raises:
         BadFile: the bag cannot be read; the message has a remedy.
     """
-    return render(read_games(messages(bag), grid), bag.name)
+    games = gather_games(followed(messages(bag), "messages", info(bag).messages, tell))
+    count = len(games)
+    return _page((games.pop(0).report(grid) for _ in range(count)), count, bag.name, tell)
 
 
 def render(games: Sequence[Report], name: str) -> str:
@@ -39,29 +44,31 @@ def render(games: Sequence[Report], name: str) -> str:
         games: the data to show, at least one.
         name: name of the bag, for the title.
     """
+    return _page(iter(games), len(games), name, untold)
+
+
+def _page(reports: Iterator[Report], count: int, name: str, tell: Tell) -> str:
+    """The page of so many reports, one of which is in memory at a time."""
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     template = environment.from_string(Path(__file__).with_name("page.html").read_text(encoding="utf-8"))
-    return template.render(
-        name=name,
-        session=games[0].session,
-        sources=games[0].tracks,
-        games=[_part(report, f"Game {report.game}" if len(games) > 1 else "") for report in games],
-        clock=clock,
-    )
+    games: list[dict[str, object]] = []
+    for done in range(count):
+        tell("games drawn", done, count)
+        games.append(_part(next(reports), count > 1))
+    tell("games drawn", count, count)
+    return template.render(name=name, games=games, clock=clock)
 
 
-def _part(report: Report, title: str) -> dict[str, object]:
+def _part(report: Report, several: bool) -> dict[str, object]:
     """The part of the page for one game; without a title where there is no other game."""
-    with PAGE.settings():
-        drawn = [(name, caption, make(report, PAGE)) for name, caption, make in _FIGURES]
+    title = f"Game {report.game}" if several else ""
+    report = replace(report, tracks=tuple(map(_shown, report.tracks)))
     return {
         "title": title,
-        "report": report,
-        "figures": [
-            {"title": name, "caption": caption, "svg": _svg(figure, title + name)}
-            for name, caption, figure in drawn
-            if figure is not None
-        ],
+        # All that is large is drawn already.
+        "report": replace(report, tracks=(), grid=None),
+        "sources": [(track.label, track.sources) for track in report.tracks],
+        "figures": list(_figures(report, title)),
         "summary": _summary(report),
         "robots": [_robot_row(index, track) for index, track in enumerate(report.tracks)],
         "ways_made": [
@@ -74,6 +81,22 @@ def _part(report: Report, title: str) -> dict[str, object]:
         "dialogues": _dialogues(report.dialogues),
         "points": [entry for entry in report.timeline if entry.points is not None],
     }
+
+
+def _shown(track: Track) -> Track:
+    """A track without what no figure of the page shows, which is a good part of it."""
+    placed = len(track.truth) or len(track.estimate)
+    nothing = np.empty((0, 4))
+    return replace(track, speeds=nothing, commands=nothing, odometry=nothing if placed else track.odometry)
+
+
+def _figures(report: Report, title: str) -> Iterator[dict[str, object]]:
+    """Yield the figures that can be drawn."""
+    for name, caption, make in _FIGURES:
+        with PAGE.settings():
+            figure = make(report, PAGE)
+        if figure is not None:
+            yield {"title": name, "caption": caption, "svg": _svg(figure, title + name)}
 
 
 _FIGURES: tuple[tuple[str, str, Callable[[Report, FigureStyle], Figure | None]], ...] = (

@@ -11,7 +11,8 @@ from sim.numerics.float_array import FloatArray
 from thbridge.analysis.report.paths import corrected, distance, errors, relocations
 from thbridge.analysis.report.values import NEVER, GoalAttempt, Track
 from thbridge.analysis.report.ways_made import WaysMade
-from thbridge.files.number_rows import NumberRows, NumberSpool
+from thbridge.files.number_rows import NumberRows
+from thbridge.files.spool import SpoolFile
 from thbridge.ros.names import frame_name
 from thbridge.ros.robots import (
     ODOM_FRAME,
@@ -80,7 +81,7 @@ class SeriesByTopic:
         ways_made: times in which robots made way for others.
     """
 
-    spool: NumberSpool = field(default_factory=NumberSpool)
+    spool: SpoolFile = field(default_factory=SpoolFile)
     odometry: dict[str, PoseSeries] = field(default_factory=dict)
     poses: dict[str, PoseSeries] = field(default_factory=dict)
     edges: dict[tuple[str, str, str], PoseSeries] = field(default_factory=dict)

@@ -1,7 +1,7 @@
 """Reads ROS 1 bags, ours and others; damaged ones raise BadFile with a remedy."""
 
 from bisect import bisect_left
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -160,12 +160,15 @@ def recorded(
                 if topics is None or each.topic in topics
             }
             held = {number for number, publisher in publishers.items() if holds(publisher)}
-            chosen = [
-                (chunk, numbers)
-                for chunk in end.chunks
-                if (numbers := chunk.counts.keys() & (held if chunk.is_before(since_ns) else publishers.keys()))
-            ]
-            for number, stamp, data in _in_order(reader, chosen):
+
+            def wanted(
+                chunk: ChunkInfo,
+                held: Collection[int] = held,
+                publishers: Mapping[int, BagConnection] = publishers,
+            ) -> Collection[int]:
+                return chunk.counts.keys() & (held if chunk.is_before(since_ns) else publishers.keys())
+
+            for number, stamp, data in _in_order(reader, [chunk for chunk in end.chunks if wanted(chunk)], wanted):
                 publisher = publishers[number]
                 if repeatable and stamp == start_ns and repeatable.pop(publisher.topic, None) == data:
                     continue
@@ -188,17 +191,17 @@ def _publisher(found: BagConnection, known: dict[tuple[str | bool | None, ...], 
 
 
 def _in_order(
-    reader: ChunkReader, chosen: Collection[tuple[ChunkInfo, Collection[int]]]
+    reader: ChunkReader, chosen: Collection[ChunkInfo], wanted: Callable[[ChunkInfo], Collection[int]]
 ) -> Iterator[tuple[int, int, bytes]]:
-    """Yield connection number, stamp and bytes of the messages of some connections in some chunks of one file."""
-    chunks = sorted(chosen, key=lambda each: (each[0].start_ns, each[0].position))
+    """Yield connection number, stamp and bytes of the messages of wanted connections in some chunks of one file."""
+    chunks = sorted(chosen, key=lambda chunk: (chunk.start_ns, chunk.position))
     # Messages that are not before all later chunks wait for these: stamp, position of the chunk, offset, number, turn.
     late: list[tuple[int, int, int, int, int]] = []
-    for turn, (chunk, wanted) in enumerate(chunks):
-        numbers, stamps, offsets = reader.places(chunk, wanted)
+    for turn, chunk in enumerate(chunks):
+        numbers, stamps, offsets = reader.places(chunk, wanted(chunk))
         horizon, ready = (2**64, 0), stamps.size
         if turn + 1 < len(chunks):
-            after = chunks[turn + 1][0]
+            after = chunks[turn + 1]
             horizon = (after.start_ns, after.position)
             side: Literal["left", "right"] = "right" if chunk.position < after.position else "left"
             ready = int(np.searchsorted(stamps, after.start_ns, side))
@@ -214,7 +217,7 @@ def _in_order(
             late.sort()
             ready = bisect_left(late, horizon)
             for stamp, _, offset, number, of in late[:ready]:
-                yield number, stamp, reader.message(chunks[of][0], offset)
+                yield number, stamp, reader.message(chunks[of], offset)
             del late[:ready]
 
 

@@ -41,12 +41,14 @@ def bag_export(
     from thbridge.analysis.export.folder import export_bag
     from thbridge.files.table_files import TableFormat
     from ui.actions.bag.export import chosen_tables, chosen_topics, names_in
+    from ui.progress import bar_of_progress
 
     with bad_input():
         chosen = chosen_topics(bag, names_in(topics)) if topics else None
         wanted = chosen_tables(bag, names_in(tables)) if tables else None
         formats = tuple(TableFormat) if form is ExportFormat.BOTH else (TableFormat(form),)
-        exported = export_bag(bag, to, formats, chosen, start, until, wanted)
+        with bar_of_progress() as tell:
+            exported = export_bag(bag, to, formats, chosen, start, until, wanted, tell)
     for notice in exported.notices:
         note(notice)
     rows = {name: count for name, (_, count) in sorted(exported.tables.items())}
