@@ -62,7 +62,7 @@ class RecordedDigest:
 
     def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
         """See `Listener`."""
-        for message in filter(self._keep, messages):
+        for message in self._keep(messages):
             self._digest.add(message.topic.name, message.topic.msgtype, message.stamp_ns, message.data)
 
     def hexdigest(self) -> str:

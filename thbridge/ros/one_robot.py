@@ -7,13 +7,15 @@ from typing import NamedTuple, assert_never
 import numpy as np
 
 from sim.common.geometry import Pose2
-from sim.common.observations import TICKS_PER_SECOND, Neighbour
+from sim.common.observations import TICKS_PER_SECOND, Neighbour, Twist
 from sim.numerics import elementary
 from sim.numerics.elementary import wrap_angle
 from sim.numerics.float_array import FloatArray
 from sim.robot.navigator.navigation import Navigation
-from sim.robot.software import RobotOutput
+from sim.robot.software import CarriedOutput, RobotOutput
 from thbridge.ros.actionlib import (
+    FEEDBACK_PERIOD,
+    STATUS_PERIOD,
     ActionRequest,
     ActionServerMessage,
     Feedback,
@@ -34,44 +36,33 @@ GLOBAL_FOOTPRINT_PERIOD = TICKS_PER_SECOND
 LOCAL_FOOTPRINT_PERIOD = TICKS_PER_SECOND // 5
 """Ticks between two footprints; move_base publishes them with every update of a costmap."""
 
+SHARED_PERIODS = (FEEDBACK_PERIOD, STATUS_PERIOD, TICKS_PER_SECOND)
+"""Ticks between two turns of what all robots say in the same ticks: feedback, status lists, batteries."""
+
 UNMEASURED = 1e6
 """Variance of z, roll and pitch, which a planar robot does not measure, as ROS drivers give it."""
 
-_ODOM_POSE = pack.covariance(np.diag([1e-3, 1e-3, 1e-3]), UNMEASURED)
-_ODOM_TWIST = pack.covariance(np.diag([1e-3, 1e-3, 1e-3]), UNMEASURED)
+ODOMETRY_COVARIANCE = pack.covariance(np.diag([1e-3, 1e-3, 1e-3]), UNMEASURED)
 """Nominal and constant, as drivers of real bases give them: filters that fuse odometry (robot_pose_ekf,
 robot_localization) use its increments, and a covariance that grows with the distance would make them distrust each."""
 
 
-class PackedMotion(NamedTuple):
-    """Motion of a robot in one tick; bytes are geometry_msgs/Pose and geometry_msgs/Twist.
+class Motion(NamedTuple):
+    """Motions of all robots in one tick, each a list in the team's order; bytes as `pack.OdometryRows` makes them.
 
     Attributes:
-        true: x, y, theta of its true pose.
-        given: the command to its motors, m/s and rad/s.
-        charge: its energy left.
-        pose: `true`.
-        sensed: its pose by odometry.
-        twist: its true twist.
-        sensed_twist: its twist by odometry.
-        command: `given`.
+        truth: what is true.
+        odometry: what the wheels measured.
+        poses: x, y, theta of the true poses.
+        commands: what the motors are given, m/s and rad/s.
+        charges: energy left.
     """
 
-    true: Sequence[float]
-    given: Sequence[float]
-    charge: float
-    pose: bytes
-    sensed: bytes
-    twist: bytes
-    sensed_twist: bytes
-    command: bytes
-
-
-class PackedEstimate(NamedTuple):
-    """Poses in the map by a robot's localiser, as geometry_msgs/Pose: of the robot's frame odom, and of its base."""
-
-    odom: bytes
-    base: bytes
+    truth: Sequence[bytes]
+    odometry: Sequence[bytes]
+    poses: Sequence[Sequence[float]]
+    commands: Sequence[Sequence[float]]
+    charges: Sequence[float]
 
 
 class RobotPublisher:
@@ -85,22 +76,23 @@ class RobotPublisher:
     Attributes:
         names: its namespace and frames.
         topics: all topics that it publishes.
-        map_to_odom: the frames of its odometry's transform, packed.
+        odom_in_map: the pose of its frame odom by its last estimate; None before the first.
+        map_to_odom: that transform but for its head, packed; to be set with `odom_in_map`.
         odom_to_base: the frames of its base's transform, packed.
-        odom_in_map: the pose of its frame odom by its last estimate, packed; empty before the first.
     """
 
     def __init__(self, robot: int, scan_period: float, planners: Planners) -> None:
         self.names = RobotNames.of(robot)
         self.topics = RobotTopics(self.names, planners)
-        self.map_to_odom = pack.frame_names(MAP_FRAME, self.names.odom)
+        self.odom_in_map: Pose2 | None = None
+        self.map_to_odom = b""
         self.odom_to_base = pack.frame_names(self.names.odom, self.names.base_footprint)
         self._map_to_base = pack.frame_names(MAP_FRAME, self.names.base_footprint)
-        self.odom_in_map = b""
         self._robot = robot
         self._base_laser = self.names.base_laser
         self._scan_period = scan_period
         self._server = MoveBaseServer(robot)
+        self._navigation: Navigation | None = None
         self._charge = math.nan
         self._lost: bool | None = None
         self._command: Sequence[float] = [0.0, 0.0]
@@ -125,57 +117,72 @@ class RobotPublisher:
 
     def goals(
         self, tick: int, requests: Sequence[ActionRequest], output: RobotOutput, dead: bool
-    ) -> list[ActionServerMessage]:
+    ) -> Sequence[ActionServerMessage]:
         """Return the action server's messages in a tick, given the clients' requests in that tick."""
         self._server.take(tick, requests)
         return self._server.follow(tick, None if dead else output.navigation)
 
-    def truth(self, tick: int, motion: PackedMotion) -> tuple[Topic, bytes]:
+    def is_quiet(self, tick: int, motion: Motion, carried: CarriedOutput) -> bool:
+        """Return True when this output gives no message but truth and odometry.
+
+        That is so between two turns of what is said periodically, while the navigator goes on as before; the caller
+        looks after what many robots share: `SHARED_PERIODS`, requests, and what is true of them.
+        """
+        navigation = carried.navigation
+        return (
+            navigation is self._navigation
+            and (navigation.goal is None or tick - self._command_tick < COMMAND_PERIOD)
+            and (tick - self._robot) % LOCAL_FOOTPRINT_PERIOD != 0
+            and motion.commands[self._robot] == self._command
+        )
+
+    def truth(self, tick: int, motion: Motion) -> tuple[Topic, bytes]:
         """The true pose and twist of the robot; of a dead one, too."""
-        fields = (pack.head(tick), self._map_to_base, motion.pose, pack.NO_COVARIANCE, motion.twist, pack.NO_COVARIANCE)
+        fields = pack.head(tick), self._map_to_base, motion.truth[self._robot]
         return self.topics.base_pose_ground_truth, b"".join(fields)
 
+    def odometry(self, tick: int, motion: Motion) -> tuple[Topic, bytes]:
+        """Pose and twist by the wheels."""
+        fields = pack.head(tick), self.odom_to_base, motion.odometry[self._robot]
+        return self.topics.odom, b"".join(fields)
+
     def tick(
-        self,
-        tick: int,
-        motion: PackedMotion,
-        localised: PackedEstimate | None,
-        output: RobotOutput,
-        goals: Sequence[ActionServerMessage],
+        self, tick: int, motion: Motion, base: bytes, output: RobotOutput, goals: Sequence[ActionServerMessage]
     ) -> Iterator[tuple[Topic, bytes]]:
         """Yield the messages of a robot in one tick; it must not be dead.
 
+        Parts of an output that is carried on are made when they are looked at, and are looked at only where a message
+        needs them.
+
         Args:
             tick: the number of the tick.
-            motion: of the robot.
-            localised: its estimate; None where its output is carried on. Parts of such an output are made when they
-                are looked at, and are looked at only where a message needs them.
+            motion: of all robots.
+            base: where the robot believes to be, as geometry_msgs/Pose; empty where `tells_pose` is False.
             output: the output of its software.
             goals: the messages of its action server.
         """
-        topics = self.topics
-        fields = (pack.head(tick), self.odom_to_base, motion.sensed, _ODOM_POSE, motion.sensed_twist, _ODOM_TWIST)
-        odometry = topics.odom, b"".join(fields)
-        if localised is None:
-            yield odometry
-        else:
-            believed = pack.header(tick, MAP_FRAME) + localised.base
-            yield from self._errors(motion.true, output, believed)
-            yield odometry
+        topics, robot, navigation = self.topics, self._robot, output.navigation
+        believed = pack.header(tick, MAP_FRAME) + base
+        stepped = not isinstance(output, CarriedOutput)
+        if stepped:
+            yield from self._errors(motion.poses[robot], output, believed)
+        yield self.odometry(tick, motion)
+        if stepped:
             yield from self._sensed(tick, output, believed)
-        if tick % TICKS_PER_SECOND == 0 or motion.charge != self._charge:
-            self._charge = motion.charge
+        charge, command = motion.charges[robot], motion.commands[robot]
+        if tick % TICKS_PER_SECOND == 0 or charge != self._charge:
+            self._charge = charge
             yield topics.battery, pack.battery_state(output.observations.battery, self.names.namespace[1:])
         for message in goals:
-            yield self._packed(tick, message, output)
-        navigation = output.navigation
+            yield self._packed(tick, message, believed)
         repeated = navigation.goal is not None and tick - self._command_tick >= COMMAND_PERIOD
-        if repeated or motion.given != self._command:
-            self._command, self._command_tick = motion.given, tick
-            yield topics.cmd_vel, motion.command
-        if localised is not None:
+        if repeated or command != self._command:
+            self._command, self._command_tick = command, tick
+            yield topics.cmd_vel, pack.command(Twist(*command))
+        if stepped:
             yield from self._plans(tick, navigation)
-        if (tick - self._robot) % LOCAL_FOOTPRINT_PERIOD == 0:
+        self._navigation = navigation
+        if (tick - robot) % LOCAL_FOOTPRINT_PERIOD == 0:
             yield from self._footprints(tick, output.neighbour)
 
     def _errors(self, true: Sequence[float], output: RobotOutput, believed: bytes) -> Iterator[tuple[Topic, bytes]]:
@@ -199,14 +206,13 @@ class RobotPublisher:
             if len(estimate.particles):
                 yield topics.particlecloud, pack.pose_array(tick, MAP_FRAME, estimate.particles)
 
-    def _packed(self, tick: int, message: ActionServerMessage, output: RobotOutput) -> tuple[Topic, bytes]:
+    def _packed(self, tick: int, message: ActionServerMessage, believed: bytes) -> tuple[Topic, bytes]:
         match message:
             case GoalSet(goal, base):
                 return self.topics.goal, pack.move_base_goal(tick, goal, MAP_FRAME, base)
             case StatusList(entries):
                 return self.topics.status, pack.goal_status_array(tick, entries)
             case Feedback(entry):
-                believed = pack.pose_stamped(tick, MAP_FRAME, output.neighbour.base_in_map)
                 return self.topics.feedback, pack.move_base_feedback(tick, entry, believed)
             case GoalEnded(entry):
                 return self.topics.result, pack.move_base_result(tick, entry)
@@ -219,7 +225,7 @@ class RobotPublisher:
             yield topics.plan, pack.path(tick, MAP_FRAME, navigation.plan)
         self._plan = navigation.plan
         local_plan = navigation.local_plan
-        if local_plan is not self._local_plan and not np.array_equal(local_plan, self._local_plan):
+        if local_plan is not self._local_plan and not _equal(local_plan, self._local_plan):
             yield topics.local_plan, pack.path(tick, MAP_FRAME, local_plan)
         self._local_plan = local_plan
         if navigation.global_costmap is not None:
@@ -230,10 +236,23 @@ class RobotPublisher:
     def _footprints(self, tick: int, robot: Neighbour) -> Iterator[tuple[Topic, bytes]]:
         if not len(robot.footprint):
             return
-        corners = pack.polygon(tick, MAP_FRAME, robot.base_in_map.transform(robot.footprint))
+        corners = pack.polygon(tick, MAP_FRAME, _moved(robot.base_in_map, robot.footprint))
         yield self.topics.local_footprint, corners
         if (tick - self._robot) % GLOBAL_FOOTPRINT_PERIOD == 0:
             yield self.topics.global_footprint, corners
+
+
+def tells_pose(output: RobotOutput, goals: Sequence[ActionServerMessage]) -> bool:
+    """Return True when a message of this output may tell where the robot believes to be."""
+    if isinstance(output, CarriedOutput):
+        return bool(goals)
+    return bool(goals) or output.observations.scan is not None or output.estimate.updated
+
+
+def _moved(pose: Pose2, corners: FloatArray) -> list[tuple[float, float]]:
+    """`Pose2.transform` of (v, 2) points, to the bit; so few are moved sooner one by one."""
+    c, s = elementary.cos_sin(pose.theta)
+    return [(pose.x + c * x - s * y, pose.y + s * x + c * y) for x, y in corners.tolist()]
 
 
 def _is_rest(plan: FloatArray, last: FloatArray) -> bool:
@@ -243,4 +262,11 @@ def _is_rest(plan: FloatArray, last: FloatArray) -> bool:
     if not len(plan):
         return not len(last)
     ahead = plan[1:]
-    return len(plan) <= len(last) and np.array_equal(last[len(last) - len(ahead) :], ahead)
+    return len(plan) <= len(last) and _equal(last[len(last) - len(ahead) :], ahead)
+
+
+def _equal(poses: FloatArray, others: FloatArray) -> bool:
+    """True when (n, 3) and (m, 3) poses are the same; most that are not differ in the last one."""
+    if len(poses) != len(others):
+        return False
+    return not len(poses) or (poses[-1, 0] == others[-1, 0] and bool((poses == others).all()))

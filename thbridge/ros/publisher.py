@@ -10,9 +10,9 @@ from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICKS_PER_SECOND, LaserMount
 from sim.common.polygons import NO_POLYGONS, unpack_polygons
-from sim.robot.software import CarriedOutput
+from sim.robot.software import CarriedOutput, RobotOutput
 from sim.team import TeamSnapshot
-from thbridge.ros.actionlib import ActionRequest
+from thbridge.ros.actionlib import ActionRequest, ActionServerMessage
 from thbridge.ros.diagnostics import RobotDiagnostics
 from thbridge.ros.messages import pack
 from thbridge.ros.messages.pack import RoomLabel, Transform
@@ -42,7 +42,7 @@ from thbridge.ros.messages.session_records import (
 )
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import GRAPH_LINK, MAP_FRAME, RobotNames
-from thbridge.ros.one_robot import PackedEstimate, PackedMotion, RobotPublisher
+from thbridge.ros.one_robot import ODOMETRY_COVARIANCE, SHARED_PERIODS, Motion, RobotPublisher, tells_pose
 from thbridge.ros.topics import (
     CLOCK,
     DIAGNOSTICS,
@@ -114,6 +114,9 @@ class TeamPublisher:
         self._robots = [RobotPublisher(robot, scan_period, own) for robot, own in zip(team, named, strict=True)]
         self._vehicles = [VehicleTopics(RobotNames.of(robot)) for robot in team if vehicles]
         self._watches = [RobotDiagnostics(robot) for robot in team]
+        self._true_rows = pack.OdometryRows(robots, pack.NO_COVARIANCE)
+        self._odometry_rows = pack.OdometryRows(robots, ODOMETRY_COVARIANCE)
+        self._truth: tuple[object, ...] = ()
         self._bodies = NO_POLYGONS
         self._bodies_tick = 0
 
@@ -165,18 +168,28 @@ class TeamPublisher:
             elif isinstance(record, InitialPose):
                 data = pack.pose_with_covariance(tick, MAP_FRAME, record.base_in_map, record.covariance)
                 messages.append(RosMessage(self._robots[record.robot].topics.initialpose, stamp, data, foreign=True))
-        motions, localised = self._packed(snapshot)
-        said = [(TF, self._moving_frames(snapshot, motions, localised))]
-        for index, (robot, motion, output) in enumerate(zip(self._robots, motions, snapshot.robots, strict=True)):
-            dead = index in snapshot.dead
-            goals = robot.goals(tick, requests.get(index, ()), output, dead)
+        outputs, dead, motion = snapshot.robots, snapshot.dead, self._motion(snapshot)
+        quiet = frozenset() if requests else self._quiet(snapshot, motion)
+        goals = {
+            index: robot.goals(tick, requests.get(index, ()), output, index in dead)
+            for index, (robot, output) in enumerate(zip(self._robots, outputs, strict=True))
+            if index not in quiet
+        }
+        bases = self._localise(outputs, goals)
+        said = [(TF, self._moving_frames(snapshot, motion))]
+        changed = tick % DIAGNOSTICS_PERIOD == 0
+        for index, (robot, watch, output) in enumerate(zip(self._robots, self._watches, outputs, strict=True)):
             said.append(robot.truth(tick, motion))
-            if not dead:
-                said += robot.tick(tick, motion, localised.get(index), output, goals)
-            lines += self._watches[index].log_lines(snapshot, output, goals)
+            if index in quiet:
+                said.append(robot.odometry(tick, motion))
+                continue
+            if index not in dead:
+                said += robot.tick(tick, motion, bases.get(index, b""), output, goals[index])
+            lines += watch.log_lines(snapshot, output, goals[index])
+            changed = changed or watch.changed
         said += self._things(snapshot)
         said += [(ROSOUT, pack.log(tick, line)) for line in lines]
-        if tick % DIAGNOSTICS_PERIOD == 0 or any(watch.changed for watch in self._watches):
+        if changed:
             said.append((DIAGNOSTICS, pack.diagnostic_array(tick, self._diagnoses(snapshot))))
         messages += [RosMessage(topic, stamp, data) for topic, data in said]
         for record in records:
@@ -204,47 +217,65 @@ class TeamPublisher:
             for diagnosis in watch.diagnoses(snapshot, output)
         ]
 
-    def _packed(self, snapshot: TeamSnapshot) -> tuple[tuple[PackedMotion, ...], dict[int, PackedEstimate]]:
-        """The motion of each robot, and the new estimates by robot.
-
-        The fields of all robots are packed together, at a fraction of the cost of one by one.
-        """
-        truth, commands = snapshot.truth, snapshot.commands
-        estimates = {
-            index: output.estimate
-            for index, (robot, output) in enumerate(zip(self._robots, snapshot.robots, strict=True))
-            if not isinstance(output, CarriedOutput) or not robot.odom_in_map
-        }
-        rows = [
-            (pose.x, pose.y, pose.theta) for each in estimates.values() for pose in (each.odom_in_map, each.base_in_map)
-        ]
-        planar = np.concatenate((truth.poses, truth.odom_poses, np.reshape(rows, (-1, 3))))
-        size, poses = len(self._robots), pack.all_pose_fields(planar)
-        twists = pack.all_twist_fields(np.concatenate((truth.twists, truth.odom_twists, commands)))
-        motions = map(
-            PackedMotion,
+    def _motion(self, snapshot: TeamSnapshot) -> Motion:
+        truth = snapshot.truth
+        return Motion(
+            self._true_rows.packed(truth.poses, truth.twists),
+            self._odometry_rows.packed(truth.odom_poses, truth.odom_twists),
             truth.poses.tolist(),
-            commands.tolist(),
+            snapshot.commands.tolist(),
             truth.charge.tolist(),
-            poses[:size],
-            poses[size : 2 * size],
-            *(twists[at : at + size] for at in range(0, 3 * size, size)),
         )
-        localised = map(PackedEstimate, poses[2 * size :: 2], poses[2 * size + 1 :: 2])
-        return tuple(motions), dict(zip(estimates, localised, strict=True))
 
-    def _moving_frames(
-        self, snapshot: TeamSnapshot, motions: Sequence[PackedMotion], localised: Mapping[int, PackedEstimate]
-    ) -> bytes:
-        frames: list[bytes] = []
-        poses: list[bytes] = []
-        for index, (robot, motion) in enumerate(zip(self._robots, motions, strict=True)):
-            if index in localised:
-                robot.odom_in_map = localised[index].odom
+    def _quiet(self, snapshot: TeamSnapshot, motion: Motion) -> frozenset[int]:
+        """Return the robots that say nothing in this tick but truth and odometry, given that nobody asked them."""
+        truth = motion.charges, snapshot.truth.collisions.tolist(), snapshot.dead
+        before, self._truth = self._truth, truth
+        if truth != before or not all(snapshot.tick % period for period in SHARED_PERIODS):
+            return frozenset()
+        return frozenset(
+            index
+            for index, (robot, output) in enumerate(zip(self._robots, snapshot.robots, strict=True))
+            if isinstance(output, CarriedOutput) and robot.is_quiet(snapshot.tick, motion, output)
+        )
+
+    def _localise(
+        self, outputs: Sequence[RobotOutput], goals: Mapping[int, Sequence[ActionServerMessage]]
+    ) -> dict[int, bytes]:
+        """Take in new estimates, and return where robots believe to be, as geometry_msgs/Pose by robot.
+
+        Args:
+            outputs: of all robots.
+            goals: messages of the action servers, of the robots that say anything.
+        """
+        poses, corrected, telling = [], [], []
+        for index in goals:
+            robot, output = self._robots[index], outputs[index]
+            if isinstance(output, CarriedOutput) and robot.odom_in_map is not None:
+                continue
+            odom_in_map = output.estimate.odom_in_map
+            if odom_in_map is not robot.odom_in_map:
+                robot.odom_in_map = odom_in_map
+                corrected.append(robot)
+                poses.append(odom_in_map)
+        for index, told in goals.items():
+            output = outputs[index]
+            if tells_pose(output, told):
+                telling.append(index)
+                is_carried = isinstance(output, CarriedOutput)
+                poses.append(output.neighbour.base_in_map if is_carried else output.estimate.base_in_map)
+        planar = np.array([(pose.x, pose.y, pose.theta) for pose in poses])
+        packed = pack.all_pose_fields(planar.reshape(-1, 3))
+        for robot, odom in zip(corrected, packed, strict=False):
+            robot.map_to_odom = pack.frame_names(MAP_FRAME, robot.names.odom) + odom
+        return dict(zip(telling, packed[len(corrected) :], strict=True))
+
+    def _moving_frames(self, snapshot: TeamSnapshot, motion: Motion) -> bytes:
+        entries: list[bytes] = []
+        for index, (robot, odometry) in enumerate(zip(self._robots, motion.odometry, strict=True)):
             if index not in snapshot.dead:
-                frames += (robot.map_to_odom, robot.odom_to_base)
-                poses += (robot.odom_in_map, motion.sensed)
-        return pack.stamped_transforms(pack.head(snapshot.tick), frames, poses)
+                entries += (robot.map_to_odom, robot.odom_to_base + odometry[: pack.POSE_BYTES])
+        return pack.stamped_transforms(pack.head(snapshot.tick), entries)
 
     def _things(self, snapshot: TeamSnapshot) -> Iterator[tuple[Topic, bytes]]:
         """Yield the outlines of all things, whenever one appeared, disappeared or moved."""

@@ -1,5 +1,7 @@
 """Repetitions that a recording leaves out: costmaps that have not changed."""
 
+from collections.abc import Iterable
+
 from thbridge.ros.messages import types
 from thbridge.ros.topics import RosMessage, Topic
 
@@ -13,7 +15,7 @@ _LOAD_TIME = 8
 
 
 class RepetitionFilter:
-    """Tells which messages are worth recording: all but costmaps that equal the last recorded one of their topic.
+    """Leaves out of messages those costmaps that equal the last recorded one of their topic.
 
     Stamps do not count. What is left out can be told from the one before, or had by a replay.
     """
@@ -21,12 +23,12 @@ class RepetitionFilter:
     def __init__(self) -> None:
         self._recorded: dict[Topic, tuple[int, bytes]] = {}
 
-    def __call__(self, message: RosMessage) -> bool:
-        """Return True for a message that is to be recorded; messages come in order of time."""
-        topic, stamp_ns, data, _ = message
-        if topic.msgtype != types.OCCUPANCY_GRID:
-            return True
-        content = _unstamped(data)
+    def __call__(self, messages: Iterable[RosMessage]) -> list[RosMessage]:
+        """Return the messages that are to be recorded; they come in order of time."""
+        return [each for each in messages if each.topic.msgtype != types.OCCUPANCY_GRID or self._is_new(each)]
+
+    def _is_new(self, costmap: RosMessage) -> bool:
+        topic, stamp_ns, content = costmap.topic, costmap.stamp_ns, _unstamped(costmap.data)
         if topic in self._recorded:
             last_ns, last = self._recorded[topic]
             if content == last and stamp_ns - last_ns < REPEAT_NS:

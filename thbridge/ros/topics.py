@@ -1,7 +1,8 @@
 """The topics of a session, with the types of their messages."""
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from sim.parameters import RobotParameters
 from thbridge.ros import names
@@ -32,6 +33,9 @@ class RosMessage(NamedTuple):
     data: bytes
     foreign: bool = False
 
+
+MessageFilter: TypeAlias = Callable[[Iterable[RosMessage]], list[RosMessage]]
+"""Keeps those messages that are to be recorded; it is given all, in order of time."""
 
 CLOCK = Topic(names.CLOCK, types.CLOCK)
 """Published on a graph only: `rosbag play` makes its own clock."""

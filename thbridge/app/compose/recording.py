@@ -1,6 +1,6 @@
 """Builders of what tells others of the robots: ROS messages, bags and their first record, a ROS graph's description."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from sim.common.robot_numbers import robot_numbers
@@ -10,14 +10,14 @@ from thbridge.app.compose.setting import StudySetting
 from thbridge.app.live_graph.live import TeamDescription
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
 from thbridge.recording.bag.options import DefinitionTexts, RecordingDetail
-from thbridge.recording.bag.writer import BagWriter, keep_all
+from thbridge.recording.bag.writer import BagWriter
 from thbridge.ros.messages.pack import RoomLabel
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.names import CALLER
 from thbridge.ros.parameters import tree_of
-from thbridge.ros.publisher import Planners, RosMessage, TeamPublisher
+from thbridge.ros.publisher import Planners, TeamPublisher
 from thbridge.ros.repetitions import RepetitionFilter
-from thbridge.ros.topics import is_of_errors
+from thbridge.ros.topics import MessageFilter, is_of_errors
 from thbridge.study.text import resolved
 
 
@@ -55,10 +55,10 @@ def build_writer(setting: StudySetting, path: Path, caller: str = CALLER) -> Bag
     )
 
 
-def message_filter(detail: RecordingDetail, *, errors: bool) -> Callable[[RosMessage], bool]:
-    """Return what tells of each message of a session, in order, if it is recorded; `errors` as in the study."""
-    keep = keep_all if detail is RecordingDetail.ALL else RepetitionFilter()
-    return keep if errors else lambda message: not is_of_errors(message.topic) and keep(message)
+def message_filter(detail: RecordingDetail, *, errors: bool) -> MessageFilter:
+    """Return what keeps those messages of a session that are recorded, in order; `errors` as in the study."""
+    keep: MessageFilter = list if detail is RecordingDetail.ALL else RepetitionFilter()
+    return keep if errors else lambda messages: keep(each for each in messages if not is_of_errors(each.topic))
 
 
 def build_team_description(setting: StudySetting, publisher: TeamPublisher) -> TeamDescription:

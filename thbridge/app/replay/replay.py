@@ -44,7 +44,7 @@ from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.differences import FieldDifference, differences
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
-from thbridge.ros.publisher import RosMessage
+from thbridge.ros.topics import MessageFilter, RosMessage
 from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import load_study_tree, read_study_text
 from thbridge.timing.loop import run_ticks
@@ -151,7 +151,7 @@ def session_of(path: Path) -> SessionRecord:
     return record
 
 
-def _recorded_by(path: Path, record: SessionRecord) -> Callable[[RosMessage], bool]:
+def _recorded_by(path: Path, record: SessionRecord) -> MessageFilter:
     """Return which messages a session recorded, also where studies had no keys for that yet."""
     loaded = load_study_tree(path, parse(path, record.study))
     chosen, written = loaded.value.recording, loaded.lines
@@ -159,7 +159,7 @@ def _recorded_by(path: Path, record: SessionRecord) -> Callable[[RosMessage], bo
     keep = message_filter(detail, errors=chosen.errors and "recording.errors" in written)
     if "dialogue.planner" in written:
         return keep
-    return lambda message: not _is_advice(message) and keep(message)
+    return lambda messages: keep(message for message in messages if not _is_advice(message))
 
 
 def _is_advice(message: RosMessage) -> bool:
@@ -353,12 +353,12 @@ class _ProgressReporter:
 class _MessageBuffer:
     """Collects the messages that a recording keeps, until `drain`."""
 
-    def __init__(self, keep: Callable[[RosMessage], bool]) -> None:
+    def __init__(self, keep: MessageFilter) -> None:
         self._keep = keep
         self._messages: list[RosMessage] = []
 
     def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
-        self._messages += filter(self._keep, messages)
+        self._messages += self._keep(messages)
 
     def drain(self) -> list[RosMessage]:
         """Return the messages since the last call, without the session record."""

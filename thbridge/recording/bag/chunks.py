@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain, pairwise
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,10 +111,12 @@ class ChunkBuilder:
 
     def snapshot(self) -> Chunk:
         """The chunk so far, which goes on growing."""
-        numbers = np.array([connection.number for connection in self._connections])
-        sizes = np.array([len(message) for message in self._messages])
+        count = len(self._messages)
+        numbers = np.fromiter((connection.number for connection in self._connections), np.int64, count)
+        sizes = np.fromiter(map(len, self._messages), np.int64, count)
         times = np.repeat(np.frombuffer(b"".join(map(time_bytes, self._stamps)), _TIME), self._repeats)
-        records = zip(_heads(numbers, times, sizes), self._messages, strict=True)
+        records = [b""] * (2 * count)
+        records[::2], records[1::2] = _heads(numbers, times, sizes), self._messages
         entries = np.empty(len(sizes), _ENTRY)
         entries["time"] = times
         entries["offset"] = np.cumsum(sizes + len(_HEAD)) - sizes - len(_HEAD)
@@ -125,7 +127,7 @@ class ChunkBuilder:
         of_number = [packed[begin:end] for begin, end in pairwise((0, *ends))]
         connections = dict.fromkeys(self._connections)
         return Chunk(
-            b"".join(chain.from_iterable(records)),
+            b"".join(records),
             self._start_ns,
             max(self._stamps),
             {connection: of_number[connection.number] for connection in connections},
@@ -143,5 +145,5 @@ def _heads(numbers: NDArray[np.int64], times: NDArray[np.void], sizes: NDArray[n
     """The heads of messages: (n,) numbers of their connections, times as in `_TIME`, and lengths."""
     rows = np.frombuffer(bytearray(_HEAD * len(sizes)), _HEAD_FIELDS)
     rows["connection"], rows["time"], rows["size"] = numbers, times, sizes
-    packed = rows.tobytes()
-    return [packed[at : at + len(_HEAD)] for at in range(0, len(packed), len(_HEAD))]
+    heads: list[bytes] = rows.view(f"V{len(_HEAD)}").tolist()
+    return heads

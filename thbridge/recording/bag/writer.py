@@ -3,8 +3,6 @@
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from itertools import groupby
-from operator import attrgetter
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -18,7 +16,7 @@ from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.bag.worker import JobQueue, WorkerThread
 from thbridge.recording.recordings import active_of, part_of, parts_of
 from thbridge.ros.names import CALLER
-from thbridge.ros.publisher import RosMessage, Topic
+from thbridge.ros.topics import MessageFilter, RosMessage, Topic
 
 SYNC_SECONDS = 0.5
 """Wall time after which all messages so far are forced onto the disk: half of the second that may be lost, to leave
@@ -36,11 +34,6 @@ CLOSE_SECONDS = 60.0
 ALMOST_ALL = "it holds all but the last second"
 
 WHOLE = SplitLimits()
-
-
-def keep_all(message: RosMessage) -> bool:
-    """Return True: every message is recorded."""
-    return True
 
 
 class BagNotWritten(BadFile):
@@ -88,7 +81,7 @@ class BagWriter:
         splitting: limits after which the recording goes on in another file.
         make_queue: makes the two job queues, from a name for each.
         caller: name of the node that publishes the messages.
-        keep: tells which of the messages that it is given to write; it is asked about each, in order.
+        keep: keeps those of the messages that it is given which are to be written.
 
     Raises:
         BagNotWritten: the bag exists already, or the folder cannot be written to.
@@ -103,7 +96,7 @@ class BagWriter:
         splitting: SplitLimits = WHOLE,
         make_queue: Callable[[str], JobQueue] = WorkerThread,
         caller: str = CALLER,
-        keep: Callable[[RosMessage], bool] = keep_all,
+        keep: MessageFilter = list,
     ) -> None:
         self.path = path
         self._keep = keep
@@ -136,10 +129,8 @@ class BagWriter:
             BagNotWritten: the disk is full, gone or too slow; the bag is closed, and the messages in it are kept.
             ValueError: the message is older than the last one, or the bag is closed.
         """
-        if not self._keep(message):
-            return
-        topic, stamp_ns, data, _ = message
-        self._add(topic, stamp_ns, data)
+        for topic, stamp_ns, data, _ in self._keep((message,)):
+            self._add(topic, stamp_ns, data)
 
     def write_foreign(self, source: ForeignTopic, stamp_ns: int, data: bytes) -> None:
         """Write one message of another node; raises as `write` does."""
@@ -147,9 +138,14 @@ class BagWriter:
 
     def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
         """Write the messages of a tick, and sync if it is time to; raises as `write` does."""
-        kept = list(filter(self._keep, messages))
-        for stamp_ns, group in groupby(kept, attrgetter("stamp_ns")):
-            self._add_all(stamp_ns, list(group))
+        kept = self._keep(messages)
+        if kept:
+            topics, stamps, data, _ = zip(*kept, strict=True)
+            if stamps.count(stamps[0]) == len(stamps):
+                self._add_all(topics, stamps[0], data)
+            else:
+                for topic, stamp_ns, one, _ in kept:
+                    self._add(topic, stamp_ns, one)
         self.sync_if_due()
 
     def sync_if_due(self) -> None:
@@ -189,16 +185,16 @@ class BagWriter:
     ) -> None:
         self.close()
 
-    def _add_all(self, stamp_ns: int, messages: Sequence[RosMessage]) -> None:
+    def _add_all(self, topics: Sequence[Topic], stamp_ns: int, messages: Sequence[bytes]) -> None:
         """Add messages of one stamp."""
         self._turn_to(stamp_ns)
-        connections = [self._connections.get(topic) or self._connect(topic) for topic, _, _, _ in messages]
-        if not self._chunks.add_all(connections, stamp_ns, [data for _, _, data, _ in messages]):
-            for topic, _, data, _ in messages:
+        connections = [self._connections.get(topic) or self._connect(topic) for topic in topics]
+        if not self._chunks.add_all(connections, stamp_ns, messages):
+            for topic, data in zip(topics, messages, strict=True):
                 self._add(topic, stamp_ns, data)
         elif self._splitting.wanted:
             latched = zip(connections, messages, strict=True)
-            self._latched.update((connection, message.data) for connection, message in latched if connection.latching)
+            self._latched.update((connection, data) for connection, data in latched if connection.latching)
 
     def _add(self, topic: Topic | ForeignTopic, stamp_ns: int, data: bytes) -> None:
         self._turn_to(stamp_ns)

@@ -85,6 +85,17 @@ def test_odometry(tick: int, frame: str, child: str, pose: Pose2, linear: float,
     assert math.remainder(read.pose.theta - pose.theta, 2 * math.pi) == pytest.approx(0, abs=1e-9)
 
 
+@given(st.lists(st.tuples(POSES, REALS, REALS), min_size=1, max_size=4), st.floats(0.0, 1e6))
+def test_odometry_of_many_robots_is_that_of_each(robots: list[tuple[Pose2, float, float]], unmeasured: float) -> None:
+    covariance = pack.covariance(np.diag([1.0, 2.0, 3.0]), unmeasured)
+    rows = pack.OdometryRows(len(robots), covariance)
+    poses, twists = np.array([pose.array() for pose, _, _ in robots]), np.array([twist for _, *twist in robots])
+    rows.packed(poses[::-1] + 1.0, twists[::-1] + 1.0)  # nothing of it stays
+    for row, (pose, linear, angular) in zip(rows.packed(poses, twists), robots, strict=True):
+        alone = pack.odometry(3, "a", "b", pose, Twist(linear, angular), covariance, covariance)
+        assert alone == pack.head(3) + pack.frame_names("a", "b") + row
+
+
 @given(TICKS, st.lists(st.tuples(FRAMES, FRAMES, POSES), max_size=5))
 def test_transforms(tick: int, entries: list[tuple[str, str, Pose2]]) -> None:
     data = pack.transforms(tick, [Transform(*entry) for entry in entries])

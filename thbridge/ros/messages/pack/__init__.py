@@ -15,8 +15,8 @@ from thbridge.ros.messages.pack.actions import (
     move_base_result,
 )
 from thbridge.ros.messages.pack.fields import (
+    POSE_BYTES,
     all_pose_fields,
-    all_twist_fields,
     boolean,
     float64,
     frame_names,
@@ -45,6 +45,7 @@ from thbridge.ros.messages.pack.maps import (
 )
 from thbridge.ros.messages.pack.motion import (
     NO_COVARIANCE,
+    OdometryRows,
     Transform,
     command,
     covariance,

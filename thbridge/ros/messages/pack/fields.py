@@ -1,11 +1,12 @@
 """Fields that many messages have: strings, stamps, headers, poses."""
 
-from functools import lru_cache
+from functools import cache, lru_cache
 from struct import Struct
+from types import ModuleType
 
 import numpy as np
 
-from sim.numerics import elementary, elementary_arrays
+from sim.numerics import elementary
 from sim.numerics.float_array import FloatArray
 from thbridge.ros.messages.stamps import stamp_ns
 
@@ -13,6 +14,7 @@ UINT32 = Struct("<I")
 _STAMP = Struct("<II")
 _HEAD = Struct("<III")
 _POSE = Struct("<7d")
+POSE_BYTES = _POSE.size
 _FLOAT64 = Struct("<d")
 
 
@@ -67,26 +69,31 @@ def pose_fields(x: float, y: float, theta: float) -> bytes:
 def pose_rows(poses: FloatArray) -> FloatArray:
     """(n, 7) position and quaternion of (n, 3) poses."""
     rows = np.zeros((len(poses), 7))
-    rows[:, :2] = poses[:, :2]
-    halves = poses[:, 2] / 2
-    rows[:, 5] = elementary_arrays.sin(halves)
-    rows[:, 6] = elementary_arrays.cos(halves)
+    fill_poses(rows, poses)
     return rows
+
+
+def fill_poses(rows: FloatArray, poses: FloatArray) -> None:
+    """Write (n, 3) poses into the first 7 columns of (n, m) rows, that are 0 there."""
+    rows[:, :2] = poses[:, :2]
+    rows[:, 6] = poses[:, 2]
+    _kernels().turn_headings(rows)
+
+
+@cache
+def _kernels() -> ModuleType:
+    """The compiler is imported by the first call: windows pack messages, too, and no poses."""
+    from thbridge.ros.messages.pack import kernels  # noqa: PLC0415
+
+    return kernels
 
 
 def all_pose_fields(poses: FloatArray) -> list[bytes]:
     """`pose_fields` of each of (n, 3) poses, at much less cost than one by one."""
-    return _pieces(pose_rows(poses))
+    return pieces(pose_rows(poses))
 
 
-def all_twist_fields(twists: FloatArray) -> list[bytes]:
-    """geometry_msgs/Twist of each of (n, 2) planar velocities: m/s forward, rad/s anti-clockwise."""
-    rows = np.zeros((len(twists), 6))
-    rows[:, 0] = twists[:, 0]
-    rows[:, 5] = twists[:, 1]
-    return _pieces(rows)
-
-
-def _pieces(rows: FloatArray) -> list[bytes]:
-    packed, size = rows.tobytes(), rows.itemsize * rows.shape[1]
-    return [packed[at : at + size] for at in range(0, len(packed), size)]
+def pieces(rows: FloatArray) -> list[bytes]:
+    """The bytes of each of (n, m) rows."""
+    packed: list[bytes] = rows.view(f"V{rows.itemsize * rows.shape[1]}").ravel().tolist()
+    return packed

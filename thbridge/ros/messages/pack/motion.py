@@ -1,7 +1,6 @@
 """Poses, transforms, paths and velocities."""
 
 from collections.abc import Iterable, Sequence
-from operator import add
 from struct import Struct
 from typing import NamedTuple
 
@@ -10,9 +9,20 @@ import numpy as np
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from sim.numerics.float_array import FloatArray
-from thbridge.ros.messages.pack.fields import UINT32, all_pose_fields, frame_names, head, header, pose_fields, pose_rows
+from thbridge.ros.messages.pack.fields import (
+    UINT32,
+    all_pose_fields,
+    fill_poses,
+    frame_names,
+    head,
+    header,
+    pieces,
+    pose_fields,
+    pose_rows,
+)
 
 _TWIST = Struct("<6d")
+_POINT32 = Struct("<3f")
 
 
 class Transform(NamedTuple):
@@ -41,14 +51,13 @@ NO_COVARIANCE = covariance(np.zeros((3, 3)))
 
 def transforms(tick: int, entries: Iterable[Transform]) -> bytes:
     """tf2_msgs/TFMessage with all entries at one time."""
-    entries = tuple(entries)
-    frames = [frame_names(entry.parent, entry.child) for entry in entries]
-    return stamped_transforms(head(tick), frames, [pose_fields(pose.x, pose.y, pose.theta) for _, _, pose in entries])
+    packed = [frame_names(parent, child) + pose_fields(pose.x, pose.y, pose.theta) for parent, child, pose in entries]
+    return stamped_transforms(head(tick), packed)
 
 
-def stamped_transforms(head: bytes, frames: Sequence[bytes], poses: Sequence[bytes]) -> bytes:
-    """tf2_msgs/TFMessage of fields: a header without its frame, `frame_names` and `pose_fields` of each transform."""
-    return head.join((UINT32.pack(len(poses)), *map(add, frames, poses)))
+def stamped_transforms(head: bytes, entries: Sequence[bytes]) -> bytes:
+    """tf2_msgs/TFMessage of a header without its frame, and `frame_names` with `pose_fields` of each transform."""
+    return head.join((UINT32.pack(len(entries)), *entries))
 
 
 def odometry(
@@ -63,6 +72,27 @@ def odometry(
     """nav_msgs/Odometry: pose of `child_frame` in `frame`, twist in `child_frame`; covariances from `covariance`."""
     frames, place = frame_names(frame, child_frame), pose_fields(pose.x, pose.y, pose.theta)
     return b"".join((head(tick), frames, place, pose_covariance, command(twist), twist_covariance))
+
+
+class OdometryRows:
+    """Packs nav_msgs/Odometry of many robots at once, but for header and child frame, which come before.
+
+    Args:
+        robots: number of robots.
+        covariance: that of poses and of twists, from `covariance`.
+    """
+
+    def __init__(self, robots: int, covariance: bytes) -> None:
+        self._rows = np.zeros((robots, 85))
+        self._rows[:, 7:43] = self._rows[:, 49:] = np.frombuffer(covariance)
+
+    def packed(self, poses: FloatArray, twists: FloatArray) -> list[bytes]:
+        """A row for each of (n, 3) poses and (n, 2) twists: m/s forward, rad/s anti-clockwise."""
+        rows = self._rows
+        fill_poses(rows, poses)
+        rows[:, 43] = twists[:, 0]
+        rows[:, 48] = twists[:, 1]
+        return pieces(rows)
 
 
 def command(twist: Twist) -> bytes:
@@ -85,11 +115,10 @@ def pose_stamped(tick: int, frame: str, pose: Pose2) -> bytes:
     return header(tick, frame) + pose_fields(pose.x, pose.y, pose.theta)
 
 
-def polygon(tick: int, frame: str, corners: FloatArray) -> bytes:
-    """geometry_msgs/PolygonStamped of (v, 2) corners."""
-    points = np.zeros((len(corners), 3), dtype="<f4")
-    points[:, :2] = corners
-    return header(tick, frame) + UINT32.pack(len(points)) + points.tobytes()
+def polygon(tick: int, frame: str, corners: Iterable[Sequence[float]]) -> bytes:
+    """geometry_msgs/PolygonStamped of corners x, y."""
+    points = [_POINT32.pack(x, y, 0.0) for x, y in corners]
+    return header(tick, frame) + UINT32.pack(len(points)) + b"".join(points)
 
 
 def path(tick: int, frame: str, poses: FloatArray) -> bytes:
