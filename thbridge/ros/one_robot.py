@@ -48,11 +48,11 @@ robot_localization) use its increments, and a covariance that grows with the dis
 
 
 class Motion(NamedTuple):
-    """Motions of all robots in one tick, each a list in the team's order; bytes as `pack.OdometryRows` makes them.
+    """Motions of all robots in one tick, each a list in the team's order.
 
     Attributes:
-        truth: what is true.
-        odometry: what the wheels measured.
+        truth: true poses and twists, as nav_msgs/Odometry.
+        odometry: what the wheels measured, likewise.
         poses: x, y, theta of the true poses.
         commands: what the motors are given, m/s and rad/s.
         charges: energy left.
@@ -78,7 +78,9 @@ class RobotPublisher:
         topics: all topics that it publishes.
         odom_in_map: the pose of its frame odom by its last estimate; None before the first.
         map_to_odom: that transform but for its head, packed; to be set with `odom_in_map`.
-        odom_to_base: the frames of its base's transform, packed.
+        map_to_base: the frames of its true pose, packed.
+        odom_to_base: the frames of its odometry, packed.
+        transform_bytes: length of head, frames and pose in a message of its odometry: its transform.
     """
 
     def __init__(self, robot: int, scan_period: float, planners: Planners) -> None:
@@ -87,7 +89,8 @@ class RobotPublisher:
         self.odom_in_map: Pose2 | None = None
         self.map_to_odom = b""
         self.odom_to_base = pack.frame_names(self.names.odom, self.names.base_footprint)
-        self._map_to_base = pack.frame_names(MAP_FRAME, self.names.base_footprint)
+        self.map_to_base = pack.frame_names(MAP_FRAME, self.names.base_footprint)
+        self.transform_bytes = len(pack.head(0)) + len(self.odom_to_base) + pack.POSE_BYTES
         self._robot = robot
         self._base_laser = self.names.base_laser
         self._scan_period = scan_period
@@ -136,16 +139,6 @@ class RobotPublisher:
             and motion.commands[self._robot] == self._command
         )
 
-    def truth(self, tick: int, motion: Motion) -> tuple[Topic, bytes]:
-        """The true pose and twist of the robot; of a dead one, too."""
-        fields = pack.head(tick), self._map_to_base, motion.truth[self._robot]
-        return self.topics.base_pose_ground_truth, b"".join(fields)
-
-    def odometry(self, tick: int, motion: Motion) -> tuple[Topic, bytes]:
-        """Pose and twist by the wheels."""
-        fields = pack.head(tick), self.odom_to_base, motion.odometry[self._robot]
-        return self.topics.odom, b"".join(fields)
-
     def tick(
         self, tick: int, motion: Motion, base: bytes, output: RobotOutput, goals: Sequence[ActionServerMessage]
     ) -> Iterator[tuple[Topic, bytes]]:
@@ -157,16 +150,16 @@ class RobotPublisher:
         Args:
             tick: the number of the tick.
             motion: of all robots.
-            base: where the robot believes to be, as geometry_msgs/Pose; empty where `tells_pose` is False.
+            base: where the robot believes to be, as geometry_msgs/Pose; empty where no message tells it.
             output: the output of its software.
             goals: the messages of its action server.
         """
         topics, robot, navigation = self.topics, self._robot, output.navigation
-        believed = pack.header(tick, MAP_FRAME) + base
+        believed = pack.header(tick, MAP_FRAME) + base if base else b""
         stepped = not isinstance(output, CarriedOutput)
         if stepped:
             yield from self._errors(motion.poses[robot], output, believed)
-        yield self.odometry(tick, motion)
+        yield topics.odom, motion.odometry[robot]
         if stepped:
             yield from self._sensed(tick, output, believed)
         charge, command = motion.charges[robot], motion.commands[robot]
@@ -240,13 +233,6 @@ class RobotPublisher:
         yield self.topics.local_footprint, corners
         if (tick - self._robot) % GLOBAL_FOOTPRINT_PERIOD == 0:
             yield self.topics.global_footprint, corners
-
-
-def tells_pose(output: RobotOutput, goals: Sequence[ActionServerMessage]) -> bool:
-    """Return True when a message of this output may tell where the robot believes to be."""
-    if isinstance(output, CarriedOutput):
-        return bool(goals)
-    return bool(goals) or output.observations.scan is not None or output.estimate.updated
 
 
 def _moved(pose: Pose2, corners: FloatArray) -> list[tuple[float, float]]:

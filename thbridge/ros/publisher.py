@@ -42,7 +42,7 @@ from thbridge.ros.messages.session_records import (
 )
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import GRAPH_LINK, MAP_FRAME, RobotNames
-from thbridge.ros.one_robot import ODOMETRY_COVARIANCE, SHARED_PERIODS, Motion, RobotPublisher, tells_pose
+from thbridge.ros.one_robot import ODOMETRY_COVARIANCE, SHARED_PERIODS, Motion, RobotPublisher
 from thbridge.ros.topics import (
     CLOCK,
     DIAGNOSTICS,
@@ -179,9 +179,9 @@ class TeamPublisher:
         said = [(TF, self._moving_frames(snapshot, motion))]
         changed = tick % DIAGNOSTICS_PERIOD == 0
         for index, (robot, watch, output) in enumerate(zip(self._robots, self._watches, outputs, strict=True)):
-            said.append(robot.truth(tick, motion))
+            said.append((robot.topics.base_pose_ground_truth, motion.truth[index]))
             if index in quiet:
-                said.append(robot.odometry(tick, motion))
+                said.append((robot.topics.odom, motion.odometry[index]))
                 continue
             if index not in dead:
                 said += robot.tick(tick, motion, bases.get(index, b""), output, goals[index])
@@ -191,7 +191,8 @@ class TeamPublisher:
         said += [(ROSOUT, pack.log(tick, line)) for line in lines]
         if changed:
             said.append((DIAGNOSTICS, pack.diagnostic_array(tick, self._diagnoses(snapshot))))
-        messages += [RosMessage(topic, stamp, data) for topic, data in said]
+        # As `RosMessage(...)` would, without its Python.
+        messages += [tuple.__new__(RosMessage, (topic, stamp, data, False)) for topic, data in said]
         for record in records:
             if isinstance(record, VehicleRecord):
                 messages.append(self._vehicle(stamp, tick, record))
@@ -218,10 +219,12 @@ class TeamPublisher:
         ]
 
     def _motion(self, snapshot: TeamSnapshot) -> Motion:
-        truth = snapshot.truth
+        truth, head = snapshot.truth, pack.head(snapshot.tick)
+        true = self._true_rows.packed(truth.poses, truth.twists)
+        sensed = self._odometry_rows.packed(truth.odom_poses, truth.odom_twists)
         return Motion(
-            self._true_rows.packed(truth.poses, truth.twists),
-            self._odometry_rows.packed(truth.odom_poses, truth.odom_twists),
+            [b"".join((head, robot.map_to_base, row)) for robot, row in zip(self._robots, true, strict=True)],
+            [b"".join((head, robot.odom_to_base, row)) for robot, row in zip(self._robots, sensed, strict=True)],
             truth.poses.tolist(),
             snapshot.commands.tolist(),
             truth.charge.tolist(),
@@ -248,34 +251,39 @@ class TeamPublisher:
             outputs: of all robots.
             goals: messages of the action servers, of the robots that say anything.
         """
-        poses, corrected, telling = [], [], []
-        for index in goals:
+        corrected: list[RobotPublisher] = []
+        telling: list[int] = []
+        corrections: list[Pose2] = []
+        bases: list[Pose2] = []
+        for index, told in goals.items():
             robot, output = self._robots[index], outputs[index]
             if isinstance(output, CarriedOutput) and robot.odom_in_map is not None:
+                if told:
+                    telling.append(index)
+                    bases.append(output.neighbour.base_in_map)
                 continue
-            odom_in_map = output.estimate.odom_in_map
-            if odom_in_map is not robot.odom_in_map:
-                robot.odom_in_map = odom_in_map
+            estimate = output.estimate
+            if estimate.odom_in_map is not robot.odom_in_map:
+                robot.odom_in_map = estimate.odom_in_map
                 corrected.append(robot)
-                poses.append(odom_in_map)
-        for index, told in goals.items():
-            output = outputs[index]
-            if tells_pose(output, told):
+                corrections.append(estimate.odom_in_map)
+            if told or estimate.updated or output.observations.scan is not None:
                 telling.append(index)
-                is_carried = isinstance(output, CarriedOutput)
-                poses.append(output.neighbour.base_in_map if is_carried else output.estimate.base_in_map)
-        planar = np.array([(pose.x, pose.y, pose.theta) for pose in poses])
-        packed = pack.all_pose_fields(planar.reshape(-1, 3))
+                bases.append(estimate.base_in_map)
+        numbers = [number for pose in corrections + bases for number in (pose.x, pose.y, pose.theta)]
+        packed = pack.all_pose_fields(np.reshape(numbers, (-1, 3)))
         for robot, odom in zip(corrected, packed, strict=False):
             robot.map_to_odom = pack.frame_names(MAP_FRAME, robot.names.odom) + odom
         return dict(zip(telling, packed[len(corrected) :], strict=True))
 
     def _moving_frames(self, snapshot: TeamSnapshot, motion: Motion) -> bytes:
+        head = pack.head(snapshot.tick)
         entries: list[bytes] = []
         for index, (robot, odometry) in enumerate(zip(self._robots, motion.odometry, strict=True)):
             if index not in snapshot.dead:
-                entries += (robot.map_to_odom, robot.odom_to_base + odometry[: pack.POSE_BYTES])
-        return pack.stamped_transforms(pack.head(snapshot.tick), entries)
+                # An odometry's beginning is its transform.
+                entries += (head + robot.map_to_odom, odometry[: robot.transform_bytes])
+        return pack.stamped_transforms(entries)
 
     def _things(self, snapshot: TeamSnapshot) -> Iterator[tuple[Topic, bytes]]:
         """Yield the outlines of all things, whenever one appeared, disappeared or moved."""

@@ -51,13 +51,18 @@ NO_COVARIANCE = covariance(np.zeros((3, 3)))
 
 def transforms(tick: int, entries: Iterable[Transform]) -> bytes:
     """tf2_msgs/TFMessage with all entries at one time."""
-    packed = [frame_names(parent, child) + pose_fields(pose.x, pose.y, pose.theta) for parent, child, pose in entries]
-    return stamped_transforms(head(tick), packed)
+    beginning = head(tick)
+    return stamped_transforms(
+        [
+            b"".join((beginning, frame_names(parent, child), pose_fields(pose.x, pose.y, pose.theta)))
+            for parent, child, pose in entries
+        ]
+    )
 
 
-def stamped_transforms(head: bytes, entries: Sequence[bytes]) -> bytes:
-    """tf2_msgs/TFMessage of a header without its frame, and `frame_names` with `pose_fields` of each transform."""
-    return head.join((UINT32.pack(len(entries)), *entries))
+def stamped_transforms(entries: Sequence[bytes]) -> bytes:
+    """tf2_msgs/TFMessage of transforms: a header without its frame, `frame_names` and `pose_fields` of each."""
+    return UINT32.pack(len(entries)) + b"".join(entries)
 
 
 def odometry(
