@@ -156,9 +156,10 @@ class BagWriter:
         """
         if not self._open:
             return
-        self._check()
+        self._check_failures()
         if self._clock() - self._synced < SYNC_SECONDS:
             return
+        self._check()
         if self._chunks.size:
             piece = self._piece(self._chunks.snapshot())
             self._writing.submit(lambda: self._parts.preview(piece))
