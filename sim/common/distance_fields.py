@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
 from sim.common.grid import OCCUPIED, OccupancyGrid
+from sim.numerics.float_array import FloatArray
 
 MAX_CLEARANCE = 2.0
 """Greatest clearance that is told apart, metres: to a robot farther from the walls it makes no difference."""
@@ -14,6 +15,18 @@ MAX_CLEARANCE = 2.0
 
 BAND = 256
 """Rows that are worked out at a time: what is needed besides for a whole map of a hectare would be 100 MB."""
+
+
+def cells_away(free: NDArray[np.bool_]) -> FloatArray:
+    """(rows, cols) cells from each cell's centre to that of the nearest one that is not free; the border is a wall."""
+    padded = np.pad(free, 1)
+    near_row, near_col = nearest_cells(~padded)[:, 1:-1, 1:-1]
+    row, col = np.ogrid[1 : len(padded) - 1, 1 : padded.shape[1] - 1]
+    away = np.empty(free.shape)
+    for begin in range(0, len(free), BAND):
+        band = slice(begin, begin + BAND)
+        away[band] = (row[band] - near_row[band]) ** 2 + (col - near_col[band]) ** 2  # of integers
+    return np.sqrt(away, out=away)
 
 
 def nearest_cells(mask: NDArray[np.bool_]) -> NDArray[np.int32]:

@@ -176,19 +176,23 @@ def interpret_image(
     planes = pixels[:, :, np.newaxis] if pixels.ndim == 2 else pixels
     channels = planes.shape[2]
     averaged = 3 if channels == 4 and mode != "trinary" else channels
-    mean = planes[:, :, :averaged].sum(axis=2, dtype=np.int64) / averaged
+    sums = planes[::-1, :, :averaged].sum(axis=2, dtype=np.uint16)
+    # There are few shades, and many pixels of each.
+    shades = np.arange(255 * averaged + 1) / averaged
     if negate:
-        mean = 255 - mean
+        shades = 255 - shades
     if mode == "raw":
-        return np.ascontiguousarray(mean.astype(np.uint8).view(np.int8)[::-1])
-    occ = (255 - mean) / 255.0
+        means: Cells = shades.astype(np.uint8).view(np.int8)[sums]
+        return means
+    occ = (255 - shades) / 255.0
     cells = np.full(occ.shape, UNKNOWN, dtype=np.int8)
+    between = (occ >= free_thresh) & (occ <= occupied_thresh)
     if mode == "scale":
         ratio = (occ - free_thresh) / (occupied_thresh - free_thresh)
-        between = (occ >= free_thresh) & (occ <= occupied_thresh)
-        if channels > 1:
-            between &= planes[:, :, -1] >= 1
         cells[between] = (1 + 98 * ratio[between]).astype(np.int8)
     cells[occ < free_thresh] = FREE
     cells[occ > occupied_thresh] = OCCUPIED
-    return np.ascontiguousarray(cells[::-1])
+    drawn: Cells = cells[sums]
+    if mode == "scale" and channels > 1:
+        drawn[between[sums] & (planes[::-1, :, -1] < 1)] = UNKNOWN
+    return drawn

@@ -1,13 +1,15 @@
 """Traversability: places on a map where a robot's body fits, and how far it gets from there; rooms as polygons."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import cast
+from typing import TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt, label
+from scipy.ndimage import label
 
+from sim.common.distance_fields import cells_away
 from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OccupancyGrid
 from sim.numerics.float_array import FloatArray
@@ -16,6 +18,10 @@ Point = tuple[float, float]
 Polygon = tuple[Point, ...]
 """Corners in turn, metres; the last is joined to the first."""
 Mask = NDArray[np.bool_]
+Span: TypeAlias = "slice[int, int, None]"
+"""Range of rows or columns."""
+Box = tuple[Span, Span]
+"""Rows and columns of a part of a map."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,52 +31,142 @@ class TraversabilityMap:
     Attributes:
         grid: the map. Its border counts as a wall: nothing is known of what lies beyond.
         clearance: (rows, cols) metres from each cell's centre to that of the nearest cell that is not free; 0 there.
-        x: (rows, cols) metres, of each cell's centre in the map frame.
-        y: the same.
         inscribed: radius of the largest circle about a robot's centre inside its footprint, metres.
         circumscribed: radius of the smallest one around it.
     """
 
     grid: OccupancyGrid
     clearance: FloatArray
-    x: FloatArray
-    y: FloatArray
     inscribed: float
     circumscribed: float
 
     @classmethod
     def of(cls, grid: OccupancyGrid, inscribed: float, circumscribed: float) -> "TraversabilityMap":
         """Compute the clearance of a grid."""
-        free = np.pad(grid.cells == FREE, 1, constant_values=False)
-        cells_away = np.asarray(distance_transform_edt(free), dtype=np.float64)[1:-1, 1:-1]
-        centres = grid.centres_of(np.indices(grid.cells.shape).reshape(2, -1).T)
-        x, y = centres.T.reshape(2, grid.rows, grid.cols)
-        return cls(grid, cells_away * grid.resolution, x, y, inscribed, circumscribed)
+        clearance = cells_away(grid.cells == FREE)
+        clearance *= grid.resolution
+        return cls(grid, clearance, inscribed, circumscribed)
+
+    @property
+    def everywhere(self) -> Box:
+        """All rows and columns."""
+        return slice(0, self.grid.rows), slice(0, self.grid.cols)
+
+    def centres(self, box: Box) -> tuple[FloatArray, FloatArray]:
+        """(rows, cols) x and y of the centres of the cells in a box, map frame, metres."""
+        frame = self.grid.frame
+        along = (np.arange(box[1].start, box[1].stop) + 0.5) * frame.resolution
+        across = ((np.arange(box[0].start, box[0].stop) + 0.5) * frame.resolution)[:, np.newaxis]
+        return (
+            frame.x + frame.cos * along - frame.sin * across,
+            frame.y + frame.sin * along + frame.cos * across,
+        )
+
+    def box_around(self, points: FloatArray, margin: float = 0.0) -> Box:
+        """The rows and columns that (n, 2) points of the map frame span, with so many metres more on all sides."""
+        places = self.grid.origin.inverse().transform(points)[:, ::-1]
+        # A cell more: one at whose very edge a point is may be told by rounding to be beyond it.
+        low, high = (
+            np.clip(np.floor(ends / self.grid.resolution) + more, 0, self.grid.cells.shape).astype(np.int64).tolist()
+            for ends, more in ((places.min(axis=0) - margin, -1), (places.max(axis=0) + margin, 2))
+        )
+        return slice(low[0], high[0]), slice(low[1], high[1])
+
+    def held_by(self, polygon: Polygon) -> tuple[Box, Mask]:
+        """The cells whose centres a polygon in the map frame holds: a box, and a mask of it."""
+        box = self.box_around(np.array(polygon))
+        return box, inside(polygon, *self.centres(box))
 
     def clearance_at(self, pose: Pose2) -> float:
         """Metres to the nearest cell that is not free; 0 outside the map."""
         row, col = self.grid.cell_of(pose.x, pose.y)
         return float(self.clearance[row, col]) if self.grid.contains(row, col) else 0.0
 
-    def obstructed_by(self, other: Pose2) -> Mask:
-        """Cells in which no robot's centre can be while another stands there, however the two are turned."""
-        away: FloatArray = np.sqrt(np.square(self.x - other.x) + np.square(self.y - other.y))
-        return away <= self.inscribed + self.circumscribed
+    def obstructed_by(self, other: Pose2) -> tuple[Box, Mask]:
+        """The cells in which no robot's centre can be while another stands there, however the two are turned.
 
-    def reachable(self, start: Pose2, obstructed: Mask) -> Mask:
-        """Cells to which a robot's centre gets from a pose.
-
-        Args:
-            start: map frame; from a place where no robot fits nothing is reachable.
-            obstructed: (rows, cols) cells that are taken.
+        Returns:
+            A box, and a mask of it.
         """
-        passable = (self.clearance > self.inscribed) & ~obstructed
-        # From a cell a robot gets to the four beside it, not past the corner between two walls.
-        areas, _ = cast(tuple[NDArray[np.int32], int], label(passable))
+        apart = self.inscribed + self.circumscribed
+        box = self.box_around(np.array([[other.x, other.y]]), apart)
+        x, y = self.centres(box)
+        return box, np.sqrt(np.square(x - other.x) + np.square(y - other.y)) <= apart
+
+    def reachable(self, start: Pose2) -> Mask:
+        """Cells to which a robot's centre gets from a pose; none from a place where no robot fits."""
+        passable = self.clearance > self.inscribed
+        areas = _areas(passable)
         row, col = self.grid.cell_of(start.x, start.y)
         area = areas[row, col] if self.grid.contains(row, col) else 0
         reached: Mask = (areas == area) & passable
         return reached
+
+
+class CrowdedFloor:
+    """A map on which robots stand, all at a time.
+
+    Args:
+        floor: the map.
+        poses: where they stand, map frame.
+    """
+
+    def __init__(self, floor: TraversabilityMap, poses: Sequence[Pose2]) -> None:
+        self._floor, self._poses = floor, poses
+        self._obstructed = [floor.obstructed_by(pose) for pose in poses]
+        # A cell is obstructed by as many robots as are close to it.
+        self._robots = np.zeros(floor.grid.cells.shape, dtype=np.int16)
+        for box, mask in self._obstructed:
+            self._robots[box] += mask
+        self._areas = _areas((floor.clearance > floor.inscribed) & (self._robots == 0))
+
+    def are_connected(self, cells: Sequence[tuple[int, int]]) -> bool:
+        """Return True when one more robot gets from any of these cells to all others."""
+        areas = {int(self._areas[cell]) for cell in cells}
+        return areas <= {0} if not cells else len(areas) == 1 and 0 not in areas
+
+    def reached(self, robot: int, cells: Sequence[tuple[int, int]]) -> list[bool]:
+        """Return of each of these cells whether a robot gets there from its place, past all others."""
+        floor, (box, own) = self._floor, self._obstructed[robot]
+        # What it alone obstructs connects areas, for itself.
+        freed = _areas(own & (self._robots[box] == 1) & (floor.clearance[box] > floor.inscribed))
+        mine, areas = np.zeros(int(freed.max(initial=0)) + 1, dtype=np.bool_), set[int]()
+        place = floor.grid.cell_of(self._poses[robot].x, self._poses[robot].y)
+        if floor.grid.contains(*place):
+            mine[_at(freed, box, place)] = True
+            areas.add(int(self._areas[place]))
+        mine[0] = False
+        areas.discard(0)
+        beside, known = _beside(freed, self._areas[box]), -1
+        while known < len(areas) + int(mine.sum()):
+            known = len(areas) + int(mine.sum())
+            areas.update(beside[mine[beside[:, 0]], 1].tolist())
+            mine[beside[np.isin(beside[:, 1], [*areas]), 0]] = True
+        return [int(self._areas[cell]) in areas or bool(mine[_at(freed, box, cell)]) for cell in cells]
+
+
+def _areas(passable: Mask) -> NDArray[np.int32]:
+    """Number of the area that each cell belongs to, from 1; 0 where there is none."""
+    # From a cell a robot gets to the four beside it, not past the corner between two walls.
+    return cast(tuple[NDArray[np.int32], int], label(passable))[0]
+
+
+def _at(labels: NDArray[np.int32], box: Box, cell: tuple[int, int]) -> int:
+    """The label of a cell of the map in a box; 0 outside."""
+    row, col = cell[0] - box[0].start, cell[1] - box[1].start
+    return int(labels[row, col]) if 0 <= row < labels.shape[0] and 0 <= col < labels.shape[1] else 0
+
+
+def _beside(labels: NDArray[np.int32], others: NDArray[np.int32]) -> NDArray[np.int32]:
+    """(n, 2) pairs of a label and another one in a cell beside."""
+    sides = (
+        (labels[:-1], others[1:]),
+        (labels[1:], others[:-1]),
+        (labels[:, :-1], others[:, 1:]),
+        (labels[:, 1:], others[:, :-1]),
+    )
+    pairs = np.concatenate([np.stack([one.ravel(), other.ravel()], axis=1) for one, other in sides])
+    return np.unique(pairs[(pairs > 0).all(axis=1)], axis=0)
 
 
 def inside(polygon: Polygon, x: FloatArray, y: FloatArray) -> Mask:

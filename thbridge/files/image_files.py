@@ -67,7 +67,7 @@ def _read_pgm(path: Path, data: bytes) -> NDArray[np.uint8]:
         if len(raster) < width * height * depth.itemsize:
             found = len(raster) // (width * depth.itemsize)
             raise _truncated(path, width, height, f"{found} rows")
-        values = np.frombuffer(raster, dtype=depth).astype(np.int64)
+        values = np.frombuffer(raster, dtype=depth)
     else:
         words = b" ".join(line.partition(b"#")[0] for line in data[end:].splitlines()).split()
         if len(words) < width * height:
@@ -75,11 +75,13 @@ def _read_pgm(path: Path, data: bytes) -> NDArray[np.uint8]:
         wrong = next((word for word in words[: width * height] if not word.isdigit() or len(word) > 5), None)
         if wrong is not None:
             raise BadFile(path, f"{wrong!r} stands among the grey values", "Save the picture anew")
-        values = np.array(words[: width * height], dtype=np.int64)
+        values = np.array(words[: width * height], dtype=np.uint32)
     if values.max() > deepest:
         problem = f"a grey value of {values.max()} above the header's greatest, {deepest}"
         raise BadFile(path, problem, "Save the picture anew")
-    return (values * 255 // deepest).astype(np.uint8).reshape(height, width)
+    shades = (np.arange(deepest + 1) * 255 // deepest).astype(np.uint8)
+    drawn: NDArray[np.uint8] = shades[values].reshape(height, width)
+    return drawn
 
 
 def _truncated(path: Path, width: int, height: int, found: str) -> BadFile:

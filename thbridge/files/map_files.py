@@ -15,7 +15,7 @@ import numpy as np
 
 from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED, UNKNOWN, MapMode, OccupancyGrid, interpret_image
-from sim.common.traversability import Polygon, TraversabilityMap, area, crosses_itself, inside
+from sim.common.traversability import CrowdedFloor, Polygon, TraversabilityMap, area, crosses_itself, inside
 from sim.numerics import elementary
 from sim.numerics.elementary import wrap_angle
 from sim.parameters import WorldParameters
@@ -474,7 +474,7 @@ def _findings_of_regions(loaded: Loaded[_RoomsYaml], floor: TraversabilityMap) -
     grid = floor.grid
     slack = grid.resolution / 2
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
-    owner = np.zeros(grid.cells.shape, dtype=np.int64)
+    owner = np.zeros(grid.cells.shape, dtype=np.int16)
     for index, entry in enumerate(loaded.value.rooms):
         if len(entry.region) < 2:
             continue
@@ -485,13 +485,14 @@ def _findings_of_regions(loaded: Loaded[_RoomsYaml], floor: TraversabilityMap) -
             x, y = room.region[int(outside.argmax())]
             problem = f"its corner ({x:g}, {y:g}) is outside the map, which is {width:g} m x {height:g} m"
             yield MapFinding("error", loaded.fault(key, problem, "Mend the region, or the map's origin or resolution"))
-        held = inside(room.region, floor.x, floor.y)
-        shared = owner[held & (owner > 0)]
+        box, held = floor.held_by(room.region)
+        own = owner[box]
+        shared = own[held & (own > 0)]
         if shared.size:
             area = shared.size * grid.resolution * grid.resolution
             problem = f"it overlaps the region of room {shared[0]} by {area:.2f} m^2"
             yield MapFinding("error", loaded.fault(key, problem, "Draw the regions apart"))
-        owner[held] = entry.number
+        own[held] = entry.number
 
 
 def _findings_of_ways(
@@ -511,18 +512,18 @@ def _findings_of_ways(
     if not standing:
         return
     first = standing[0]
-    reach = floor.reachable(first.pose, np.zeros_like(floor.clearance, dtype=np.bool_))
+    reach = floor.reachable(first.pose)
     cut_off = [place for place in goals + standing if not reach[floor.grid.cell_of(place.pose.x, place.pose.y)]]
     for place in cut_off:
         problem = f"no way {2 * floor.inscribed:g} m wide leads from {first.what} to {place.what}"
         yield MapFinding("error", loaded.fault(place.key, problem, "Widen a door, or move it"))
     if cut_off or not crowded or standing != starts:
         return
-    obstructed = [floor.obstructed_by(start.pose) for start in starts]
-    crowd = np.sum(obstructed, axis=0)
-    for start, own in zip(starts, obstructed, strict=True):
-        reach = floor.reachable(start.pose, crowd > own)
-        blocked = [goal.what for goal in goals if not reach[floor.grid.cell_of(goal.pose.x, goal.pose.y)]]
-        if blocked:
-            problem = f"with {len(starts)} robots at their starts no way leads from {start.what} to {blocked[0]}"
+    crowded_floor = CrowdedFloor(floor, [start.pose for start in starts])
+    cells = [floor.grid.cell_of(goal.pose.x, goal.pose.y) for goal in goals]
+    for robot, start in enumerate(starts):
+        ways = zip(goals, crowded_floor.reached(robot, cells), strict=True)
+        blocked = next((goal.what for goal, reached in ways if not reached), None)
+        if blocked is not None:
+            problem = f"with {len(starts)} robots at their starts no way leads from {start.what} to {blocked}"
             yield MapFinding("warning", loaded.fault(start.key, problem, "Leave a lane free between the starts"))

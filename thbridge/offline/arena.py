@@ -9,7 +9,7 @@ from scipy.ndimage import binary_dilation, binary_fill_holes, label
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.traversability import Mask, Point, Polygon, TraversabilityMap, area, crosses_itself, inside
+from sim.common.traversability import CrowdedFloor, Mask, Point, Polygon, TraversabilityMap, area, crosses_itself
 from sim.numerics.float_array import FloatArray
 from sim.robot.costmap.footprint import radii
 from thbridge.files.map_files import FOOTPRINT, MapRoom
@@ -76,11 +76,8 @@ def arena_of(
 def cells_inside(outline: Polygon, floor: TraversabilityMap) -> Mask:
     """Cells whose centres an outline in the map frame holds."""
     held = np.zeros(floor.clearance.shape, dtype=np.bool_)
-    corners = floor.grid.cells_of(np.array(outline))
-    box = tuple(
-        slice(max(0, low), high + 1) for low, high in zip(corners.min(axis=0), corners.max(axis=0), strict=True)
-    )
-    held[box] = inside(outline, floor.x[box], floor.y[box])
+    box, mask = floor.held_by(outline)
+    held[box] = mask
     return held
 
 
@@ -127,7 +124,7 @@ def start_poses(floor: TraversabilityMap, reach: Mask, rooms: Sequence[MapRoom],
     cells = np.argwhere(free)
     if not len(cells):
         return ()
-    places = np.stack([floor.x[free], floor.y[free]], axis=1)
+    places = floor.grid.centres_of(cells)
     middle = np.mean([[room.goal.x, room.goal.y] for room in rooms] or places, axis=0)
     spare = np.minimum(floor.clearance[free] - floor.circumscribed, SPARE)
     nearest = np.argsort(np.hypot(*(places - middle).T) - NEARER * spare, kind="stable")
@@ -148,18 +145,8 @@ def start_poses(floor: TraversabilityMap, reach: Mask, rooms: Sequence[MapRoom],
 def _is_shut_in(floor: TraversabilityMap, starts: Sequence[Pose2], rooms: Sequence[MapRoom]) -> bool:
     """Return True when robots that stand at all starts part a room from another, or one of them from a room."""
     goals = [floor.grid.cell_of(room.goal.x, room.goal.y) for room in rooms]
-    obstructed = [floor.obstructed_by(start) for start in starts]
-    crowd = np.sum(obstructed, axis=0)
-    if rooms and not _all_reached(floor.reachable(rooms[0].goal, crowd > 0), goals):
-        return True
-    return any(
-        not _all_reached(floor.reachable(start, crowd > own), goals)
-        for start, own in zip(starts, obstructed, strict=True)
-    )
-
-
-def _all_reached(reached: Mask, goals: Sequence[tuple[int, int]]) -> bool:
-    return all(reached[goal] for goal in goals)
+    crowd = CrowdedFloor(floor, starts)
+    return not crowd.are_connected(goals) or not all(all(crowd.reached(robot, goals)) for robot in range(len(starts)))
 
 
 # Outlines -------------------------------------------------------------------------------------------------------------

@@ -5,15 +5,16 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt, find_objects, label
+from scipy.ndimage import find_objects, label
 
+from sim.common.distance_fields import nearest_cells
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
-from sim.common.traversability import Mask, Polygon, TraversabilityMap, inside
+from sim.common.traversability import Mask, Polygon, TraversabilityMap
 from sim.robot.costmap.footprint import radii
 from thbridge.files.map_files import FOOTPRINT, Map, MapRoom
 from thbridge.hunt.rooms import Room
 
-Owners = NDArray[np.int64]
+Owners = NDArray[np.int32]
 """(rows, cols) number of the room that holds each cell's centre; 0 is the corridor."""
 
 GAP = 0.6
@@ -83,10 +84,11 @@ def survey(place: Map, footprint: Polygon = FOOTPRINT) -> MapSurvey:
     owners = owners_of(place, floor)
     openings = tuple(doorways(floor, owners, footprint))
     free = grid.cells == FREE
+    cells = np.bincount(owners[free], minlength=1 + max((entry.room.people for entry in place.rooms), default=0))
     rooms = tuple(
         RoomSurvey(
             entry,
-            float(np.count_nonzero(free & (owners == entry.room.people))) * grid.resolution**2,
+            float(cells[entry.room.people]) * grid.resolution**2,
             tuple(door for door in openings if entry.room in (door.room, door.beyond)),
         )
         for entry in place.rooms
@@ -108,9 +110,10 @@ def survey(place: Map, footprint: Polygon = FOOTPRINT) -> MapSurvey:
 
 def owners_of(place: Map, floor: TraversabilityMap) -> Owners:
     """The room of every cell; where regions overlap the later one."""
-    owners = np.zeros(place.grid.cells.shape, dtype=np.int64)
+    owners = np.zeros(place.grid.cells.shape, dtype=np.int32)
     for entry in place.rooms:
-        owners[inside(entry.region, floor.x, floor.y)] = entry.room.people
+        box, held = floor.held_by(entry.region)
+        owners[box][held] = entry.room.people
     return owners
 
 
@@ -124,7 +127,7 @@ def doorways(floor: TraversabilityMap, owners: Owners, footprint: Polygon = FOOT
     inscribed, _ = radii(np.array(footprint))
     free = grid.cells == FREE
     owners = _without_gaps(owners, free, grid.resolution)
-    boxes = find_objects(owners.astype(np.int32))
+    boxes = find_objects(owners)
     for number in (int(number) for number in np.unique(owners[owners > 0])):
         found = boxes[number - 1]
         low = [max(0, side.start - 1) for side in found]
@@ -153,8 +156,9 @@ def _without_gaps(owners: Owners, free: Mask, resolution: float) -> Owners:
     gaps = small[labels]
     if not gaps.any() or not owners.any():
         return owners
-    nearest = distance_transform_edt(owners == 0, return_distances=False, return_indices=True)
-    closed: Owners = np.where(gaps, owners[tuple(np.asarray(nearest))], owners)
+    near_row, near_col = nearest_cells(owners > 0)
+    closed = owners.copy()
+    closed[gaps] = owners[near_row[gaps], near_col[gaps]]
     return closed
 
 

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, find_objects, label
 
+from sim.common.distance_fields import cells_away
 from sim.common.grid import FREE, OccupancyGrid
 from sim.common.traversability import Mask
 from sim.numerics.float_array import FloatArray
@@ -86,7 +87,7 @@ def find_rooms(grid: OccupancyGrid, inscribed: float, circumscribed: float, want
     floor = drivable_floor(grid, inscribed)
     if not floor.any():
         return np.zeros(grid.cells.shape, dtype=np.int32)
-    turning = floor & (_clearance(grid.cells == FREE) * grid.resolution > circumscribed)
+    turning = floor & (cells_away(grid.cells == FREE) * grid.resolution > circumscribed)
     box = _around(floor, int(np.ceil(2 * inscribed / grid.resolution)))
     free = _without_furniture(grid)[box]
     found = np.zeros(grid.cells.shape, dtype=np.int32)
@@ -104,7 +105,7 @@ def drivable_floor(grid: OccupancyGrid, inscribed: float) -> Mask:
 
     Floor that runs off the image is left aside when there is enough inside: it is the paper around a drawn plan.
     """
-    areas, count = label(_clearance(grid.cells == FREE) * grid.resolution > inscribed)
+    areas, count = label(cells_away(grid.cells == FREE) * grid.resolution > inscribed)
     if count == 0:
         return np.zeros(grid.cells.shape, dtype=np.bool_)
     sizes = np.bincount(areas.ravel())
@@ -140,11 +141,6 @@ def in_reading_order(labels: Labels) -> Labels:
     renumbered[order] = np.arange(1, len(order) + 1)
     numbered: Labels = renumbered[labels]
     return numbered
-
-
-def _clearance(free: Mask) -> FloatArray:
-    """Cells from each cell's centre to that of the nearest one that is not free; the border counts as a wall."""
-    return np.asarray(distance_transform_edt(np.pad(free, 1)), dtype=np.float64)[1:-1, 1:-1]
 
 
 def _around(mask: Mask, margin: int) -> tuple[Span, Span]:
@@ -194,7 +190,7 @@ def _segment(
     free: Mask, floor: Mask, turning: Mask, resolution: float, inscribed: float, options: RoomFindingOptions
 ) -> Labels:
     """Number the rooms; in no order."""
-    clearance = _clearance(free) * resolution
+    clearance = cells_away(free) * resolution
     areas, _ = label(clearance > inscribed)
     wide = np.isin(areas, np.unique(areas[floor]))
     cores = list(_cores(np.where(wide, clearance, 0.0), resolution, inscribed, options))

@@ -161,7 +161,8 @@ class ArenaDraft:
     def draw_room(self, one: Point, other: Point) -> RequestRefused | None:
         """Make a room of the free floor in a box, between walls and other rooms."""
         (left, right), (low, high) = (sorted(pair) for pair in zip(one, other, strict=True))
-        within = (self.floor.x >= left) & (self.floor.x <= right) & (self.floor.y >= low) & (self.floor.y <= high)
+        x, y = self.floor.centres(self.floor.everywhere)
+        within = (x >= left) & (x <= right) & (y >= low) & (y <= high)
         taken = self._taken()
         made = self._made(within & (self.grid.cells == FREE), taken, len(self.arena.rooms) + 1, self._free_name())
         return self._take(made if isinstance(made, RequestRefused) else self._numbered([*self.arena.rooms, made]))
@@ -173,7 +174,8 @@ class ArenaDraft:
         if room is None:
             return RequestRefused(ArenaRefusalReason.CUT, "The middle of the line is in no room.")
         along = other[0] - one[0], other[1] - one[1]
-        side = along[0] * (self.floor.y - one[1]) - along[1] * (self.floor.x - one[0])
+        x, y = self.floor.centres(self.floor.everywhere)
+        side = along[0] * (y - one[1]) - along[1] * (x - one[0])
         number, cells = room.room.people, cells_inside(room.region, self.floor)
         taken = self._taken(number)
         first = self._made(cells & (side > 0), taken, number, room.name)
@@ -271,7 +273,7 @@ class ArenaDraft:
     def doors(self) -> tuple[Doorway, ...]:
         """The openings of the rooms that a robot fits through: they follow from the outlines and the walls."""
         if self._doors is None or self._doors[0] is not self.arena:
-            owners = np.zeros(self.grid.cells.shape, dtype=np.int64)
+            owners = np.zeros(self.grid.cells.shape, dtype=np.int32)
             for room in self.arena.rooms:
                 owners[cells_inside(room.region, self.floor)] = room.room.people
             self._doors = self.arena, tuple(doorways(self.floor, owners, self._footprint))
@@ -287,7 +289,7 @@ class ArenaDraft:
         rooms, starts = self.arena.rooms, self.arena.starts
         told = [*(() if rooms else ("There is no room yet.",)), *(() if starts else ("There is no start pose yet.",))]
         if starts:
-            reach = self.floor.reachable(starts[0], np.zeros(self.grid.cells.shape, dtype=np.bool_))
+            reach = self.floor.reachable(starts[0])
             places = [(room.goal, f"{room.room} ({room.name})") for room in rooms]
             places += [(start, f"the start of robot {number}") for number, start in enumerate(starts[1:], start=2)]
             for pose, what in places:

@@ -256,10 +256,10 @@ def _floor(study: Study, place: Map) -> TraversabilityMap:
 
 def _misplaced(study: Study, place: Map, map_yaml: Path) -> Iterator[tuple[str, BadFile]]:
     """Yield faults of mishaps that carry robots into walls or off the map, each with its key in the study."""
-    floor = _floor(study, place)
-    for index, mishap in enumerate(study.mishaps):
-        if mishap.to is not None and floor.clearance_at(Pose2(*mishap.to)) < floor.inscribed:
-            x, y, _ = mishap.to
+    carried = [(index, mishap, mishap.to) for index, mishap in enumerate(study.mishaps) if mishap.to is not None]
+    floor = _floor(study, place) if carried else None
+    for index, mishap, (x, y, yaw) in carried:
+        if floor is not None and floor.clearance_at(Pose2(x, y, yaw)) < floor.inscribed:
             problem = f"robot {mishap.robot} would be carried to ({x:g}, {y:g}), where it does not fit on this map"
             key = f"mishaps[{index}].to"
             yield key, BadFile(map_yaml, problem, f"mend {key} in the study")

@@ -24,6 +24,7 @@ from sim.robot.costmap.costs import CostFrame, Costs
 from sim.robot.global_planning.navfn import Navfn
 from sim.robot.global_planning.potential_planner import PotentialPlanner
 from sim.robot.global_planning.wave import UNREACHED
+from thbridge.files.mapped_arrays import mapped
 
 AT_GOAL = 1.0
 """Metres from a room's goal within which the row of that room counts."""
@@ -66,7 +67,9 @@ class TravelTimes:
         self._goals = tuple(self._to_grid.compose(goal) for goal in goals)
         self._matrix = tuple(tuple(row) for row in matrix)
         self._planner = PotentialPlanner(Navfn(NavfnParameters()))
-        self._potentials = [self._planner.potential(costs, self._frame, goal) for goal in self._goals]
+        # Of a hectare each takes 16 MB; ways look at a few of their cells.
+        potentials = (self._planner.potential(costs, self._frame, goal) for goal in self._goals)
+        self._potentials = mapped(potentials, len(self._goals) * costs.size * np.dtype(np.float32).itemsize)
         places = [[self._to_grid.compose(start) for start in starts], *([goal] for goal in self._goals)]
         self._weights = _fitted(
             [
