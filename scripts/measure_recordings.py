@@ -24,7 +24,7 @@ from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
 from thbridge.protocols.text import legacy
 from thbridge.recording.bag.options import Compression, RecordingDetail
-from thbridge.recording.bag.reader import info
+from thbridge.recording.bag.reading.reader import info
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.study.study_file import RecordingSection, Study
 

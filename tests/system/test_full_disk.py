@@ -7,7 +7,7 @@ import subprocess
 import pytest
 
 from tests.system import programs
-from thbridge.recording.bag.reader import info
+from thbridge.recording.bag.reading.reader import info
 
 
 @pytest.mark.skipif(os.getuid() != 0 or shutil.which("mount") is None, reason="only root can mount a small disk")

@@ -6,7 +6,7 @@ import pytest
 
 from tests.system.test_play import messages, play
 from thbridge.analysis.report.gathering import read_report
-from thbridge.recording.bag.reader import messages as recorded
+from thbridge.recording.bag.reading.reader import messages as recorded
 
 pytestmark = pytest.mark.slow
 

@@ -9,7 +9,7 @@ from thbridge.app.session.mavros import frame_in
 from thbridge.protocols.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.mavlink.frames.framer import FrameParser
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.repair import reindex
 from thbridge.ros.messages import unpack
 

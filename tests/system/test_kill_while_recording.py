@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.recordings import ACTIVE, parts_of
 

@@ -10,7 +10,7 @@ import pytest
 
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.files.ros.definitions import Definitions
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.publisher import TeamPublisher
 
 ROBOTS, TICKS = 2, 6000

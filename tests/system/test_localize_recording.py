@@ -5,7 +5,7 @@ from pathlib import Path
 
 from tests.system.test_play import thbridge
 from thbridge.files.map_files import read_map
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.reader import messages
 from thbridge.ros.messages import unpack
 
 ARENA = Path(__file__).parents[2] / "maps" / "arena8"

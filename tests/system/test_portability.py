@@ -19,8 +19,8 @@ from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 
 from tests.system.portable_studies import STUDIES, bag_of
 from tests.system.programs import THBRIDGE
-from thbridge.recording.bag.reader import RawMessage, messages
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.reading.reader import RawMessage, messages
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.recording.digest import digest_of
 from thbridge.ros import names
 from thbridge.ros.messages.differences import differences

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from tests.system.programs import Program, until
 from tests.system.test_play import thbridge
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.reader import messages
 
 ENOUGH = 2_000_000
 """Bytes; some ten seconds of a hunt."""

@@ -13,7 +13,7 @@ from click.testing import Result
 from typer.testing import CliRunner
 
 from thbridge.files.ros.definitions import Definitions
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.recording.digest import digest_of
 from thbridge.ros.publisher import RosMessage, Topic
 from thbridge.study.study_file import load_study

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from thbridge.recording.bag.reader import info
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.reading.reader import info
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.topics import RosMessage, Topic
 
 PROGRAM = "from ui.cli import main; main()"

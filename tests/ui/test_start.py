@@ -11,7 +11,7 @@ import pytest
 
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.footprint import pad, radii
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.topics import RosMessage, Topic
 from ui.commands.plan import INFLATION, RADIUS
 
@@ -118,6 +118,6 @@ def test_a_text_server_listens_without_robots_vehicles_and_bags(tmp_path: Path) 
         "thbridge.roles.simr",
         "thbridge.roles.vehicles",
         "thbridge.ros.publisher",
-        "thbridge.recording.bag.writer",
+        "thbridge.recording.bag.writing.writer",
     )
     assert not {name for name in modules if name.startswith(unwanted)}

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from thbridge.files.errors import BadFile
 from thbridge.files.new_file import new_file
-from thbridge.recording.bag.bag_file import BagFile
 from thbridge.recording.bag.options import Compression
-from thbridge.recording.bag.reader import holds, info, recorded
+from thbridge.recording.bag.reading.reader import holds, info, recorded
 from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.bag.repair import compression_of
+from thbridge.recording.bag.writing.bag_file import BagFile
 from thbridge.recording.recordings import parts_of
 from thbridge.ros.messages.types import SESSION
 

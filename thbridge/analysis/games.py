@@ -6,7 +6,7 @@ from pathlib import Path
 
 from thbridge.hunt.codec import kind_of
 from thbridge.hunt.events import GameStarted
-from thbridge.recording.bag.reader import RawMessage, info, messages
+from thbridge.recording.bag.reading.reader import RawMessage, info, messages
 from thbridge.ros.messages import types, unpack
 
 _STARTED = kind_of(GameStarted)

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from thbridge.recording.bag.contents import BagContents, ConnectionStamps, contents
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.contents import BagContents, ConnectionStamps, contents
+from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.recordings import parts_of
 from thbridge.ros.messages import unpack_session
 from thbridge.ros.messages.types import SESSION

@@ -11,7 +11,7 @@ from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import CompressionType, Writer
 
 from thbridge.files.new_file import new_file
-from thbridge.recording.bag.reader import recorded
+from thbridge.recording.bag.reading.reader import recorded
 from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.types import SESSION

@@ -21,7 +21,7 @@ from thbridge.api.study import HuntStudy, Simulated, StudyValue, setting_of
 from thbridge.app.replay.replay import Difference, RecordingReplay, ReplayOptions, session_of
 from thbridge.files.table_files import Array, arrow_table
 from thbridge.recording.bag.damage import damage_as_bad_file
-from thbridge.recording.bag.reader import info, messages, recorded
+from thbridge.recording.bag.reading.reader import info, messages, recorded
 from thbridge.recording.recordings import make_room, try_place
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.study.study_file import read_study_text

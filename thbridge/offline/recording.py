@@ -11,7 +11,7 @@ from sim.common.geometry import Pose2
 from thbridge.files.errors import BadFile
 from thbridge.offline.laser import Laser, usable
 from thbridge.offline.odometry import OdometrySample, OdometryTrack
-from thbridge.recording.bag.reader import RawMessage, TopicInfo, info, messages
+from thbridge.recording.bag.reading.reader import RawMessage, TopicInfo, info, messages
 from thbridge.ros.frames import FrameTree, PlanarMount
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.types import LASER_SCAN, ODOMETRY, TFMESSAGE

@@ -10,7 +10,7 @@ import struct
 from hashlib import sha256
 from pathlib import Path
 
-from thbridge.recording.bag.reader import recorded
+from thbridge.recording.bag.reading.reader import recorded
 from thbridge.ros.messages.types import SESSION
 
 _NUMBER = struct.Struct("<Q")

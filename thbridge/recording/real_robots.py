@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from sim.team import TeamSnapshot
 from thbridge.protocols.rosgraph import links
-from thbridge.recording.bag.writer import BagWriter, ForeignTopic
+from thbridge.recording.bag.writing.writer import BagWriter, ForeignTopic
 from thbridge.ros.messages import pack
 from thbridge.ros.messages.pack import RoomLabel
 from thbridge.ros.messages.records import Record

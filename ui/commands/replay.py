@@ -50,7 +50,7 @@ def replay_command(
     from thbridge.app.replay.replay import ReplayOptions, replay, session_of
     from thbridge.app.session.session import TickRecord
     from thbridge.protocols.text import legacy
-    from thbridge.recording.bag.reader import info, messages
+    from thbridge.recording.bag.reading.reader import info, messages
     from thbridge.ros.names import INPUTS
     from thbridge.study.overrides import with_changes
     from thbridge.study.study_file import read_study_text

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from thbridge.files.map_files import MapRoom
 from thbridge.hunt.rooms import RoomNames
-from thbridge.recording.bag.index import BagIndex, MessageLocation, open_index
-from thbridge.recording.bag.reader import RawMessage
+from thbridge.recording.bag.reading.index import BagIndex, MessageLocation, open_index
+from thbridge.recording.bag.reading.reader import RawMessage
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.session_records import SessionRecord

@@ -22,7 +22,7 @@ from thbridge.app.compose.setting import StudySetting, read_setting
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.options import Compression
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.messages.types import typestore
 from thbridge.ros.publisher import RosMessage, TeamPublisher, Topic
 from thbridge.study.study_file import Study

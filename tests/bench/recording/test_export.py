@@ -12,7 +12,7 @@ from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records
 from thbridge.analysis.export.folder import export_bag
 from thbridge.files.ros.definitions import Definitions
 from thbridge.files.table_files import TableFormat
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.messages.types import typestore
 from thbridge.ros.publisher import RosMessage, TeamPublisher
 

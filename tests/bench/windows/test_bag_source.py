@@ -11,8 +11,8 @@ import pytest
 from tests.bench.budget import Budgets, best
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.protocols.watching import SessionMessage
-from thbridge.recording.bag.bag_file import BagFile
 from thbridge.recording.bag.records import BagConnection
+from thbridge.recording.bag.writing.bag_file import BagFile
 from thbridge.ros.messages import types
 from thbridge.ros.publisher import RosMessage, TeamPublisher
 from ui.model.watching.live import LiveSource

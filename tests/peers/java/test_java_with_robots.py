@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.system import programs
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.reader import messages
 
 SOURCES = sorted(Path(__file__).parent.glob("*.java"))
 

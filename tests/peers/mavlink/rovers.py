@@ -12,7 +12,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from tests.system.ports import free_port
 from tests.system.programs import Program
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.reader import messages
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
 

@@ -22,7 +22,7 @@ from thbridge.analysis.report.gathering import read_report
 from thbridge.app.compose.game import build_briefing
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.replay.mavlink_replay import hunt_result_of
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.reader import messages
 from thbridge.study.study_file import load_study
 
 STUDY = """\

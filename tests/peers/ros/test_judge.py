@@ -25,7 +25,7 @@ from tests.thbridge.offline.foreign import transform
 from thbridge.analysis.check import FindingSeverity, Judgement, judge
 from thbridge.analysis.cut import CutRange, cut
 from thbridge.recording.bag.options import Compression
-from thbridge.recording.bag.scan import scan
+from thbridge.recording.bag.reading.scan import scan
 from thbridge.ros.messages.types import plain_definition
 
 PYTHON = "/usr/bin/python3"

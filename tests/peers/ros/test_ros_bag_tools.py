@@ -18,15 +18,15 @@ import rosbag
 from rosbags.rosbag1 import Reader
 
 from tests.system.ports import free_port
-from tests.thbridge.recording.bag.inline_queue import InlineQueue
+from tests.thbridge.recording.bag.writing.inline_queue import InlineQueue
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from tests.thbridge.ros.messages.type_lists import STANDARD_TYPES
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
 from thbridge.recording.bag.options import Compression, SplitLimits
-from thbridge.recording.bag.reader import info, messages
+from thbridge.recording.bag.reading.reader import info, messages
 from thbridge.recording.bag.repair import reindex
-from thbridge.recording.bag.writer import WHOLE, BagWriter
+from thbridge.recording.bag.writing.writer import WHOLE, BagWriter
 from thbridge.recording.recordings import parts_of
 from thbridge.ros.messages.records import MavlinkFrame, VehicleFrame, VehicleState
 from thbridge.ros.messages.types import MARKER_ARRAY, MAVROS_TYPES, OWN_TYPES
@@ -304,7 +304,7 @@ WRITE = """
 import sys
 from pathlib import Path
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.ros.publisher import TeamPublisher
 

@@ -17,7 +17,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from sim.inputs import DriveManually, SendGoal, WithdrawGoal
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.recording.real_robots import FleetRecorder
 from thbridge.ros.goal_owners import GoalOwner
 from thbridge.ros.messages.session_records import SessionRecord

@@ -18,7 +18,7 @@ from tests.system.ports import free_port
 from thbridge.protocols.rosgraph.links import ServiceFailed
 from thbridge.protocols.rosgraph.tcpros import encode_header
 from thbridge.protocols.rosgraph.xmlrpc import MethodResponse
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.reader import messages
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 

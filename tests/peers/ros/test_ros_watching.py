@@ -14,7 +14,7 @@ from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.app.play import HuntUnfinished, PlayOptions, play
-from thbridge.recording.bag.reader import info
+from thbridge.recording.bag.reading.reader import info
 from thbridge.recording.bag.repair import reindex
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.sockets.addresses import ListeningAddress

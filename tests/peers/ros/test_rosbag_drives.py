@@ -10,7 +10,7 @@ from tests.system.ports import free_port
 from tests.system.programs import Program, until
 from tests.thbridge.app.replay.test_mavlink_replay import Tour, record
 from tests.thbridge.app.replay.test_replay import again
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.repair import reindex
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.records import MavlinkFrame

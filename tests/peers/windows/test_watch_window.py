@@ -15,7 +15,7 @@ from tests.peers.windows.desktop import PATIENCE, Desktop, Seen, desktop, needs_
 from tests.system.ports import free_port
 from tests.system.programs import THBRIDGE
 from tests.ui.windows.researcher.hunts import record
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.reader import messages
 from thbridge.ros import names
 from thbridge.ros.messages import unpack
 

@@ -17,7 +17,7 @@ from tests.system.programs import THBRIDGE
 from thbridge.analysis.report.gathering import read_report
 from thbridge.analysis.report.values import TimelineEntry
 from thbridge.files.resources import shipped
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.reader import messages
 
 pytestmark = needs_desktop
 

@@ -9,8 +9,8 @@ from thbridge.analysis.check import judge
 from thbridge.analysis.cut import CutRange, cut
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag.options import Compression
-from thbridge.recording.bag.reader import info, recorded
-from thbridge.recording.bag.scan import ChunkRecord, ConnectionRecord, scan
+from thbridge.recording.bag.reading.reader import info, recorded
+from thbridge.recording.bag.reading.scan import ChunkRecord, ConnectionRecord, scan
 
 
 @pytest.fixture

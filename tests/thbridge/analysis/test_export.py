@@ -24,7 +24,7 @@ from thbridge.analysis.export.folder import export_bag
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
 from thbridge.files.table_files import TableFormat
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.messages.pack import RoomLabel
 from thbridge.ros.publisher import TeamPublisher
 

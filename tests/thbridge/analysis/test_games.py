@@ -18,7 +18,7 @@ from thbridge.app.compose.game import build_bot
 from thbridge.app.compose.setting import read_setting
 from thbridge.app.play import HuntOutcome, PlayOptions, play
 from thbridge.files.table_files import TableFormat
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.reader import messages
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.view import GiveUp, ParticipantRequest, PlayAgain, View

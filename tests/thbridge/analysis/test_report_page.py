@@ -14,7 +14,7 @@ from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
 from thbridge.hunt.rooms import RoomNames
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.publisher import RosMessage, TeamPublisher, Topic
 
 

@@ -7,7 +7,7 @@ from tests.thbridge.analysis.planting import ODOM_LINE, START, STEP, Entry, Plan
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
 from thbridge.analysis.summary import RecordingSummary, TopicSummary, summarise
 from thbridge.app.session.broadcast import Broadcast
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.messages.types import plain_definition
 from thbridge.ros.publisher import TeamPublisher
 

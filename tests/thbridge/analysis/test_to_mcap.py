@@ -8,8 +8,8 @@ from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, snapsho
 from thbridge.analysis.to_mcap import COMPRESSIONS, to_mcap
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.errors import BadFile
-from thbridge.recording.bag.reader import recorded
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.reading.reader import recorded
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.messages.types import plain_definition
 from thbridge.ros.publisher import TeamPublisher
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from thbridge import api
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.reader import messages
 from thbridge.ros.names import SESSION
 
 STUDY = api.HuntStudy(robots=2, seed=3, game={"energy": 30})

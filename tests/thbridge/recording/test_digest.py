@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.thbridge.recording.bag.test_reader import CHATTER, HELLO, bag
+from tests.thbridge.recording.bag.reading.test_reader import CHATTER, HELLO, bag
 from thbridge.recording.bag.options import Compression, SplitLimits
-from thbridge.recording.bag.reader import messages
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.reading.reader import messages
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.recording.digest import MessageDigest, digest_of
 from thbridge.ros import names
 from thbridge.ros.messages import pack

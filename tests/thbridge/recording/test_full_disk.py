@@ -12,8 +12,8 @@ from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.options import Compression, SplitLimits
-from thbridge.recording.bag.reader import messages
-from thbridge.recording.bag.writer import WHOLE, BagNotWritten, BagWriter
+from thbridge.recording.bag.reading.reader import messages
+from thbridge.recording.bag.writing.writer import WHOLE, BagNotWritten, BagWriter
 from thbridge.recording.recordings import parts_of
 from thbridge.ros.publisher import TeamPublisher
 

@@ -9,8 +9,8 @@ from typer.testing import CliRunner
 
 from tests.ui.test_cli import write_bag
 from thbridge.app.replay.replay import session_of
-from thbridge.recording.bag.reader import messages
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.reading.reader import messages
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.publisher import RosMessage, Topic
 from thbridge.study.study_file import read_study_text
 from ui.cli import app

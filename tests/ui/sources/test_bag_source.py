@@ -12,8 +12,8 @@ from tests.thbridge.offline.foreign import Robot, write
 from tests.ui.sources.conftest import TICKS
 from thbridge.analysis.report.gathering import read_report
 from thbridge.files.errors import BadFile
-from thbridge.recording.bag import reader as bag_reader
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.reading import reader as bag_reader
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros import names
 from thbridge.ros.publisher import RosMessage, Topic
 from ui.model.watching.curves import Curve

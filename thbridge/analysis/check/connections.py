@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from thbridge.analysis.check.finding import EVO_TYPES, TF_TYPES, BagStructure, BagTool, Finding, FindingSeverity
 from thbridge.analysis.check.reading import fields_of
-from thbridge.recording.bag.scan import ConnectionRecord
+from thbridge.recording.bag.reading.scan import ConnectionRecord
 from thbridge.ros.messages.types import OCCUPANCY_GRID, OWN_TYPES, md5_of, plain_definition
 
 READERS = (BagTool.ROSBAG, BagTool.FOXGLOVE, BagTool.PLOTJUGGLER)

@@ -15,7 +15,7 @@ from thbridge.analysis.check.finding import (
     OccurrenceCounter,
 )
 from thbridge.analysis.check.reading import Quaternion
-from thbridge.recording.bag.scan import ConnectionRecord
+from thbridge.recording.bag.reading.scan import ConnectionRecord
 from thbridge.ros.messages.types import LASER_SCAN, OCCUPANCY_GRID, ODOMETRY, POSE_WITH_COVARIANCE
 
 UNIT_TOLERANCE = 1e-2

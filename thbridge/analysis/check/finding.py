@@ -6,7 +6,13 @@ from enum import StrEnum
 from typing import Generic, Protocol, TypeVar
 
 from thbridge.analysis.check.reading import Reading
-from thbridge.recording.bag.scan import BagHeaderRecord, ChunkInfoRecord, ChunkRecord, ConnectionRecord, UnreadableSpan
+from thbridge.recording.bag.reading.scan import (
+    BagHeaderRecord,
+    ChunkInfoRecord,
+    ChunkRecord,
+    ConnectionRecord,
+    UnreadableSpan,
+)
 from thbridge.ros.messages.types import ODOMETRY, POSE_WITH_COVARIANCE, TFMESSAGE
 
 K = TypeVar("K")

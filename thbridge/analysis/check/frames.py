@@ -16,7 +16,7 @@ from thbridge.analysis.check.finding import (
     MessageHandler,
     OccurrenceCounter,
 )
-from thbridge.recording.bag.scan import ConnectionRecord
+from thbridge.recording.bag.reading.scan import ConnectionRecord
 from thbridge.ros.names import frame_name
 
 SHOWN = (BagTool.RVIZ, BagTool.FOXGLOVE)

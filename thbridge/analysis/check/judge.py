@@ -15,7 +15,7 @@ from thbridge.analysis.check.finding import (
     ScannedChunk,
 )
 from thbridge.analysis.check.reading import MessageReader, Reading, UnreadableMessage
-from thbridge.recording.bag.scan import (
+from thbridge.recording.bag.reading.scan import (
     BagHeaderRecord,
     BagRecord,
     ChunkInfoRecord,

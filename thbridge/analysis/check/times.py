@@ -13,7 +13,7 @@ from thbridge.analysis.check.finding import (
     OccurrenceCounter,
 )
 from thbridge.analysis.check.structure import CUT
-from thbridge.recording.bag.scan import ConnectionRecord
+from thbridge.recording.bag.reading.scan import ConnectionRecord
 
 TF_CACHE = 10.0
 """Seconds for which tf2 keeps transforms (tf2, buffer_core.h, DEFAULT_CACHE_TIME)."""

@@ -7,7 +7,7 @@ from thbridge.analysis.export.exporting import ExportSummary, export, rooms_in, 
 from thbridge.analysis.export.tables import TableRows
 from thbridge.analysis.games import game_starts
 from thbridge.analysis.progress import Tell, followed, untold
-from thbridge.recording.bag.reader import info, recorded
+from thbridge.recording.bag.reading.reader import info, recorded
 from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages.types import SESSION
 from thbridge.ros.names import ROOMS

@@ -9,7 +9,7 @@ from thbridge.analysis.export.exporting import ExportSummary
 from thbridge.analysis.progress import Tell, untold
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.table_files import TableFiles, TableFormat
-from thbridge.recording.bag.reader import info
+from thbridge.recording.bag.reading.reader import info
 
 
 def export_bag(

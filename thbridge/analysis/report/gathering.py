@@ -21,7 +21,7 @@ from thbridge.analysis.report.tracks import SeriesByTopic, deviations
 from thbridge.analysis.report.values import GoalAttempt, ObstacleTrack, Report, TimelineEntry, Track
 from thbridge.hunt.event_words import event_in_words, kind_in_words
 from thbridge.hunt.rooms import RoomNames
-from thbridge.recording.bag.reader import RawMessage
+from thbridge.recording.bag.reading.reader import RawMessage
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.goal_status import GoalStatusCode
 from thbridge.ros.messages.session_records import GameEvent, ScoreRecord, SessionRecord, UtteranceRecord

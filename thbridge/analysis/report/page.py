@@ -18,7 +18,7 @@ from thbridge.analysis.progress import Tell, followed, untold
 from thbridge.analysis.report.dialogues import ENDS, RecordedDialogues, RecordedGame
 from thbridge.analysis.report.gathering import gather_games
 from thbridge.analysis.report.values import Report, Track, label_of
-from thbridge.recording.bag.reader import info, messages
+from thbridge.recording.bag.reading.reader import info, messages
 
 
 def build_report(bag: Path, grid: OccupancyGrid | None = None, tell: Tell = untold) -> str:

@@ -10,7 +10,7 @@ from thbridge.app.compose.setting import StudySetting
 from thbridge.app.live_graph.live import TeamDescription
 from thbridge.files.ros.definitions import ROS_SHARES, Definitions
 from thbridge.recording.bag.options import DefinitionTexts, RecordingDetail
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.messages.pack import RoomLabel
 from thbridge.ros.messages.session_records import SessionRecord
 from thbridge.ros.names import CALLER

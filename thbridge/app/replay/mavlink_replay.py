@@ -26,8 +26,8 @@ from thbridge.files.errors import BadFile
 from thbridge.hunt.codec import kind_of
 from thbridge.hunt.events import RobotArrived
 from thbridge.protocols.mavlink.outgoing import LinkId
-from thbridge.recording.bag import reader as bag_reader
-from thbridge.recording.bag.reader import BagInfo
+from thbridge.recording.bag.reading import reader as bag_reader
+from thbridge.recording.bag.reading.reader import BagInfo
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.session_records import GameEvent

@@ -33,9 +33,9 @@ from thbridge.hunt.codec import kind_of
 from thbridge.hunt.events import RoomAdvised
 from thbridge.protocols.text import legacy
 from thbridge.protocols.text.lines import TextMessage
-from thbridge.recording.bag import reader as bag_reader
 from thbridge.recording.bag.options import RecordingDetail
-from thbridge.recording.bag.reader import RawMessage
+from thbridge.recording.bag.reading import reader as bag_reader
+from thbridge.recording.bag.reading.reader import RawMessage
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI
 from thbridge.roles.role import Role

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.files.errors import BadFile
-from thbridge.recording.bag.bag_file import BagFile
 from thbridge.recording.bag.options import Compression
+from thbridge.recording.bag.reading.scan import ChunkRecord, ConnectionRecord, MessageRecord, UnreadableSpan, scan
 from thbridge.recording.bag.records import BagConnection
-from thbridge.recording.bag.scan import ChunkRecord, ConnectionRecord, MessageRecord, UnreadableSpan, scan
+from thbridge.recording.bag.writing.bag_file import BagFile
 from thbridge.recording.recordings import ACTIVE
 
 

@@ -24,7 +24,7 @@ from thbridge.protocols.watching import (
     WatchStatus,
     refusal,
 )
-from thbridge.recording.bag.stream import BEGINNING, BagStream, ChunkMaker
+from thbridge.recording.bag.writing.stream import BEGINNING, BagStream, ChunkMaker
 from thbridge.ros.messages import types
 from thbridge.ros.topics import RosMessage, Topic
 from thbridge.sockets.addresses import ListeningAddress

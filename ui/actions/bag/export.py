@@ -7,7 +7,7 @@ from pathlib import Path
 
 from thbridge.analysis.export import dialogues, poses
 from thbridge.analysis.export.exporting import table_name
-from thbridge.recording.bag.reader import info
+from thbridge.recording.bag.reading.reader import info
 from thbridge.ros.messages.types import DIALOGUE_MOVE
 from ui.terminal import BAD_INPUT, command, fail
 

@@ -70,7 +70,7 @@ def bag_info_command(
 def bag_check_command(bag: Bag, as_json: AsJson = False) -> None:
     """Judge a bag: will rosbag, rviz, Foxglove, PlotJuggler and evo take it, and why not."""
     from thbridge.analysis.check import judge
-    from thbridge.recording.bag.scan import scan
+    from thbridge.recording.bag.reading.scan import scan
     from ui.actions.bag.check import judgements_as_json, show_judgements
 
     with bad_input():

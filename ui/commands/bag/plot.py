@@ -52,7 +52,7 @@ def bag_plot(
     from thbridge.analysis.report.gathering import read_games
     from thbridge.files.map_files import read_grid
     from thbridge.hunt.refusals import RequestRefused
-    from thbridge.recording.bag.reader import messages
+    from thbridge.recording.bag.reading.reader import messages
 
     kind = "svg" if to == STANDARD_OUTPUT else to.suffix.lower().removeprefix(".")
     if kind not in set(FigureFormat):

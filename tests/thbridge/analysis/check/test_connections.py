@@ -23,7 +23,7 @@ from tests.thbridge.analysis.planting import (
 )
 from tests.thbridge.offline.foreign import transform
 from thbridge.analysis.check import BagTool, FindingSeverity, judge
-from thbridge.recording.bag.scan import scan
+from thbridge.recording.bag.reading.scan import scan
 from thbridge.ros.messages.types import plain_definition
 
 

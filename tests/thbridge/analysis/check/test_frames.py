@@ -24,7 +24,7 @@ from tests.thbridge.analysis.planting import (
 )
 from tests.thbridge.offline.foreign import transform
 from thbridge.analysis.check import BagTool, FindingSeverity, judge
-from thbridge.recording.bag.scan import scan
+from thbridge.recording.bag.reading.scan import scan
 
 
 def test_static_transforms_that_replace_each_other(tmp_path: Path) -> None:

@@ -10,8 +10,8 @@ from tests.thbridge.analysis.planting import START, Form, clean, content, judged
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.analysis.check import BagTool, FindingSeverity, judge
 from thbridge.app.session.broadcast import Broadcast
-from thbridge.recording.bag.scan import scan
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.reading.scan import scan
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.messages.records import MavlinkFrame, VehicleFrame, VehicleState
 from thbridge.ros.publisher import TeamPublisher
 

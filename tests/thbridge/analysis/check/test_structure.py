@@ -6,7 +6,7 @@ import pytest
 
 from tests.thbridge.analysis.planting import Planted, clean, content, fields, found, judged, record, uint32, uint64
 from thbridge.analysis.check import BagTool, FindingSeverity, judge
-from thbridge.recording.bag.scan import scan
+from thbridge.recording.bag.reading.scan import scan
 
 
 def test_missing_index(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import pytest
 from tests.thbridge.app.replay.test_replay import STUDY, equal, record
 from thbridge.dialogue.conditions import DialogueCondition
 from thbridge.dialogue.games.strategies import Attitude
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.reader import messages
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.ros import names
 from thbridge.study.study_file import DialogueSection, MannerSection, ParticipantSection

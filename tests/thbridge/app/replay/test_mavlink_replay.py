@@ -27,8 +27,8 @@ from thbridge.protocols.mavlink.frames.frame import Frame
 from thbridge.protocols.mavlink.frames.framer import FrameParser
 from thbridge.protocols.mavlink.outgoing import LinkId
 from thbridge.protocols.text import legacy
-from thbridge.recording.bag.reader import messages
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.reading.reader import messages
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.roles.participant.tabui import ParticipantUpdate, TabUI
 from thbridge.roles.vehicles.parameters import PARAMETERS
 from thbridge.roles.view import ParticipantRequest, View

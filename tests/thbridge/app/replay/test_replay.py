@@ -57,9 +57,9 @@ from thbridge.protocols.text.lines import TextMessage
 from thbridge.protocols.text.notice import encode_notice
 from thbridge.protocols.text.router import ConnectionId, Forwarded, RouterOutput, SendToClient
 from thbridge.recording.bag.options import Compression, RecordingDetail
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.repair import reindex
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.roles.notices import KEEPER, MoveOrder, Orders, Subscribe
 from thbridge.roles.participant.bot_strategy import BotStrategy
 from thbridge.roles.participant.tabui import TabUI

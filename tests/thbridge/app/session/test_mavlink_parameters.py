@@ -16,7 +16,7 @@ from thbridge.app.compose.setting import read_setting
 from thbridge.app.session.session import Session
 from thbridge.protocols.mavlink.dialect import Message, decoded, mav
 from thbridge.protocols.mavlink.traffic import OutgoingFrame
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.reader import messages
 from thbridge.roles.robot_requests import SetParameters
 from thbridge.roles.vehicles.parameters import PARAMETERS
 from thbridge.ros.messages import unpack

@@ -17,10 +17,10 @@ from rosbags.typesys import Stores, get_typestore
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.options import Compression
-from thbridge.recording.bag.reader import info, messages
+from thbridge.recording.bag.reading.reader import info, messages
+from thbridge.recording.bag.reading.scan import ChunkRecord, MessageRecord, UnreadableSpan, scan
 from thbridge.recording.bag.repair import reindex
-from thbridge.recording.bag.scan import ChunkRecord, MessageRecord, UnreadableSpan, scan
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.publisher import RosMessage, Topic
 
 PLAIN = Definitions(())
@@ -242,7 +242,7 @@ WRITE = """
 import sys
 import time
 from pathlib import Path
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.files.ros.definitions import Definitions
 from thbridge.ros.publisher import RosMessage, Topic
 

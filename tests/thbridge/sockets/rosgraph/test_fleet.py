@@ -15,8 +15,8 @@ from sim.common.observations import STANDSTILL
 from sim.inputs import KidnapRobot, PlaceRobot, SendGoal, SetCharge
 from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, NoPath
 from sim.team import TeamSnapshot
-from thbridge.recording.bag.reader import messages
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.reading.reader import messages
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.recording.real_robots import FleetRecorder
 from thbridge.ros import names
 from thbridge.ros.messages import pack, types, unpack

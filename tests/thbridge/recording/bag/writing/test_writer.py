@@ -11,19 +11,19 @@ import pytest
 from rosbags.rosbag1 import Reader
 from rosbags.rosbag1.reader import decompressors
 
-from tests.thbridge.recording.bag.inline_queue import InlineQueue
+from tests.thbridge.recording.bag.writing.inline_queue import InlineQueue
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import Definitions
-from thbridge.recording.bag import bag_file
-from thbridge.recording.bag import chunks as bag_chunks
-from thbridge.recording.bag import writer as bag_writer
-from thbridge.recording.bag.bag_file import BagFile
 from thbridge.recording.bag.options import Compression, SplitLimits
-from thbridge.recording.bag.reader import info, messages
+from thbridge.recording.bag.reading.reader import info, messages
 from thbridge.recording.bag.repair import reindex
-from thbridge.recording.bag.worker import JobQueue, WorkerThread
-from thbridge.recording.bag.writer import WHOLE, BagNotWritten, BagWriter
+from thbridge.recording.bag.writing import bag_file
+from thbridge.recording.bag.writing import chunks as bag_chunks
+from thbridge.recording.bag.writing import writer as bag_writer
+from thbridge.recording.bag.writing.bag_file import BagFile
+from thbridge.recording.bag.writing.worker import JobQueue, WorkerThread
+from thbridge.recording.bag.writing.writer import WHOLE, BagNotWritten, BagWriter
 from thbridge.recording.recordings import make_room, parts_of
 from thbridge.ros.publisher import RosMessage, TeamPublisher, Topic
 

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.recording.append import sync_folder
-from thbridge.recording.bag.bag_file import ChunkFile
-from thbridge.recording.bag.chunks import Chunk, ChunkBuilder
 from thbridge.recording.bag.options import Compression, SplitLimits
 from thbridge.recording.bag.records import BagConnection
-from thbridge.recording.bag.worker import JobQueue
+from thbridge.recording.bag.writing.bag_file import ChunkFile
+from thbridge.recording.bag.writing.chunks import Chunk, ChunkBuilder
+from thbridge.recording.bag.writing.worker import JobQueue
 from thbridge.recording.recordings import ACTIVE, active_of, part_of
 
 

@@ -4,8 +4,6 @@ import errno
 import os
 from pathlib import Path
 
-from thbridge.recording.bag.chunks import Chunk, ChunkBuilder
-from thbridge.recording.bag.disk_room import reserve_space
 from thbridge.recording.bag.options import Compression
 from thbridge.recording.bag.records import (
     MAGIC,
@@ -16,6 +14,8 @@ from thbridge.recording.bag.records import (
     connection_record,
     index_record,
 )
+from thbridge.recording.bag.writing.chunks import Chunk, ChunkBuilder
+from thbridge.recording.bag.writing.disk_room import reserve_space
 
 NAMELESS = ".new"
 """Suffix of a file that does not have a bag's first record yet."""

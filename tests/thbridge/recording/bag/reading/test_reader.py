@@ -7,10 +7,10 @@ from rosbags.typesys import Stores, get_typestore
 
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
-from thbridge.recording.bag.bag_file import BagFile
 from thbridge.recording.bag.options import Compression
-from thbridge.recording.bag.reader import BagInfo, TopicInfo, info, messages, recorded
-from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.bag.reading.reader import BagInfo, TopicInfo, info, messages, recorded
+from thbridge.recording.bag.writing.bag_file import BagFile
+from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.publisher import RosMessage, Topic
 
 PLAIN = Definitions(())

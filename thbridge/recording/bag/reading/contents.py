@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from thbridge.recording.bag.chunk_reader import entries_in
 from thbridge.recording.bag.damage import damage_as_bad_file
-from thbridge.recording.bag.reader import opened
+from thbridge.recording.bag.reading.chunk_reader import entries_in
+from thbridge.recording.bag.reading.reader import opened
 
 
 @dataclass(frozen=True, slots=True, eq=False)

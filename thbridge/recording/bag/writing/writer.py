@@ -9,11 +9,11 @@ from typing import Self
 
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
-from thbridge.recording.bag.chunks import Chunk, ChunkBuilder
 from thbridge.recording.bag.options import Compression, SplitLimits
-from thbridge.recording.bag.parts import QueuedChunk, SplitBagWriter
 from thbridge.recording.bag.records import BagConnection
-from thbridge.recording.bag.worker import JobQueue, WorkerThread
+from thbridge.recording.bag.writing.chunks import Chunk, ChunkBuilder
+from thbridge.recording.bag.writing.parts import QueuedChunk, SplitBagWriter
+from thbridge.recording.bag.writing.worker import JobQueue, WorkerThread
 from thbridge.recording.recordings import active_of, part_of, parts_of
 from thbridge.ros.names import CALLER
 from thbridge.ros.topics import MessageFilter, RosMessage, Topic

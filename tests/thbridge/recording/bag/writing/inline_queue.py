@@ -1,6 +1,6 @@
 """A job queue without a thread, so that a test knows when a job is done."""
 
-from thbridge.recording.bag.worker import Job
+from thbridge.recording.bag.writing.worker import Job
 
 
 class InlineQueue:

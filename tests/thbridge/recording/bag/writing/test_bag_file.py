@@ -8,10 +8,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from rosbags.rosbag1.reader import Header, RecordType
 
-from thbridge.recording.bag.bag_file import BagFile
 from thbridge.recording.bag.options import Compression
-from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.reading.reader import messages
 from thbridge.recording.bag.records import chunk_record
+from thbridge.recording.bag.writing.bag_file import BagFile
 from thbridge.ros.messages.types import plain_definition
 
 STRING = plain_definition("std_msgs/String")

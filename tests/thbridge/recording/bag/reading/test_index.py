@@ -7,15 +7,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from thbridge.files.errors import BadFile
-from thbridge.recording.bag import reader as bag_reader
-from thbridge.recording.bag.bag_file import BagFile, ChunkFile
-from thbridge.recording.bag.chunk_reader import WHOLE
-from thbridge.recording.bag.chunks import ChunkBuilder
-from thbridge.recording.bag.index import BagIndex, open_index
 from thbridge.recording.bag.options import Compression
-from thbridge.recording.bag.reader import RawMessage
+from thbridge.recording.bag.reading import reader as bag_reader
+from thbridge.recording.bag.reading.chunk_reader import WHOLE
+from thbridge.recording.bag.reading.index import BagIndex, open_index
+from thbridge.recording.bag.reading.reader import RawMessage
+from thbridge.recording.bag.reading.scan import MessageRecord, scan
 from thbridge.recording.bag.records import BagConnection
-from thbridge.recording.bag.scan import MessageRecord, scan
+from thbridge.recording.bag.writing.bag_file import BagFile, ChunkFile
+from thbridge.recording.bag.writing.chunks import ChunkBuilder
 from thbridge.ros.messages import types
 from thbridge.ros.messages.pack.fields import string
 

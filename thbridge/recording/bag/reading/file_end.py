@@ -9,8 +9,8 @@ import numpy as np
 from rosbags.rosbag1.reader import Header, RecordType, normalize, read_bytes, read_uint32
 
 from thbridge.files.errors import BadFile
-from thbridge.recording.bag.chunk_reader import ChunkInfo
 from thbridge.recording.bag.damage import MAGIC, VERSION, unfinished
+from thbridge.recording.bag.reading.chunk_reader import ChunkInfo
 from thbridge.recording.bag.records import BagConnection
 
 STEP = 64

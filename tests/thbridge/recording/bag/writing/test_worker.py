@@ -3,8 +3,8 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.thbridge.recording.bag.inline_queue import InlineQueue
-from thbridge.recording.bag.worker import JobQueue, WorkerThread
+from tests.thbridge.recording.bag.writing.inline_queue import InlineQueue
+from thbridge.recording.bag.writing.worker import JobQueue, WorkerThread
 
 LANES: list[Callable[[], JobQueue]] = [InlineQueue, lambda: WorkerThread("test")]
 PATIENCE = 30.0

@@ -9,9 +9,9 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from thbridge.recording.bag.chunk_reader import ChunkInfo, ChunkReader
 from thbridge.recording.bag.damage import check_is_bag, damage_as_bad_file
-from thbridge.recording.bag.file_end import FileEnd, read_end
+from thbridge.recording.bag.reading.chunk_reader import ChunkInfo, ChunkReader
+from thbridge.recording.bag.reading.file_end import FileEnd, read_end
 from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.recordings import parts_of
 

@@ -15,10 +15,10 @@ from typing import BinaryIO, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from thbridge.recording.bag.chunk_reader import ChunkInfo, ChunkReader, entries_in
 from thbridge.recording.bag.damage import check_is_bag, damage_as_bad_file, unfinished
-from thbridge.recording.bag.file_end import FileEnd, read_end
-from thbridge.recording.bag.reader import RawMessage
+from thbridge.recording.bag.reading.chunk_reader import ChunkInfo, ChunkReader, entries_in
+from thbridge.recording.bag.reading.file_end import FileEnd, read_end
+from thbridge.recording.bag.reading.reader import RawMessage
 from thbridge.recording.recordings import active_of, parts_of
 
 CHUNKS_KEPT = 2048
