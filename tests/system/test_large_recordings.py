@@ -13,8 +13,8 @@ from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.publisher import TeamPublisher
 
-ROBOTS, TICKS = 2, 6000
-MEGABYTES = 25.0
+ROBOTS, TICKS = 2, 3000
+MEGABYTES = 12.0
 
 
 def write(bag: Path, ticks: int) -> Path:

@@ -18,9 +18,24 @@ from tests.thbridge.batch.rig import InlineEngine, games, run
 pytest.importorskip("distributed")
 pytest.importorskip("submitit")
 
+from thbridge.batch.engines import dask
 from thbridge.batch.engines.dask import DaskEngine
 from thbridge.batch.engines.engine import EngineFailed
 from thbridge.batch.engines.slurm import SlurmEngine
+
+FEW = """\
+base: {game.energy: 20}
+factors:
+  noise.preset: [none, bad wheels]
+seeds: [3, 5]
+chunk: 1
+verify: 1
+max_seconds: 2
+"""
+"""Four games, each played twice: that chunks are carried out elsewhere, and what of, is seen in each of them."""
+
+OF_AGAIN = ["messages", "verified"]
+"""Columns that games have when they are played again."""
 
 ROOT = Path(__file__).parents[3]
 SURROUNDINGS = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -30,7 +45,7 @@ SURROUNDINGS = {**os.environ, "PYTHONPATH": str(ROOT)}
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A sweep that was played in this process."""
     root = tmp_path_factory.mktemp("whole") / "sweep"
-    run(root, InlineEngine())
+    run(root, InlineEngine(), FEW)
     return root
 
 
@@ -58,7 +73,7 @@ def _address(place: Path) -> str:
     while time.monotonic() < deadline:
         if place.exists() and (text := place.read_text()):
             return json.loads(text)["address"]
-        os.sched_yield()
+        time.sleep(0.02)
     raise TimeoutError
 
 
@@ -82,23 +97,29 @@ def test_dask_workers_play_the_same_games_though_one_is_killed(
                     os.kill(pid, signal.SIGKILL)
                     killed.append(pid)
                     break
+            time.sleep(0.002)
 
     killer = Thread(target=kill)
     killer.start()
-    told = run(root, DaskEngine(address))
+    told = run(root, DaskEngine(address), FEW)
     killer.join()
     assert killed[0] in workers
-    assert (told.games, told.played, told.verified, told.differing) == (12, 12, 12, 0)
+    assert (told.games, told.played, told.verified, told.differing) == (4, 4, 4, 0)
     assert games(root).equals(games(whole))
-    assert len(list(root.glob("games/*/*.parquet"))) == 8
+    assert len(list(root.glob("games/*/*.parquet"))) == 4
 
 
-def test_nobody_answers_for_dask() -> None:
+def test_nobody_answers_for_dask(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(dask, "CONNECT_SECONDS", 0.5)
     with pytest.raises(EngineFailed, match=r"No Dask scheduler answers at tcp://127\.0\.0\.1:9 "):
         DaskEngine("tcp://127.0.0.1:9")
 
 
-def test_jobs_play_the_same_games(whole: Path, tmp_path: Path) -> None:
-    told = run(tmp_path / "sweep", SlurmEngine(2, tmp_path / "log", {}, cluster="local"))
-    assert (told.played, told.verified, told.differing) == (12, 12, 0)
-    assert games(tmp_path / "sweep").equals(games(whole))
+@pytest.mark.parametrize("again", [0, pytest.param(4, marks=pytest.mark.slow)])
+def test_jobs_play_the_same_games(again: int, whole: Path, tmp_path: Path) -> None:
+    """Games that are played again go to other jobs, after all of the first."""
+    design = FEW if again else FEW.replace("verify: 1", "verify: 0")
+    told = run(tmp_path / "sweep", SlurmEngine(2, tmp_path / "log", {}, cluster="local"), design)
+    assert (told.played, told.verified, told.differing) == (4, again, 0)
+    played, there = (games(root).drop_columns(OF_AGAIN) for root in (tmp_path / "sweep", whole))
+    assert played.equals(there)
