@@ -117,7 +117,7 @@ class TableFiles:
         Raises:
             OSError: the disk is full, or the like.
         """
-        done, total = 0, sum(map(len, self._waiting.values()))
+        done, total = 0, sum(map(len, self._waiting.values()))  # of integers
         for name, extents in self._waiting.items():
             pieces = (_unpacked(self._spool.get(*extent)) for extent in extents)
             for _ in _write_parquet(self._folder / f"{name}.parquet", pieces):
