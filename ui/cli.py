@@ -9,19 +9,19 @@ from ui.commands.argue import argue
 from ui.commands.bag import bag
 from ui.commands.bag.export import bag_export
 from ui.commands.bag.plot import bag_plot
-from ui.commands.drive import GoalWithYaw, drive
 from ui.commands.group import CommandGroup
-from ui.commands.localize import localize_command
 from ui.commands.maps.maps import maps_app
 from ui.commands.maps.measure import maps_measure
 from ui.commands.maps.new import maps_edit, maps_new
 from ui.commands.mavlink import mavlink_app
-from ui.commands.plan import plan
+from ui.commands.offline.drive import GoalWithYaw, drive
+from ui.commands.offline.localize import localize_command
+from ui.commands.offline.plan import plan
+from ui.commands.offline.scan import scan
 from ui.commands.play import play
 from ui.commands.replay import replay_command
 from ui.commands.report import report
 from ui.commands.ros import ros_app
-from ui.commands.scan import scan
 from ui.commands.study.edit import study_edit
 from ui.commands.study.study import study_app
 from ui.commands.suggest import suggest

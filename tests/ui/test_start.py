@@ -13,7 +13,7 @@ from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.footprint import pad, radii
 from thbridge.recording.bag.writing.writer import BagWriter
 from thbridge.ros.topics import RosMessage, Topic
-from ui.commands.plan import INFLATION, RADIUS
+from ui.commands.offline.plan import INFLATION, RADIUS
 
 ROOT = Path(__file__).parents[2]
 HEAVY = {"numpy", "numba", "scipy", "matplotlib", "pyarrow", "pymavlink", "rosbags", "PySide6", "pydantic", "asyncio"}

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from ui.cli import app
 
-OFFICE = Path(__file__).parents[3] / "maps" / "office" / "map.yaml"
+OFFICE = Path(__file__).parents[4] / "maps" / "office" / "map.yaml"
 CORRIDOR = ("--start", "0", "0", "0")
 
 
