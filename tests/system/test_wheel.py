@@ -56,6 +56,12 @@ def run(*command: str, cwd: Path, **environment: str) -> subprocess.CompletedPro
     return subprocess.run(command, cwd=cwd, env=environment, check=False, capture_output=True, text=True)
 
 
+def examples_of(page: str) -> str:
+    """The examples of a page as one program, which says in the end where the interface is from."""
+    text = (ROOT / "docs" / page).read_text()
+    return "\n".join([*re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL), "print(api.__file__)"])
+
+
 def test_the_wheel_carries_maps_templates_and_the_page_of_reports(tmp_path: Path) -> None:
     installed = install(tmp_path)
     loaded = run(sys.executable, "-c", LOAD, cwd=tmp_path / "elsewhere", PYTHONPATH=str(installed))
@@ -68,11 +74,27 @@ def test_the_wheel_carries_maps_templates_and_the_page_of_reports(tmp_path: Path
 @pytest.mark.parametrize("page", ["api.md", "learning.md"])
 def test_the_examples_of_the_documentation_run_from_the_wheel(tmp_path: Path, page: str) -> None:
     installed = install(tmp_path)
-    examples = re.findall(r"^```python\n(.*?)^```$", (ROOT / "docs" / page).read_text(), re.MULTILINE | re.DOTALL)
-    program = "\n".join([*examples, "print(api.__file__)"])
-    done = run(sys.executable, "-c", program, cwd=tmp_path / "elsewhere", PYTHONPATH=str(installed))
+    done = run(sys.executable, "-c", examples_of(page), cwd=tmp_path / "elsewhere", PYTHONPATH=str(installed))
     assert done.returncode == 0, done.stderr
     assert Path(done.stdout.splitlines()[-1]).is_relative_to(installed)
+
+
+@pytest.mark.slow
+def test_the_examples_run_where_nothing_is_but_the_wheel_and_what_it_names(tmp_path: Path) -> None:
+    """A dependency that only the project's own environment has is missing here; versions are those of the lock."""
+    uv = Path(sys.executable).with_name("uv")
+    python = tmp_path / "empty" / "bin" / "python"
+    for command in (
+        (uv, "build", "--quiet", "--wheel", "--no-build-isolation", "--out-dir", tmp_path, ROOT),
+        (uv, "venv", "--quiet", "--python", sys.executable, tmp_path / "empty"),
+    ):
+        subprocess.run(command, check=True)
+    (wheel,) = tmp_path.glob("*.whl")
+    lock = ("--constraint", ROOT / "requirements.lock")
+    subprocess.run([uv, "pip", "install", "--quiet", "--python", python, *lock, wheel], check=True)
+    done = run(str(python), "-I", "-c", examples_of("api.md"), cwd=tmp_path / "elsewhere")
+    assert done.returncode == 0, done.stderr
+    assert Path(done.stdout.splitlines()[-1]).is_relative_to(tmp_path / "empty")
 
 
 @pytest.mark.slow
