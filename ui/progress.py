@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TaskID, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
-from thbridge.analysis.progress import Tell
+from thbridge.files.progress import Tell
 from ui.terminal import err
 
 

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from thbridge.analysis.progress import Tell, untold
 from thbridge.files.errors import BadFile
+from thbridge.files.progress import Tell, untold
 from ui.outputs import STANDARD_OUTPUT, destination
 from ui.terminal import note
 

@@ -2,7 +2,7 @@
 
 import base64
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import chain
@@ -14,6 +14,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 from pyarrow import compute, csv, ipc, parquet
 
+from thbridge.files.progress import Tell
 from thbridge.files.spool import SpoolFile
 
 Array: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.generic[object]]]"
@@ -108,11 +109,11 @@ class TableFiles:
             with (self._folder / f"{name}.csv").open("ab") as file:
                 csv.write_csv(plain, file, options)
 
-    def finish(self, tell: Callable[[str, int, int], None]) -> None:
+    def finish(self, tell: Tell) -> None:
         """Finish every file.
 
         Args:
-            tell: takes what is counted, how many are done, and of how many.
+            tell: takes how far it is.
 
         Raises:
             OSError: the disk is full, or the like.

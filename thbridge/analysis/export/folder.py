@@ -6,8 +6,8 @@ from pathlib import Path
 from thbridge.analysis.export.bag_rows import rows_of_bag
 from thbridge.analysis.export.dictionary import dictionary_csv, readme, session_json
 from thbridge.analysis.export.exporting import ExportSummary
-from thbridge.analysis.progress import Tell, untold
 from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.progress import Tell, untold
 from thbridge.files.table_files import TableFiles, TableFormat
 from thbridge.recording.bag.reading.reader import info
 

@@ -14,10 +14,10 @@ from sim.numerics.float_array import FloatArray
 from thbridge.analysis.plot.figures import energy, error, timeline
 from thbridge.analysis.plot.paths import paths
 from thbridge.analysis.plot.style import PAGE, FigureFormat, FigureStyle, clock, colour
-from thbridge.analysis.progress import Tell, followed, untold
 from thbridge.analysis.report.dialogues import ENDS, RecordedDialogues, RecordedGame
 from thbridge.analysis.report.gathering import gather_games
 from thbridge.analysis.report.values import Report, Track, label_of
+from thbridge.files.progress import Tell, followed, untold
 from thbridge.recording.bag.reading.reader import info, messages
 
 

@@ -1,4 +1,4 @@
-"""Progress of long work on a recording, told to whoever shows it."""
+"""Progress of long work on files, told to whoever shows it."""
 
 from collections.abc import Callable, Iterable, Iterator
 from typing import TypeAlias, TypeVar
