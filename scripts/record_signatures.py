@@ -15,37 +15,48 @@ os.environ["NUMBA_CACHE_DIR"] = FOLDER.name
 
 from numba.core import event  # noqa: E402
 
-from sim.numerics.signatures import RECORDED, as_line  # noqa: E402
+from sim.numerics.signatures import RECORDED, as_line, is_kernel  # noqa: E402
 from sim.team import Team  # noqa: E402
 from ui.cli import main  # noqa: E402
 
 STUDY = "robots: 2\n"
 
 
-class CallsFromOutside(event.Listener):
-    """What Python calls, with the seconds that it takes to compile it."""
+class Compilations(event.Listener):
+    """Kernels in the order in which a hunt has them compiled, what they call before them, with the seconds of each."""
 
     def __init__(self) -> None:
         self.lines: list[tuple[float, str]] = []
         self.ticks = 0
-        self._began: list[float] = []
+        self._own: list[float] = []
+        self._since = 0.0
 
     def on_start(self, _: object) -> None:
         """A compilation begins."""
-        self._began.append(time.process_time())
+        self._switch()
+        self._own.append(0.0)
 
     def on_end(self, ended: event.Event) -> None:
         """A compilation has ended, perhaps one within another."""
-        seconds = time.process_time() - self._began.pop()
+        self._switch()
+        seconds = self._own.pop()
         kernel = ended.data["dispatcher"]
-        if not self._began and kernel.py_func.__module__.startswith(("sim.", "thbridge.")):
-            line = as_line(kernel, ended.data["args"], moves=self.ticks > 0)
-            self.lines.append((seconds, line))
+        # Formulas go by a name that is a plain function's.
+        if is_kernel(kernel):
+            self.lines.append((seconds, as_line(kernel, ended.data["args"], moves=self.ticks > 0)))
+        elif self._own:
+            self._own[-1] += seconds
+
+    def _switch(self) -> None:
+        now = time.process_time()
+        if self._own:
+            self._own[-1] += now - self._since
+        self._since = now
 
 
 # What was recorded before would be compiled ahead by others, out of sight.
 RECORDED.write_text("")
-calls = CallsFromOutside()
+calls = Compilations()
 event.register("numba:compile", calls)
 step = Team.step
 
@@ -76,7 +87,6 @@ Path("study.yaml").write_text(STUDY)
 try:
     main()
 except SystemExit:
-    longest_first = sorted(calls.lines, reverse=True)
-    RECORDED.write_text("".join(f"{line}\n" for _, line in longest_first))
-    print(f"{len(longest_first)} calls, {sum(seconds for seconds, _ in longest_first):.1f} s of compiling")
-    print(sum(seconds for seconds, line in longest_first if '"moves": false' in line), "s before the first tick")
+    RECORDED.write_text("".join(f"{line}\n" for _, line in calls.lines))
+    print(f"{len(calls.lines)} kernels, {sum(seconds for seconds, _ in calls.lines):.1f} s of compiling")
+    print(sum(seconds for seconds, line in calls.lines if '"moves": false' in line), "s before the first tick")

@@ -1,22 +1,22 @@
 """The first start, which compiles the simulator: what hunts need is compiled ahead of them, on several cores."""
 
-import gc
 import os
-import signal
 import subprocess
 import sys
 from contextlib import suppress
-from queue import SimpleQueue
-from threading import Thread
+from threading import Event, Thread
 
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from sim.numerics.signatures import RECORDED, compile_call, missing
+from sim.numerics.kernels import wait_for_others
+from sim.numerics.signatures import RECORDED, kept_at, missing
 from sim.numerics.sources import ROOT
 from ui.terminal import err, note
 
 COMPILERS = 4
 """Processes that compile, at most: each takes 200 MB."""
+BESIDE = 5
+"""How nice processes are that compile beside a hunt."""
 NOTICE = "Compiling the simulator for this machine, at the first start only"
 
 
@@ -35,44 +35,32 @@ def compile_ahead(*, whole_hunt: bool) -> None:
     """Compile what a hunt usually needs, and show how far that is.
 
     Args:
-        whole_hunt: return when all is done; else when the first tick can be, and the rest is compiled beside the hunt.
+        whole_hunt: return when all is done; else when the first tick can be, and the rest is compiled beside the hunt,
+            which waits for what it needs and has not.
     """
-    first = missing(before_moves=not whole_hunt)
-    later = [call for call in missing(before_moves=False) if call not in first]
-    if not first and not later:
+    calls = missing(before_moves=False)
+    first = calls if whole_hunt else missing(before_moves=True)
+    if not calls:
         return
-    compilers = min(_cores(), COMPILERS, len(first) + len(later))
-    done = _compiled([*first, *later], compilers)
+    done = _compiled([*first, *(call for call in calls if call not in first)], beside=set(calls).difference(first))
     if not err.is_terminal:
         note(f"{NOTICE}.")
-    columns = (TextColumn(NOTICE), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    columns = (TextColumn(NOTICE), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=err, transient=True, disable=not err.is_terminal) as bar:
-        task, left = bar.add_task("", total=len(first)), set(first)
-        while left and compilers:
-            call = done.get()
-            left.discard(call)
-            compilers -= not call
-            bar.update(task, completed=len(first) - len(left))
+        for call in bar.track(first, description=""):
+            done[call].wait()
 
 
-def compile_calls() -> None:
-    """Compile the calls that come in on standard input, and say so of each: the program of a process beside a hunt."""
-    # Ctrl-C is for the hunt; with it, the input ends.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # A compiler makes few cycles, and many objects that are looked through for them: an eighth of its time.
-    gc.disable()
-    for call in sys.stdin:
-        # A kernel that cannot be compiled so is compiled when it is called, and then says why not.
-        with suppress(Exception):
-            compile_call(call)
-        sys.stdout.write("\n")
-        sys.stdout.flush()
+def _compiled(calls: list[str], beside: set[str]) -> dict[str, Event]:
+    """Return what is set when a call was compiled, or nobody is left who might.
 
-
-def _compiled(calls: list[str], compilers: int) -> SimpleQueue[str]:
-    """Return a queue of calls that were compiled, filled by as many processes, each of which ends with an empty one."""
-    ahead, done = iter(calls), SimpleQueue[str]()
-    command = [sys.executable, "-P", "-c", "from ui.first_start import compile_calls; compile_calls()"]
+    Processes compile the calls as they are sorted. This one waits for them before it would compile one itself; those
+    beside a hunt take what time others leave.
+    """
+    done = {call: Event() for call in calls}
+    wait_for_others({kept_at(call): compiled.wait for call, compiled in done.items()})
+    ahead = iter(calls)
+    command = [sys.executable, "-P", "-c", "from ui.compiler_process import compile_calls; compile_calls()"]
     # The same sources, wherever these were found.
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
 
@@ -87,14 +75,25 @@ def _compiled(calls: list[str], compilers: int) -> SimpleQueue[str]:
         )
         with suppress(BrokenPipeError), process:
             for call in ahead:
-                print(call, file=process.stdin, flush=True)
-                if not (process.stdout and process.stdout.readline()):
-                    break
-                done.put(call)
-        done.put("")
+                try:
+                    if call in beside:
+                        os.setpriority(os.PRIO_PROCESS, process.pid, BESIDE)
+                    print(call, file=process.stdin, flush=True)
+                    if not (process.stdout and process.stdout.readline()):
+                        break
+                finally:
+                    done[call].set()
 
-    for _ in range(compilers):
-        Thread(target=hand_out, daemon=True).start()
+    def hand_out_all() -> None:
+        helpers = [Thread(target=hand_out, daemon=True) for _ in range(min(_cores(), COMPILERS, len(calls)))]
+        for helper in helpers:
+            helper.start()
+        for helper in helpers:
+            helper.join()
+        for compiled in done.values():
+            compiled.set()
+
+    Thread(target=hand_out_all, daemon=True).start()
     return done
 
 

@@ -158,16 +158,19 @@ def placed_at(footprint: FloatArray, x: float, y: float, theta: float) -> FloatA
 def near_wall(corners: FloatArray, clearance: Clearance, frame: GridFrame, margin: float) -> bool:
     """Return True when a body overlaps an occupied cell, at edges or inside, or comes within `margin` metres of one."""
     body = np.empty_like(corners)  # in cells: columns, rows
+    left, right, bottom, top = np.inf, -np.inf, np.inf, -np.inf
     for k in range(corners.shape[0]):
         dx = corners[k, 0] - frame.x
         dy = corners[k, 1] - frame.y
         body[k, 0] = (frame.cos * dx + frame.sin * dy) / frame.resolution
         body[k, 1] = (frame.cos * dy - frame.sin * dx) / frame.resolution
+        left, right = min(left, body[k, 0]), max(right, body[k, 0])
+        bottom, top = min(bottom, body[k, 1]), max(top, body[k, 1])
     margin /= frame.resolution
-    first_col = max(0, math.floor(body[:, 0].min() - margin))
-    last_col = min(clearance.shape[1] - 1, math.floor(body[:, 0].max() + margin))
-    first_row = max(0, math.floor(body[:, 1].min() - margin))
-    last_row = min(clearance.shape[0] - 1, math.floor(body[:, 1].max() + margin))
+    first_col = max(0, math.floor(left - margin))
+    last_col = min(clearance.shape[1] - 1, math.floor(right + margin))
+    first_row = max(0, math.floor(bottom - margin))
+    last_row = min(clearance.shape[0] - 1, math.floor(top + margin))
     cell = np.empty((4, 2))
     for row in range(first_row, last_row + 1):
         for col in range(first_col, last_col + 1):

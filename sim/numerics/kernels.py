@@ -1,13 +1,14 @@
 """numba's compiler, and a place for compiled code where none that belongs to other sources is ever found."""
 
+import fcntl
 import hashlib
 import inspect
 import os
 import pickle
 import shutil
 import sys
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from functools import cache as once
 from pathlib import Path
 from tempfile import NamedTemporaryFile, TemporaryDirectory, TemporaryFile
@@ -18,8 +19,10 @@ import numba
 import numpy as np
 from numba import config, types
 from numba.core.compiler import CompileResult
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.serialize import dumps
-from numba.extending import register_jitable
+from numba.core.typing.templates import infer_global
 from numba.misc.appdirs import AppDirs
 
 from sim.numerics import elementary
@@ -30,16 +33,16 @@ if TYPE_CHECKING:
 
 F = TypeVar("F")
 
-__all__ = ["folder_of", "is_kept", "njit", "register_jitable"]
+__all__ = ["file_of", "folder_of", "njit", "register_formula", "wait_for_others"]
 
 KEPT_DAYS = 30
 """Compiled code that no program has used for so long goes; days."""
 KEPT_VERSIONS = 16
 """How many versions of a module keep their compiled code, those used last; more than will run at the same time."""
 
-# Plain code calls these, too, in programs that need no compiler.
-for _, _formula in inspect.getmembers(elementary, inspect.isfunction):
-    register_jitable(_formula)
+_OTHERS: dict[Path, Callable[[], object]] = {}
+_FORMULAS: list["_Kernel"] = []
+"""They live as long as the program: types hold them by weak references."""
 
 
 def njit(*, cache: bool, nogil: bool = False) -> Callable[[F], F]:
@@ -51,12 +54,21 @@ def njit(*, cache: bool, nogil: bool = False) -> Callable[[F], F]:
     """
 
     def compiled(function: F) -> F:
-        kernel: F = numba.njit(nogil=nogil)(function)
-        if cache and not config.DISABLE_JIT:
-            kernel._cache = _CompiledCode(function)  # type: ignore[attr-defined]  # where numba has its own
+        if config.DISABLE_JIT:
+            return function
+        # Nobody goes C's way to call a kernel, which is no small part of what is compiled else.
+        options = {"nopython": True, "nogil": nogil, "no_cfunc_wrapper": True}
+        kernel: F = _Kernel(function, targetoptions=options) if cache else numba.njit(**options)(function)
         return kernel
 
     return compiled
+
+
+def register_formula(formula: object) -> None:
+    """Let kernels call a plain function, which stays one for others, in programs that need no compiler."""
+    kernel = _Kernel(formula, targetoptions={"nopython": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True})
+    infer_global(formula, types.Dispatcher(kernel))
+    _FORMULAS.append(kernel)
 
 
 def folder_of(source: Path) -> Path:
@@ -70,10 +82,15 @@ def folder_of(source: Path) -> Path:
     return _cache() / f"{'.'.join(module.with_suffix('').parts)}-{key}"
 
 
-def is_kept(kernel: object, signature: tuple[types.Type, ...]) -> bool:
-    """Return True when a kernel's code for a signature was compiled before, and needs only be loaded."""
+def file_of(kernel: object, signature: tuple[types.Type, ...]) -> Path:
+    """Return the file of a kernel's code for a signature; once it is there, the code needs only be loaded."""
     # A kernel is a dispatcher of numba's.
-    return kernel._cache.file(signature, kernel.targetctx).exists()  # type: ignore[attr-defined,no-any-return]
+    return kernel._cache.file(signature, kernel.targetctx)  # type: ignore[attr-defined,no-any-return]
+
+
+def wait_for_others(compiled: Mapping[Path, Callable[[], object]]) -> None:
+    """Wait for code that others are about to compile, by the file it will be in, instead of compiling it as well."""
+    _OTHERS.update(compiled)
 
 
 @once
@@ -114,6 +131,26 @@ def _tidy(new: Path) -> None:
         shutil.rmtree(folder, ignore_errors=True)
 
 
+class _Kernel(CPUDispatcher):  # type: ignore[misc]  # numba has no types
+    """A compiled function, of which a machine compiles each signature once."""
+
+    def __init__(self, function: object, targetoptions: dict[str, bool]) -> None:
+        super().__init__(function, targetoptions=targetoptions)
+        # Where numba has its own.
+        self._cache = _CompiledCode(function)
+
+    def compile(self, signature: tuple[types.Type, ...]) -> object:
+        """Compile or load the code for a signature; if another process is compiling it, wait for that and load it."""
+        # The compiler's lock comes first: whoever has it may wait for a claim, which no other thread of ours has then.
+        with global_compiler_lock, nullcontext() if signature in self.overloads else self._cache.claimed(signature):
+            return super().compile(signature)
+
+    def get_call_template(self, arguments: Iterable[types.Type], named: dict[str, types.Type]) -> object:
+        """Find the code for a call by another kernel; that for any number serves one written in the caller's text."""
+        named = {name: types.unliteral(kind) for name, kind in named.items()}
+        return super().get_call_template(tuple(map(types.unliteral, arguments)), named)
+
+
 class _CompiledCode:
     """The compiled code of one function; it stands where numba has its own cache, and has the methods that are called.
 
@@ -143,14 +180,39 @@ class _CompiledCode:
     def save_overload(self, signature: object, compiled: CompileResult) -> None:
         """Keep what was compiled for a signature; where that fails, it is compiled again next time."""
         with suppress(OSError):
-            if not self._folder.exists():
-                self._folder.mkdir(exist_ok=True)
-                _tidy(self._folder)
+            self._make_folder()
             with NamedTemporaryFile(dir=self._folder, delete=False) as file:
                 file.write(dumps((signature, compiled._reduce())))
             Path(file.name).replace(self.file(signature, compiled.target_context))
+
+    @contextmanager
+    def claimed(self, signature: object) -> Iterator[None]:
+        """Let no other process compile for a signature meanwhile; a process that ends, in whatever way, has no claim.
+
+        Claims never wait in a circle: who waits for a kernel claims none but its callers, and no kernel calls itself.
+        """
+        with ExitStack() as claim:
+            with suppress(OSError):
+                kept = self.file(signature, cpu_target.target_context)
+                if kept in _OTHERS:
+                    _OTHERS[kept]()
+                if not kept.exists():
+                    self._make_folder()
+                    file = claim.enter_context(Path(f"{kept}.claim").open("w"))
+                    fcntl.flock(file, fcntl.LOCK_EX)
+                    claim.callback(Path(file.name).unlink, missing_ok=True)
+            yield
 
     def file(self, signature: object, target: "BaseContext") -> Path:
         """Return the file of a signature's code for this processor, whether or not it exists."""
         which = f"{signature} {target.codegen().magic_tuple()}"
         return self._folder / f"{self._name}-{hashlib.blake2b(which.encode(), digest_size=8).hexdigest()}"
+
+    def _make_folder(self) -> None:
+        if not self._folder.exists():
+            self._folder.mkdir(exist_ok=True)
+            _tidy(self._folder)
+
+
+for _, _formula in inspect.getmembers(elementary, inspect.isfunction):
+    register_formula(_formula)

@@ -7,11 +7,11 @@ import numpy as np
 
 from sim.numerics import elementary, noise
 from sim.numerics.float_array import FloatArray
-from sim.numerics.kernels import njit, register_jitable
+from sim.numerics.kernels import njit, register_formula
 from sim.numerics.noise import key, uniform_pair
 
 for formula in (noise.philox, noise.fraction, noise.uniform_pair):
-    register_jitable(formula)
+    register_formula(formula)
 
 
 @njit(cache=True)

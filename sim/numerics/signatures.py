@@ -5,12 +5,13 @@ What is missing here, or has changed, is compiled when it is first called.
 
 import importlib
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
 from numba import from_dtype, types
 
-from sim.numerics.kernels import is_kept
+from sim.numerics.kernels import file_of
 
 RECORDED = Path(__file__).with_suffix(".jsonl")
 """A call a line, as `as_line` writes it, those that take longest first; `scripts/record_signatures.py` makes it."""
@@ -23,7 +24,7 @@ def missing(*, before_moves: bool) -> list[str]:
         before_moves: only those of the first tick, when no robot has a goal yet.
     """
     calls = RECORDED.read_text(encoding="utf-8").splitlines()
-    return [call for call in calls if not (before_moves and json.loads(call)["moves"]) and not is_kept(*_read(call))]
+    return [call for call in calls if not (before_moves and json.loads(call)["moves"]) and not kept_at(call).exists()]
 
 
 def compile_call(call: str) -> None:
@@ -32,10 +33,21 @@ def compile_call(call: str) -> None:
     kernel.compile(arguments)  # type: ignore[attr-defined]  # numba's
 
 
+def kept_at(call: str) -> Path:
+    """Return the file of the code of a recorded call."""
+    return file_of(*_read(call))
+
+
 def as_line(kernel: object, arguments: tuple[types.Type, ...], *, moves: bool) -> str:
     """Return the line of a kernel called with arguments of these types; `moves`: by robots that have goals."""
     name = f"{kernel.__module__}:{kernel.__name__}"  # type: ignore[attr-defined]
     return json.dumps({"kernel": name, "arguments": list(map(_encoded, arguments)), "moves": moves})
+
+
+def is_kernel(compiled: object) -> bool:
+    """Return True for a kernel of ours that has a name to find it by."""
+    module, name = compiled.__module__, compiled.__name__  # type: ignore[attr-defined]
+    return module.startswith(("sim.", "thbridge.")) and getattr(sys.modules[module], name, None) is compiled
 
 
 def _read(call: str) -> tuple[object, tuple[types.Type, ...]]:

@@ -151,7 +151,13 @@ def _place(points: FloatArray, times: FloatArray, begin: int, end: int, time: fl
         return points[begin, 0], points[begin, 1]
     if time >= times[end - 1]:
         return points[end - 1, 0], points[end - 1, 1]
-    i = begin + np.searchsorted(times[begin:end], time) - 1
+    i, after = begin, end - 1
+    while after - i > 1:
+        middle = (i + after) // 2
+        if times[middle] < time:
+            i = middle
+        else:
+            after = middle
     span = times[i + 1] - times[i]
     share = (time - times[i]) / span if span > 0.0 else 1.0
     return (

@@ -240,7 +240,11 @@ def _spread_on(
     if goes_on:
         # Where they are looked for next time.
         this, put_off = queues[current, :n_current].copy(), queues[later, :n_later].copy()
-        queues[0, :n_current], queues[2, :n_later] = this, put_off
+        # One by one: where shapes might differ, numba adds what formats the message, and compiles it for a second.
+        for i in range(n_current):
+            queues[0, i] = this[i]
+        for i in range(n_later):
+            queues[2, i] = put_off[i]
         lengths[0], lengths[2] = n_current, n_later
     return limit, goes_on
 

@@ -212,7 +212,10 @@ def _bodies(states: FloatArray, footprints: FloatArray, acc_lim_x: float, hold: 
             time = 0.5 * part * coast
             turned = theta + w * time
             c, s = elementary.cos_sin(theta + 0.5 * w * time)
-            out[3 * k + part] = placed_at(footprints[k], x + v * time * c, y + v * time * s, turned)
+            body = placed_at(footprints[k], x + v * time * c, y + v * time * s, turned)
+            # One by one: where shapes might differ, numba adds what formats the message, and compiles it for a second.
+            for i in range(body.shape[0]):
+                out[3 * k + part, i, 0], out[3 * k + part, i, 1] = body[i, 0], body[i, 1]
     return out
 
 

@@ -103,6 +103,27 @@ def test_processes_that_compile_at_once_keep_what_each_compiled(checkout: Path) 
     assert run(checkout, *arguments)[-1] == "4"
 
 
+def test_what_one_process_compiles_another_waits_for(checkout: Path) -> None:
+    said = [process.communicate()[0].split() for process in [start(checkout, "3") for _ in range(2)]]
+    assert sorted(said) == [["7", "0"], ["7", "1"]]
+
+
+def test_a_process_that_was_killed_while_it_compiled_holds_nobody_up(checkout: Path) -> None:
+    run(checkout, "3")
+    (kept,) = (checkout.parent / "cache" / "kernels").glob("sim.caller-*/*")
+    kept.unlink()
+    claim = "import fcntl, os, sys; fcntl.flock(open(sys.argv[1], 'w'), fcntl.LOCK_EX); os.kill(os.getpid(), 9)"
+    subprocess.run([sys.executable, "-c", claim, f"{kept}.claim"], check=False)
+    assert run(checkout, "3") == ["7", "0"]
+    assert list(kept.parent.iterdir()) == [kept]
+
+
+def test_a_number_in_a_kernels_text_asks_for_no_code_of_its_own(checkout: Path) -> None:
+    replace(checkout / "sim/caller.py", "doubled(x) + 1", "doubled(x) + doubled(2)")
+    assert run(checkout, "3") == ["10", "0"]
+    assert len(list((checkout.parent / "cache" / "kernels").glob("sim.callee-*/*"))) == 1
+
+
 def test_code_cut_short_is_compiled_anew(checkout: Path) -> None:
     run(checkout, "3")
     for file in (checkout.parent / "cache" / "kernels").glob("sim.caller-*/*"):
