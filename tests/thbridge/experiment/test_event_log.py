@@ -1,0 +1,167 @@
+"""The log of an experiment: whatever happens to its files, it is whole or says so."""
+
+import itertools
+import shutil
+import sqlite3
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from thbridge.experiment.store.event_log import WITHDRAWN, EventLog, read_log
+from thbridge.experiment.store.events import Clocks, LoggedEvent, NewEvent, Tombstone
+from thbridge.files.errors import BadFile
+
+NOON = Clocks("2026-01-02T12:00:00Z", 5_000_000_000, 12.5)
+
+
+def answer(participant: str, text: str, step: int = 1) -> NewEvent:
+    return NewEvent(
+        "answer-given", "participant", NOON, participant, step, "supervisor", 0, {"item": "q1", "text": text}
+    )
+
+
+def salts():
+    """The same bytes in every run, none of them twice."""
+    counter = itertools.count()
+    return lambda size: next(counter).to_bytes(size, "big")
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    """A log of six answers by two people, closed."""
+    with EventLog(tmp_path / "log", salts()) as log:
+        for number in range(3):
+            log.append([answer("P-AAAA", f"zebra {number}"), answer("P-BBBB", f"okapi {number}")])
+    return tmp_path / "log"
+
+
+def test_what_was_appended_is_read_in_its_order(log: Path) -> None:
+    entries = read_log(log)
+    assert [entry.sequence for entry in entries] == [1, 2, 3, 4, 5, 6]
+    assert entries[1] == LoggedEvent(2, answer("P-BBBB", "okapi 0"))
+
+
+def test_a_log_goes_on_where_it_ended(log: Path) -> None:
+    with EventLog(log) as again:
+        assert [logged.sequence for logged in again.append([answer("P-AAAA", "later")])] == [7]
+    assert read_log(log)[-1] == LoggedEvent(7, answer("P-AAAA", "later"))
+
+
+def test_what_was_appended_is_there_although_the_program_was_killed(tmp_path: Path) -> None:
+    program = (
+        "import os, sys; from pathlib import Path; sys.path.insert(0, sys.argv[2])\n"
+        "from tests.thbridge.experiment.test_event_log import *\n"
+        "log = EventLog(Path(sys.argv[1]))\n"
+        "log.append([answer('P-AAAA', 'the last word')])\n"
+        "os.kill(os.getpid(), 9)\n"
+    )
+    root = Path(__file__).parents[3]
+    subprocess.run([sys.executable, "-c", program, str(tmp_path / "log"), str(root)], check=False)
+    assert read_log(tmp_path / "log") == [LoggedEvent(1, answer("P-AAAA", "the last word"))]
+
+
+def unnoticed(log: Path, history: list[object], spoilt: Path) -> bool:
+    """True when a spoilt log reads as another history than that which was written."""
+    try:
+        read = read_log(spoilt)
+    except BadFile:
+        return False
+    return read != history
+
+
+def spoil(log: Path, folder: Path, name: str, content: bytes) -> Path:
+    """A copy of the log whose file of this name has another content."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    for file in (log, log.with_name("log-head")):
+        (folder / file.name).write_bytes(content if file.name == name else file.read_bytes())
+    return folder / "log"
+
+
+@pytest.mark.parametrize("name", ["log", "log-head"])
+@pytest.mark.parametrize("stride", [17, pytest.param(1, marks=pytest.mark.slow)])
+def test_a_flipped_byte_is_noticed_or_changes_nothing(log: Path, tmp_path: Path, name: str, stride: int) -> None:
+    history, content = read_log(log), log.with_name(name).read_bytes()
+    for place in range(0, len(content), stride):
+        flipped = bytearray(content)
+        flipped[place] ^= 0xFF if place % 2 else 0x01
+        assert not unnoticed(log, history, spoil(log, tmp_path / "spoilt", name, bytes(flipped))), place
+
+
+@pytest.mark.parametrize("name", ["log", "log-head"])
+@pytest.mark.parametrize("stride", [61, pytest.param(1, marks=pytest.mark.slow)])
+def test_a_log_cut_short_is_noticed(log: Path, tmp_path: Path, name: str, stride: int) -> None:
+    history, content = read_log(log), log.with_name(name).read_bytes()
+    for size in range(0, len(content), stride):
+        assert not unnoticed(log, history, spoil(log, tmp_path / "spoilt", name, content[:size])), size
+
+
+@pytest.mark.parametrize("stride", [211, pytest.param(1, marks=pytest.mark.slow)])
+def test_a_write_ahead_log_cut_short_is_noticed(tmp_path: Path, stride: int) -> None:
+    with EventLog(tmp_path / "log", salts()) as log:
+        log.append([answer("P-AAAA", "zebra")])
+        log.append([answer("P-AAAA", "okapi")])
+        files = {file.name: file.read_bytes() for file in tmp_path.iterdir() if not file.name.endswith("-shm")}
+    history = read_log(tmp_path / "log")
+    for size in range(0, len(files["log-wal"]), stride):
+        spoilt = tmp_path / "spoilt"
+        shutil.rmtree(spoilt, ignore_errors=True)
+        spoilt.mkdir()
+        for name, content in files.items():
+            (spoilt / name).write_bytes(content[:size] if name == "log-wal" else content)
+        assert not unnoticed(tmp_path / "log", history, spoilt / "log"), size
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        "DELETE FROM events WHERE sequence = 6",
+        "DELETE FROM events WHERE sequence = 3",
+        "UPDATE events SET content = replace(content, 'zebra', 'horse') WHERE sequence = 3",
+        "UPDATE events SET content = (SELECT content FROM events WHERE sequence = 1) WHERE sequence = 3",
+        "UPDATE events SET content = NULL, salt = NULL WHERE sequence = 3",
+        "INSERT INTO events SELECT 7, salt, content, digest, chain FROM events WHERE sequence = 6",
+        "PRAGMA user_version = 2",
+    ],
+)
+def test_a_changed_database_is_noticed(log: Path, change: str) -> None:
+    with sqlite3.connect(log) as database:
+        database.execute(change)
+    database.close()
+    with pytest.raises(BadFile):
+        read_log(log)
+    with pytest.raises(BadFile):
+        EventLog(log)
+
+
+def test_somebody_who_withdraws_is_gone_from_all_files_and_the_rest_is_still_proved(log: Path) -> None:
+    with EventLog(log) as open_log:
+        open_log.delete([1, 3, 5], NOON)
+        inside = b"".join(file.read_bytes() for file in log.parent.iterdir())
+        assert b"okapi" in inside
+        assert b"zebra" not in inside
+        assert b"P-AAAA" not in inside
+        open_log.append([answer("P-BBBB", "afterwards")])
+    entries = read_log(log)
+    assert entries[0] == Tombstone(1)
+    assert [entry.sequence for entry in entries if isinstance(entry, Tombstone)] == [1, 3, 5]
+    assert entries[6].event.kind == WITHDRAWN
+    assert b"zebra" not in log.read_bytes()
+
+
+def test_a_backup_taken_while_the_log_is_open_reads_as_the_log(log: Path) -> None:
+    with EventLog(log) as open_log:
+        open_log.append([answer("P-BBBB", "before the copy")])
+        open_log.back_up(log.with_name("copy"))
+        open_log.append([answer("P-BBBB", "behind it")])
+    assert read_log(log.with_name("copy")) == read_log(log)[:-1]
+
+
+def test_a_file_that_is_no_log_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "notes").write_text("dear diary")
+    with pytest.raises(BadFile, match="no log of an experiment"):
+        read_log(tmp_path / "notes")
+    with pytest.raises(BadFile):
+        read_log(tmp_path / "nothing")

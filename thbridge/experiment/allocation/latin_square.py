@@ -1,0 +1,54 @@
+"""Orders of conditions in which each comes at every place, and behind every other, equally often.
+
+Source: Williams, Experimental designs balanced for the estimation of residual effects of treatments (1949).
+"""
+
+from collections.abc import Sequence
+
+Order = tuple[int, ...]
+"""Indices of conditions, in the order in which they come."""
+
+
+def balanced_latin_square(conditions: int) -> tuple[Order, ...]:
+    """Return the orders of a balanced Latin square: as many as there are conditions, twice as many if those are odd.
+
+    Raises:
+        ValueError: there are no conditions.
+    """
+    if conditions < 1:
+        raise ValueError("an order needs at least one condition")
+    # 0, 1, n - 1, 2, n - 2, ...: from each to the next the difference is another one.
+    first, low, high = [0], 1, conditions - 1
+    while low <= high:
+        first.append(low)
+        if low != high:
+            first.append(high)
+        low, high = low + 1, high - 1
+    orders = [tuple((index + shift) % conditions for index in first) for shift in range(conditions)]
+    if conditions % 2 == 1 and conditions > 1:
+        # Of an odd number differences repeat; read backwards as well, each pair comes equally often.
+        orders += [order[::-1] for order in orders]
+    return tuple(orders)
+
+
+def cyclic_latin_square(conditions: int) -> tuple[Order, ...]:
+    """Return the orders of a plain Latin square: each condition comes at every place once.
+
+    Raises:
+        ValueError: there are no conditions.
+    """
+    if conditions < 1:
+        raise ValueError("an order needs at least one condition")
+    return tuple(tuple((index + shift) % conditions for index in range(conditions)) for shift in range(conditions))
+
+
+def is_balanced(orders: Sequence[Order]) -> bool:
+    """Return True when each condition comes at every place, and directly behind every other, equally often."""
+    at = {(place, one): 0 for one in orders[0] for place in range(len(orders[0]))}
+    behind = {(one, other): 0 for one in orders[0] for other in orders[0] if one != other}
+    for order in orders:
+        for place, one in enumerate(order):
+            at[place, one] += 1
+        for one, other in zip(order, order[1:], strict=False):
+            behind[one, other] += 1
+    return len(set(at.values())) == 1 and len(set(behind.values())) <= 1

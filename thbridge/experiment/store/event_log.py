@@ -1,0 +1,336 @@
+"""The log of an experiment: events appended to an SQLite database, each chained to all before it.
+
+A row has the event as text, a random salt, the digest of both, and the chain: the digest of the chain before and of the
+row's own. So a changed row is noticed by its digest, a row that is missing, added or moved by the chain. That the last
+rows are missing would leave a shorter log that is right in itself: so after each append the number of rows and the chain
+are written into a second file, the head, and a log that does not reach the head is incomplete.
+
+Deleting an event for somebody who withdraws leaves its digest, from which nothing can be guessed without the salt, and
+the chain over it goes on as it was. A later event of kind WITHDRAWN has to name the rows, or their gaps are damage.
+
+Each append is on the disk before it returns (SQLite's write-ahead log, synchronous=FULL).
+"""
+
+import contextlib
+import hashlib
+import json
+import os
+import sqlite3
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Self, cast
+
+from thbridge.experiment.store.events import (
+    Actor,
+    Clocks,
+    JsonValue,
+    LogEntry,
+    LoggedEvent,
+    NewEvent,
+    Tombstone,
+)
+from thbridge.files.errors import BadFile
+from thbridge.recording.append import sync_folder
+
+WITHDRAWN = "withdrawn"
+"""Kind of the event by which rows were deleted; its data names them and nobody."""
+
+APPLICATION = 0x74686578
+"""SQLite's application_id of such a log."""
+VERSION = 1
+
+_TABLE = """
+CREATE TABLE events (
+    sequence INTEGER PRIMARY KEY,
+    salt BLOB,
+    content TEXT,
+    digest BLOB NOT NULL,
+    chain BLOB NOT NULL
+) STRICT
+"""
+_START = hashlib.sha256(b"thbridge experiment log 1").digest()
+_SALT = 16
+
+Salts = Callable[[int], bytes]
+"""Source of so many random bytes."""
+
+
+class EventLog:
+    """The log of one experiment, open for appending.
+
+    Only one program may have it open so. Close it, or use it in `with`.
+
+    Args:
+        path: the database; made where there is none. The head lies beside it.
+        salts: source of the rows' salts.
+
+    Raises:
+        BadFile: it cannot be opened or written, or `read_log` would refuse it.
+    """
+
+    def __init__(self, path: Path, salts: Salts = os.urandom) -> None:
+        self.path = path
+        self._salts = salts
+        new = not path.exists()
+        entries: list[LogEntry] = []
+        if not new:
+            # Nothing is ever appended to a damaged log.
+            entries = read_log(path)
+        elif _head_path(path).exists():
+            raise BadFile(path, "is missing, though its head is there", "bring it back from a backup")
+        try:
+            self._database = _opened(path, "rwc")
+            if new:
+                self._create()
+            self._database.execute("PRAGMA synchronous=FULL")
+            self._length, self._chain = len(entries), _last_chain(self._database)
+            self._write_head()
+            if any(isinstance(entry, Tombstone) for entry in entries):
+                # The program that deleted them may have died before it was done.
+                self._wipe()
+        except (sqlite3.Error, OSError) as error:
+            raise BadFile(path, f"cannot be opened ({error})", "look at the disk and at the folder's rights") from None
+
+    def _create(self) -> None:
+        for statement in (
+            f"PRAGMA application_id={APPLICATION}",
+            f"PRAGMA user_version={VERSION}",
+            "PRAGMA journal_mode=WAL",
+            _TABLE,
+        ):
+            self._database.execute(statement)
+        sync_folder(self.path.parent)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Write all of it into the one file, and close it."""
+        self._database.close()
+
+    def append(self, events: Sequence[NewEvent]) -> list[LoggedEvent]:
+        """Append events, all or none of them; they are on the disk when this returns.
+
+        Raises:
+            BadFile: the disk is full or gone; nothing was appended.
+        """
+        logged, rows, chain = [], [], self._chain
+        for event in events:
+            content, salt = _encoded(event), self._salts(_SALT)
+            digest = _digest(salt, content)
+            chain = _chained(chain, digest)
+            logged.append(LoggedEvent(self._length + len(logged) + 1, event))
+            rows.append((logged[-1].sequence, salt, content, digest, chain))
+        try:
+            with self._transaction():
+                self._database.executemany("INSERT INTO events VALUES (?, ?, ?, ?, ?)", rows)
+        except sqlite3.Error as error:
+            raise BadFile(self.path, f"cannot be written ({error})", "make room on the disk") from None
+        self._length, self._chain = self._length + len(rows), chain
+        self._write_head()
+        return logged
+
+    def delete(self, sequences: Sequence[int], clocks: Clocks) -> None:
+        """Delete the content of events for good, from the free pages of the file and from its write-ahead log as well.
+
+        An event of kind WITHDRAWN that names their numbers is appended with it.
+
+        Raises:
+            BadFile: it cannot be written; nothing was deleted.
+        """
+        try:
+            self._database.execute("PRAGMA secure_delete=ON")
+            with self._transaction():
+                self._database.executemany(
+                    "UPDATE events SET salt = NULL, content = NULL WHERE sequence = ?", [(one,) for one in sequences]
+                )
+                content, salt = _encoded(_withdrawal(sequences, clocks)), self._salts(_SALT)
+                digest = _digest(salt, content)
+                row = (self._length + 1, salt, content, digest, _chained(self._chain, digest))
+                self._database.execute("INSERT INTO events VALUES (?, ?, ?, ?, ?)", row)
+            self._length, self._chain = self._length + 1, row[-1]
+            self._write_head()
+            self._wipe()
+        except sqlite3.Error as error:
+            raise BadFile(self.path, f"cannot be written ({error})", "make room on the disk") from None
+
+    def _wipe(self) -> None:
+        """Write the file anew, without what pages still hold of deleted rows."""
+        self._database.execute("VACUUM")
+        self._database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+
+    def back_up(self, path: Path) -> None:
+        """Copy the log as it is now, while it is in use; the copy has a head of its own.
+
+        Raises:
+            BadFile: it cannot be written.
+        """
+        try:
+            with contextlib.closing(sqlite3.connect(path)) as copy:
+                self._database.backup(copy)
+                copy.execute("PRAGMA journal_mode=DELETE")
+            _write_whole(_head_path(path), _head(self._length, self._chain))
+        except (sqlite3.Error, OSError) as error:
+            raise BadFile(path, f"cannot be written ({error})", "make room on the disk") from None
+
+    @contextlib.contextmanager
+    def _transaction(self) -> Iterator[None]:
+        self._database.execute("BEGIN IMMEDIATE")
+        try:
+            yield
+        except BaseException:
+            self._database.execute("ROLLBACK")
+            raise
+        self._database.execute("COMMIT")
+
+    def _write_head(self) -> None:
+        _write_whole(_head_path(self.path), _head(self._length, self._chain))
+
+
+def read_log(path: Path) -> list[LogEntry]:
+    """Read a log, also one that is being written.
+
+    Raises:
+        BadFile: it is none, or not what was written: a row was changed, moved, added or is missing.
+    """
+    try:
+        with contextlib.closing(_opened(path, "ro")) as database:
+            return _verified(path, database)
+    except (sqlite3.Error, OSError, UnicodeDecodeError) as error:
+        raise BadFile(path, f"is damaged, or no log of an experiment ({error})", _REMEDY) from None
+
+
+_REMEDY = "Bring it back from the newest backup that `thbridge study status` can read"
+
+
+def _verified(path: Path, database: sqlite3.Connection) -> list[LogEntry]:
+    def damaged(problem: str) -> BadFile:
+        return BadFile(path, problem, _REMEDY)
+
+    if database.execute("PRAGMA application_id").fetchone() != (APPLICATION,):
+        raise damaged("is no log of an experiment")
+    if database.execute("PRAGMA user_version").fetchone() != (VERSION,):
+        raise damaged("was written by another version of the program")
+    if database.execute("PRAGMA integrity_check").fetchone() != ("ok",):
+        raise damaged("is damaged: SQLite finds its pages in disorder")
+    # Read before the rows: another program may append between the two.
+    length, last = _read_head(path)
+    entries: list[LogEntry] = []
+    chain, chains = _START, [_START]
+    allowed: set[int] = set()
+    for sequence, salt, content, digest, chained in database.execute(
+        "SELECT sequence, salt, content, digest, chain FROM events ORDER BY sequence"
+    ):
+        if sequence != len(entries) + 1:
+            raise damaged(f"event {len(entries) + 1} is missing")
+        chain = _chained(chain, digest)
+        if chained != chain:
+            raise damaged(f"event {sequence} is not the one that was written")
+        chains.append(chain)
+        if content is None and salt is None:
+            entries.append(Tombstone(sequence))
+            continue
+        if content is None or salt is None or _digest(salt, content) != digest:
+            raise damaged(f"event {sequence} is not what was written")
+        event = _decoded(content)
+        if event.kind == WITHDRAWN:
+            allowed.update(cast("list[int]", (event.data or {})["sequences"]))
+        entries.append(LoggedEvent(sequence, event))
+    if length > len(entries) or chains[length] != last:
+        raise damaged(f"events {len(entries) + 1} to {length} are missing")
+    for entry in entries:
+        if isinstance(entry, Tombstone) and entry.sequence not in allowed:
+            raise damaged(f"event {entry.sequence} was deleted, and nobody withdrew")
+    return entries
+
+
+def _opened(path: Path, mode: str) -> sqlite3.Connection:
+    return sqlite3.connect(f"{path.absolute().as_uri()}?mode={mode}", uri=True, isolation_level=None)
+
+
+def _last_chain(database: sqlite3.Connection) -> bytes:
+    row = database.execute("SELECT chain FROM events ORDER BY sequence DESC LIMIT 1").fetchone()
+    return _START if row is None else cast(bytes, row[0])
+
+
+def _digest(salt: bytes, content: str) -> bytes:
+    return hashlib.sha256(salt + content.encode()).digest()
+
+
+def _chained(chain: bytes, digest: bytes) -> bytes:
+    return hashlib.sha256(chain + digest).digest()
+
+
+def _withdrawal(sequences: Sequence[int], clocks: Clocks) -> NewEvent:
+    named: list[JsonValue] = list(sequences)
+    return NewEvent(WITHDRAWN, "experimenter", clocks, data={"sequences": named})
+
+
+def _encoded(event: NewEvent) -> str:
+    clocks = event.clocks
+    whole: dict[str, JsonValue] = {
+        "kind": event.kind,
+        "actor": event.actor,
+        "wall": clocks.wall,
+        "monotonic_ns": clocks.monotonic_ns,
+        "simulated": clocks.simulated,
+        "participant": event.participant,
+        "step": event.step,
+        "condition": event.condition,
+        "cause": event.cause,
+        "data": dict(event.data or {}),
+    }
+    return json.dumps(whole, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+
+
+def _decoded(content: str) -> NewEvent:
+    whole = json.loads(content)
+    clocks = Clocks(whole["wall"], whole["monotonic_ns"], whole["simulated"])
+    return NewEvent(
+        whole["kind"],
+        cast(Actor, whole["actor"]),
+        clocks,
+        whole["participant"],
+        whole["step"],
+        whole["condition"],
+        whole["cause"],
+        whole["data"],
+    )
+
+
+# The head
+
+
+def _head_path(path: Path) -> Path:
+    return path.with_name(path.name + "-head")
+
+
+def _head(length: int, chain: bytes) -> bytes:
+    line = f"{length} {chain.hex()}"
+    return f"{line} {hashlib.sha256(line.encode()).hexdigest()}\n".encode()
+
+
+def _read_head(path: Path) -> tuple[int, bytes]:
+    head = _head_path(path)
+    try:
+        content = head.read_bytes()
+        length, chain, _ = content.decode().split()
+        if _head(int(length), bytes.fromhex(chain)) != content:
+            raise ValueError
+    except (OSError, ValueError):
+        raise BadFile(head, "is missing or damaged", _REMEDY) from None
+    return int(length), bytes.fromhex(chain)
+
+
+def _write_whole(path: Path, content: bytes) -> None:
+    """Write a file completely or leave it as it was; it is on the disk when this returns."""
+    new = path.with_name(path.name + ".new")
+    with new.open("wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    new.replace(path)
+    sync_folder(path.parent)
