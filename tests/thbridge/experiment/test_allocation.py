@@ -52,11 +52,11 @@ def test_places_stay_balanced_whoever_drops_out(cells, conditions, quota, seed, 
             (valid if fate == "valid" else under_way).add(place.number)
         if valid | under_way != set(range(len(valid | under_way))):
             continue  # What opened again is taken first by those who come.
-        held = Counter({cell: 0 for cell in range(cells)})
+        held = Counter(dict.fromkeys(range(cells), 0))
         held.update(dealing.place(number).cell for number in valid | under_way)
         assert max(held.values()) - min(held.values()) <= in_block
         for cell in range(cells):
-            taken = Counter({order: 0 for order in range(orders)})
+            taken = Counter(dict.fromkeys(range(orders), 0))
             taken.update(dealing.place(n).order for n in valid | under_way if dealing.place(n).cell == cell)
             assert max(taken.values()) - min(taken.values()) <= 1
 

@@ -4,6 +4,7 @@ Source: Williams, Experimental designs balanced for the estimation of residual e
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 Order = tuple[int, ...]
 """Indices of conditions, in the order in which they come."""
@@ -49,6 +50,6 @@ def is_balanced(orders: Sequence[Order]) -> bool:
     for order in orders:
         for place, one in enumerate(order):
             at[place, one] += 1
-        for one, other in zip(order, order[1:], strict=False):
+        for one, other in pairwise(order):
             behind[one, other] += 1
     return len(set(at.values())) == 1 and len(set(behind.values())) <= 1

@@ -1,9 +1,9 @@
 """Places in an experiment: each is one cell of the design with one order of conditions, and is taken by one person.
 
-Places are numbered, and a number says all: which cell it is comes from a block in which every cell stands equally often,
-dealt by the experiment's seed, and which order from blocks of orders inside the cell. A place of somebody whose run does
-not count opens again, and the next person takes the lowest one that is open. So cells and orders stay as balanced as
-they can be, whoever drops out and when, and anybody can deal the same places again.
+Places are numbered, and a number says all: which cell it is comes from a block in which every cell stands equally
+often, dealt by the experiment's seed, and which order from blocks of orders inside the cell. A place of somebody whose
+run does not count opens again, and the next person takes the lowest one that is open. So cells and orders stay as
+balanced as they can be, whoever drops out and when, and anybody can deal the same places again.
 """
 
 from collections.abc import Collection

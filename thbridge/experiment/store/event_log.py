@@ -1,9 +1,9 @@
 """The log of an experiment: events appended to an SQLite database, each chained to all before it.
 
-A row has the event as text, a random salt, the digest of both, and the chain: the digest of the chain before and of the
-row's own. So a changed row is noticed by its digest, a row that is missing, added or moved by the chain. That the last
-rows are missing would leave a shorter log that is right in itself: so after each append the number of rows and the chain
-are written into a second file, the head, and a log that does not reach the head is incomplete.
+A row has the event as text, a random salt, the digest of both, and the chain: the digest of the chain before and of
+the row's own. So a changed row is noticed by its digest, a row that is missing, added or moved by the chain. That the
+last rows are missing would leave a shorter log that is right in itself: so after each append the number of rows and the
+chain are written into a second file, the head, and a log that does not reach the head is incomplete.
 
 Deleting an event for somebody who withdraws leaves its digest, from which nothing can be guessed without the salt, and
 the chain over it goes on as it was. A later event of kind WITHDRAWN has to name the rows, or their gaps are damage.

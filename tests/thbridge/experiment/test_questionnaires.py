@@ -1,0 +1,103 @@
+"""Forms read with all faults, scores by the key, and reliability as others compute it."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from thbridge.experiment.questionnaires.form import SHIPPED, Form, Item, Scale, Scoring, read_form
+from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE, reliability_of, scores_of
+from thbridge.files.errors import BadFile
+
+FORMS = sorted(SHIPPED.glob("*.yaml"))
+
+
+@pytest.mark.parametrize("path", FORMS, ids=[path.stem for path in FORMS])
+def test_shipped_forms_are_right(path: Path) -> None:
+    form = read_form(path).value
+    assert form.source
+    assert all(item.text for item in form.items)
+
+
+def test_workload_is_the_mean_of_six_lines_of_which_performance_is_reversed() -> None:
+    form = read_form(SHIPPED / "workload.yaml").value
+    answers = {
+        "mental": 80.0,
+        "physical": 10.0,
+        "temporal": 60.0,
+        "effort": 70.0,
+        "frustration": 20.0,
+        "performance": 90.0,
+    }
+    assert scores_of(form, answers) == {"workload": pytest.approx((80 + 10 + 60 + 70 + 20 + 10) / 6)}
+
+
+def test_a_score_needs_its_items_and_not_applicable_is_no_number() -> None:
+    items = tuple(Item(id, text=id, subscale="trust") for id in "abcd")
+    answers = {"a": 7.0, "b": 5.0, "c": NOT_APPLICABLE}
+    assert math.isnan(scores_of(Form("t", items=items), answers)["trust"])
+    half = Form("t", items=items, answered=0.5)
+    assert scores_of(half, answers) == {"trust": 6.0}
+    assert scores_of(Form("t", items=items, answered=0.5, scoring=Scoring.SUM), answers) == {"trust": 24.0}
+
+
+def test_items_come_in_an_order_of_each_persons_own_and_always_the_same() -> None:
+    form = read_form(SHIPPED / "trust.yaml").value
+    orders = {person: form.order(1, person) for person in ("P-AAAA", "P-BBBB")}
+    assert orders["P-AAAA"] != orders["P-BBBB"]
+    assert form.order(1, "P-AAAA") == orders["P-AAAA"]
+    assert set(orders["P-AAAA"]) == set(form.items)
+
+
+def test_all_faults_of_a_form_are_told_with_their_lines(tmp_path: Path) -> None:
+    (tmp_path / "form.yaml").write_text(
+        "title: Mine\nlike: {points: 5}\nitems:\n"
+        "  - {id: Q1, text: a}\n  - {id: q2, text: b, labels: [no, yes]}\n  - {id: q2, text: ''}\n"
+        "  - {id: q3, scale: choice, text: c, options: [one]}\n  - {id: q4, text: d, reverse: true}\n"
+    )
+    with pytest.raises(BadFile) as told:
+        read_form(tmp_path / "form.yaml")
+    lines = str(told.value).splitlines()
+    assert [line.split(", ")[1] for line in lines] == ["line 4", "line 5", "line 6", "line 6", "line 7", "line 8"]
+    assert "2 words for 5 points" in lines[1]
+
+
+def test_an_unknown_scale_names_those_that_there_are(tmp_path: Path) -> None:
+    (tmp_path / "form.yaml").write_text("title: Mine\nitems:\n  - {id: a, text: a, scale: slider}\n")
+    with pytest.raises(BadFile, match=f"line 3.*{', '.join(Scale)[:20]}"):
+        read_form(tmp_path / "form.yaml")
+
+
+def people(rows) -> list[dict[str, float]]:
+    return [{f"q{i}": float(value) for i, value in enumerate(row)} for row in rows]
+
+
+ITEMS = [Item(f"q{i}", scale=Scale.ANALOGUE, subscale="s") for i in range(4)]
+
+
+def test_alpha_of_answers_that_are_all_the_same_but_for_a_constant_is_one() -> None:
+    told = reliability_of(ITEMS, people([[v, v + 1, v + 2, v] for v in (1, 5, 2, 9)]))
+    assert told.alpha == pytest.approx(1.0)
+    assert (told.people, told.items) == (4, 4)
+
+
+def test_alpha_and_omega_of_one_factor_are_those_of_the_population() -> None:
+    loadings = np.array([0.9, 0.8, 0.6, 0.5])
+    rng = np.random.default_rng(1)
+    common, own = rng.standard_normal((200_000, 1)), rng.standard_normal((200_000, 4))
+    told = reliability_of(ITEMS, people(50 + common * loadings + own * np.sqrt(1 - loadings**2)))
+    covariance = np.outer(loadings, loadings) + np.diag(1 - loadings**2)
+    assert told.omega == pytest.approx(loadings.sum() ** 2 / covariance.sum(), abs=0.003)
+    assert told.alpha == pytest.approx(4 / 3 * (1 - np.trace(covariance) / covariance.sum()), abs=0.003)
+    assert told.omega > told.alpha
+
+
+def test_people_who_left_an_item_out_do_not_count_for_reliability() -> None:
+    answers = people([[1, 2, 3, 4], [2, 3, 3, 5], [9, 9, 8, 7]])
+    del answers[0]["q2"]
+    assert reliability_of(ITEMS, answers).people == 2
+
+
+def test_reliability_of_one_person_is_not_a_number() -> None:
+    assert math.isnan(reliability_of(ITEMS, people([[1, 2, 3, 4]])).alpha)

@@ -1,0 +1,180 @@
+"""Forms: the items of a questionnaire, their scales, and the key by which they are scored."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from pathlib import Path
+
+from sim.numerics import noise
+from sim.parameters import param
+from thbridge.files.errors import FaultCollection
+from thbridge.files.yaml.load import Loaded, load_tree
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, read_text
+from thbridge.study.overrides import over
+
+SHIPPED = Path(__file__).parent / "forms"
+
+
+class Scale(StrEnum):
+    """Way in which an item is answered."""
+
+    LIKERT = "likert"
+    """One of some points between two words, or each with a word of its own."""
+    ANALOGUE = "analogue"
+    """A mark anywhere on a line between two words."""
+    DIFFERENTIAL = "differential"
+    """One of some points between two opposite words."""
+    NUMBER = "number"
+    CHOICE = "choice"
+    """One of some answers, or several."""
+    TEXT = "text"
+
+
+MEASURED = {Scale.LIKERT, Scale.ANALOGUE, Scale.DIFFERENTIAL}
+"""Scales that have a least and a greatest value between which an item can be reversed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """An item of a form."""
+
+    id: str = field(metadata={"help": "name of its column in the data: small letters, digits and _"})
+    text: str = param("", "what is asked or said; of a differential it may be left out")
+    scale: Scale = param(Scale.LIKERT, "how it is answered")
+    points: int = param(7, "number of points of a likert or differential scale", "", 2, 11)
+    low: str = param("", "word at the lower end of its scale")
+    high: str = param("", "word at the upper end of its scale")
+    labels: tuple[str, ...] = param((), "words of all points of a likert scale in their order, not only low and high")
+    minimum: float = param(0.0, "least value of an analogue scale or a number")
+    maximum: float = param(100.0, "greatest value of an analogue scale or a number")
+    step: float = param(1.0, "distance of the values of an analogue scale; 0: any", "", 0)
+    unit: str = param("", "unit of a number")
+    options: tuple[str, ...] = param((), "answers of a choice")
+    several: bool = param(default=False, help="whether several of them may be chosen")
+    required: bool = param(default=True, help="whether it has to be answered before the next page")
+    not_applicable: bool = param(default=False, help="whether it may be answered as not applicable")
+    subscale: str = param("", "name of the score that it belongs to; none: it is not scored")
+    reverse: bool = param(default=False, help="whether a high answer makes a low score")
+    correct: str | None = param(None, "of a check: the only right answer")
+
+    @property
+    def least(self) -> float:
+        """Least value of the scale."""
+        return 1.0 if self.scale in {Scale.LIKERT, Scale.DIFFERENTIAL} else self.minimum
+
+    @property
+    def greatest(self) -> float:
+        """Greatest value of the scale."""
+        return float(self.points) if self.scale in {Scale.LIKERT, Scale.DIFFERENTIAL} else self.maximum
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The words of the points of a likert or differential scale; those between the ends may be empty."""
+        if self.labels:
+            return self.labels
+        return (self.low, *("" for _ in range(self.points - 2)), self.high)
+
+
+class Scoring(StrEnum):
+    """Way in which the items of a subscale make a score."""
+
+    MEAN = "mean"
+    SUM = "sum"
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """A questionnaire."""
+
+    title: str = field(metadata={"help": "heading that people read"})
+    instructions: str = param("", "text above the items")
+    like: Mapping[str, str] = field(default_factory=dict, metadata={"help": "what items take that they leave out"})
+    items: tuple[Item, ...] = param((), "the items, in their order")
+    shuffle: bool = param(default=False, help="whether items come in another order for each person")
+    page: int = param(0, "items on a page; 0: all", "", 0)
+    scoring: Scoring = param(Scoring.MEAN, "how items make a score")
+    answered: float = param(1.0, "share of a subscale's items that must be answered for a score", "", 0, 1)
+    source: str = param("", "where the form comes from, for the methods text")
+    licence: str = param("", "licence of its wording")
+
+    @property
+    def subscales(self) -> Mapping[str, tuple[Item, ...]]:
+        """The items of each score, in the order in which they first come."""
+        names = dict.fromkeys(item.subscale for item in self.items if item.subscale)
+        return {name: tuple(item for item in self.items if item.subscale == name) for name in names}
+
+    def order(self, seed: int, participant: str) -> tuple[Item, ...]:
+        """Return the items in the order in which this person sees them."""
+        if not self.shuffle:
+            return self.items
+        stream = noise.key(seed, "experiment", "items", self.title, participant)
+        drawn = [(noise.uniform(stream, 0, index), index) for index in range(len(self.items))]
+        return tuple(self.items[index] for _, index in sorted(drawn))
+
+    def pages(self, seed: int, participant: str) -> Iterator[tuple[Item, ...]]:
+        """Yield the items of each page."""
+        items = self.order(seed, participant)
+        size = self.page or len(items) or 1
+        for begin in range(0, len(items), size):
+            yield items[begin : begin + size]
+
+
+def read_form(path: Path) -> Loaded[Form]:
+    """Read a form.
+
+    Raises:
+        BadFile: it cannot be read, or is faulty; as BadFiles, all faults at once.
+    """
+    loaded = load_tree(path, _alike(parse(path, read_text(path))), Form)
+    faults = FaultCollection()
+    for problem in _problems(loaded.value):
+        with faults.kept():
+            raise loaded.fault(*problem)
+    if faults.found:
+        raise faults.together()
+    return loaded
+
+
+def _alike(tree: Node) -> Node:
+    """Return the tree of a form in which each item has what `like` gives to all of them."""
+    if not isinstance(tree, Section):
+        return tree
+    like = next((node for key, node in tree.entries if key.text == "like"), None)
+    if not isinstance(like, Section):
+        return tree
+    entries: list[tuple[Scalar, Node]] = []
+    for key, node in tree.entries:
+        if key.text == "items" and isinstance(node, Listing):
+            entries.append((key, replace(node, items=[over(like, item) for item in node.items])))
+        elif key.text != "like":
+            entries.append((key, node))
+    return Section(tree.line, entries)
+
+
+def _problems(form: Form) -> Iterator[tuple[str, str, str]]:
+    """Yield key, problem and remedy of what is valid alone but not together."""
+    first: dict[str, int] = {}
+    if not form.items:
+        yield "items", "a form without items", "Write some: - {id: ..., text: ...}"
+    for index, item in enumerate(form.items):
+        key = f"items[{index}]"
+        if not item.id or not item.id.replace("_", "a").isalnum() or item.id != item.id.lower() or item.id[0].isdigit():
+            yield f"{key}.id", f"{item.id!r} is no name of a column", "Write small letters, digits and _"
+        if item.id in first:
+            yield f"{key}.id", f"{item.id} is the id of item {first[item.id] + 1}, too", "Give each item its own"
+        first.setdefault(item.id, index)
+        if not item.text and item.scale is not Scale.DIFFERENTIAL:
+            yield f"{key}.text", "nothing is asked", "Write what people are to answer"
+        if item.labels and item.scale is Scale.LIKERT and len(item.labels) != item.points:
+            remedy = f"Write {item.points} words, or set points to {len(item.labels)}"
+            yield f"{key}.labels", f"{len(item.labels)} words for {item.points} points", remedy
+        if item.scale is Scale.DIFFERENTIAL and not (item.low and item.high):
+            yield key, "a differential needs its two words", "Write low and high"
+        if item.scale is Scale.CHOICE and len(set(item.options)) < 2:
+            yield f"{key}.options", "a choice needs different answers", "Write at least two"
+        if not item.minimum < item.maximum:
+            yield f"{key}.minimum", "is not below the maximum", "Swap the two"
+        if item.subscale and item.scale not in MEASURED | {Scale.NUMBER}:
+            yield f"{key}.subscale", f"a {item.scale} makes no score", "Take the line away"
+        if item.reverse and not (item.subscale and item.scale in MEASURED):
+            yield f"{key}.reverse", "nothing is scored that could be reversed", "Take the line away, or name a subscale"

@@ -1,0 +1,117 @@
+"""Scores of answers by a form's key, and how reliable the scores are."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.numerics.float_array import FloatArray
+from thbridge.experiment.questionnaires.form import Form, Item, Scoring
+
+NOT_APPLICABLE = "not applicable"
+"""Answer of its own, apart from one that is missing."""
+
+Answer = float | str | tuple[str, ...]
+"""Answer to one item: a number, text, one option, or several."""
+
+
+def keyed(item: Item, answer: Answer | None) -> float:
+    """Return an answer as the number that counts for the score, reversed where the key says so; NaN without one."""
+    if not isinstance(answer, int | float) or isinstance(answer, bool):
+        return math.nan
+    return item.least + item.greatest - answer if item.reverse else float(answer)
+
+
+def scores_of(form: Form, answers: Mapping[str, Answer]) -> dict[str, float]:
+    """Return the score of each subscale; NaN where too few of its items were answered.
+
+    Args:
+        form: the form.
+        answers: the answer to each item that was answered, by the item's id.
+    """
+    scores = {}
+    for name, items in form.subscales.items():
+        values = [value for item in items if not math.isnan(value := keyed(item, answers.get(item.id)))]
+        if not values or len(values) < form.answered * len(items):
+            scores[name] = math.nan
+        else:
+            mean = math.fsum(values) / len(values)
+            # The sum of what would have been answered, at the mean of what was.
+            scores[name] = mean * len(items) if form.scoring is Scoring.SUM else mean
+    return scores
+
+
+@dataclass(frozen=True, slots=True)
+class Reliability:
+    """Internal consistency of a subscale.
+
+    Attributes:
+        people: number of people who answered all of its items; only they count.
+        items: number of its items.
+        alpha: Cronbach's; NaN for fewer than two people or items, or without any variance.
+        omega: McDonald's omega total, of one factor fitted by least squares of residual correlations; NaN likewise.
+    """
+
+    people: int
+    items: int
+    alpha: float
+    omega: float
+
+
+def reliability_of(items: Sequence[Item], people: Sequence[Mapping[str, Answer]]) -> Reliability:
+    """Return the reliability of a subscale.
+
+    Args:
+        items: those of the subscale.
+        people: the answers of each person, by the item's id.
+
+    Sources: Cronbach, Coefficient alpha and the internal structure of tests (1951); McDonald, Test theory (1999),
+        chapter 6; Harman and Jones, Factor analysis by minimizing residuals (1966).
+    """
+    rows = np.array([[keyed(item, answers.get(item.id)) for item in items] for answers in people])
+    rows = rows.reshape(-1, len(items))
+    rows = rows[~np.isnan(rows).any(axis=1)]
+    count, k = rows.shape
+    if count < 2 or k < 2:
+        return Reliability(count, k, math.nan, math.nan)
+    off = rows - rows.mean(axis=0)
+    covariance = np.array([[(off[:, i] * off[:, j]).sum() for j in range(k)] for i in range(k)]) / (count - 1)
+    own, whole = np.diag(covariance), covariance.sum()
+    if whole <= 0.0:
+        return Reliability(count, k, math.nan, math.nan)
+    alpha = k / (k - 1) * (1.0 - own.sum() / whole)
+    return Reliability(count, k, float(alpha), _omega(covariance))
+
+
+def _omega(covariance: FloatArray) -> float:
+    deviations = np.sqrt(np.diag(covariance))
+    if (deviations == 0.0).any() or len(deviations) < 3:
+        # Of two items one correlation does not tell two loadings.
+        return math.nan
+    loadings = _one_factor(covariance / (deviations[:, np.newaxis] * deviations)) * deviations
+    common = loadings.sum() ** 2
+    unique = np.maximum(np.diag(covariance) - loadings * loadings, 0.0).sum()
+    return float(common / (common + unique))
+
+
+def _one_factor(correlation: FloatArray) -> FloatArray:
+    """(k,) loadings of the one factor that leaves the least squares of residual correlations.
+
+    One loading after the other is set to its best value given the others, until none changes.
+    """
+    k = len(correlation)
+    between = correlation - np.diag(np.diag(correlation))
+    # The average correlation of an item with the others has the sign and about the size of its loading.
+    loadings = between.sum(axis=1) / math.sqrt(max(between.sum(), 1e-12))
+    for _ in range(1000):
+        before = loadings.copy()
+        for i in range(k):
+            others = np.delete(loadings, i)
+            squares = (others * others).sum()
+            if squares > 0.0:
+                best = (np.delete(between[i], i) * others).sum() / squares
+                loadings[i] = min(1.0, max(-1.0, best))
+        if np.abs(loadings - before).max() < 1e-10:
+            break
+    return loadings if loadings.sum() >= 0.0 else -loadings
