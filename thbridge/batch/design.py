@@ -1,12 +1,9 @@
 """The design of a sweep: a study, what changes in it from condition to condition, and how many games of each."""
 
-import itertools
-import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import ClassVar
 
 from sim.parameters import param
 from thbridge.app.compose.setting import StudySetting
@@ -15,11 +12,11 @@ from thbridge.batch.results import OWN_COLUMNS, FactorColumns
 from thbridge.batch.settings import SettingCache
 from thbridge.files.errors import BadFile, FaultCollection
 from thbridge.files.yaml.load import Loaded, load_tree
-from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, at_line, parse, quoted, read_text
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, at_line, parse, read_text
+from thbridge.study.factors import Level, entries_of, factorial, levels_of, spread, written
 from thbridge.study.overrides import merged, nested, over, resolved_tree
 from thbridge.study.robots_from import RobotsFrom
 from thbridge.study.study_file import Study, load_study
-from thbridge.study.text import is_plain_word
 
 AN_HOUR = 3600.0
 LARGEST_SEED = 2**31 - 1
@@ -52,17 +49,6 @@ class SweepFile:
     bags: str = param("no", "games that are recorded into a bag: no, yes, or such as `1 in 50`")
     verify: int = param(100, "one of so many games is played again by another worker, and compared; 0: none", "", 0)
     chunk: int = param(20, "games of a condition that a worker plays in one go and writes into one file", "", 1, 10**6)
-
-
-@dataclass(frozen=True, slots=True)
-class LevelRange:
-    """Levels of a factor at equal distances."""
-
-    renamed: ClassVar[Mapping[str, str]] = {"from": "first", "to": "last"}
-
-    first: float = param(math.nan, "first level")
-    last: float = param(math.nan, "last level")
-    steps: int = param(2, "number of levels", "", 2, 1000)
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,15 +109,6 @@ class SweepDesign:
         return FactorColumns.of(self.factors, {each.number: each.levels for each in self.conditions})
 
 
-@dataclass(frozen=True, slots=True)
-class _Level:
-    """A level of a factor: its label, the tree of the keys that it sets, and its line."""
-
-    label: str
-    tree: Node
-    line: int
-
-
 def read_design(path: Path) -> SweepDesign:
     """Read a design; every condition's study is read and checked with all files that it names.
 
@@ -140,7 +117,7 @@ def read_design(path: Path) -> SweepDesign:
     """
     whole = parse(path, read_text(path))
     entries = dict(_named(whole))
-    plain = [(key, Section(key.line, []) if key.text in _OWN_READING else node) for key, node in _entries(whole)]
+    plain = [(key, Section(key.line, []) if key.text in _OWN_READING else node) for key, node in entries_of(whole)]
     loaded = load_tree(path, Section(whole.line, plain) if isinstance(whole, Section) else whole, SweepFile)
     file, faults = loaded.value, FaultCollection()
     with faults.kept():
@@ -149,12 +126,12 @@ def read_design(path: Path) -> SweepDesign:
     if file.study is not None:
         study, beside = load_study(path.parent / file.study).value, (path.parent / file.study).parent
     if (base := entries.get("base")) is not None:
-        study = merged(resolved_tree(study), path, _spread(path, base)).value
-    factors = {key.text: _levels(path, key, node) for key, node in _entries(entries.get("factors"))}
+        study = merged(resolved_tree(study), path, spread(path, base)).value
+    factors = {key.text: _levels(path, key, node) for key, node in entries_of(entries.get("factors"))}
     conditions: list[SweepCondition] = []
     start, settings = resolved_tree(study), SettingCache(beside)
     explicit = list(_explicit(path, entries.get("conditions")))
-    combinations = list(_factorial(factors)) if factors or not explicit else []
+    combinations = list(factorial(factors)) if factors or not explicit else []
     for levels in (*combinations, *explicit):
         with faults.kept():
             conditions.append(_condition(path, start, levels, len(conditions) + 1, settings))
@@ -205,50 +182,14 @@ def _one_in(words: str) -> int | None:
     return int(found[1]) if found else {"no": 0, "yes": 1}.get(words)
 
 
-def _levels(path: Path, factor: Scalar, node: Node) -> list[_Level]:
-    """Return the levels of a factor: a list of values, a range, or a section of named levels with several keys each."""
-    key, line = f"factors.{factor.text}", factor.line
+def _levels(path: Path, factor: Scalar, node: Node) -> list[Level]:
     if factor.text in OWN_COLUMNS:
-        raise BadFile(path, "results have a column of this name", "Name the factor otherwise", line=line, key=key)
-    found: list[_Level] = []
-    if isinstance(node, Listing):
-        found = [_Level(_text(item), nested(factor.text, item, item.line), item.line) for item in node.items]
-    elif isinstance(node, Section) and {name.text for name, _ in node.entries} <= _RANGE_KEYS:
-        found = [
-            _Level(text, nested(factor.text, Scalar(text, True, line), line), line)
-            for text in _steps(path, key, factor, node)
-        ]
-    elif isinstance(node, Section):
-        found = [_Level(name.text, _spread(path, child), name.line) for name, child in node.entries]
-    if not found:
-        remedy = "Write [LEVEL, ...], {from: A, to: B, steps: N}, or for each level 'NAME: {KEY: VALUE, ...}'"
-        raise BadFile(path, "a factor needs levels", remedy, line=line, key=key)
-    labels = [level.label for level in found]
-    if twice := next((label for label in labels if labels.count(label) > 1), None):
-        raise BadFile(path, f"the level {twice} stands twice", "Keep one of the two", line=line, key=key)
-    return found
+        problem, key = "results have a column of this name", f"factors.{factor.text}"
+        raise BadFile(path, problem, "Name the factor otherwise", line=factor.line, key=key)
+    return levels_of(path, "factors", factor, node)
 
 
-_RANGE_KEYS = {"from", "to", "steps", "first", "last"}
-
-
-def _steps(path: Path, key: str, factor: Scalar, node: Section) -> list[str]:
-    written = {name.text for name, _ in node.entries}
-    if not ({"from", "first"} & written and {"to", "last"} & written):
-        remedy = "Write {from: A, to: B, steps: N}"
-        raise BadFile(path, "a range needs both ends", remedy, line=factor.line, key=key)
-    ends = load_tree(path, node, LevelRange).value
-    width = ends.last - ends.first
-    return [f"{ends.first + width * step / (ends.steps - 1):.12g}" for step in range(ends.steps)]
-
-
-def _factorial(factors: Mapping[str, Sequence[_Level]]) -> Iterator[dict[str, _Level]]:
-    """Yield every combination of levels, the last factor's changing first; without factors one empty condition."""
-    for levels in itertools.product(*factors.values()):
-        yield dict(zip(factors, levels, strict=True))
-
-
-def _explicit(path: Path, node: Node | None) -> Iterator[dict[str, _Level]]:
+def _explicit(path: Path, node: Node | None) -> Iterator[dict[str, Level]]:
     """Yield conditions that are written out."""
     if node is None:
         return
@@ -258,12 +199,12 @@ def _explicit(path: Path, node: Node | None) -> Iterator[dict[str, _Level]]:
         if not isinstance(item, Section):
             raise BadFile(path, "a section is needed", "Write {KEY: VALUE, ...}", item.line, "conditions")
         yield {
-            key.text: _Level(_text(child), nested(key.text, child, key.line), key.line) for key, child in item.entries
+            key.text: Level(written(child), nested(key.text, child, key.line), key.line) for key, child in item.entries
         }
 
 
 def _condition(
-    path: Path, start: Node, levels: Mapping[str, _Level], number: int, settings: SettingCache
+    path: Path, start: Node, levels: Mapping[str, Level], number: int, settings: SettingCache
 ) -> SweepCondition:
     """Return a condition, checked. Raises BadFile."""
     tree: Node = Section(1, [])
@@ -276,7 +217,7 @@ def _condition(
     # What does not fit together is told with the line of the last factor.
     loaded = merged(at_line(start, line), path, tree)
     condition = SweepCondition(number, labels, loaded.value)
-    if "seed" in {key.text for key, _ in _entries(tree)}:
+    if "seed" in {key.text for key, _ in entries_of(tree)}:
         problem = "seeds are the same in all conditions, so that these share their chance"
         raise BadFile(path, problem, "Write `replicates` and `first_seed`, or `seeds`", line=line, key="seed")
     try:
@@ -293,39 +234,6 @@ def _playable(setting: StudySetting, loaded: Loaded[Study]) -> None:
         raise loaded.fault("robots_from", "a sweep simulates its robots", "Write sim")
 
 
-def _spread(path: Path, node: Node) -> Node:
-    """Return a section whose keys may be paths with dots, as a tree of plain keys."""
-    if not isinstance(node, Section):
-        if isinstance(node, Scalar) and node.absent:
-            return Section(node.line, [])
-        raise BadFile(path, "a section is needed", "Write {KEY: VALUE, ...}", line=node.line)
-    tree: Node = Section(node.line, [])
-    for key, child in node.entries:
-        tree = over(tree, nested(key.text, child, key.line))
-    return tree
-
-
-def _entries(node: Node | None) -> list[tuple[Scalar, Node]]:
-    return node.entries if isinstance(node, Section) else []
-
-
 def _named(node: Node) -> Iterator[tuple[str, Node]]:
-    for key, child in _entries(node):
+    for key, child in entries_of(node):
         yield key.text, child
-
-
-def _text(node: Node) -> str:
-    """Return a value as it is written, on one line."""
-    match node:
-        case Scalar():
-            return node.text or '""'
-        case Listing():
-            return f"[{', '.join(_quoted(item) for item in node.items)}]"
-        case Section():
-            return f"{{{', '.join(f'{key.text}: {_quoted(child)}' for key, child in node.entries)}}}"
-
-
-def _quoted(node: Node) -> str:
-    if isinstance(node, Scalar) and not node.plain and not is_plain_word(node.text):
-        return quoted(node.text)
-    return _text(node)

@@ -34,7 +34,7 @@ def test_workload_is_the_mean_of_six_lines_of_which_performance_is_reversed() ->
 
 
 def test_a_score_needs_its_items_and_not_applicable_is_no_number() -> None:
-    items = tuple(Item(id, text=id, subscale="trust") for id in "abcd")
+    items = tuple(Item(name, text=name, subscale="trust") for name in "abcd")
     answers = {"a": 7.0, "b": 5.0, "c": NOT_APPLICABLE}
     assert math.isnan(scores_of(Form("t", items=items), answers)["trust"])
     half = Form("t", items=items, answered=0.5)

@@ -103,7 +103,7 @@ def _one_factor(correlation: FloatArray) -> FloatArray:
     k = len(correlation)
     between = correlation - np.diag(np.diag(correlation))
     # The average correlation of an item with the others has the sign and about the size of its loading.
-    loadings = between.sum(axis=1) / math.sqrt(max(between.sum(), 1e-12))
+    loadings: FloatArray = between.sum(axis=1) / math.sqrt(max(between.sum(), 1e-12))
     for _ in range(1000):
         before = loadings.copy()
         for i in range(k):

@@ -117,7 +117,9 @@ class EventLog:
         Raises:
             BadFile: the disk is full or gone; nothing was appended.
         """
-        logged, rows, chain = [], [], self._chain
+        logged: list[LoggedEvent] = []
+        rows: list[tuple[int, bytes, str, bytes, bytes]] = []
+        chain = self._chain
         for event in events:
             content, salt = _encoded(event), self._salts(_SALT)
             digest = _digest(salt, content)

@@ -1,0 +1,120 @@
+"""Factors of a design: keys of the study that differ between conditions, and the levels that each takes."""
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from sim.parameters import param
+from thbridge.files.errors import BadFile
+from thbridge.files.yaml.load import load_tree
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, quoted
+from thbridge.study.overrides import nested, over
+from thbridge.study.text import is_plain_word
+
+
+@dataclass(frozen=True, slots=True)
+class LevelRange:
+    """Levels of a factor at equal distances."""
+
+    renamed: ClassVar[Mapping[str, str]] = {"from": "first", "to": "last"}
+
+    first: float = param(math.nan, "first level")
+    last: float = param(math.nan, "last level")
+    steps: int = param(2, "number of levels", "", 2, 1000)
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """A level of a factor: its label, the tree of the keys that it sets, and its line."""
+
+    label: str
+    tree: Node
+    line: int
+
+
+def levels_of(path: Path, section: str, factor: Scalar, node: Node) -> list[Level]:
+    """Return the levels of a factor: a list of values, a range, or a section of named levels with several keys each.
+
+    Args:
+        path: the file.
+        section: name of the section in which the factor stands.
+        factor: its name.
+        node: its levels.
+
+    Raises:
+        BadFile: they are none.
+    """
+    key, line = f"{section}.{factor.text}", factor.line
+    found: list[Level] = []
+    if isinstance(node, Listing):
+        found = [Level(written(item), nested(factor.text, item, item.line), item.line) for item in node.items]
+    elif isinstance(node, Section) and {name.text for name, _ in node.entries} <= _RANGE_KEYS:
+        found = [
+            Level(text, nested(factor.text, Scalar(text, True, line), line), line)
+            for text in _steps(path, key, factor, node)
+        ]
+    elif isinstance(node, Section):
+        found = [Level(name.text, spread(path, child), name.line) for name, child in node.entries]
+    if not found:
+        remedy = "Write [LEVEL, ...], {from: A, to: B, steps: N}, or for each level 'NAME: {KEY: VALUE, ...}'"
+        raise BadFile(path, "a factor needs levels", remedy, line=line, key=key)
+    labels = [level.label for level in found]
+    if twice := next((label for label in labels if labels.count(label) > 1), None):
+        raise BadFile(path, f"the level {twice} stands twice", "Keep one of the two", line=line, key=key)
+    return found
+
+
+_RANGE_KEYS = {"from", "to", "steps", "first", "last"}
+
+
+def _steps(path: Path, key: str, factor: Scalar, node: Section) -> list[str]:
+    written = {name.text for name, _ in node.entries}
+    if not ({"from", "first"} & written and {"to", "last"} & written):
+        remedy = "Write {from: A, to: B, steps: N}"
+        raise BadFile(path, "a range needs both ends", remedy, line=factor.line, key=key)
+    ends = load_tree(path, node, LevelRange).value
+    width = ends.last - ends.first
+    return [f"{ends.first + width * step / (ends.steps - 1):.12g}" for step in range(ends.steps)]
+
+
+def factorial(factors: Mapping[str, Sequence[Level]]) -> Iterator[dict[str, Level]]:
+    """Yield every combination of levels, the last factor's changing first; without factors one empty condition."""
+    for levels in itertools.product(*factors.values()):
+        yield dict(zip(factors, levels, strict=True))
+
+
+def spread(path: Path, node: Node) -> Node:
+    """Return a section whose keys may be paths with dots, as a tree of plain keys."""
+    if not isinstance(node, Section):
+        if isinstance(node, Scalar) and node.absent:
+            return Section(node.line, [])
+        raise BadFile(path, "a section is needed", "Write {KEY: VALUE, ...}", line=node.line)
+    tree: Node = Section(node.line, [])
+    for key, child in node.entries:
+        tree = over(tree, nested(key.text, child, key.line))
+    return tree
+
+
+def entries_of(node: Node | None) -> list[tuple[Scalar, Node]]:
+    """Return the keys and values of a section; none of what is no section."""
+    return node.entries if isinstance(node, Section) else []
+
+
+def written(node: Node) -> str:
+    """Return a value as it is written, on one line."""
+    match node:
+        case Scalar():
+            return node.text or '""'
+        case Listing():
+            return f"[{', '.join(_quoted(item) for item in node.items)}]"
+        case Section():
+            return f"{{{', '.join(f'{key.text}: {_quoted(child)}' for key, child in node.entries)}}}"
+
+
+def _quoted(node: Node) -> str:
+    if isinstance(node, Scalar) and not node.plain and not is_plain_word(node.text):
+        return quoted(node.text)
+    return written(node)
