@@ -1,0 +1,1 @@
+"""The design of an experiment: its file, its conditions, and the steps that a person goes through."""

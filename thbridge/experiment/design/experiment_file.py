@@ -1,0 +1,273 @@
+"""The file of an experiment: what differs between conditions, how many people, and the steps of each."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from pathlib import Path
+
+from sim.parameters import param
+from thbridge.experiment.allocation.latin_square import Order, balanced_latin_square, cyclic_latin_square
+from thbridge.experiment.allocation.places import Allocation
+from thbridge.experiment.design.steps import StepEntry, StepKind
+from thbridge.experiment.questionnaires.form import SHIPPED, Form, read_form
+from thbridge.files.errors import BadFile, FaultCollection
+from thbridge.files.yaml.load import Loaded, load_tree
+from thbridge.files.yaml.tree import Node, Section, parse, read_text
+from thbridge.study.factors import Level, entries_of, factorial, levels_of, spread
+from thbridge.study.overrides import merged, over, resolved_tree
+from thbridge.study.study_file import Study, load_study
+
+MOST_CONDITIONS = 16
+"""Conditions that one person can go through, at most."""
+MOST_PEOPLE = 100_000
+LARGEST_SEED = 2**31 - 1
+_OWN_READING = ("base", "within", "between")
+"""Keys whose contents are keys of studies."""
+
+
+class OrderKind(StrEnum):
+    """Way in which conditions are ordered for each person."""
+
+    BALANCED = "balanced"
+    """By a balanced Latin square: each condition comes at every place, and behind every other, equally often."""
+    CYCLIC = "cyclic"
+    """By a plain Latin square: each comes at every place equally often; half as many orders of odd numbers."""
+    FIXED = "fixed"
+    """As the file has them."""
+
+
+@dataclass(frozen=True, slots=True)
+class ExperimentFile:
+    """An experiment as people write it."""
+
+    title: str = field(metadata={"help": "what it is called"})
+    seed: int = param(1, "all that is drawn follows from it", "", 0, LARGEST_SEED)
+    study: Path | None = param(None, "path of the study file that trials begin from, from here; null: defaults")
+    base: Mapping[str, str] = field(default_factory=dict, metadata={"help": "keys of the study, over its file's"})
+    within: Mapping[str, str] = field(
+        default_factory=dict, metadata={"help": "factors of which each person meets all levels"}
+    )
+    between: Mapping[str, str] = field(
+        default_factory=dict, metadata={"help": "factors of which each person meets one level"}
+    )
+    quota: int = param(12, "runs that count, of each combination of levels between people", "", 1, MOST_PEOPLE)
+    order: OrderKind = param(OrderKind.BALANCED, "how conditions are ordered for each person")
+    in_block: int = param(1, "how often each combination of levels between people stands in a block", "", 1, 100)
+    seeds: tuple[int, ...] = param(
+        (), "seeds of the games, the first for everybody's first trial and so on; none: drawn", "", 0, LARGEST_SEED
+    )
+    steps: tuple[StepEntry, ...] = param((), "what a person goes through, in this order")
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """A condition that people meet.
+
+    Attributes:
+        name: its levels in words; empty where nothing differs within people.
+        levels: the level of each factor within people.
+    """
+
+    name: str
+    levels: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """A combination of levels of the factors between people.
+
+    Attributes:
+        name: its levels in words; empty where nothing differs between people.
+        levels: the level of each factor between people.
+        studies: the study of each condition in this cell.
+    """
+
+    name: str
+    levels: Mapping[str, str]
+    studies: tuple[Study, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ExperimentDesign:
+    """An experiment, read and checked.
+
+    Attributes:
+        path: its file.
+        beside: the folder that paths in its studies are relative to.
+        file: what it says.
+        conditions: those within people, in the file's order.
+        cells: combinations between people.
+        orders: orders of conditions that are dealt.
+        forms: the form of each step that has one, by the step's index.
+    """
+
+    path: Path
+    beside: Path
+    file: ExperimentFile
+    conditions: tuple[Condition, ...]
+    cells: tuple[Cell, ...]
+    orders: tuple[Order, ...]
+    forms: Mapping[int, Form]
+
+    @property
+    def allocation(self) -> Allocation:
+        """How places are dealt."""
+        file = self.file
+        return Allocation(len(self.cells), len(self.orders), file.quota, file.seed, file.in_block)
+
+
+def read_experiment(path: Path) -> ExperimentDesign:
+    """Read an experiment; every condition's study is read, and every form.
+
+    Raises:
+        BadFile: it cannot be read, or something in it is faulty; as BadFiles, all faults at once.
+    """
+    whole = parse(path, read_text(path))
+    entries = {key.text: node for key, node in entries_of(whole)}
+    plain = [(key, Section(key.line, []) if key.text in _OWN_READING else node) for key, node in entries_of(whole)]
+    loaded = load_tree(path, Section(whole.line, plain) if isinstance(whole, Section) else whole, ExperimentFile)
+    file, faults = loaded.value, FaultCollection()
+    study, beside = Study(), path.parent
+    if file.study is not None:
+        study, beside = load_study(path.parent / file.study).value, (path.parent / file.study).parent
+    if (base := entries.get("base")) is not None:
+        study = merged(resolved_tree(study), path, spread(path, base)).value
+    within = _factors(path, "within", entries)
+    between = _factors(path, "between", entries)
+    with faults.kept():
+        _check_factors(loaded, within, between)
+    conditions = tuple(Condition(_named(levels), _labels(levels)) for levels in factorial(within))
+    if len(conditions) > MOST_CONDITIONS:
+        raise loaded.fault("within", f"{len(conditions)} conditions for each person", "Write fewer factors or levels")
+    cells = []
+    start = resolved_tree(study)
+    for cell in factorial(between):
+        studies = []
+        for condition in factorial(within):
+            with faults.kept():
+                studies.append(_study(path, start, {**cell, **condition}))
+        cells.append(Cell(_named(cell), _labels(cell), tuple(studies)))
+        if faults.found:
+            break
+    forms: dict[int, Form] = {}
+    for problem in _problems(loaded, len(conditions)):
+        faults.found.append(problem)
+    for index, entry in enumerate(file.steps):
+        if entry.form:
+            with faults.kept():
+                forms[index] = _form(loaded, index, entry)
+    if faults.found:
+        raise faults.together()
+    return ExperimentDesign(path, beside, file, conditions, tuple(cells), _orders(file.order, len(conditions)), forms)
+
+
+def _orders(kind: OrderKind, conditions: int) -> tuple[Order, ...]:
+    if kind is OrderKind.FIXED:
+        return (tuple(range(conditions)),)
+    return balanced_latin_square(conditions) if kind is OrderKind.BALANCED else cyclic_latin_square(conditions)
+
+
+def _factors(path: Path, section: str, entries: Mapping[str, Node]) -> dict[str, list[Level]]:
+    return {key.text: levels_of(path, section, key, node) for key, node in entries_of(entries.get(section))}
+
+
+def _check_factors(
+    loaded: Loaded[ExperimentFile], within: Mapping[str, list[Level]], between: Mapping[str, list[Level]]
+) -> None:
+    if both := next((factor for factor in within if factor in between), None):
+        raise loaded.fault("between", f"{both} is a factor within people, too", "Keep one of the two")
+    if "seed" in {*within, *between}:
+        raise loaded.fault("within", "seed is no factor: all conditions share their chance", "Write `seeds`")
+
+
+def _labels(levels: Mapping[str, Level]) -> dict[str, str]:
+    return {factor: level.label for factor, level in levels.items()}
+
+
+def _named(levels: Mapping[str, Level]) -> str:
+    return ", ".join(f"{factor}={level.label}" for factor, level in levels.items())
+
+
+def _study(path: Path, start: Node, levels: Mapping[str, Level]) -> Study:
+    tree: Node = Section(1, [])
+    for level in levels.values():
+        tree = over(tree, level.tree)
+    return merged(start, path, tree).value
+
+
+def _form(loaded: Loaded[ExperimentFile], index: int, entry: StepEntry) -> Form:
+    own, shipped = loaded.path.parent / entry.form, SHIPPED / f"{entry.form}.yaml"
+    path = shipped if not own.is_file() and shipped.is_file() else own
+    if not path.is_file():
+        names = ", ".join(sorted(form.stem for form in SHIPPED.glob("*.yaml")))
+        raise loaded.fault(f"steps[{index}].form", f"there is no form {entry.form}", f"Name a file, or one of {names}")
+    form = read_form(path).value
+    if entry.step is StepKind.CHECK and all(item.correct is None for item in form.items):
+        remedy = "Write `correct` at one of its items at least"
+        raise BadFile(path, "a check needs right answers", remedy, key="items")
+    return form
+
+
+_TEXTS = {StepKind.INSTRUCTIONS, StepKind.CONSENT, StepKind.DEBRIEF}
+_FORMS = {StepKind.CHECK, StepKind.FORM}
+
+
+def name_of(index: int, entry: StepEntry) -> str:
+    """Return the name of a step: its own, that of its form, or its kind with its number in the file."""
+    return entry.name or (Path(entry.form).stem if entry.form else f"{entry.step}_{index + 1}")
+
+
+def _problems(loaded: Loaded[ExperimentFile], conditions: int) -> Iterator[BadFile]:
+    """Yield what is valid alone but not together."""
+    file = loaded.value
+    if not file.steps:
+        yield loaded.fault("steps", "nobody has anything to do", "Write a line '- {step: trial}' at least")
+    if file.seeds and len(file.seeds) < conditions:
+        remedy = f"Write {conditions}, one for each trial of a person"
+        yield loaded.fault("seeds", f"{len(file.seeds)} seeds for {conditions} trials", remedy)
+    trials = [entry for entry in file.steps if entry.step is StepKind.TRIAL and entry.each_condition]
+    if conditions > 1 and not trials:
+        remedy = "Mark the trial: {step: trial, each_condition: true}"
+        yield loaded.fault("steps", "no trial comes once for each condition", remedy)
+    names: dict[str, int] = {}
+    for index, entry in enumerate(file.steps):
+        key, name = f"steps[{index}]", name_of(index, entry)
+        if entry.step in _TEXTS and entry.text is None:
+            yield loaded.fault(key, f"{entry.step} without a text", "Write text: FILE")
+        if entry.text is not None and not (loaded.path.parent / entry.text).is_file():
+            yield loaded.fault(f"{key}.text", f"there is no file {entry.text}", "Write the path of a text")
+        if entry.step in _FORMS and not entry.form:
+            yield loaded.fault(key, f"a {entry.step} without a form", "Write form: NAME")
+        if name in names:
+            remedy = "Give each a name of its own: `name: ...`"
+            yield loaded.fault(key, f"{name} is the name of step {names[name] + 1}, too", remedy)
+        if entry.repeat and entry.repeat not in names and entry.repeat != name:
+            yield loaded.fault(f"{key}.repeat", f"no step before is called {entry.repeat}", _one_of(names))
+        for answer in entry.when:
+            step, _, item = answer.rpartition(".")
+            if step not in names:
+                yield loaded.fault(f"{key}.when", f"no step before is called {step or item}", _one_of(names))
+        names.setdefault(name, index)
+
+
+def _one_of(names: Mapping[str, int]) -> str:
+    return f"Write one of {', '.join(names)}" if names else "Take it away: it is the first"
+
+
+def drawn_seed(design: ExperimentDesign, trial: int) -> int:
+    """Return the seed of everybody's game of this number, counted from 0."""
+    file = design.file
+    if file.seeds:
+        return file.seeds[trial]
+    return (file.seed * 1_000_003 + 7919 * trial) % LARGEST_SEED
+
+
+def people_wanted(design: ExperimentDesign) -> int:
+    """Return the number of runs that are to count."""
+    return design.allocation.size
+
+
+def is_even(design: ExperimentDesign) -> bool:
+    """Return True when each order comes equally often in a full experiment."""
+    return math.gcd(design.file.quota, len(design.orders)) == len(design.orders)

@@ -1,0 +1,52 @@
+"""The steps of one person: those of the file, with trials in the person's order of conditions."""
+
+import itertools
+from dataclasses import dataclass
+
+from thbridge.experiment.allocation.places import Place
+from thbridge.experiment.design.experiment_file import ExperimentDesign, name_of
+from thbridge.experiment.design.steps import StepEntry, StepKind
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedStep:
+    """A step that a person is to go through.
+
+    Attributes:
+        number: from 1, in the person's order.
+        index: index of the step in the file.
+        entry: the step in the file.
+        name: its name there.
+        condition: index of the condition that it belongs to; None: to none.
+        trial: how many trials come before it; None: it is no trial.
+    """
+
+    number: int
+    index: int
+    entry: StepEntry
+    name: str
+    condition: int | None = None
+    trial: int | None = None
+
+
+def plan_of(design: ExperimentDesign, place: Place) -> tuple[PlannedStep, ...]:
+    """Return the steps of the person at a place."""
+    planned: list[PlannedStep] = []
+    trials = itertools.count()
+
+    def plan(index: int, entry: StepEntry, condition: int | None) -> None:
+        trial = next(trials) if entry.step is StepKind.TRIAL else None
+        planned.append(PlannedStep(len(planned) + 1, index, entry, name_of(index, entry), condition, trial))
+
+    entries = enumerate(design.file.steps)
+    for each, block in itertools.groupby(entries, key=lambda numbered: numbered[1].each_condition):
+        steps = list(block)
+        for condition in design.orders[place.order] if each else (None,):
+            for index, entry in steps:
+                plan(index, entry, condition if each else _only(design, entry))
+    return tuple(planned)
+
+
+def _only(design: ExperimentDesign, entry: StepEntry) -> int | None:
+    """A trial outside of all conditions is played in the only one."""
+    return 0 if entry.step is StepKind.TRIAL and len(design.conditions) == 1 else None

@@ -1,0 +1,79 @@
+"""Steps of an experiment, as its file lists them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from pathlib import Path
+
+from sim.parameters import param
+
+LONGEST_TRIAL = 4 * 3600.0
+
+
+class StepKind(StrEnum):
+    """What a person does in a step."""
+
+    INSTRUCTIONS = "instructions"
+    """Reads a text."""
+    CONSENT = "consent"
+    """Agrees to take part, or leaves."""
+    PRACTICE = "practice"
+    """Plays a game that never counts as data."""
+    CHECK = "check"
+    """Answers questions that have right answers: of comprehension, or of attention."""
+    TRIAL = "trial"
+    """Plays a game in a condition."""
+    FORM = "form"
+    """Fills in a questionnaire."""
+    PAUSE = "pause"
+    """Rests until they go on."""
+    DEBRIEF = "debrief"
+    """Reads what it was all about, and gets a completion code."""
+
+
+class Failed(StrEnum):
+    """What becomes of a person who fails a check for the last time."""
+
+    EXCLUDE = "exclude"
+    """The run ends and does not count; its place opens again."""
+    GO_ON = "go on"
+    """The run goes on, marked."""
+
+
+class Resume(StrEnum):
+    """How a step goes on after a crash."""
+
+    EXACT = "exact"
+    """Where it was: a form has the answers given, a game goes on from its journal."""
+    BEGINNING = "beginning"
+    """It begins anew; what was there is kept and marked."""
+    NEVER = "never"
+    """The run ends there and does not count."""
+
+
+@dataclass(frozen=True, slots=True)
+class StepEntry:
+    """A step as the file of an experiment has it."""
+
+    step: StepKind = field(metadata={"help": "what is done in it"})
+    name: str = param(
+        "", "name in tables and branches: small letters, digits and _; none: that of its form, or its kind"
+    )
+    text: Path | None = param(
+        None, "file of what is read, for instructions, consent and debrief, from this file's folder"
+    )
+    form: str = param("", "form that is filled in: one that comes with the program, or a path from this file's folder")
+    each_condition: bool = param(
+        default=False,
+        help="whether it comes once for each condition; steps so marked that follow each other come together",
+    )
+    right: int | None = param(None, "right answers that a check asks for; null: all", "", 0)
+    attempts: int = param(1, "how often a check may be tried", "", 1, 20)
+    repeat: str = param("", "name of the step from which a failed check is repeated; none: the check alone")
+    failed: Failed = param(Failed.EXCLUDE, "what follows when a check is failed for the last time")
+    max_seconds: float = param(3600.0, "simulated time after which a game ends", "s", 1, LONGEST_TRIAL)
+    resume: Resume = param(Resume.EXACT, "how it goes on after a crash")
+    when: Mapping[str, str] = field(
+        default_factory=dict,
+        metadata={"help": "answers without which the step is passed over: {STEP.ITEM: ANSWER}"},
+    )

@@ -1,0 +1,211 @@
+"""Progress of an experiment: where each person is, which runs count, and which places are open.
+
+It is nothing but the fold of the log's events: a program that comes back after a crash reads the log and knows.
+"""
+
+import dataclasses
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from thbridge.experiment.allocation.places import NoPlace, Place
+from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.design.plan import PlannedStep, plan_of
+from thbridge.experiment.design.steps import Failed, Resume, StepKind
+from thbridge.experiment.store.events import JsonValue, LogEntry, LoggedEvent, NewEvent
+
+
+class EventKind(StrEnum):
+    """Kinds of events by which a run goes on; there are others."""
+
+    RUN_BEGUN = "run-begun"
+    """Data: place."""
+    STEP_BEGUN = "step-begun"
+    STEP_RESUMED = "step-resumed"
+    """A program went on with a step that another one had begun."""
+    ITEM_GIVEN = "item-given"
+    """Data: item, answer."""
+    STEP_ENDED = "step-ended"
+    """Data: outcome."""
+    RUN_ENDED = "run-ended"
+    """Data: outcome, reason."""
+    RUN_EXCLUDED = "run-excluded"
+    """The experimenter decides that a run does not count. Data: reason."""
+    NOTE = "note"
+    """Words of the experimenter. Data: text."""
+
+
+class StepOutcome(StrEnum):
+    """Ways in which a step ends."""
+
+    DONE = "done"
+    FAILED = "failed"
+    """A check that was not passed."""
+    PASSED_OVER = "passed over"
+    """The answers given do not ask for it."""
+    LOST = "lost"
+    """It could not go on after a crash, and was not to begin anew."""
+
+
+class RunState(StrEnum):
+    """States of a person's run."""
+
+    UNDER_WAY = "under way"
+    COMPLETE = "complete"
+    DECLINED = "declined"
+    LEFT = "left"
+    EXCLUDED = "excluded"
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A person's way through an experiment.
+
+    Attributes:
+        participant: their id.
+        place: the one they took.
+        state: how far it is.
+        reason: for being excluded, or for leaving.
+        step: number of the step that comes next, or is under way; one beyond the last when all are done.
+        under_way: True while that step is.
+        attempts: how often each check has been tried, by its number in the plan.
+        failed: numbers of the checks that were failed for good.
+        answers: the last answer to each item, by `STEP.ITEM`.
+    """
+
+    participant: str
+    place: Place
+    state: RunState = RunState.UNDER_WAY
+    reason: str = ""
+    step: int = 1
+    under_way: bool = False
+    attempts: Mapping[int, int] = field(default_factory=dict)
+    failed: frozenset[int] = frozenset()
+    answers: Mapping[str, JsonValue] = field(default_factory=dict)
+
+    @property
+    def holds_place(self) -> bool:
+        """True while nobody else can take its place."""
+        return self.state in {RunState.UNDER_WAY, RunState.COMPLETE}
+
+
+class BadHistory(ValueError):  # noqa: N818 - it is shown to people as a sentence
+    """Events that cannot follow one another in this experiment."""
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """State of an experiment after some events.
+
+    Attributes:
+        design: the experiment.
+        runs: by the person's id.
+        sequence: number of the last event.
+    """
+
+    design: ExperimentDesign
+    runs: Mapping[str, Run] = field(default_factory=dict)
+    sequence: int = 0
+
+    @property
+    def valid(self) -> frozenset[int]:
+        """Numbers of the places of runs that count."""
+        return frozenset(run.place.number for run in self.runs.values() if run.state is RunState.COMPLETE)
+
+    @property
+    def under_way(self) -> frozenset[int]:
+        """Numbers of the places of runs that may yet count."""
+        return frozenset(run.place.number for run in self.runs.values() if run.state is RunState.UNDER_WAY)
+
+    def next_place(self) -> Place | NoPlace:
+        """Return the place for the next person."""
+        return self.design.allocation.next(self.valid, self.under_way)
+
+    def plan(self, participant: str) -> tuple[PlannedStep, ...]:
+        """Return the steps of a person."""
+        return plan_of(self.design, self.runs[participant].place)
+
+    def next_step(self, participant: str) -> PlannedStep | None:
+        """Return the step that a person goes on with; None: there is none left, or the run is over."""
+        run, plan = self.runs[participant], self.plan(participant)
+        return plan[run.step - 1] if run.state is RunState.UNDER_WAY and run.step <= len(plan) else None
+
+    def wants(self, participant: str, step: PlannedStep) -> bool:
+        """Return True when a person's answers ask for a step."""
+        answers = self.runs[participant].answers
+        return all(answers.get(item) == wanted for item, wanted in step.entry.when.items())
+
+    def after(self, entries: Iterable[LogEntry]) -> "Progress":
+        """Return the state after further entries of the log.
+
+        Raises:
+            BadHistory: an event cannot follow those before it.
+        """
+        runs, sequence = dict(self.runs), self.sequence
+        for entry in entries:
+            sequence = entry.sequence
+            if isinstance(entry, LoggedEvent):
+                self._take(runs, entry.event)
+        return dataclasses.replace(self, runs=runs, sequence=sequence)
+
+    def _take(self, runs: dict[str, Run], event: NewEvent) -> None:
+        data, person = event.data or {}, event.participant
+        if event.kind == EventKind.RUN_BEGUN:
+            number = data["place"]
+            taken = {run.place.number for run in runs.values() if run.holds_place}
+            if person in runs or not isinstance(number, int) or number in taken:
+                raise BadHistory(f"{person} begins at place {number}, which is taken, or begins twice")
+            runs[person] = Run(person, self.design.allocation.place(number))
+            return
+        run = runs.get(person)
+        if run is None:
+            return
+        if event.kind == EventKind.RUN_EXCLUDED:
+            runs[person] = dataclasses.replace(run, state=RunState.EXCLUDED, reason=str(data["reason"]))
+        elif run.state is not RunState.UNDER_WAY:
+            return
+        elif event.kind == EventKind.STEP_BEGUN:
+            if event.step != run.step or run.under_way:
+                raise BadHistory(f"{person} begins step {event.step} where {run.step} is next")
+            runs[person] = dataclasses.replace(run, under_way=True)
+        elif event.kind == EventKind.ITEM_GIVEN:
+            name = plan_of(self.design, run.place)[event.step - 1].name
+            answers = {**run.answers, f"{name}.{data['item']}": data["answer"]}
+            runs[person] = dataclasses.replace(run, answers=answers)
+        elif event.kind == EventKind.STEP_ENDED:
+            runs[person] = self._ended(run, event.step, StepOutcome(str(data["outcome"])))
+        elif event.kind == EventKind.RUN_ENDED:
+            state, reason = RunState(str(data["outcome"])), str(data.get("reason", ""))
+            runs[person] = dataclasses.replace(run, state=state, reason=reason)
+
+    def _ended(self, run: Run, number: int, outcome: StepOutcome) -> Run:
+        if number != run.step:
+            raise BadHistory(f"{run.participant} ends step {number} where {run.step} is under way")
+        plan = plan_of(self.design, run.place)
+        step = plan[number - 1]
+        if outcome is StepOutcome.LOST:
+            reason = f"{step.name} could not go on"
+            return dataclasses.replace(run, state=RunState.EXCLUDED, reason=reason, under_way=False)
+        following = dataclasses.replace(run, step=number + 1, under_way=False)
+        if step.entry.step is not StepKind.CHECK or outcome is StepOutcome.PASSED_OVER:
+            return following
+        tried = run.attempts.get(number, 0) + 1
+        following = dataclasses.replace(following, attempts={**run.attempts, number: tried})
+        if outcome is not StepOutcome.FAILED:
+            return following
+        if tried < step.entry.attempts:
+            return dataclasses.replace(following, step=_repeated(plan, step))
+        if step.entry.failed is Failed.GO_ON:
+            return dataclasses.replace(following, failed=run.failed | {number})
+        return dataclasses.replace(following, state=RunState.EXCLUDED, reason=f"failed {step.name}")
+
+
+def _repeated(plan: tuple[PlannedStep, ...], check: PlannedStep) -> int:
+    """Number of the step from which a failed check is repeated: the last of its name before it, or the check itself."""
+    named = (step.number for step in reversed(plan[: check.number]) if step.name == check.entry.repeat)
+    return next(named, check.number)
+
+
+def resumes(run: Run, step: PlannedStep) -> Resume:
+    """Return how a step that was under way when a program died goes on."""
+    return step.entry.resume if run.under_way else Resume.BEGINNING
