@@ -23,12 +23,18 @@ class EventKind(StrEnum):
     STEP_BEGUN = "step-begun"
     STEP_RESUMED = "step-resumed"
     """A program went on with a step that another one had begun."""
-    ITEM_GIVEN = "item-given"
+    ITEM_SHOWN = "item-shown"
+    """Data: item."""
+    ITEM_TOUCHED = "item-touched"
+    """A person has begun to answer an item. Data: item."""
+    ITEM_CHANGED = "item-changed"
     """Data: item, answer."""
+    ITEM_GIVEN = "item-given"
+    """An answer is final for now: the person went on from it. Data: item, answer."""
     STEP_ENDED = "step-ended"
     """Data: outcome."""
     RUN_ENDED = "run-ended"
-    """Data: outcome, reason."""
+    """Data: outcome, reason, and of a complete run its completion code."""
     RUN_EXCLUDED = "run-excluded"
     """The experimenter decides that a run does not count. Data: reason."""
     NOTE = "note"
@@ -64,6 +70,7 @@ class Run:
     Attributes:
         participant: their id.
         place: the one they took.
+        plan: the steps that they are to go through.
         state: how far it is.
         reason: for being excluded, or for leaving.
         step: number of the step that comes next, or is under way; one beyond the last when all are done.
@@ -71,10 +78,12 @@ class Run:
         attempts: how often each check has been tried, by its number in the plan.
         failed: numbers of the checks that were failed for good.
         answers: the last answer to each item, by `STEP.ITEM`.
+        given: the answers given in the step under way, by the item's id.
     """
 
     participant: str
     place: Place
+    plan: tuple[PlannedStep, ...]
     state: RunState = RunState.UNDER_WAY
     reason: str = ""
     step: int = 1
@@ -82,6 +91,7 @@ class Run:
     attempts: Mapping[int, int] = field(default_factory=dict)
     failed: frozenset[int] = frozenset()
     answers: Mapping[str, JsonValue] = field(default_factory=dict)
+    given: Mapping[str, JsonValue] = field(default_factory=dict)
 
     @property
     def holds_place(self) -> bool:
@@ -121,14 +131,10 @@ class Progress:
         """Return the place for the next person."""
         return self.design.allocation.next(self.valid, self.under_way)
 
-    def plan(self, participant: str) -> tuple[PlannedStep, ...]:
-        """Return the steps of a person."""
-        return plan_of(self.design, self.runs[participant].place)
-
     def next_step(self, participant: str) -> PlannedStep | None:
         """Return the step that a person goes on with; None: there is none left, or the run is over."""
-        run, plan = self.runs[participant], self.plan(participant)
-        return plan[run.step - 1] if run.state is RunState.UNDER_WAY and run.step <= len(plan) else None
+        run = self.runs[participant]
+        return run.plan[run.step - 1] if run.state is RunState.UNDER_WAY and run.step <= len(run.plan) else None
 
     def wants(self, participant: str, step: PlannedStep) -> bool:
         """Return True when a person's answers ask for a step."""
@@ -155,7 +161,8 @@ class Progress:
             taken = {run.place.number for run in runs.values() if run.holds_place}
             if person in runs or not isinstance(number, int) or number in taken:
                 raise BadHistory(f"{person} begins at place {number}, which is taken, or begins twice")
-            runs[person] = Run(person, self.design.allocation.place(number))
+            place = self.design.allocation.place(number)
+            runs[person] = Run(person, place, plan_of(self.design, place))
             return
         run = runs.get(person)
         if run is None:
@@ -167,37 +174,38 @@ class Progress:
         elif event.kind == EventKind.STEP_BEGUN:
             if event.step != run.step or run.under_way:
                 raise BadHistory(f"{person} begins step {event.step} where {run.step} is next")
-            runs[person] = dataclasses.replace(run, under_way=True)
+            runs[person] = dataclasses.replace(run, under_way=True, given={})
         elif event.kind == EventKind.ITEM_GIVEN:
-            name = plan_of(self.design, run.place)[event.step - 1].name
-            answers = {**run.answers, f"{name}.{data['item']}": data["answer"]}
-            runs[person] = dataclasses.replace(run, answers=answers)
+            name = run.plan[event.step - 1].name
+            item, answer = str(data["item"]), data["answer"]
+            answers, given = {**run.answers, f"{name}.{item}": answer}, {**run.given, item: answer}
+            runs[person] = dataclasses.replace(run, answers=answers, given=given)
         elif event.kind == EventKind.STEP_ENDED:
-            runs[person] = self._ended(run, event.step, StepOutcome(str(data["outcome"])))
+            runs[person] = _ended(run, event.step, StepOutcome(str(data["outcome"])))
         elif event.kind == EventKind.RUN_ENDED:
             state, reason = RunState(str(data["outcome"])), str(data.get("reason", ""))
             runs[person] = dataclasses.replace(run, state=state, reason=reason)
 
-    def _ended(self, run: Run, number: int, outcome: StepOutcome) -> Run:
-        if number != run.step:
-            raise BadHistory(f"{run.participant} ends step {number} where {run.step} is under way")
-        plan = plan_of(self.design, run.place)
-        step = plan[number - 1]
-        if outcome is StepOutcome.LOST:
-            reason = f"{step.name} could not go on"
-            return dataclasses.replace(run, state=RunState.EXCLUDED, reason=reason, under_way=False)
-        following = dataclasses.replace(run, step=number + 1, under_way=False)
-        if step.entry.step is not StepKind.CHECK or outcome is StepOutcome.PASSED_OVER:
-            return following
-        tried = run.attempts.get(number, 0) + 1
-        following = dataclasses.replace(following, attempts={**run.attempts, number: tried})
-        if outcome is not StepOutcome.FAILED:
-            return following
-        if tried < step.entry.attempts:
-            return dataclasses.replace(following, step=_repeated(plan, step))
-        if step.entry.failed is Failed.GO_ON:
-            return dataclasses.replace(following, failed=run.failed | {number})
-        return dataclasses.replace(following, state=RunState.EXCLUDED, reason=f"failed {step.name}")
+
+def _ended(run: Run, number: int, outcome: StepOutcome) -> Run:
+    if number != run.step:
+        raise BadHistory(f"{run.participant} ends step {number} where {run.step} is under way")
+    step = run.plan[number - 1]
+    if outcome is StepOutcome.LOST:
+        reason = f"{step.name} could not go on"
+        return dataclasses.replace(run, state=RunState.EXCLUDED, reason=reason, under_way=False)
+    following = dataclasses.replace(run, step=number + 1, under_way=False)
+    if step.entry.step is not StepKind.CHECK or outcome is StepOutcome.PASSED_OVER:
+        return following
+    tried = run.attempts.get(number, 0) + 1
+    following = dataclasses.replace(following, attempts={**run.attempts, number: tried})
+    if outcome is not StepOutcome.FAILED:
+        return following
+    if tried < step.entry.attempts:
+        return dataclasses.replace(following, step=_repeated(run.plan, step))
+    if step.entry.failed is Failed.GO_ON:
+        return dataclasses.replace(following, failed=run.failed | {number})
+    return dataclasses.replace(following, state=RunState.EXCLUDED, reason=f"failed {step.name}")
 
 
 def _repeated(plan: tuple[PlannedStep, ...], check: PlannedStep) -> int:

@@ -167,7 +167,7 @@ def test_steps_are_wanted_by_the_answers_given(design: ExperimentDesign) -> None
     for _ in range(3):
         log.do("A")
     log.do("A", who="you", played="no")
-    preference = log.progress.plan("A")[10]
+    preference = log.progress.runs["A"].plan[10]
     assert preference.name == "preference"
     assert not log.progress.wants("A", preference)
 

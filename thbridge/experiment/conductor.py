@@ -1,0 +1,172 @@
+"""The conductor of an experiment: gives people their places and steps, and has each event in the log before the next.
+
+It holds no state that the log does not have. Whoever opens the same log later, after a crash or on another machine,
+goes on where it ended.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+
+from thbridge.experiment.allocation.places import NoPlace
+from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.design.plan import PlannedStep
+from thbridge.experiment.design.steps import Resume, StepKind
+from thbridge.experiment.progress import EventKind, Progress, Run, RunState, StepOutcome, resumes
+from thbridge.experiment.questionnaires.form import Form
+from thbridge.experiment.store.event_log import EventLog, read_log
+from thbridge.experiment.store.events import Actor, Clocks, JsonValue, LoggedEvent, NewEvent
+
+LETTERS = "23456789ABCDEFGHJKMNPQRSTVWXYZ"
+"""Letters and digits of ids and codes: none that looks like another."""
+
+Draw = Callable[[int], int]
+"""Source of chance: a whole number from 0 up to, and without, this one."""
+
+
+class Conductor:
+    """Carries on one experiment.
+
+    Args:
+        design: the experiment.
+        log: its log.
+        clocks: the time now; outside of a trial.
+        draw: chance for ids and codes, which must not follow from the experiment's seed.
+
+    Raises:
+        BadFile: the log cannot be read.
+    """
+
+    def __init__(self, design: ExperimentDesign, log: EventLog, clocks: Callable[[], Clocks], draw: Draw) -> None:
+        self._design = design
+        self._log = log
+        self._clocks = clocks
+        self._draw = draw
+        self.progress = Progress(design).after(read_log(log.path))
+        """Where everybody is."""
+
+    def admit(self, external_id: str = "") -> Run | NoPlace:
+        """Begin the run of the next person, if there is a place.
+
+        Args:
+            external_id: the person's id at a recruiting service; empty: none.
+        """
+        place = self.progress.next_place()
+        if isinstance(place, NoPlace):
+            return place
+        participant = self._new_id()
+        data: dict[str, JsonValue] = {"place": place.number, "cell": place.cell, "order": place.order}
+        if external_id:
+            data["external_id"] = external_id
+        self._append(EventKind.RUN_BEGUN, "program", participant, data=data)
+        return self.progress.runs[participant]
+
+    def begin(self, participant: str) -> PlannedStep | None:
+        """Begin a person's next step, or go on with the one that was under way; None: all is done.
+
+        Steps that the person's answers do not ask for are passed over; a step that must not go on after a crash ends
+        the run.
+        """
+        while (step := self.progress.next_step(participant)) is not None:
+            run = self.progress.runs[participant]
+            if run.under_way:
+                how = resumes(run, step)
+                if how is Resume.NEVER:
+                    self._end(participant, step, StepOutcome.LOST)
+                    continue
+                self._of_step(EventKind.STEP_RESUMED, "program", participant, step, {"from": str(how)})
+                return step
+            self._of_step(EventKind.STEP_BEGUN, "program", participant, step, {"name": step.name})
+            if self.progress.wants(participant, step):
+                return step
+            self._end(participant, step, StepOutcome.PASSED_OVER)
+        run = self.progress.runs[participant]
+        if run.state is RunState.UNDER_WAY:
+            data: dict[str, JsonValue] = {"outcome": RunState.COMPLETE, "code": self._word(8)}
+            self._append(EventKind.RUN_ENDED, "program", participant, data=data)
+        return None
+
+    def tell(
+        self, kind: EventKind, participant: str, step: PlannedStep, data: Mapping[str, JsonValue], actor: Actor
+    ) -> LoggedEvent:
+        """Take down something that happened in a step: an item that was shown, touched, changed or given."""
+        return self._of_step(kind, actor, participant, step, data)
+
+    def end(self, participant: str, step: PlannedStep) -> StepOutcome:
+        """End a step that a person has done; a check is judged by the answers given."""
+        outcome = StepOutcome.DONE
+        if step.entry.step is StepKind.CHECK and not self._passed(participant, step):
+            outcome = StepOutcome.FAILED
+        self._end(participant, step, outcome)
+        return outcome
+
+    def leave(self, participant: str, reason: str, *, declined: bool = False) -> None:
+        """End a run before its end: the person did not agree, or went."""
+        outcome = RunState.DECLINED if declined else RunState.LEFT
+        data: dict[str, JsonValue] = {"outcome": outcome, "reason": reason}
+        self._append(EventKind.RUN_ENDED, "participant", participant, data=data)
+
+    def exclude(self, participant: str, reason: str) -> None:
+        """Decide that a run does not count; its place opens again."""
+        self._append(EventKind.RUN_EXCLUDED, "experimenter", participant, data={"reason": reason})
+
+    def note(self, text: str, participant: str = "") -> None:
+        """Take down words of the experimenter."""
+        self._append(EventKind.NOTE, "experimenter", participant, data={"text": text})
+
+    def withdraw(self, participant: str) -> None:
+        """Delete everything that the log has of a person, also where others' events name them."""
+        sequences = [
+            entry.sequence
+            for entry in read_log(self._log.path)
+            if isinstance(entry, LoggedEvent)
+            and (entry.event.participant == participant or participant in repr(entry.event.data))
+        ]
+        self._log.delete(sequences, self._clocks())
+        self.progress = Progress(self._design).after(read_log(self._log.path))
+
+    def form(self, step: PlannedStep) -> Form:
+        """Return the form of a step that has one."""
+        return self._design.forms[step.index]
+
+    def _passed(self, participant: str, step: PlannedStep) -> bool:
+        given = self.progress.runs[participant].given
+        asked = [item for item in self.form(step).items if item.correct is not None]
+        right = sum(given.get(item.id) == item.correct for item in asked)
+        return right >= (len(asked) if step.entry.right is None else step.entry.right)
+
+    def _end(self, participant: str, step: PlannedStep, outcome: StepOutcome) -> None:
+        self._of_step(EventKind.STEP_ENDED, "program", participant, step, {"outcome": str(outcome)})
+
+    def _of_step(
+        self, kind: EventKind, actor: Actor, participant: str, step: PlannedStep, data: Mapping[str, JsonValue]
+    ) -> LoggedEvent:
+        condition = "" if step.condition is None else self._design.conditions[step.condition].name
+        return self._append(kind, actor, participant, step.number, condition, data)
+
+    def _append(
+        self,
+        kind: EventKind,
+        actor: Actor,
+        participant: str,
+        step: int = 0,
+        condition: str = "",
+        data: Mapping[str, JsonValue] | None = None,
+    ) -> LoggedEvent:
+        event = NewEvent(kind, actor, self._clocks(), participant, step, condition, data=data)
+        # What cannot follow must not come into the log.
+        progress = self.progress.after([LoggedEvent(self.progress.sequence + 1, event)])
+        (logged,) = self._log.append([event])
+        self.progress = progress
+        return logged
+
+    def _new_id(self) -> str:
+        while (drawn := f"P-{self._word(5)}") in self.progress.runs:
+            pass
+        return drawn
+
+    def _word(self, length: int) -> str:
+        return "".join(LETTERS[self._draw(len(LETTERS))] for _ in range(length))
+
+
+def unfinished(progress: Progress) -> Sequence[Run]:
+    """Return the runs that can go on."""
+    return [run for run in progress.runs.values() if run.state is RunState.UNDER_WAY]
