@@ -1,0 +1,115 @@
+"""Tables of an experiment: what pandas reads is what people answered."""
+
+import itertools
+import math
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from tests.thbridge.experiment.test_design import write
+from thbridge.experiment.conductor import Conductor
+from thbridge.experiment.design.experiment_file import ExperimentDesign, read_experiment
+from thbridge.experiment.export.tables import ExperimentTable, tables_of
+from thbridge.experiment.progress import EventKind
+from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
+from thbridge.experiment.store.event_log import EventLog, read_log
+from thbridge.experiment.store.events import Clocks
+from thbridge.files.table_files import TableFiles, TableFormat
+
+
+@pytest.fixture(scope="module")
+def design(tmp_path_factory: pytest.TempPathFactory) -> ExperimentDesign:
+    return read_experiment(write(tmp_path_factory.mktemp("design")))
+
+
+@pytest.fixture(scope="module")
+def tables(design: ExperimentDesign, tmp_path_factory: pytest.TempPathFactory) -> dict[str, ExperimentTable]:
+    """Of one person who fails the check once, and one who leaves in the first trial."""
+    path = tmp_path_factory.mktemp("store") / "log"
+    ticks = itertools.count()
+    with EventLog(path) as log:
+        lab = Conductor(
+            design, log, lambda: Clocks("2026-01-02T12:00:00Z", next(ticks) * 1_000_000_000), lambda n: next(ticks) % n
+        )
+        first, second = lab.admit("x").participant, lab.admit("y").participant
+        wrong = iter(["they"])
+        while (step := lab.begin(first)) is not None:
+            for item in lab.form(step).items if step.entry.form else ():
+                answer = item.options[0] if item.options else item.greatest
+                if item.correct:
+                    answer = next(wrong, item.correct)
+                if item.not_applicable and item.id == "know":
+                    answer = NOT_APPLICABLE
+                for kind in (EventKind.ITEM_SHOWN, EventKind.ITEM_TOUCHED, EventKind.ITEM_CHANGED):
+                    lab.tell(kind, first, step, {"item": item.id}, "participant")
+                lab.tell(EventKind.ITEM_GIVEN, first, step, {"item": item.id, "answer": answer}, "participant")
+            lab.end(first, step)
+        while (step := lab.begin(second)) is not None and step.name != "trial_5":
+            if step.entry.form:
+                lab.tell(EventKind.ITEM_GIVEN, second, step, {"item": "who", "answer": "you"}, "participant")
+            lab.end(second, step)
+        lab.leave(second, "went home")
+    return {table.name: table for table in tables_of(design, read_log(path))}
+
+
+@pytest.fixture(params=[TableFormat.PARQUET, TableFormat.CSV])
+def frames(request, tables: dict[str, ExperimentTable], tmp_path: Path) -> dict[str, pd.DataFrame]:
+    files = TableFiles(tmp_path, [request.param])
+    for table in tables.values():
+        files.write(table.name, table.columns, table.values())
+    files.finish(lambda *_: None)
+    read = pd.read_parquet if request.param is TableFormat.PARQUET else pd.read_csv
+    return {name: read(tmp_path / f"{name}.{request.param}") for name in tables}
+
+
+def test_people_and_their_runs(frames: dict[str, pd.DataFrame]) -> None:
+    people = frames["participants"]
+    assert people.state.tolist() == ["complete", "left"]
+    assert people.run_counts.tolist() == [True, False]
+    assert set(people["noise.preset"]) == {"none", "bad wheels"}
+    assert people.reason.iloc[1] == "went home"
+
+
+def test_steps_have_outcomes_and_durations(frames: dict[str, pd.DataFrame]) -> None:
+    steps = frames["steps"]
+    first = steps[steps.participant == steps.participant.iloc[0]]
+    assert first[first.name == "understood"].outcome.tolist() == ["failed", "done"]
+    assert first[first.name == "practice"].attempt.tolist() == [1, 2]
+    trials = first[first.kind == "trial"]
+    assert trials.trial.tolist() == [1, 2]
+    assert set(trials["dialogue.condition"]) == {"supervisor", "collaborator"}
+    assert (first.duration_s > 0).all()
+
+
+def test_answers_are_numbers_keyed_and_timed(frames: dict[str, pd.DataFrame]) -> None:
+    answers = frames["answers"]
+    performance = answers[answers.item == "performance"]
+    assert performance.value.tolist() == [100.0, 100.0]
+    assert performance.keyed.tolist() == [0.0, 0.0]
+    assert (performance.seen_s == 3.0).all()
+    assert (performance.hesitation_s == 1.0).all()
+    assert (performance.changes == 1).all()
+    know = answers[answers.item == "know"]
+    assert know.answer.tolist() == [NOT_APPLICABLE] * 2
+    assert know.keyed.isna().all()
+    check = answers[answers.item == "who"]
+    assert check.right.tolist() == ["no", "yes", "yes"]
+
+
+def test_scores_are_by_the_key(frames: dict[str, pd.DataFrame]) -> None:
+    scores = frames["scores"]
+    workload = scores[scores.subscale == "workload"]
+    assert workload.score.tolist() == [pytest.approx(500 / 6)] * 2
+    # One item was not applicable, and the form asks for all.
+    assert scores[scores.subscale == "trust"].score.isna().all()
+    assert scores[scores.subscale == "trust"].answered.tolist() == [11, 11]
+
+
+def test_every_event_is_there_and_every_column_is_explained(tables, frames) -> None:
+    assert frames["events"].sequence.tolist() == list(range(1, len(frames["events"]) + 1))
+    assert all(column.meaning for table in tables.values() for column in table.columns)
+    for name, table in tables.items():
+        assert list(frames[name].columns) == [column.name for column in table.columns]
+        assert all(set(row) == {column.name for column in table.columns} for row in table.rows)
+    assert math.isnan(frames["events"].simulated_s.iloc[0])
