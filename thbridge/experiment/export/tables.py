@@ -1,6 +1,5 @@
 """The tables of an experiment, made of its log alone."""
 
-import dataclasses
 import json
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -130,19 +129,11 @@ _PERSON = (
 
 def _levels(design: ExperimentDesign) -> tuple[tuple[Column, ...], tuple[Column, ...]]:
     """Columns of the factors between people, and of those within."""
-    between = tuple(
-        Column(factor, "string", "", "level of a factor between people") for factor in _factors(design.cells)
+    between, within = "level of a factor between people", "level of a factor within people; none outside of conditions"
+    return (
+        tuple(Column(factor, "string", "", between) for factor in design.cells[0].levels),
+        tuple(Column(factor, "string", "", within) for factor in design.conditions[0].levels),
     )
-    within = tuple(
-        Column(factor, "string", "", "level of a factor within people; none in steps outside of conditions")
-        for factor in _factors(design.conditions)
-    )
-    return between, within
-
-
-def _factors(combinations: Sequence[object]) -> tuple[str, ...]:
-    levels = getattr(combinations[0], "levels", {})
-    return tuple(levels)
 
 
 def _of_person(design: ExperimentDesign, run: Run) -> Row:
@@ -323,13 +314,18 @@ def _events(events: Sequence[LoggedEvent]) -> ExperimentTable:
         Column("simulated_s", "float64", "s", "simulated time; none outside of games"),
         Column("data", "string", "", "the rest, as JSON"),
     )
-    rows = []
+    rows: list[Row] = []
     for entry in events:
         event, clocks = entry.event, entry.event.clocks
         rows.append(
             {
                 "sequence": entry.sequence,
-                **{key: value for key, value in _plain(event) if key in {column.name for column in columns}},
+                "kind": event.kind,
+                "actor": event.actor,
+                "participant": event.participant,
+                "step": event.step,
+                "condition": event.condition,
+                "cause": event.cause,
                 "wall": clocks.wall,
                 "monotonic_ns": clocks.monotonic_ns,
                 "simulated_s": math.nan if clocks.simulated is None else clocks.simulated,
@@ -337,13 +333,6 @@ def _events(events: Sequence[LoggedEvent]) -> ExperimentTable:
             }
         )
     return ExperimentTable("events", "one row an event of the log", columns, tuple(rows))
-
-
-def _plain(event: object) -> Iterator[tuple[str, Cell]]:
-    for one in dataclasses.fields(event):  # type: ignore[arg-type]  # an event is a dataclass
-        value = getattr(event, one.name)
-        if isinstance(value, str | int):
-            yield one.name, str(value) if isinstance(value, str) else value
 
 
 def _with_forms(design: ExperimentDesign, attempts: Iterable[_Attempt]) -> Iterator[tuple[_Attempt, Form]]:
