@@ -1,0 +1,138 @@
+"""Exports that pandas, R and Psych-DS read, and fingerprints that tell what has changed."""
+
+import csv
+import hashlib
+import itertools
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.thbridge.experiment.test_design import write
+from thbridge.experiment.allocation.places import NoPlace
+from thbridge.experiment.conductor import Conductor
+from thbridge.experiment.export.folder import export_experiment
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.freeze import deviations, freeze
+from thbridge.experiment.progress import EventKind
+from thbridge.experiment.store.event_log import EventLog, read_log
+from thbridge.experiment.store.events import Clocks
+from thbridge.files.errors import BadFile
+
+VERSIONS = {"thbridge": "1.0", "python": "3.11"}
+NAME = re.compile(r"([a-z]+-[A-Za-z0-9]+_)+data\.csv")
+"""How Psych-DS spells names of data files."""
+
+
+@pytest.fixture(scope="module")
+def experiment(tmp_path_factory: pytest.TempPathFactory) -> ExperimentFolder:
+    """A full experiment in which robots that argue are trusted more."""
+    folder = ExperimentFolder(tmp_path_factory.mktemp("experiment"))
+    write(folder.root)
+    design = folder.read()
+    folder.log.parent.mkdir()
+    ticks = itertools.count(1)
+    with EventLog(folder.log) as log:
+        lab = Conductor(
+            design, log, lambda: Clocks("2026-01-02T12:00:00Z", next(ticks) * 10**9), lambda n: next(ticks) * 7 % n
+        )
+        while not isinstance(run := lab.admit(), NoPlace):
+            person = run.participant
+            while (step := lab.begin(person)) is not None:
+                for item in lab.form(step).items if step.entry.form else ():
+                    argued = step.condition == 1
+                    answer = item.correct or (item.options[0] if item.options else item.least + argued)
+                    if item.reverse:
+                        answer = item.greatest - argued
+                    lab.tell(EventKind.ITEM_SHOWN, person, step, {"item": item.id}, "program")
+                    lab.tell(EventKind.ITEM_GIVEN, person, step, {"item": item.id, "answer": answer}, "participant")
+                lab.end(person, step)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def export(experiment: ExperimentFolder, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    to = tmp_path_factory.mktemp("export") / "first"
+    export_experiment(experiment.read(), read_log(experiment.log), to, VERSIONS, ())
+    return to
+
+
+def test_names_and_columns_are_those_that_psych_ds_asks_for(export: Path) -> None:
+    described = json.loads((export / "dataset_description.json").read_text())
+    assert (described["@context"], described["@type"]) == ("https://schema.org", "Dataset")
+    names = {variable["name"] for variable in described["variableMeasured"]}
+    files = list((export / "data").iterdir())
+    assert len(files) == 5
+    for file in files:
+        assert NAME.fullmatch(file.name)
+        with file.open(newline="") as opened:
+            header, *rows = csv.reader(opened)
+        assert set(header) <= names
+        assert rows
+        assert {len(row) for row in rows} == {len(header)}
+
+
+def test_the_pandas_script_finds_the_effect(export: Path, tmp_path: Path) -> None:
+    copy = shutil.copytree(export, tmp_path / "copy")
+    said = subprocess.run(
+        [sys.executable, str(copy / "analysis.py")], capture_output=True, text=True, check=True, cwd=tmp_path
+    ).stdout
+    lines = said[said.index("trust") : said.index("workload")].splitlines()
+    means = {line.split()[-5]: float(line.split()[-3]) for line in lines if "supervisor" in line or "collab" in line}
+    assert {name: mean for name, mean in means.items() if name} == {"supervisor": 1.0, "collaborator": 2.0}
+    assert (copy / "trust.png").exists()
+
+
+@pytest.mark.skipif(shutil.which("Rscript") is None, reason="R is not installed")
+def test_the_r_script_finds_the_effect(export: Path, tmp_path: Path) -> None:
+    copy = shutil.copytree(export, tmp_path / "copy")
+    said = subprocess.run(["Rscript", "analysis.R"], capture_output=True, text=True, check=True, cwd=copy).stdout
+    assert "trust" in said
+    assert (copy / "trust-r.png").exists()
+
+
+def test_the_methods_paragraph_has_people_orders_and_reliability(export: Path) -> None:
+    text = (export / "methods.md").read_text()
+    assert "Of 8 people planned, 8 began and 8 are analysed." in text
+    assert "noise.preset=none: 4 people, by order 2, 2." in text
+    assert "trust: 12 items" in text
+    assert "thbridge 1.0" in text
+
+
+def test_checksums_are_those_of_the_files(export: Path) -> None:
+    lines = (export / "checksums.sha256").read_text().splitlines()
+    for line in lines:
+        digest, name = line.split("  ")
+        assert hashlib.sha256((export / name).read_bytes()).hexdigest() == digest
+    assert len(lines) == sum(path.is_file() for path in export.rglob("*")) - 1
+
+
+def test_an_export_goes_into_an_empty_folder_only(experiment: ExperimentFolder, export: Path) -> None:
+    with pytest.raises(BadFile, match="there is something in this folder"):
+        export_experiment(experiment.read(), read_log(experiment.log), export, VERSIONS, None)
+
+
+def test_a_fingerprint_tells_what_has_changed_since(tmp_path: Path) -> None:
+    folder = ExperimentFolder(tmp_path)
+    write(tmp_path)
+    assert deviations(folder, VERSIONS) is None
+    freeze(folder, VERSIONS, "2026-01-02T12:00:00Z")
+    folder.log.parent.mkdir()
+    folder.log.write_bytes(b"data are no deviation")
+    assert deviations(folder, VERSIONS) == ()
+    (tmp_path / "welcome.md").write_text("Other words.\n")
+    (tmp_path / "debrief.md").unlink()
+    assert deviations(folder, {**VERSIONS, "thbridge": "1.1"}) == (
+        "debrief.md was removed",
+        "welcome.md was changed",
+        "thbridge is 1.1 and was 1.0",
+    )
+    with pytest.raises(BadFile, match="frozen already"):
+        freeze(folder, VERSIONS, "2026-01-03T12:00:00Z")
+    folder.freeze.write_text(folder.freeze.read_text().replace("1.0", "0.9"))
+    with pytest.raises(BadFile, match="was changed"):
+        deviations(folder, VERSIONS)

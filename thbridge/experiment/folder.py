@@ -1,0 +1,50 @@
+"""The folder of an experiment: its file and what that names, the store, recordings and exports."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.experiment.design.experiment_file import ExperimentDesign, read_experiment
+from thbridge.files.errors import BadFile
+
+STORE, RECORDINGS, EXPORTS, FREEZE = "store", "recordings", "exports", "freeze.json"
+
+
+@dataclass(frozen=True, slots=True)
+class ExperimentFolder:
+    """Paths within the folder of an experiment."""
+
+    root: Path
+
+    @property
+    def file(self) -> Path:
+        """The experiment's file."""
+        return self.root / "experiment.yaml"
+
+    @property
+    def log(self) -> Path:
+        """The log of all that happened."""
+        return self.root / STORE / "log"
+
+    @property
+    def freeze(self) -> Path:
+        """The fingerprint of what was registered beforehand."""
+        return self.root / FREEZE
+
+    def bag(self, participant: str, step: int) -> Path:
+        """The recording of a trial."""
+        return self.root / RECORDINGS / participant / f"step-{step}.bag"
+
+    def export(self, name: str) -> Path:
+        """An export."""
+        return self.root / EXPORTS / name
+
+    def read(self) -> ExperimentDesign:
+        """Read the experiment.
+
+        Raises:
+            BadFile: there is none, or it is faulty.
+        """
+        if not self.file.is_file():
+            remedy = "Name the folder of an experiment, or begin one: thbridge study new FOLDER"
+            raise BadFile(self.root, "there is no experiment.yaml", remedy)
+        return read_experiment(self.file)

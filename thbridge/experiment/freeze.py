@@ -1,0 +1,100 @@
+"""The fingerprint of an experiment for a preregistration, and whether it still holds."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.batch.whole_files import whole_file
+from thbridge.experiment.folder import EXPORTS, FREEZE, RECORDINGS, STORE, ExperimentFolder
+from thbridge.files.errors import BadFile, reason_of
+
+_DATA = {STORE, RECORDINGS, EXPORTS, FREEZE}
+"""What comes of running an experiment; all else in its folder is what was planned."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fingerprint:
+    """What an experiment is made of.
+
+    Attributes:
+        files: SHA-256 of each file that was planned, by its path in the folder.
+        versions: of the programs that run it.
+    """
+
+    files: Mapping[str, str]
+    versions: Mapping[str, str]
+
+    @property
+    def digest(self) -> str:
+        """One hash of all of it, to be written into a preregistration."""
+        whole = json.dumps([sorted(self.files.items()), sorted(self.versions.items())])
+        return hashlib.sha256(whole.encode()).hexdigest()
+
+
+def fingerprint_of(folder: ExperimentFolder, versions: Mapping[str, str]) -> Fingerprint:
+    """Return the fingerprint of an experiment as it is now.
+
+    Raises:
+        BadFile: a file cannot be read.
+    """
+    files = {}
+    for path in sorted(folder.root.rglob("*")):
+        name = path.relative_to(folder.root)
+        if path.is_file() and name.parts[0] not in _DATA and not any(part.startswith(".") for part in name.parts):
+            try:
+                files[name.as_posix()] = hashlib.sha256(path.read_bytes()).hexdigest()
+            except OSError as error:
+                raise BadFile(path, f"cannot be read ({reason_of(error)})", "Give the right to read it") from None
+    return Fingerprint(files, versions)
+
+
+def freeze(folder: ExperimentFolder, versions: Mapping[str, str], wall: str) -> Fingerprint:
+    """Write down the fingerprint; one that was written before stays.
+
+    Raises:
+        BadFile: it is frozen already, or the folder cannot be written.
+    """
+    if folder.freeze.exists():
+        remedy = "To register a changed experiment anew, move this file away first and say so in the registration"
+        raise BadFile(folder.freeze, "the experiment is frozen already", remedy)
+    found = fingerprint_of(folder, versions)
+    told = {"when": wall, "digest": found.digest, "files": dict(found.files), "versions": dict(found.versions)}
+    with whole_file(folder.freeze) as file:
+        file.write((json.dumps(told, indent=1) + "\n").encode())
+    return found
+
+
+def deviations(folder: ExperimentFolder, versions: Mapping[str, str]) -> tuple[str, ...] | None:
+    """Return in sentences what has changed since the experiment was frozen; None: it was not.
+
+    Raises:
+        BadFile: the fingerprint cannot be read, or was changed itself.
+    """
+    if not folder.freeze.exists():
+        return None
+    try:
+        told = json.loads(folder.freeze.read_text(encoding="utf-8"))
+        frozen = Fingerprint(told["files"], told["versions"])
+        if frozen.digest != told["digest"]:
+            raise ValueError
+    except (OSError, ValueError, KeyError, TypeError):
+        raise BadFile(folder.freeze, "is damaged or was changed", "Bring back the one that was registered") from None
+    now = fingerprint_of(folder, versions)
+    said = [
+        f"{name} was {'added' if name not in frozen.files else 'removed' if name not in now.files else 'changed'}"
+        for name in sorted({*frozen.files, *now.files})
+        if frozen.files.get(name) != now.files.get(name)
+    ]
+    said += [
+        f"{name} is {now.versions.get(name, 'not installed')} and was {frozen.versions.get(name, 'not installed')}"
+        for name in sorted({*frozen.versions, *now.versions})
+        if frozen.versions.get(name) != now.versions.get(name)
+    ]
+    return tuple(said)
+
+
+def written_digest(path: Path) -> str:
+    """Return the digest that a fingerprint on disk names."""
+    return str(json.loads(path.read_text(encoding="utf-8"))["digest"])
