@@ -31,6 +31,8 @@ class EventKind(StrEnum):
     """Data: item, answer."""
     ITEM_GIVEN = "item-given"
     """An answer is final for now: the person went on from it. Data: item, answer."""
+    GAME_PLAYED = "game-played"
+    """A trial has its recording. Data: bag, sha256, and measures of the game."""
     STEP_ENDED = "step-ended"
     """Data: outcome."""
     RUN_ENDED = "run-ended"
