@@ -9,10 +9,10 @@ from collections.abc import Callable, Mapping, Sequence
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.plan import PlannedStep
-from thbridge.experiment.design.steps import Resume, StepKind
+from thbridge.experiment.design.steps import ResumeRule, StepKind
 from thbridge.experiment.progress import EventKind, Progress, Run, RunState, StepOutcome, resumes
 from thbridge.experiment.questionnaires.form import Form
-from thbridge.experiment.store.event_log import EventLog, read_log
+from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Actor, Clocks, JsonValue, LoggedEvent, NewEvent
 
 LETTERS = "23456789ABCDEFGHJKMNPQRSTVWXYZ"
@@ -35,7 +35,7 @@ class Conductor:
         BadFile: the log cannot be read.
     """
 
-    def __init__(self, design: ExperimentDesign, log: EventLog, clocks: Callable[[], Clocks], draw: Draw) -> None:
+    def __init__(self, design: ExperimentDesign, log: ExperimentLog, clocks: Callable[[], Clocks], draw: Draw) -> None:
         self._design = design
         self._log = log
         self._clocks = clocks
@@ -69,7 +69,7 @@ class Conductor:
             run = self.progress.runs[participant]
             if run.under_way:
                 how = resumes(run, step)
-                if how is Resume.NEVER:
+                if how is ResumeRule.NEVER:
                     self._end(participant, step, StepOutcome.LOST)
                     continue
                 self._of_step(EventKind.STEP_RESUMED, "program", participant, step, {"from": str(how)})

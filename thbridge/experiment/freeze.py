@@ -16,7 +16,7 @@ _DATA = {STORE, RECORDINGS, EXPORTS, FREEZE}
 
 @dataclass(frozen=True, slots=True)
 class Fingerprint:
-    """What an experiment is made of.
+    """Contents of an experiment: its planned files, and the programs that run it.
 
     Attributes:
         files: SHA-256 of each file that was planned, by its path in the folder.

@@ -11,7 +11,7 @@ from enum import StrEnum
 from thbridge.experiment.allocation.places import NoPlace, Place
 from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.plan import PlannedStep, plan_of
-from thbridge.experiment.design.steps import Failed, Resume, StepKind
+from thbridge.experiment.design.steps import Failed, ResumeRule, StepKind
 from thbridge.experiment.store.events import JsonValue, LogEntry, LoggedEvent, NewEvent
 
 
@@ -216,6 +216,6 @@ def _repeated(plan: tuple[PlannedStep, ...], check: PlannedStep) -> int:
     return next(named, check.number)
 
 
-def resumes(run: Run, step: PlannedStep) -> Resume:
+def resumes(run: Run, step: PlannedStep) -> ResumeRule:
     """Return how a step that was under way when a program died goes on."""
-    return step.entry.resume if run.under_way else Resume.BEGINNING
+    return step.entry.resume if run.under_way else ResumeRule.BEGINNING

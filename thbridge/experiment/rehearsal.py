@@ -25,7 +25,7 @@ from thbridge.experiment.store.events import JsonValue
 
 @dataclass(frozen=True, slots=True)
 class Rehearsed:
-    """What simulated people are like.
+    """Character of simulated people.
 
     Attributes:
         drop_out: probability that a person leaves in a step.

@@ -13,7 +13,7 @@ from thbridge.experiment.conductor import Conductor, unfinished
 from thbridge.experiment.design.experiment_file import ExperimentDesign, read_experiment
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.progress import EventKind, RunState, StepOutcome
-from thbridge.experiment.store.event_log import EventLog, read_log
+from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Clocks, LoggedEvent
 
 
@@ -33,7 +33,7 @@ class Laboratory:
 
     def restart(self) -> None:
         """A new program opens the log; what the one before has said is on the disk."""
-        self.log = EventLog(self._path)
+        self.log = ExperimentLog(self._path)
         self.conductor = Conductor(self._design, self.log, self._now, self.chance.randrange)
 
     def _now(self) -> Clocks:

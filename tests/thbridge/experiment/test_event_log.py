@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.experiment.store.event_log import WITHDRAWN, EventLog, read_log
+from thbridge.experiment.store.event_log import WITHDRAWN, ExperimentLog, read_log
 from thbridge.experiment.store.events import Clocks, LoggedEvent, NewEvent, Tombstone
 from thbridge.files.errors import BadFile
 
@@ -31,7 +31,7 @@ def salts():
 @pytest.fixture
 def log(tmp_path: Path) -> Path:
     """A log of six answers by two people, closed."""
-    with EventLog(tmp_path / "log", salts()) as log:
+    with ExperimentLog(tmp_path / "log", salts()) as log:
         for number in range(3):
             log.append([answer("P-AAAA", f"zebra {number}"), answer("P-BBBB", f"okapi {number}")])
     return tmp_path / "log"
@@ -44,7 +44,7 @@ def test_what_was_appended_is_read_in_its_order(log: Path) -> None:
 
 
 def test_a_log_goes_on_where_it_ended(log: Path) -> None:
-    with EventLog(log) as again:
+    with ExperimentLog(log) as again:
         assert [logged.sequence for logged in again.append([answer("P-AAAA", "later")])] == [7]
     assert read_log(log)[-1] == LoggedEvent(7, answer("P-AAAA", "later"))
 
@@ -53,7 +53,7 @@ def test_what_was_appended_is_there_although_the_program_was_killed(tmp_path: Pa
     program = (
         "import os, sys; from pathlib import Path; sys.path.insert(0, sys.argv[2])\n"
         "from tests.thbridge.experiment.test_event_log import *\n"
-        "log = EventLog(Path(sys.argv[1]))\n"
+        "log = ExperimentLog(Path(sys.argv[1]))\n"
         "log.append([answer('P-AAAA', 'the last word')])\n"
         "os.kill(os.getpid(), 9)\n"
     )
@@ -100,7 +100,7 @@ def test_a_log_cut_short_is_noticed(log: Path, tmp_path: Path, name: str, stride
 
 @pytest.mark.parametrize("stride", [211, pytest.param(1, marks=pytest.mark.slow)])
 def test_a_write_ahead_log_cut_short_is_noticed(tmp_path: Path, stride: int) -> None:
-    with EventLog(tmp_path / "log", salts()) as log:
+    with ExperimentLog(tmp_path / "log", salts()) as log:
         log.append([answer("P-AAAA", "zebra")])
         log.append([answer("P-AAAA", "okapi")])
         files = {file.name: file.read_bytes() for file in tmp_path.iterdir() if not file.name.endswith("-shm")}
@@ -133,11 +133,11 @@ def test_a_changed_database_is_noticed(log: Path, change: str) -> None:
     with pytest.raises(BadFile):
         read_log(log)
     with pytest.raises(BadFile):
-        EventLog(log)
+        ExperimentLog(log)
 
 
 def test_somebody_who_withdraws_is_gone_from_all_files_and_the_rest_is_still_proved(log: Path) -> None:
-    with EventLog(log) as open_log:
+    with ExperimentLog(log) as open_log:
         open_log.delete([1, 3, 5], NOON)
         inside = b"".join(file.read_bytes() for file in log.parent.iterdir())
         assert b"okapi" in inside
@@ -152,7 +152,7 @@ def test_somebody_who_withdraws_is_gone_from_all_files_and_the_rest_is_still_pro
 
 
 def test_a_backup_taken_while_the_log_is_open_reads_as_the_log(log: Path) -> None:
-    with EventLog(log) as open_log:
+    with ExperimentLog(log) as open_log:
         open_log.append([answer("P-BBBB", "before the copy")])
         open_log.back_up(log.with_name("copy"))
         open_log.append([answer("P-BBBB", "behind it")])

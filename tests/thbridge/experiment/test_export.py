@@ -19,7 +19,7 @@ from thbridge.experiment.export.folder import export_experiment
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.freeze import deviations, freeze
 from thbridge.experiment.progress import EventKind
-from thbridge.experiment.store.event_log import EventLog, read_log
+from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Clocks
 from thbridge.files.errors import BadFile
 
@@ -36,7 +36,7 @@ def experiment(tmp_path_factory: pytest.TempPathFactory) -> ExperimentFolder:
     design = folder.read()
     folder.log.parent.mkdir()
     ticks = itertools.count(1)
-    with EventLog(folder.log) as log:
+    with ExperimentLog(folder.log) as log:
         lab = Conductor(
             design, log, lambda: Clocks("2026-01-02T12:00:00Z", next(ticks) * 10**9), lambda n: next(ticks) * 7 % n
         )

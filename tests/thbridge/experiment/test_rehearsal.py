@@ -14,7 +14,7 @@ from thbridge.experiment.export.tables import tables_of
 from thbridge.experiment.folder import ExperimentFolder
 from thbridge.experiment.progress import EventKind, Progress, RunState
 from thbridge.experiment.rehearsal import Rehearsal, Rehearsed
-from thbridge.experiment.store.event_log import EventLog, read_log
+from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Clocks
 from thbridge.recording.bag.reading.reader import info
 
@@ -27,7 +27,7 @@ def rehearse(root: Path, people: Rehearsed, seed: int, text: str | None = None) 
     folder.log.parent.mkdir()
     chance, ticks = random.Random(seed), itertools.count()
     design = folder.read()
-    with EventLog(folder.log, chance.randbytes) as log:
+    with ExperimentLog(folder.log, chance.randbytes) as log:
         conductor = Conductor(
             design, log, lambda: Clocks("2026-01-02T12:00:00Z", next(ticks) * 10**9), chance.randrange
         )
@@ -76,13 +76,15 @@ def test_a_rehearsal_with_games_links_each_trial_to_its_recording(tmp_path: Path
 def test_the_same_seed_rehearses_the_same(tmp_path: Path) -> None:
     def logged(name: str, seed: int) -> list[object]:
         (tmp_path / name).mkdir()
-        return read_log(rehearse(tmp_path / name, Rehearsed(plays=False), seed).log)
+        text = "title: x\nquota: 2\nsteps:\n  - {step: form, form: workload}\n  - {step: trial}\n"
+        return read_log(rehearse(tmp_path / name, Rehearsed(plays=False), seed, text).log)
 
     assert logged("a", 1) == logged("b", 1) != logged("c", 2)
 
 
 def test_people_who_drop_out_are_replaced(tmp_path: Path) -> None:
-    folder = rehearse(tmp_path, Rehearsed(drop_out=0.1, plays=False), 2)
+    text = "title: x\nquota: 8\nsteps:\n  - {step: check, form: understood.yaml}\n  - {step: trial}\n"
+    folder = rehearse(tmp_path, Rehearsed(drop_out=0.2, plays=False), 2, text)
     runs = Progress(folder.read()).after(read_log(folder.log)).runs.values()
     assert sum(run.state is RunState.COMPLETE for run in runs) == 8
     assert any(run.state is RunState.LEFT for run in runs)

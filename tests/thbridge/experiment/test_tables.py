@@ -13,7 +13,7 @@ from thbridge.experiment.design.experiment_file import ExperimentDesign, read_ex
 from thbridge.experiment.export.tables import ExperimentTable, tables_of
 from thbridge.experiment.progress import EventKind
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
-from thbridge.experiment.store.event_log import EventLog, read_log
+from thbridge.experiment.store.event_log import ExperimentLog, read_log
 from thbridge.experiment.store.events import Clocks
 from thbridge.files.table_files import TableFiles, TableFormat
 
@@ -28,7 +28,7 @@ def tables(design: ExperimentDesign, tmp_path_factory: pytest.TempPathFactory) -
     """Of one person who fails the check once, and one who leaves in the first trial."""
     path = tmp_path_factory.mktemp("store") / "log"
     ticks = itertools.count()
-    with EventLog(path) as log:
+    with ExperimentLog(path) as log:
         lab = Conductor(
             design, log, lambda: Clocks("2026-01-02T12:00:00Z", next(ticks) * 1_000_000_000), lambda n: next(ticks) % n
         )

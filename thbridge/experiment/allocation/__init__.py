@@ -1,1 +1,1 @@
-"""Who gets which conditions, in which order: Latin squares, blocks dealt by a seed, quotas of valid runs."""
+"""Allocation of people to conditions and orders: Latin squares, blocks dealt by a seed, quotas of valid runs."""

@@ -39,7 +39,7 @@ class NoPlace(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Allocation:
-    """How places are dealt.
+    """Dealing of places.
 
     Attributes:
         cells: number of combinations of levels of the between factors.

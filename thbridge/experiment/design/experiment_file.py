@@ -61,7 +61,7 @@ class ExperimentFile:
 
 
 @dataclass(frozen=True, slots=True)
-class Condition:
+class ExperimentCondition:
     """A condition that people meet.
 
     Attributes:
@@ -105,14 +105,14 @@ class ExperimentDesign:
     path: Path
     beside: Path
     file: ExperimentFile
-    conditions: tuple[Condition, ...]
+    conditions: tuple[ExperimentCondition, ...]
     cells: tuple[Cell, ...]
     orders: tuple[Order, ...]
     forms: Mapping[int, Form]
 
     @property
     def allocation(self) -> Allocation:
-        """How places are dealt."""
+        """Dealing of places."""
         file = self.file
         return Allocation(len(self.cells), len(self.orders), file.quota, file.seed, file.in_block)
 
@@ -137,7 +137,7 @@ def read_experiment(path: Path) -> ExperimentDesign:
     between = _factors(path, "between", entries)
     with faults.kept():
         _check_factors(loaded, within, between)
-    conditions = tuple(Condition(_named(levels), _labels(levels)) for levels in factorial(within))
+    conditions = tuple(ExperimentCondition(_named(levels), _labels(levels)) for levels in factorial(within))
     if len(conditions) > MOST_CONDITIONS:
         raise loaded.fault("within", f"{len(conditions)} conditions for each person", "Write fewer factors or levels")
     cells = []

@@ -11,7 +11,7 @@ LONGEST_TRIAL = 4 * 3600.0
 
 
 class StepKind(StrEnum):
-    """What a person does in a step."""
+    """Kind of a step: what a person does in it."""
 
     INSTRUCTIONS = "instructions"
     """Reads a text."""
@@ -32,7 +32,7 @@ class StepKind(StrEnum):
 
 
 class Failed(StrEnum):
-    """What becomes of a person who fails a check for the last time."""
+    """Consequence for a person who fails a check for the last time."""
 
     EXCLUDE = "exclude"
     """The run ends and does not count; its place opens again."""
@@ -40,8 +40,8 @@ class Failed(StrEnum):
     """The run goes on, marked."""
 
 
-class Resume(StrEnum):
-    """How a step goes on after a crash."""
+class ResumeRule(StrEnum):
+    """Rule by which a step goes on after a crash."""
 
     EXACT = "exact"
     """Where it was: a form has the answers given, a game goes on from its journal."""
@@ -72,7 +72,7 @@ class StepEntry:
     repeat: str = param("", "name of the step from which a failed check is repeated; none: the check alone")
     failed: Failed = param(Failed.EXCLUDE, "what follows when a check is failed for the last time")
     max_seconds: float = param(3600.0, "simulated time after which a game ends", "s", 1, LONGEST_TRIAL)
-    resume: Resume = param(Resume.EXACT, "how it goes on after a crash")
+    resume: ResumeRule = param(ResumeRule.EXACT, "how it goes on after a crash")
     when: Mapping[str, str] = field(
         default_factory=dict,
         metadata={"help": "answers without which the step is passed over: {STEP.ITEM: ANSWER}"},

@@ -55,7 +55,7 @@ Salts = Callable[[int], bytes]
 """Source of so many random bytes."""
 
 
-class EventLog:
+class ExperimentLog:
     """The log of one experiment, open for appending.
 
     Only one program may have it open so. Close it, or use it in `with`.
