@@ -57,8 +57,12 @@ def njit(*, cache: bool, nogil: bool = False) -> Callable[[F], F]:
         if config.DISABLE_JIT:
             return function
         # Nobody goes C's way to call a kernel, which is no small part of what is compiled else.
-        options = {"nopython": True, "nogil": nogil, "no_cfunc_wrapper": True}
-        kernel: F = _Kernel(function, targetoptions=options) if cache else numba.njit(**options)(function)
+        options = {"nogil": nogil, "no_cfunc_wrapper": True}
+        kernel: F
+        if cache:
+            kernel = _Kernel(function, targetoptions={"nopython": True, **options})
+        else:
+            kernel = numba.njit(**options)(function)
         return kernel
 
     return compiled
