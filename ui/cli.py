@@ -23,6 +23,14 @@ from ui.commands.replay import replay_command
 from ui.commands.report import report
 from ui.commands.ros import ros_app
 from ui.commands.study.edit import study_edit
+from ui.commands.study.experiment import (
+    study_export,
+    study_freeze,
+    study_new,
+    study_rehearse,
+    study_status,
+    study_withdraw,
+)
 from ui.commands.study.study import study_app
 from ui.commands.suggest import suggest
 from ui.commands.sweep.plot import sweep_plot
@@ -65,6 +73,12 @@ maps_app.command("new")(maps_new)
 maps_app.command("edit")(maps_edit)
 app.add_typer(maps_app, name="maps")
 study_app.command("edit")(study_edit)
+study_app.command("new")(study_new)
+study_app.command("rehearse")(study_rehearse)
+study_app.command("status")(study_status)
+study_app.command("freeze")(study_freeze)
+study_app.command("export")(study_export)
+study_app.command("withdraw")(study_withdraw)
 app.add_typer(study_app, name="study")
 app.add_typer(templates.templates_app, name="templates")
 app.add_typer(mavlink_app, name="mavlink")

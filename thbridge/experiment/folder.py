@@ -7,6 +7,8 @@ from thbridge.experiment.design.experiment_file import ExperimentDesign, read_ex
 from thbridge.files.errors import BadFile
 
 STORE, RECORDINGS, EXPORTS, FREEZE = "store", "recordings", "exports", "freeze.json"
+EXAMPLE = Path(__file__).parent / "example"
+"""An experiment to begin with."""
 
 
 @dataclass(frozen=True, slots=True)

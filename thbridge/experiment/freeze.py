@@ -14,6 +14,11 @@ _DATA = {STORE, RECORDINGS, EXPORTS, FREEZE}
 """What comes of running an experiment; all else in its folder is what was planned."""
 
 
+def data_of(folder: str, names: list[str]) -> set[str]:
+    """Return those names in an experiment's folder that come of running it, for `shutil.copytree` to leave out."""
+    return {name for name in names if name in _DATA - {FREEZE} and Path(folder, "experiment.yaml").exists()}
+
+
 @dataclass(frozen=True, slots=True)
 class Fingerprint:
     """Contents of an experiment: its planned files, and the programs that run it.

@@ -8,7 +8,7 @@ import typer
 
 from ui.commands.group import CommandGroup
 from ui.outputs import STANDARD_OUTPUT
-from ui.terminal import BAD_INPUT, command, fail, note, say
+from ui.terminal import BAD_INPUT, bad_input, command, fail, note, say
 
 study_app = typer.Typer(
     cls=CommandGroup,
@@ -40,9 +40,19 @@ def study_init(
 
 
 @study_app.command("check")
-def study_check(file: Annotated[Path, typer.Argument(help="A study file.")]) -> None:
-    """Check a study file and everything it names."""
+def study_check(
+    file: Annotated[Path, typer.Argument(help="A study file, or the folder of a study with people.")],
+) -> None:
+    """Check a study file, or a study with people, and everything it names."""
     from ui.settings import setting_of, study_of
 
+    if file.is_dir():
+        from thbridge.experiment.folder import ExperimentFolder
+
+        with bad_input():
+            design = ExperimentFolder(file).read()
+        each = f"{len(design.conditions)} conditions for each" if len(design.conditions) > 1 else "one condition"
+        say(f"{file}: no faults; {design.allocation.size} people, {each}")
+        return
     setting_of(study_of(file, {}), file)
     say(f"{file}: no faults")

@@ -1,0 +1,79 @@
+"""A study with people by commands alone: begun, checked, frozen, rehearsed, exported, and somebody withdraws."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+from ui.cli import app
+
+runner = CliRunner()
+
+
+def thbridge(*arguments: object) -> str:
+    done = runner.invoke(app, list(map(str, arguments)))
+    assert done.exit_code == 0, done.output
+    return done.output
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    thbridge("study", "new", tmp_path / "arguing")
+    file = tmp_path / "arguing" / "experiment.yaml"
+    file.write_text(file.read_text().replace("quota: 24", "quota: 4"))
+    return tmp_path / "arguing"
+
+
+def test_from_a_new_study_to_its_tables(folder: Path, tmp_path: Path) -> None:
+    assert "no faults; 4 people, 2 conditions for each" in thbridge("study", "check", folder)
+    digest = thbridge("study", "freeze", folder).splitlines()[0]
+    assert len(digest) == 64
+    said = thbridge("study", "rehearse", folder, "--to", tmp_path / "rehearsal", "--no-games")
+    assert "4 of 4 runs that count" in said
+    assert "Frozen, and as it was." in said
+    thbridge("study", "export", tmp_path / "rehearsal", "--to", tmp_path / "tables")
+    people = pd.read_parquet(tmp_path / "tables" / "tables" / "participants.parquet")
+    assert (people.state == "complete").sum() == 4
+    assert "is the one that was frozen" in (tmp_path / "tables" / "CHANGES.md").read_text()
+
+
+def test_nothing_is_left_of_somebody_who_withdraws(folder: Path, tmp_path: Path) -> None:
+    thbridge("study", "rehearse", folder, "--to", tmp_path / "rehearsal", "--no-games")
+    status = thbridge("study", "status", tmp_path / "rehearsal")
+    gone = next(word for word in status.split() if word.startswith("P-"))
+    recording = tmp_path / "rehearsal" / "recordings" / gone / "step-5.bag"
+    recording.parent.mkdir(parents=True)
+    recording.write_bytes(b"a game")
+    thbridge("study", "withdraw", tmp_path / "rehearsal", gone)
+    assert gone not in thbridge("study", "status", tmp_path / "rehearsal")
+    for file in (tmp_path / "rehearsal").rglob("*"):
+        assert gone not in file.name
+        assert not file.is_file() or gone.encode() not in file.read_bytes()
+    told = json.loads(thbridge("study", "status", tmp_path / "rehearsal", "--json"))
+    assert told["planned"] == 4
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        (("check",), "there is no experiment.yaml"),
+        (("status",), "there is no experiment.yaml"),
+        (("freeze",), "there is no experiment.yaml"),
+        (("rehearse", "--to", "x"), "there is no experiment.yaml"),
+        (("export", "--to", "x"), "there is no experiment.yaml"),
+    ],
+)
+def test_a_folder_that_is_no_experiment(tmp_path: Path, arguments: tuple[str, ...], problem: str) -> None:
+    command, *options = arguments
+    done = runner.invoke(app, ["study", command, str(tmp_path), *options])
+    assert done.exit_code == 2
+    assert problem in done.output
+
+
+def test_somebody_who_never_took_part_cannot_withdraw(folder: Path, tmp_path: Path) -> None:
+    thbridge("study", "rehearse", folder, "--to", tmp_path / "rehearsal", "--no-games")
+    done = runner.invoke(app, ["study", "withdraw", str(tmp_path / "rehearsal"), "P-NOBODY"])
+    assert done.exit_code == 2
+    assert "nobody of this id" in done.output

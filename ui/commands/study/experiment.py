@@ -1,0 +1,151 @@
+"""Commands for studies with people: `thbridge study new`, `status`, `freeze`, `export`, `withdraw`, `rehearse`."""
+
+import secrets
+import shutil
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ui.options import AsJson
+from ui.terminal import BAD_INPUT, bad_input, command, fail, note, print_json, say
+
+FolderOfExperiment = Annotated[Path, typer.Argument(help="The folder of an experiment.", metavar="FOLDER")]
+
+
+def study_new(
+    folder: Annotated[Path, typer.Argument(help="The folder to make; must not exist.", metavar="FOLDER")],
+) -> None:
+    """Begin a study with people: a folder with an example to change."""
+    from thbridge.experiment.folder import EXAMPLE
+    from thbridge.files.errors import reason_of
+
+    try:
+        shutil.copytree(EXAMPLE, folder)
+    except FileExistsError:
+        fail(BAD_INPUT, f"{folder}: there is such a folder already. Choose another name.")
+    except OSError as error:
+        fail(BAD_INPUT, f"{folder}: it cannot be written ({reason_of(error)}). Choose another folder.")
+    note(f"Wrote {folder}. Change its experiment.yaml, then check it: `{command('study', 'check', folder)}`.")
+
+
+def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
+    """Tell who has taken part, how far they are, and how many are missing."""
+    from thbridge.app.compose.machine import versions
+    from thbridge.experiment.folder import ExperimentFolder
+    from thbridge.experiment.freeze import deviations
+    from thbridge.experiment.progress import Progress, RunState
+    from thbridge.experiment.store.event_log import read_log
+
+    with bad_input():
+        place = ExperimentFolder(folder)
+        design = place.read()
+        progress = Progress(design).after(read_log(place.log) if place.log.exists() else ())
+        changed = deviations(place, versions())
+    runs = list(progress.runs.values())
+    counts = {str(state): sum(run.state is state for run in runs) for state in RunState}
+    if as_json:
+        print_json({"planned": design.allocation.size, **counts, "changed": None if changed is None else list(changed)})
+        return
+    say(f"{design.file.title}: {counts['complete']} of {design.allocation.size} runs that count")
+    for run in runs:
+        reason = f" ({run.reason})" if run.reason else ""
+        at = f", step {run.step} of {len(run.plan)}" if run.state is RunState.UNDER_WAY else ""
+        say(f"  {run.participant}  {run.state}{reason}{at}")
+    if changed is None:
+        say("Not frozen.")
+    else:
+        say("Frozen, and as it was." if not changed else f"Frozen; since then {'; '.join(changed)}.")
+
+
+def study_freeze(folder: FolderOfExperiment) -> None:
+    """Write the fingerprint of the experiment, for a preregistration; exports tell whether it still holds."""
+    from thbridge.app.compose.machine import versions
+    from thbridge.experiment.folder import ExperimentFolder
+    from thbridge.experiment.freeze import freeze
+    from thbridge.timing.wall_clock import utc_now
+
+    with bad_input():
+        place = ExperimentFolder(folder)
+        place.read()
+        found = freeze(place, versions(), utc_now())
+    say(found.digest)
+    note(f"Wrote {place.freeze}. Put this hash into the registration.")
+
+
+def study_export(
+    folder: FolderOfExperiment,
+    to: Annotated[Path, typer.Option("--to", help="The folder to write; must be empty or new.", metavar="DIR")],
+) -> None:
+    """Export tables for pandas and R, as Psych-DS asks for, with scripts and a paragraph of methods."""
+    from thbridge.app.compose.machine import versions
+    from thbridge.experiment.export.folder import export_experiment
+    from thbridge.experiment.folder import ExperimentFolder
+    from thbridge.experiment.freeze import deviations
+    from thbridge.experiment.store.event_log import read_log
+
+    with bad_input():
+        place = ExperimentFolder(folder)
+        design, installed = place.read(), versions()
+        tables = export_experiment(design, read_log(place.log), to, installed, deviations(place, installed))
+    say(", ".join(f"{len(table.rows)} {table.name}" for table in tables))
+    note(f"Wrote {to}.")
+
+
+def study_withdraw(
+    folder: FolderOfExperiment,
+    participant: Annotated[str, typer.Argument(help="Id of the person, such as P-7K3FQ.", metavar="PARTICIPANT")],
+) -> None:
+    """Delete all that the experiment has of one person: in the log, and their recordings; exports must be made anew."""
+    from thbridge.experiment.conductor import Conductor
+    from thbridge.experiment.folder import ExperimentFolder
+    from thbridge.experiment.store.event_log import ExperimentLog, read_log
+    from thbridge.experiment.store.events import Clocks
+    from thbridge.timing.wall_clock import utc_now
+
+    with bad_input():
+        place = ExperimentFolder(folder)
+        design = place.read()
+        read_log(place.log)
+        with ExperimentLog(place.log) as log:
+            conductor = Conductor(design, log, lambda: Clocks(utc_now(), 0), secrets.randbelow)
+            if participant not in conductor.progress.runs:
+                fail(BAD_INPUT, f"{participant}: nobody of this id has taken part. `thbridge study status` lists them.")
+            conductor.withdraw(participant)
+    shutil.rmtree(place.bag(participant, 0).parent, ignore_errors=True)
+    note(f"{participant} is deleted from {place.log} and from the recordings. Delete exports made before, and backups.")
+
+
+def study_rehearse(
+    folder: FolderOfExperiment,
+    to: Annotated[
+        Path,
+        typer.Option("--to", help="Folder for the rehearsal, a copy; must not exist.", metavar="DIR"),
+    ],
+    seed: Annotated[int, typer.Option(help="All that simulated people do follows from it.", min=0, max=2**31 - 1)] = 1,
+    games: Annotated[bool, typer.Option("--games/--no-games", help="Whether games are played and recorded.")] = True,
+) -> None:
+    """Have simulated people go through the whole experiment."""
+    import random
+
+    from thbridge.experiment.conductor import Conductor
+    from thbridge.experiment.folder import ExperimentFolder
+    from thbridge.experiment.freeze import data_of
+    from thbridge.experiment.rehearsal import Rehearsal, Rehearsed
+    from thbridge.experiment.store.event_log import ExperimentLog
+    from thbridge.experiment.store.events import Clocks
+    from thbridge.timing.wall_clock import utc_now
+
+    with bad_input():
+        ExperimentFolder(folder).read()
+        if to.exists():
+            fail(BAD_INPUT, f"{to}: there is such a folder already. Choose another by --to.")
+        shutil.copytree(folder, to, ignore=data_of)
+        place, chance = ExperimentFolder(to), random.Random(seed)  # of people that do not exist
+        design = place.read()
+        place.log.parent.mkdir()
+        with ExperimentLog(place.log) as log:
+            conductor = Conductor(design, log, lambda: Clocks(utc_now(), 0), chance.randrange)
+            Rehearsal(design, Rehearsed(plays=games), seed, place.bag, place.root).run(conductor)
+    study_status(to)
+    note(f"Export it with `{command('study', 'export', to, '--to', to / 'exports' / 'first')}`.")
