@@ -97,8 +97,9 @@ def _reliabilities(design: ExperimentDesign, answers: ExperimentTable) -> list[s
                     key = (row["participant"], row["step"], row["attempt"])
                     people.setdefault(key, {})[str(row["item"])] = row["value"]
             found = reliability_of(items, list(people.values()))
+            alpha, omega = (f"{one:.2f}" if one == one else "[too few]" for one in (found.alpha, found.omega))  # noqa: PLR0124
             told.append(
-                f"{name}: {found.items} items, Cronbach's alpha {found.alpha:.2f}, McDonald's omega {found.omega:.2f} "
+                f"{name}: {found.items} items, Cronbach's alpha {alpha}, McDonald's omega {omega} "
                 f"(one factor; {found.people} forms)."
             )
     return told

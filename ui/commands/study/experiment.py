@@ -2,6 +2,7 @@
 
 import secrets
 import shutil
+import time
 from pathlib import Path
 from typing import Annotated
 
@@ -108,7 +109,7 @@ def study_withdraw(
         design = place.read()
         read_log(place.log)
         with ExperimentLog(place.log) as log:
-            conductor = Conductor(design, log, lambda: Clocks(utc_now(), 0), secrets.randbelow)
+            conductor = Conductor(design, log, lambda: Clocks(utc_now(), time.monotonic_ns()), secrets.randbelow)
             if participant not in conductor.progress.runs:
                 fail(BAD_INPUT, f"{participant}: nobody of this id has taken part. `thbridge study status` lists them.")
             conductor.withdraw(participant)
@@ -145,7 +146,7 @@ def study_rehearse(
         design = place.read()
         place.log.parent.mkdir()
         with ExperimentLog(place.log) as log:
-            conductor = Conductor(design, log, lambda: Clocks(utc_now(), 0), chance.randrange)
+            conductor = Conductor(design, log, lambda: Clocks(utc_now(), time.monotonic_ns()), chance.randrange)
             Rehearsal(design, Rehearsed(plays=games), seed, place.bag, place.root).run(conductor)
     study_status(to)
     note(f"Export it with `{command('study', 'export', to, '--to', to / 'exports' / 'first')}`.")
