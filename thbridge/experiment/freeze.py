@@ -98,8 +98,3 @@ def deviations(folder: ExperimentFolder, versions: Mapping[str, str]) -> tuple[s
         if frozen.versions.get(name) != now.versions.get(name)
     ]
     return tuple(said)
-
-
-def written_digest(path: Path) -> str:
-    """Return the digest that a fingerprint on disk names."""
-    return str(json.loads(path.read_text(encoding="utf-8"))["digest"])

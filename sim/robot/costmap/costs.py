@@ -82,10 +82,6 @@ class Window(NamedTuple):
         )
 
 
-NOTHING = Window(0, 0, 0, 0)
-"""A window without cells."""
-
-
 class Changes:
     """The windows that a layer has changed since it was last asked."""
 

@@ -263,11 +263,6 @@ def drawn_seed(design: ExperimentDesign, trial: int) -> int:
     return (file.seed * 1_000_003 + 7919 * trial) % LARGEST_SEED
 
 
-def people_wanted(design: ExperimentDesign) -> int:
-    """Return the number of runs that are to count."""
-    return design.allocation.size
-
-
 def is_even(design: ExperimentDesign) -> bool:
     """Return True when each order comes equally often in a full experiment."""
     return math.gcd(design.file.quota, len(design.orders)) == len(design.orders)

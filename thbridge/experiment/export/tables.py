@@ -15,8 +15,8 @@ from thbridge.experiment.questionnaires.scoring import Answer, keyed, scores_of
 from thbridge.experiment.store.events import JsonValue, LogEntry, LoggedEvent
 from thbridge.files.table_files import Column, Values
 
-Cell = str | int | float | bool | None
-Row = dict[str, Cell]
+CellValue = str | int | float | bool | None
+Row = dict[str, CellValue]
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +146,7 @@ def _of_person(design: ExperimentDesign, run: Run) -> Row:
 
 def _of_step(design: ExperimentDesign, run: Run, attempt: _Attempt) -> Row:
     step = attempt.step
-    none: dict[str, Cell] = dict.fromkeys(design.conditions[0].levels)
+    none: dict[str, CellValue] = dict.fromkeys(design.conditions[0].levels)
     levels = none if step.condition is None else design.conditions[step.condition].levels
     return {
         **_of_person(design, run),
@@ -359,7 +359,7 @@ def _seconds(begin: int | None, end: int | None) -> float:
     return math.nan if begin is None or end is None else (end - begin) / 1e9
 
 
-def _column(column: Column, values: list[Cell]) -> Values:
+def _column(column: Column, values: list[CellValue]) -> Values:
     if column.kind == "string":
         return [None if value is None else str(value) for value in values]
     return np.array([math.nan if value is None else value for value in values], dtype=column.kind)

@@ -39,6 +39,13 @@ def test_from_a_new_study_to_its_tables(folder: Path, tmp_path: Path) -> None:
     assert "is the one that was frozen" in (tmp_path / "tables" / "CHANGES.md").read_text()
 
 
+def test_a_quota_that_leaves_orders_uneven_is_told(folder: Path) -> None:
+    file = folder / "experiment.yaml"
+    assert "some come more often" not in thbridge("study", "check", folder)
+    file.write_text(file.read_text().replace("quota: 4", "quota: 3"))
+    assert "some come more often" in thbridge("study", "check", folder)
+
+
 def test_nothing_is_left_of_somebody_who_withdraws(folder: Path, tmp_path: Path) -> None:
     thbridge("study", "rehearse", folder, "--to", tmp_path / "rehearsal", "--no-games")
     status = thbridge("study", "status", tmp_path / "rehearsal")
