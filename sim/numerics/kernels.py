@@ -21,6 +21,7 @@ from numba import config, types
 from numba.core.compiler import CompileResult
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher, cpu_target
+from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 from numba.core.typing.templates import infer_global
 from numba.misc.appdirs import AppDirs
@@ -171,7 +172,7 @@ class _CompiledCode:
 
     def load_overload(self, signature: object, target: "BaseContext") -> CompileResult | None:
         """Return what was compiled for a signature and this processor; None if nothing was."""
-        target.refresh()
+        rtsys.initialize(target)
         try:
             compiled_for, parts = pickle.loads(self.file(signature, target).read_bytes())
         except (OSError, EOFError, pickle.UnpicklingError):

@@ -4,9 +4,7 @@ from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
-from thbridge.ros.messages.definition_texts import ROS_TEXTS
-from thbridge.ros.messages.standard_texts import STANDARD_TEXTS
-from thbridge.ros.messages.types import OWN_TEXTS, Definition, full_text, md5_of, plain_definition
+from thbridge.ros.messages.types import OWN_TEXTS, TEXTS, Definition, full_text, md5_of, plain_definition
 
 ROS_SHARES = (Path("/usr/share"), *sorted(Path("/opt/ros").glob("*/share"), reverse=True))
 """Folders with the .msg files of packages: first Debian's ROS, then ROS's own builds, newest first."""
@@ -34,6 +32,8 @@ class Definitions:
             KeyError: there is no such type.
         """
         plain = plain_definition(msgtype)
+        if not self._shares:
+            return plain
         text = full_text(msgtype, self._text_of)
         if text is None or md5_of(msgtype, text) != plain.md5:
             return plain
@@ -48,4 +48,4 @@ class Definitions:
                 return (share / package / "msg" / f"{name}.msg").read_text(encoding="utf-8")
             except (OSError, UnicodeDecodeError):
                 continue
-        return ROS_TEXTS.get(msgtype, STANDARD_TEXTS.get(msgtype))
+        return TEXTS.get(msgtype)

@@ -5,11 +5,14 @@ from dataclasses import dataclass
 from functools import cache
 from hashlib import md5
 
-from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
-from rosbags.typesys.msg import normalize_msgtype
-from rosbags.typesys.store import Typestore
+from typing import TYPE_CHECKING
 
 from thbridge.ros.messages.definition_texts import ROS_TEXTS
+from thbridge.ros.messages.standard_texts import STANDARD_TEXTS
+
+# What reads messages of any type needs rosbags' types; games do not, and the classes would take long to make.
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
 
 TFMESSAGE = "tf2_msgs/TFMessage"
 ODOMETRY = "nav_msgs/Odometry"
@@ -133,9 +136,10 @@ string json    # all of it
 }
 """Our own types, in the text of their .msg files."""
 
+TEXTS = {**STANDARD_TEXTS, **ROS_TEXTS, **OWN_TEXTS}
+"""All types that we write, and those they contain, in texts without an installed ROS's comments."""
+
 _SEPARATOR = "=" * 80 + "\n"
-_EMPTY_TYPE = "move_base_msgs/MoveBaseResult"
-_EMPTY_PART = f"MSG: {_EMPTY_TYPE}\n"
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,8 +156,11 @@ class Definition:
 
 
 @cache
-def typestore() -> Typestore:
+def typestore() -> "Typestore":
     """The message types of rosbags for ROS 1 Noetic, with ours and those that rosbags lacks."""
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+    from rosbags.typesys.msg import normalize_msgtype
+
     store = get_typestore(Stores.ROS1_NOETIC)
     for name, text in {**ROS_TEXTS, **OWN_TEXTS}.items():
         known_as = normalize_msgtype(name)
@@ -165,16 +172,23 @@ def typestore() -> Typestore:
 
 @cache
 def plain_definition(msgtype: str) -> Definition:
-    """The definition without comments, as rosbags writes it. ROS plays such bags; `rosbag check` reports the text.
+    """The definition by our own texts; of a type that we do not write as rosbags writes it.
+
+    ROS plays bags with it; `rosbag check` reports that an installed text has other comments.
 
     Raises:
         KeyError: there is no such type.
     """
+    text = full_text(msgtype, TEXTS.get)
+    if text is not None:
+        return Definition(text, md5(_summed(msgtype).encode()).hexdigest())
+    from rosbags.typesys import TypesysError
+    from rosbags.typesys.msg import normalize_msgtype
+
     try:
-        text, md5 = typestore().generate_msgdef(normalize_msgtype(msgtype))
+        return Definition(*typestore().generate_msgdef(normalize_msgtype(msgtype)))
     except TypesysError:
         raise KeyError(msgtype) from None
-    return Definition(text.replace(_EMPTY_PART, _EMPTY_PART + ROS_TEXTS[_EMPTY_TYPE]), md5)
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,21 +221,34 @@ def service_type(name: str) -> ServiceType:
 
 
 def _summed(msgtype: str) -> str:
-    """The text over which the md5 sum of a type is computed: its fields, inner types replaced by their sums.
+    """The text over which the md5 sum of one of our texts is computed.
+
+    Its constants, then its fields, inner types replaced by their sums.
+
+    Raises:
+        KeyError: there is no such text.
 
     Source: ros/genmsg, gentools.py, compute_md5_text.
     """
-    lines = []
-    for line in plain_definition(msgtype).text.partition(_SEPARATOR)[0].splitlines():
-        kind, _, name = line.partition(" ")
-        inner = kind.partition("[")[0]
-        lines.append(f"{plain_definition(inner).md5} {name}" if "/" in inner else line)
-    return "\n".join(lines)
+    constants, fields = [], []
+    for line in TEXTS[msgtype].splitlines():
+        kind, _, name = " ".join(line.partition("#")[0].split()).partition(" ")
+        inner = _qualified(kind, msgtype)
+        if "=" in name:
+            constants.append(f"{kind} {name}")
+        elif inner:
+            fields.append(f"{plain_definition(inner).md5} {name}")
+        elif kind:
+            fields.append(f"{kind} {name}")
+    return "\n".join(constants + fields)
 
 
 @cache
 def md5_of(msgtype: str, text: str) -> str | None:
     """The md5 sum of a type by a full definition text; None when the text cannot be parsed."""
+    from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
+    from rosbags.typesys.msg import normalize_msgtype
+
     store = get_typestore(Stores.EMPTY)
     try:
         store.register(get_types_from_msg(text, normalize_msgtype(msgtype)))
@@ -257,22 +284,25 @@ def full_text(msgtype: str, text_of: Callable[[str], str | None]) -> str | None:
 
 def _dependencies(msgtype: str, text: str, text_of: Callable[[str], str | None]) -> Iterator[str]:
     """Every type that a definition contains, depth first, with repetitions."""
-    package = msgtype.partition("/")[0]
     for line in text.splitlines():
         words = line.partition("#")[0].split()
-        if not words:
+        name = _qualified(words[0], msgtype) if words else None
+        if name is None:
             continue
-        name = words[0].partition("[")[0]
-        if name in _BUILTINS:
-            continue
-        if name == "Header":
-            name = "std_msgs/Header"
-        elif "/" not in name:
-            name = f"{package}/{name}"
         yield name
         inner = text_of(name)
         if inner is not None:
             yield from _dependencies(name, inner, text_of)
+
+
+def _qualified(kind: str, msgtype: str) -> str | None:
+    """Return the type that a field's type names in the text of another, with its package; None for one built in."""
+    name = kind.partition("[")[0]
+    if not name or name in _BUILTINS:
+        return None
+    if name == "Header":
+        return "std_msgs/Header"
+    return name if "/" in name else f"{msgtype.partition('/')[0]}/{name}"
 
 
 _SIZES = (8, 16, 32, 64)

@@ -5,9 +5,7 @@ import pytest
 
 from tests.thbridge.ros.messages.type_lists import FURTHER_TYPES, SERVICES, STANDARD_TYPES
 from thbridge.files.ros.definitions import Definitions
-from thbridge.ros.messages.definition_texts import ROS_TEXTS
-from thbridge.ros.messages.standard_texts import STANDARD_TEXTS
-from thbridge.ros.messages.types import OWN_TEXTS, OWN_TYPES, full_text, md5_of, plain_definition, service_type
+from thbridge.ros.messages.types import OWN_TYPES, TEXTS, full_text, md5_of, plain_definition, service_type
 
 # The sums that ROS Noetic's own tools print.
 ROS_MD5 = {
@@ -89,7 +87,7 @@ def test_full_text_is_none_when_an_inner_type_is_missing() -> None:
 @pytest.mark.parametrize("msgtype", [*STANDARD_TYPES, *FURTHER_TYPES, *OWN_TYPES])
 def test_texts_in_bags_are_our_own_whatever_is_installed(msgtype: str) -> None:
     definition = Definitions().of(msgtype)
-    assert definition.text == full_text(msgtype, {**STANDARD_TEXTS, **ROS_TEXTS, **OWN_TEXTS}.get)
+    assert definition.text == full_text(msgtype, TEXTS.get)
     assert definition.md5 == plain_definition(msgtype).md5
 
 
