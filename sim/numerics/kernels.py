@@ -172,6 +172,7 @@ class _CompiledCode:
 
     def load_overload(self, signature: object, target: "BaseContext") -> CompileResult | None:
         """Return what was compiled for a signature and this processor; None if nothing was."""
+        # All that compiled code needs; numba's own cache loads what it would compile with as well.
         rtsys.initialize(target)
         try:
             compiled_for, parts = pickle.loads(self.file(signature, target).read_bytes())

@@ -5,14 +5,12 @@ from dataclasses import dataclass
 from functools import cache
 from hashlib import md5
 
-from typing import TYPE_CHECKING
+from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
+from rosbags.typesys.msg import normalize_msgtype
+from rosbags.typesys.store import Typestore
 
 from thbridge.ros.messages.definition_texts import ROS_TEXTS
 from thbridge.ros.messages.standard_texts import STANDARD_TEXTS
-
-# What reads messages of any type needs rosbags' types; games do not, and the classes would take long to make.
-if TYPE_CHECKING:
-    from rosbags.typesys.store import Typestore
 
 TFMESSAGE = "tf2_msgs/TFMessage"
 ODOMETRY = "nav_msgs/Odometry"
@@ -156,11 +154,11 @@ class Definition:
 
 
 @cache
-def typestore() -> "Typestore":
-    """The message types of rosbags for ROS 1 Noetic, with ours and those that rosbags lacks."""
-    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-    from rosbags.typesys.msg import normalize_msgtype
+def typestore() -> Typestore:
+    """The message types of rosbags for ROS 1 Noetic, with ours and those that rosbags lacks.
 
+    It is for those that read messages of any type: its classes take long to make, and games need none of them.
+    """
     store = get_typestore(Stores.ROS1_NOETIC)
     for name, text in {**ROS_TEXTS, **OWN_TEXTS}.items():
         known_as = normalize_msgtype(name)
@@ -182,9 +180,6 @@ def plain_definition(msgtype: str) -> Definition:
     text = full_text(msgtype, TEXTS.get)
     if text is not None:
         return Definition(text, md5(_summed(msgtype).encode()).hexdigest())
-    from rosbags.typesys import TypesysError
-    from rosbags.typesys.msg import normalize_msgtype
-
     try:
         return Definition(*typestore().generate_msgdef(normalize_msgtype(msgtype)))
     except TypesysError:
@@ -246,9 +241,6 @@ def _summed(msgtype: str) -> str:
 @cache
 def md5_of(msgtype: str, text: str) -> str | None:
     """The md5 sum of a type by a full definition text; None when the text cannot be parsed."""
-    from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
-    from rosbags.typesys.msg import normalize_msgtype
-
     store = get_typestore(Stores.EMPTY)
     try:
         store.register(get_types_from_msg(text, normalize_msgtype(msgtype)))
