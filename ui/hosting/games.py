@@ -18,7 +18,7 @@ from thbridge.study.study_file import Study, with_team_size
 from ui.first_start import compile_ahead
 from ui.hosting.lobby import Answer, GameVisit, PlayGame, host
 from ui.hosting.window_process import WINDOW, WindowProcess
-from ui.model.lobby import Offer
+from ui.model.lobby import LOBBY, Offer
 from ui.model.rules_sheet import rules_lines
 from ui.outcome import show_outcome, usual_bag
 from ui.outputs import make_ready
@@ -143,7 +143,7 @@ def play_in_window(games: WindowGames, offer: Offer, arguments: tuple[str, ...] 
         offer: numbers of robots that may be chosen.
         arguments: of the window's command line.
     """
-    window = WindowProcess((*WINDOW, *arguments))
+    window = WindowProcess((*WINDOW, *arguments), LOBBY)
     program = host(window, offer, secrets.token_hex(8), games.game, games.practice)
     try:
         with bad_input(FAILED):

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import Awaitable, Callable
 from enum import Enum
+from typing import TypeAlias
 
 from msgspec import structs
 
@@ -10,10 +11,26 @@ from thbridge.sockets.addresses import ListeningAddress
 from thbridge.timing.wall_clock import utc_now
 from ui.first_start import is_compiled
 from ui.hosting.window_process import WindowProcess
-from ui.model.lobby import Agreed, Back, Begin, Declined, Join, Offer, Practise, Preparing, Thanks, WindowClosed
+from ui.model.lobby import (
+    Agreed,
+    Back,
+    Begin,
+    Declined,
+    FromHost,
+    FromWindow,
+    Join,
+    Offer,
+    Practise,
+    Preparing,
+    Thanks,
+    WindowClosed,
+)
 
 WILDCARD_ADDRESSES = {"0.0.0.0": "127.0.0.1", "::": "::1"}
 """Addresses that a server listens on, and those at which the window finds it."""
+
+LobbyWindow: TypeAlias = WindowProcess[FromHost, FromWindow]
+"""The participant's window."""
 
 
 class GameVisit:
@@ -26,7 +43,7 @@ class GameVisit:
         agreed_at: time of day at which the participant agreed to take part; empty: nothing was asked.
     """
 
-    def __init__(self, window: WindowProcess, token: str, practice: bool, agreed_at: str) -> None:
+    def __init__(self, window: LobbyWindow, token: str, practice: bool, agreed_at: str) -> None:
         self._window = window
         self._token = token
         self._practice = practice
@@ -62,7 +79,7 @@ PlayGame = Callable[[GameVisit], Awaitable[None]]
 
 
 async def host(
-    window: WindowProcess, offer: Offer, token: str, play: Callable[[int], PlayGame], practise: Callable[[], PlayGame]
+    window: LobbyWindow, offer: Offer, token: str, play: Callable[[int], PlayGame], practise: Callable[[], PlayGame]
 ) -> Answer:
     """Play games until the participant leaves for good; nothing is played before they have agreed to take part.
 

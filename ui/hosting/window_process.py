@@ -1,50 +1,58 @@
-"""Process of the participant's window: started, exchanging messages, and opened again should it crash."""
+"""Process of a window: started, exchanging messages, and opened again should it crash."""
 
 import asyncio
 import sys
 from asyncio.subprocess import PIPE, Process
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from typing import Generic
 
 import msgspec
 
-from ui.model.lobby import FromHost, FromWindow, Offer, Thanks, WindowClosed, decode_from_window, encode
+from ui.model.window_protocol import FromHostT, FromWindowT, WindowProtocol
 from ui.terminal import note
 
-WINDOW = (sys.executable, "-c", "from ui.cli import main; main()", "tabui", "--hosted")
-"""The command that opens the window."""
+THBRIDGE = (sys.executable, "-c", "from ui.cli import main; main()")
+"""The command of this very program."""
+
+WINDOW = (*THBRIDGE, "tabui", "--hosted")
+"""The command that opens the participant's window."""
 
 MAX_CRASHES = 3
-"""After so many crashes the window stays closed."""
+"""After so many crashes in a row the window stays closed."""
+ROW_ENDS = 60.0
+"""Seconds after which a window that has stayed open so long begins a new row of crashes."""
 
 
-class WindowProcess:
-    """The window of one participant.
+class WindowProcess(Generic[FromHostT, FromWindowT]):
+    """A window in a process of its own.
 
     Args:
         command: opens the window.
+        protocol: its messages.
     """
 
-    def __init__(self, command: tuple[str, ...] = WINDOW) -> None:
+    def __init__(self, command: tuple[str, ...], protocol: WindowProtocol[FromHostT, FromWindowT]) -> None:
         self._command = command
+        self._protocol = protocol
         self._process: Process | None = None
-        self._requests: asyncio.Queue[FromWindow] = asyncio.Queue()
+        self._requests: asyncio.Queue[FromWindowT] = asyncio.Queue()
         # Messages to repeat to a window that is opened again.
-        self._sent: list[FromHost] = []
+        self._kept: list[FromHostT] = []
         self.given_up = False
         """True when it has crashed too often."""
 
-    async def send(self, message: FromHost) -> None:
+    async def send(self, message: FromHostT) -> None:
         """Send a message to the window."""
-        self._sent = [message] if isinstance(message, Offer | Thanks) else [*self._sent, message]
+        self._kept = list(self._protocol.kept(self._kept, message))
         await self._write(message)
 
-    async def next_request(self) -> FromWindow:
-        """Wait for the participant's next request; `WindowClosed` when the window is closed for good."""
+    async def next_request(self) -> FromWindowT:
+        """Wait for the next message of the window; its last one, `closed`, when the window is closed for good."""
         return await self._requests.get()
 
-    def pending_request(self) -> FromWindow | None:
-        """Return the request that has come already, if any."""
+    def pending_request(self) -> FromWindowT | None:
+        """Return the message that has come already, if any."""
         return None if self._requests.empty() else self._requests.get_nowait()
 
     @asynccontextmanager
@@ -58,15 +66,18 @@ class WindowProcess:
             await asyncio.gather(keeping, return_exceptions=True)
 
     async def _keep_open(self) -> None:
+        crashes, loop = 0, asyncio.get_running_loop()
         try:
-            for crashes in range(1, MAX_CRASHES + 1):
+            while crashes < MAX_CRASHES:
+                if crashes:
+                    note("The window has crashed; it is opened again.")
+                opened = loop.time()
                 if await self._open_once():
                     return
-                if crashes < MAX_CRASHES:
-                    note("The window has crashed; it is opened again.")
+                crashes = 1 if loop.time() - opened > ROW_ENDS else crashes + 1
             self.given_up = True
         finally:
-            self._requests.put_nowait(WindowClosed())
+            self._requests.put_nowait(self._protocol.closed)
 
     async def _open_once(self) -> bool:
         """Open the window and listen until it closes; return True if it closed on purpose."""
@@ -74,7 +85,7 @@ class WindowProcess:
         process = await asyncio.create_subprocess_exec(*self._command, stdin=PIPE, stdout=PIPE, start_new_session=True)
         self._process = process
         try:
-            for message in self._sent:
+            for message in self._kept:
                 await self._write(message)
             return await self._listen(process)
         finally:
@@ -92,20 +103,20 @@ class WindowProcess:
             return False
         async for text in process.stdout:
             try:
-                message = decode_from_window(text)
+                message = self._protocol.decode_from_window(text)
             except msgspec.DecodeError:
                 continue  # Something that a library printed.
-            if isinstance(message, WindowClosed):
+            if message == self._protocol.closed:
                 return True
             self._requests.put_nowait(message)
         return await process.wait() == 0
 
-    async def _write(self, message: FromHost) -> None:
+    async def _write(self, message: FromHostT) -> None:
         process = self._process
         if process is None or process.stdin is None or process.stdin.is_closing():
             return
         try:
-            process.stdin.write(encode(message))
+            process.stdin.write(self._protocol.encode(message))
             await process.stdin.drain()
         except ConnectionError:
             pass  # It has just gone; the window opened in its place gets the message again.

@@ -1,12 +1,14 @@
 """Messages between the program that runs the games (host) and the participant's window, before and after a game.
 
-The window is a process of its own, so that nothing of a game can be in it that the game has not told. One JSON object a
-line: the host's at the window's standard input, the window's at its standard output.
+The window is a process of its own, so that nothing of a game can be in it that the game has not told.
 """
 
+from collections.abc import Sequence
 from typing import TypeAlias
 
 import msgspec
+
+from ui.model.window_protocol import WindowProtocol
 
 
 class Offer(msgspec.Struct, frozen=True, tag=True):
@@ -84,28 +86,11 @@ class WindowClosed(msgspec.Struct, frozen=True, tag="Leave"):
 FromHost: TypeAlias = Offer | Preparing | Join | Thanks
 FromWindow: TypeAlias = Agreed | Declined | Begin | Practise | Back | WindowClosed
 
-_from_host: msgspec.json.Decoder[FromHost] = msgspec.json.Decoder(FromHost)
-_from_window: msgspec.json.Decoder[FromWindow] = msgspec.json.Decoder(FromWindow)
+
+def _kept(before: Sequence[FromHost], message: FromHost) -> Sequence[FromHost]:
+    """A page that begins anew takes the place of all before it."""
+    return [message] if isinstance(message, Offer | Thanks) else [*before, message]
 
 
-def encode(message: FromHost | FromWindow) -> bytes:
-    """Return the line of a message."""
-    return msgspec.json.encode(message) + b"\n"
-
-
-def decode_from_host(text: bytes) -> FromHost:
-    """Return the message in a line of the host.
-
-    Raises:
-        msgspec.DecodeError: it is none.
-    """
-    return _from_host.decode(text)
-
-
-def decode_from_window(text: bytes) -> FromWindow:
-    """Return the message in a line of the window.
-
-    Raises:
-        msgspec.DecodeError: it is none.
-    """
-    return _from_window.decode(text)
+LOBBY = WindowProtocol(msgspec.json.Decoder(FromHost), msgspec.json.Decoder(FromWindow), WindowClosed(), _kept)
+"""Messages of the participant's window."""

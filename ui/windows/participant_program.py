@@ -4,14 +4,10 @@ It connects the window (`ParticipantWindow`), its model (`Participant`) and the 
 (`ParticipantLink`).
 """
 
-import sys
-import threading
 import time
-from collections import deque
 from collections.abc import Callable
 
-import msgspec
-from PySide6.QtCore import QEvent, QObject, Qt, QTimer
+from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QApplication,
@@ -25,6 +21,7 @@ from PySide6.QtWidgets import (
 from thbridge.roles.view import GiveConsent
 from ui.model.keys import keyed
 from ui.model.lobby import (
+    LOBBY,
     Agreed,
     Back,
     Begin,
@@ -37,8 +34,6 @@ from ui.model.lobby import (
     Preparing,
     Thanks,
     WindowClosed,
-    decode_from_host,
-    encode,
 )
 from ui.model.participant import Participant
 from ui.model.practice import advice
@@ -46,6 +41,7 @@ from ui.model.screen import Act, AgreeToTakePart, CloseWindow, DeclineToTakePart
 from ui.terminal import DECLINED
 from ui.windows import look, pointer
 from ui.windows.application import application
+from ui.windows.host_pipe import HostPipe
 from ui.windows.link import ParticipantLink, ServerLost, ServerReached
 from ui.windows.look import GAP, spaced
 from ui.windows.participant.pages.pages import ConnectingPage, ConsentPage, ThanksPage
@@ -58,7 +54,7 @@ from ui.windows.sounds import SoundPlayer, system_player
 SOUND_KEY = "sound"
 """Name of the participant's choice among the settings of the windows."""
 FRAME = 15
-"""Milliseconds between two polls of the link and of the host."""
+"""Milliseconds between two polls of the link."""
 
 
 class GamePage(QWidget):
@@ -319,43 +315,6 @@ class ParticipantMainWindow(QMainWindow):
                 self.leave()
 
 
-class HostPipe(QObject):
-    """The connection by standard input and output to the program that runs the games."""
-
-    def __init__(self, table: ParticipantMainWindow) -> None:
-        super().__init__(table)
-        self._window = table
-        self._received: deque[FromHost | None] = deque()
-        threading.Thread(target=self._listen, name="host", daemon=True).start()
-        self.startTimer(FRAME)
-
-    @staticmethod
-    def send(message: FromWindow) -> None:
-        """Send a message; when the host is gone, nobody needs it any more."""
-        try:
-            sys.stdout.buffer.write(encode(message))
-            sys.stdout.buffer.flush()
-        except OSError:
-            pass
-
-    def timerEvent(self, _event: QEvent) -> None:
-        """Pass its messages on to the window."""
-        while self._received:
-            message = self._received.popleft()
-            if message is None:
-                self._window.leave()
-            else:
-                self._window.receive(message)
-
-    def _listen(self) -> None:
-        for text in sys.stdin.buffer:
-            try:
-                self._received.append(decode_from_host(text))
-            except msgspec.DecodeError:
-                continue
-        self._received.append(None)
-
-
 def play_at(host: str, port: int, token: str, choice: look.Choice) -> int:
     """Open the window at a server; return the exit code when it is closed."""
     app = application()
@@ -369,8 +328,9 @@ def play_at(host: str, port: int, token: str, choice: look.Choice) -> int:
 def play_hosted(choice: look.Choice) -> int:
     """Open the window for the host at standard input and output; returns when it is closed."""
     app = application()
-    table = _table(app, choice, HostPipe.send)
-    HostPipe(table)
+    pipe = HostPipe(LOBBY)
+    table = _table(app, choice, pipe.send)
+    pipe.listen(table)
     table.show()
     return app.exec()
 

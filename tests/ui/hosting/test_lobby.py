@@ -5,14 +5,14 @@ import sys
 from pathlib import Path
 
 from thbridge.sockets.addresses import ListeningAddress
-from ui.hosting.lobby import Answer, GameVisit, host
+from ui.hosting.lobby import Answer, GameVisit, LobbyWindow, host
 from ui.hosting.window_process import WindowProcess
-from ui.model.lobby import Offer
+from ui.model.lobby import LOBBY, Offer
 
 OFFER = Offer(least=1, most=4, usual=2)
 
 
-def window(folder: Path, script: str) -> WindowProcess:
+def window(folder: Path, script: str) -> LobbyWindow:
     """A window process that runs a script; `hear()` reads a line of the host, `say(kind, ...)` writes one."""
     program = folder / "window.py"
     program.write_text(
@@ -21,10 +21,10 @@ def window(folder: Path, script: str) -> WindowProcess:
         "def hear(): return json.loads(sys.stdin.readline())\n"
         "def say(kind, **fields): print(json.dumps({'type': kind, **fields}), flush=True)\n" + script
     )
-    return WindowProcess((sys.executable, str(program)))
+    return WindowProcess((sys.executable, str(program)), LOBBY)
 
 
-def hosted(process: WindowProcess, offer: Offer = OFFER, answer: Answer = Answer.YES) -> list[tuple[str, int]]:
+def hosted(process: LobbyWindow, offer: Offer = OFFER, answer: Answer = Answer.YES) -> list[tuple[str, int]]:
     """Run it to its end; return the games that were played, with their robots."""
     played: list[tuple[str, int]] = []
 

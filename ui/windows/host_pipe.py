@@ -1,0 +1,71 @@
+"""The connection of a window, by standard input and output, to the program that hosts it."""
+
+import sys
+import threading
+from collections import deque
+from typing import Generic, Protocol, TypeVar
+
+import msgspec
+from PySide6.QtCore import QEvent, QObject
+
+from ui.model.window_protocol import FromHostT, FromWindowT, WindowProtocol
+
+PERIOD = 15
+"""Milliseconds between two looks at what has come."""
+
+MessageT = TypeVar("MessageT", contravariant=True)
+
+
+class HostedWindow(Protocol[MessageT]):
+    """A window that a host opens."""
+
+    def receive(self, message: MessageT) -> None:
+        """Act on a message of the host."""
+
+    def leave(self) -> None:
+        """Close without asking: the host is gone, or wants it."""
+
+
+class HostPipe(QObject, Generic[FromHostT, FromWindowT]):
+    """The pipes to and from the host.
+
+    Args:
+        protocol: the messages.
+    """
+
+    def __init__(self, protocol: WindowProtocol[FromHostT, FromWindowT]) -> None:
+        super().__init__()
+        self._protocol = protocol
+        self._window: HostedWindow[FromHostT] | None = None
+        self._received: deque[FromHostT | None] = deque()
+
+    def listen(self, window: HostedWindow[FromHostT]) -> None:
+        """Pass the host's messages on to a window from now on."""
+        self._window = window
+        threading.Thread(target=self._listen, name="host", daemon=True).start()
+        self.startTimer(PERIOD)
+
+    def send(self, message: FromWindowT) -> None:
+        """Send a message; when the host is gone, nobody needs it any more."""
+        try:
+            sys.stdout.buffer.write(self._protocol.encode(message))
+            sys.stdout.buffer.flush()
+        except OSError:
+            pass
+
+    def timerEvent(self, _event: QEvent) -> None:
+        """Pass on what has come."""
+        while self._received and self._window is not None:
+            message = self._received.popleft()
+            if message is None:
+                self._window.leave()
+            else:
+                self._window.receive(message)
+
+    def _listen(self) -> None:
+        for text in sys.stdin.buffer:
+            try:
+                self._received.append(self._protocol.decode_from_host(text))
+            except msgspec.DecodeError:
+                continue
+        self._received.append(None)
