@@ -1,9 +1,11 @@
 """A whole hunt in one program: all roles except those of other programs, until the game is over or it is stopped."""
 
 import logging
+from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack, closing
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
@@ -15,6 +17,9 @@ from thbridge.app.consent import ConsentDesk, ParticipantDeclined, introduction
 from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress, listeners
 from thbridge.app.run_statistics import RobotStatistics, RunStatistics
 from thbridge.app.session.broadcast import Broadcast
+from thbridge.app.session.giving import give
+from thbridge.app.session.input_log import InputLog
+from thbridge.app.session.inputs import ConnectionOpened, LinkOpened
 from thbridge.app.session.recording import BagRecorder, TlogRecorder
 from thbridge.app.session.session import EventLog, Session, TickRecord, TickRecorder
 from thbridge.app.trouble_log import TroubleLog
@@ -36,7 +41,7 @@ from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
 from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.text.server import TextServer
 from thbridge.timing.keepalive import kept_alive
-from thbridge.timing.loop import run_ticks
+from thbridge.timing.loop import LoopResult, run_ticks
 from thbridge.timing.pacer import Pacer
 
 _log = logging.getLogger(__name__)
@@ -122,6 +127,8 @@ class PlayOptions:
             ends, because they may look at the result and play again. None: it ends with the game.
         watch: address of the watch server; None for none.
         mavlink: ports of the MAVLink links; None for none.
+        inputs: path of the log of inputs; a game whose log is there already goes on where that ends, and a simulated
+            participant in this process decides anew as it did. None: no log.
     """
 
     rate: float
@@ -133,6 +140,7 @@ class PlayOptions:
     left: Callable[[], bool] | None = None
     watch: WatchAddress | None = None
     mavlink: MavlinkPorts | None = None
+    inputs: Path | None = None
 
 
 async def play(
@@ -158,7 +166,8 @@ async def play(
 
     Raises:
         ParticipantDeclined: the participant did not agree to take part, or left before an answer.
-        BadFile: the journal, the telemetry log or the bag cannot be written (the latter as `BagNotWritten`).
+        BadFile: the journal, the log of inputs, the telemetry log or the bag cannot be written (the latter as
+            `BagNotWritten`), or the log of inputs is of another game (`GameDiffers`).
         HuntUnfinished: it was stopped, or the game was not over in time; what was recorded is complete.
     """
     team = build_team(setting)
@@ -212,7 +221,14 @@ async def play(
             recorders.append(BagRecorder(Broadcast(publisher, record, setting.map.grid, audience)))
         if options.bag is not None and has_vehicles and setting.study.mavlink.tlog:
             recorders.append(TlogRecorder(opened.enter_context(TlogFile(tlog_of(options.bag)))))
+        game_inputs: InputLog | None = None
+        if options.inputs is not None:
+            game_inputs = opened.enter_context(closing(InputLog(options.inputs, record)))
+            # Before all others: what they record follows from it.
+            recorders.insert(0, game_inputs)
         session.record_with(recorders, log)
+        statistics, ending = RunStatistics(), EndCondition(options.max_seconds, options.left)
+        went_on = game_inputs is None or await _go_on(session, game_inputs, statistics, ending)
         if has_vehicles and options.graph is not None:
             graph_link = session.open_link(GRAPH_LINK)
         if links is not None:
@@ -220,9 +236,7 @@ async def play(
             await stations_server.serve(session)
             callbacks.linked(reached_by)
             await opened.enter_async_context(kept_alive(session, pacer))
-        ending = EndCondition(options.max_seconds, options.left)
-
-        troubles, statistics = TroubleLog(), RunStatistics()
+        troubles = TroubleLog()
 
         def tick() -> bool:
             now = session.step()
@@ -237,12 +251,44 @@ async def play(
         if desk is None:
             await listen()
         opened.push_async_callback(server.stop)  # It stops before the recording is closed.
-        run = await run_ticks(tick, pacer)
+        run = await run_ticks(tick, pacer) if went_on else LoopResult(finished=False, seconds=0.0)
     outcome = outcome_of(setting, session, ending, roles, run.seconds, options.bag, statistics)
     # With a window, the end of a game is not the end of the hunt: participants may play again.
     if ending.tick is None or (options.left is not None and not run.finished):
         raise HuntUnfinished(outcome, stopped=not run.finished)
     return outcome
+
+
+async def _go_on(session: Session, log: InputLog, statistics: RunStatistics, ending: "EndCondition") -> bool:
+    """Run a session up to the tick where its log ends, as fast as possible; nobody is connected any more then.
+
+    Returns:
+        False when it was stopped (Ctrl-C, SIGTERM).
+    """
+    waiting = deque(log.ticks)
+
+    def tick() -> bool:
+        if waiting and waiting[0].tick == session.tick:
+            for item in waiting.popleft().inputs:
+                give(session, None, item)
+        now = session.step()
+        if now.snapshot is not None:
+            statistics.add(now.snapshot)
+        ending.reached(session)
+        return bool(waiting)
+
+    if not waiting:
+        return True
+    perform, session.perform = session.perform, session.note_all_forwarded
+    run = await run_ticks(tick, Pacer(0.0))
+    session.perform = perform
+    for item in chain.from_iterable(logged.inputs for logged in log.ticks):
+        match item:
+            case ConnectionOpened(connection):
+                session.perform(session.eof(connection))
+            case LinkOpened(link):
+                session.close_link(link)
+    return run.finished
 
 
 def _ignore(sentence: str) -> None:

@@ -23,6 +23,7 @@ from thbridge.app.play import PLAY
 from thbridge.app.programs import SIMR
 from thbridge.app.session import inputs
 from thbridge.app.session.broadcast import Broadcast
+from thbridge.app.session.giving import RecordedParticipant, give
 from thbridge.app.session.input_records import from_record
 from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session, TickRecord, TickRecorder
@@ -32,7 +33,6 @@ from thbridge.files.yaml.tree import parse
 from thbridge.hunt.codec import kind_of
 from thbridge.hunt.events import RoomAdvised
 from thbridge.protocols.text import legacy
-from thbridge.protocols.text.lines import TextMessage
 from thbridge.recording.bag.options import RecordingDetail
 from thbridge.recording.bag.reading import reader as bag_reader
 from thbridge.recording.bag.reading.reader import RawMessage
@@ -271,60 +271,12 @@ def _replayed_session(
     roles: list[Role] = [simr]
     if legacy.HIDER in record.roles:
         roles.append(build_hider(setting.templates, study.seed))
-    recorded_participant = _RecordedParticipant() if legacy.TABUI in record.roles and participant is None else None
+    recorded_participant = RecordedParticipant() if legacy.TABUI in record.roles and participant is None else None
     player: Role | None = recorded_participant
     if participant is not None:
         player = TabUI(build_bot(setting.templates, participant, study.seed, study.participant.attitude))
     session = Session(build_keeper(setting), roles, recorders, player, vehicle_factory(setting, simr))
-    return session, partial(_give, session, recorded_participant)
-
-
-class _RecordedParticipant:
-    """The participant of a replay: sends the messages of the recorded one."""
-
-    name = legacy.TABUI
-
-    def __init__(self) -> None:
-        self._lines: list[TextMessage] = []
-
-    def connected(self) -> None:
-        """Do nothing: the recorded participant's introduction is one of the messages."""
-
-    def prompt(self, line: TextMessage) -> None:
-        """Send this with the next step."""
-        self._lines.append(line)
-
-    def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
-        """See `Role`."""
-        lines, self._lines = self._lines, []
-        return lines
-
-
-def _give(session: Session, participant: _RecordedParticipant | None, item: inputs.Input) -> None:
-    """Give an input to a session of `thbridge play`, by the method that took it when it was recorded."""
-    match item:
-        case inputs.ConnectionOpened(_, now):
-            session.connect(now)
-        case inputs.BytesReceived(connection, _, data, now):
-            session.perform(session.receive_data(connection, data, now))
-        case inputs.ConnectionClosed(connection):
-            session.perform(session.eof(connection))
-        case inputs.ConnectionBacklogged(connection, _, size):
-            session.perform(session.report_backlog(connection, size))
-        case inputs.ClockAdvanced(now):
-            session.perform(session.advance(now))
-        case inputs.ParticipantSent(message) if participant is not None:
-            participant.prompt(message)
-        case inputs.ClientRequest(sender, request):
-            session.ask(sender, request)
-        case inputs.LinkOpened(_, name, robot) if session.has_vehicles:
-            session.open_link(name, robot)
-        case inputs.LinkClosed(link):
-            session.close_link(link)
-        case inputs.FrameReceived(link, _, frame, robot):
-            session.transmit(session.receive_frame(link, frame, robot).replies)
-        case inputs.HeartbeatsSent():
-            session.keep_alive()
+    return session, partial(give, session, recorded_participant)
 
 
 def _give_to_simr(session: SimrSession, item: inputs.Input) -> None:

@@ -107,7 +107,7 @@ class Session:
         log: EventLog | None = None,
     ) -> None:
         self.tick = 0
-        self.perform: Callable[[Sequence[RouterOutput]], None] = self._note_all_forwarded
+        self.perform: Callable[[Sequence[RouterOutput]], None] = self.note_all_forwarded
         self.transmit: Callable[[Sequence[OutgoingFrame]], None] = _drop_frames
         self._router = MessageRouter()
         self._keeper = keeper
@@ -142,6 +142,12 @@ class Session:
     def note_forwarded(self, forwarded: Forwarded) -> None:
         """Take a line that the router forwarded, for the keeper and the record."""
         self._forwarded.append(forwarded)
+
+    def note_all_forwarded(self, outputs: Sequence[RouterOutput]) -> None:
+        """Carry out the router's outputs where nobody is connected: take what it forwarded."""
+        for output in outputs:
+            if isinstance(output, Forwarded):
+                self.note_forwarded(output)
 
     # Inputs from outside
 
@@ -311,11 +317,6 @@ class Session:
         for message in messages:
             self._router.submit(role.name, message)
         return messages
-
-    def _note_all_forwarded(self, outputs: Sequence[RouterOutput]) -> None:
-        for output in outputs:
-            if isinstance(output, Forwarded):
-                self.note_forwarded(output)
 
 
 def _drop_frames(sent: Sequence[OutgoingFrame]) -> None:

@@ -1,0 +1,56 @@
+"""Recorded inputs, given to a session again by the methods that took them when they were recorded."""
+
+from collections.abc import Sequence
+
+from thbridge.app.session import inputs
+from thbridge.app.session.session import Session
+from thbridge.protocols.text import legacy
+from thbridge.protocols.text.lines import TextMessage
+
+
+class RecordedParticipant:
+    """The participant of a replay: sends the messages of the recorded one."""
+
+    name = legacy.TABUI
+
+    def __init__(self) -> None:
+        self._lines: list[TextMessage] = []
+
+    def connected(self) -> None:
+        """Do nothing: the recorded participant's introduction is one of the messages."""
+
+    def prompt(self, line: TextMessage) -> None:
+        """Send this with the next step."""
+        self._lines.append(line)
+
+    def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
+        """See `Role`."""
+        lines, self._lines = self._lines, []
+        return lines
+
+
+def give(session: Session, participant: RecordedParticipant | None, item: inputs.Input) -> None:
+    """Give an input to a session of `thbridge play`, by the method that took it when it was recorded."""
+    match item:
+        case inputs.ConnectionOpened(_, now):
+            session.connect(now)
+        case inputs.BytesReceived(connection, _, data, now):
+            session.perform(session.receive_data(connection, data, now))
+        case inputs.ConnectionClosed(connection):
+            session.perform(session.eof(connection))
+        case inputs.ConnectionBacklogged(connection, _, size):
+            session.perform(session.report_backlog(connection, size))
+        case inputs.ClockAdvanced(now):
+            session.perform(session.advance(now))
+        case inputs.ParticipantSent(message) if participant is not None:
+            participant.prompt(message)
+        case inputs.ClientRequest(sender, request):
+            session.ask(sender, request)
+        case inputs.LinkOpened(_, name, robot) if session.has_vehicles:
+            session.open_link(name, robot)
+        case inputs.LinkClosed(link):
+            session.close_link(link)
+        case inputs.FrameReceived(link, _, frame, robot):
+            session.transmit(session.receive_frame(link, frame, robot).replies)
+        case inputs.HeartbeatsSent():
+            session.keep_alive()

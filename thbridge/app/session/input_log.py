@@ -1,0 +1,151 @@
+"""The log of a game's inputs, by which a game goes on after its program has died.
+
+What follows from an input can be computed again, so the inputs are all that must not be lost: each is on the disk
+before the tick in which it acts has told anybody of it. A game that goes on is run anew from its study with the inputs
+of its log, as fast as the computer can, up to the last tick that the log knows of.
+
+The file has a line that says of which game it is; then one for each tick with inputs, and one for each second of
+simulated time. Lines of seconds have a digest of the robots' poses and the score: a game that runs another way than
+before is noticed. A torn last line, which was being written when the program died, is dropped.
+"""
+
+import fcntl
+import hashlib
+import json
+import os
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.app.session import inputs
+from thbridge.app.session.input_records import from_record, to_record
+from thbridge.app.session.session import TickRecord
+from thbridge.files.errors import BadFile
+from thbridge.recording.append import append_whole, sync_folder
+from thbridge.ros.messages.session_records import InputRecord, SessionRecord
+
+_MACHINE_TELLS = ("libc", "processor", "compiler", "architecture")
+"""Beginnings of the names of what a session record tells of the machine; games are the same on all of them."""
+
+
+class GameDiffers(BadFile):
+    """The inputs of a log do not lead to the game that it was written for."""
+
+
+@dataclass(frozen=True, slots=True)
+class LoggedTick:
+    """A tick of the log.
+
+    Attributes:
+        tick: its number.
+        inputs: that acted in it, in order.
+        digest: of poses and score after it; empty: not told.
+    """
+
+    tick: int
+    inputs: tuple[inputs.Input, ...]
+    digest: str = ""
+
+
+class InputLog:
+    """A log of inputs, open for appending; see the module.
+
+    Args:
+        path: the file; made where there is none, or it holds nothing whole.
+        record: of the session whose inputs these are.
+
+    Attributes:
+        ticks: what was in the log when it was opened, oldest first.
+
+    Raises:
+        BadFile: it cannot be read or written, or another program is writing it.
+        GameDiffers: it is the log of another game, or of another release.
+    """
+
+    def __init__(self, path: Path, record: SessionRecord) -> None:
+        self._path = path
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = path.open("a+b", buffering=0)
+            with ExitStack() as opened:
+                opened.callback(self._file.close)
+                fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                self.ticks = self._read_or_begin(_line({"game": _fingerprint(record)}))
+                opened.pop_all()
+        except BlockingIOError:
+            raise BadFile(path, "another program plays this game", "end that one first") from None
+        except OSError as error:
+            raise BadFile(path, f"it cannot be written ({error.strerror})", "look at the disk") from None
+        self._last = self.ticks[-1].tick if self.ticks else -1
+        self._digests = {logged.tick: logged.digest for logged in self.ticks if logged.digest}
+
+    def record(self, record: TickRecord) -> None:
+        """See `TickRecorder`; ticks that are in the log already are only compared with it.
+
+        Raises:
+            BadFile: it cannot be written.
+            GameDiffers: the tick is not the one that was logged.
+        """
+        digest = _digest(record) if record.tick % TICKS_PER_SECOND == 0 else ""
+        if record.tick <= self._last:
+            if digest and self._digests.get(record.tick, digest) != digest:
+                raise self._differs(f"at {record.tick // TICKS_PER_SECOND} s the robots are elsewhere than they were")
+            return
+        if not record.inputs and not digest:
+            return
+        given = [[each.kind, each.json] for each in map(to_record, record.inputs)]
+        line = _line({"tick": record.tick, "inputs": given, "digest": digest})
+        try:
+            append_whole(self._file, line, synced=bool(given))
+        except OSError as error:
+            raise BadFile(self._path, f"it cannot be written ({error.strerror})", "make room on the disk") from None
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def _read_or_begin(self, first: bytes) -> Sequence[LoggedTick]:
+        """Read the log, without a torn end, or begin it by its first line."""
+        self._file.seek(0)
+        content = self._file.read()
+        whole = content[: content.rfind(b"\n") + 1]
+        self._file.truncate(len(whole))
+        self._file.seek(0, os.SEEK_END)
+        if not whole:
+            append_whole(self._file, first, synced=True)
+            sync_folder(self._path.parent)
+            return ()
+        lines = whole.splitlines(keepends=True)
+        if lines[0] != first:
+            raise self._differs("it is of another study, or of another release of the program")
+        return [self._read(number, line) for number, line in enumerate(lines[1:], 2)]
+
+    def _read(self, number: int, line: bytes) -> LoggedTick:
+        try:
+            told = json.loads(line)
+            given = [from_record(InputRecord(kind, "", "", text)) for kind, text in told["inputs"]]
+            return LoggedTick(told["tick"], tuple(given), told["digest"])
+        except (ValueError, KeyError, TypeError):
+            remedy = "Move it away; the game then begins anew"
+            raise BadFile(self._path, "it is damaged", remedy, line=number) from None
+
+    def _differs(self, problem: str) -> GameDiffers:
+        return GameDiffers(self._path, problem, "Move it away; the game then begins anew")
+
+
+def _fingerprint(record: SessionRecord) -> str:
+    versions = {name: text for name, text in record.versions.items() if not name.startswith(_MACHINE_TELLS)}
+    told = [record.study, record.seed, sorted(versions.items()), record.program, record.roles, record.participant]
+    return hashlib.blake2b(json.dumps(told).encode(), digest_size=16).hexdigest()
+
+
+def _digest(record: TickRecord) -> str:
+    poses = b"" if record.snapshot is None else record.snapshot.truth.poses.tobytes()
+    score = None if record.game is None else record.game.score
+    return hashlib.blake2b(poses + f"{score}".encode(), digest_size=8).hexdigest()
+
+
+def _line(told: dict[str, object]) -> bytes:
+    return json.dumps(told, separators=(",", ":")).encode() + b"\n"
