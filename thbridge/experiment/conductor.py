@@ -42,6 +42,8 @@ class Conductor:
         self._draw = draw
         self.progress = Progress(design).after(read_log(log.path))
         """Where everybody is."""
+        self.listeners: list[Callable[[LoggedEvent], None]] = []
+        """Called with each event once it is in the log, and `progress` knows it."""
 
     def admit(self, external_id: str = "") -> Run | NoPlace:
         """Begin the run of the next person, if there is a place.
@@ -90,6 +92,10 @@ class Conductor:
         """Take down something that happened in a step: an item that was shown, touched, changed or given."""
         return self._of_step(kind, actor, participant, step, data)
 
+    def tell_of_run(self, kind: EventKind, participant: str, data: Mapping[str, JsonValue], actor: Actor) -> None:
+        """Take down something of a person's run that belongs to none of its steps."""
+        self._append(kind, actor, participant, data=data)
+
     def end(self, participant: str, step: PlannedStep) -> StepOutcome:
         """End a step that a person has done; a check is judged by the answers given."""
         outcome = StepOutcome.DONE
@@ -98,11 +104,11 @@ class Conductor:
         self._end(participant, step, outcome)
         return outcome
 
-    def leave(self, participant: str, reason: str, *, declined: bool = False) -> None:
-        """End a run before its end: the person did not agree, or went."""
+    def leave(self, participant: str, reason: str, *, declined: bool = False, actor: Actor = "participant") -> None:
+        """End a run before its end: the person did not agree, or went, or the experimenter ends it."""
         outcome = RunState.DECLINED if declined else RunState.LEFT
         data: dict[str, JsonValue] = {"outcome": outcome, "reason": reason}
-        self._append(EventKind.RUN_ENDED, "participant", participant, data=data)
+        self._append(EventKind.RUN_ENDED, actor, participant, data=data)
 
     def exclude(self, participant: str, reason: str) -> None:
         """Decide that a run does not count; its place opens again."""
@@ -156,6 +162,8 @@ class Conductor:
         progress = self.progress.after([LoggedEvent(self.progress.sequence + 1, event)])
         (logged,) = self._log.append([event])
         self.progress = progress
+        for listener in self.listeners:
+            listener(logged)
         return logged
 
     def _new_id(self) -> str:

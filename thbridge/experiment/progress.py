@@ -35,6 +35,22 @@ class EventKind(StrEnum):
     """A trial has its recording. Data: bag, sha256, and measures of the game."""
     STEP_ENDED = "step-ended"
     """Data: outcome."""
+    RECRUITING_CODE = "recruiting-code"
+    """A person has told the code that a recruiting service gave them. Data: code."""
+    CONSENT_ANSWERED = "consent-answered"
+    """Data: agrees, and version, the SHA-256 of the text's bytes."""
+    TEXT_PASTED = "text-pasted"
+    """Text was pasted into a free answer, which may have been written by somebody or something else. Data: item,
+    characters, their number."""
+    FOCUS_LOST = "focus-lost"
+    """Keys and clicks went to another window from here on: the person looked at something else."""
+    FOCUS_REGAINED = "focus-regained"
+    """Keys and clicks come to the study's window again."""
+    GAME_BROKEN_OFF = "game-broken-off"
+    """A game whose program died was not gone on with; another begins in its place. Data: bag, what is left of its
+    recording, or none."""
+    FAREWELL_READ = "farewell-read"
+    """A person has left the last page, with the completion code or the reason why the run ended."""
     RUN_ENDED = "run-ended"
     """Data: outcome, reason, and of a complete run its completion code."""
     RUN_EXCLUDED = "run-excluded"
@@ -81,6 +97,13 @@ class Run:
         failed: numbers of the checks that were failed for good.
         answers: the last answer to each item, by `STEP.ITEM`.
         given: the answers given in the step under way, by the item's id.
+        drafts: answers that were begun or changed there, and not given since.
+        game_played: True when the game of that step has its recording.
+        last_outcome: of the step that ended last; None: none has.
+        code: completion code; empty before the run is complete.
+        recruiting_code: the one told by the person; None: not yet.
+        agreed_at: wall time at which they agreed to take part; empty: not yet.
+        farewell_read: True once they have left the last page.
     """
 
     participant: str
@@ -94,6 +117,13 @@ class Run:
     failed: frozenset[int] = frozenset()
     answers: Mapping[str, JsonValue] = field(default_factory=dict)
     given: Mapping[str, JsonValue] = field(default_factory=dict)
+    drafts: Mapping[str, JsonValue] = field(default_factory=dict)
+    game_played: bool = False
+    last_outcome: StepOutcome | None = None
+    code: str = ""
+    recruiting_code: str | None = None
+    agreed_at: str = ""
+    farewell_read: bool = False
 
     @property
     def holds_place(self) -> bool:
@@ -171,28 +201,48 @@ class Progress:
             return
         if event.kind == EventKind.RUN_EXCLUDED:
             runs[person] = dataclasses.replace(run, state=RunState.EXCLUDED, reason=str(data["reason"]))
-        elif run.state is not RunState.UNDER_WAY:
-            return
-        elif event.kind == EventKind.STEP_BEGUN:
+        elif event.kind == EventKind.FAREWELL_READ:
+            runs[person] = dataclasses.replace(run, farewell_read=True)
+        elif run.state is RunState.UNDER_WAY:
+            runs[person] = _gone_on(run, event, data)
+
+
+def _gone_on(run: Run, event: NewEvent, data: Mapping[str, JsonValue]) -> Run:
+    """Return a run that is under way after one of its events."""
+    match event.kind:
+        case EventKind.STEP_BEGUN:
             if event.step != run.step or run.under_way:
-                raise BadHistory(f"{person} begins step {event.step} where {run.step} is next")
-            runs[person] = dataclasses.replace(run, under_way=True, given={})
-        elif event.kind == EventKind.ITEM_GIVEN:
+                raise BadHistory(f"{run.participant} begins step {event.step} where {run.step} is next")
+            return dataclasses.replace(run, under_way=True, given={}, drafts={}, game_played=False)
+        case EventKind.STEP_RESUMED if data.get("from") == ResumeRule.BEGINNING:
+            return dataclasses.replace(run, given={}, drafts={})
+        case EventKind.ITEM_CHANGED if run.under_way and "answer" in data:
+            return dataclasses.replace(run, drafts={**run.drafts, str(data["item"]): data["answer"]})
+        case EventKind.ITEM_GIVEN:
             name = run.plan[event.step - 1].name
             item, answer = str(data["item"]), data["answer"]
             answers, given = {**run.answers, f"{name}.{item}": answer}, {**run.given, item: answer}
-            runs[person] = dataclasses.replace(run, answers=answers, given=given)
-        elif event.kind == EventKind.STEP_ENDED:
-            runs[person] = _ended(run, event.step, StepOutcome(str(data["outcome"])))
-        elif event.kind == EventKind.RUN_ENDED:
+            drafts = {other: draft for other, draft in run.drafts.items() if other != item}
+            return dataclasses.replace(run, answers=answers, given=given, drafts=drafts)
+        case EventKind.GAME_PLAYED:
+            return dataclasses.replace(run, game_played=True)
+        case EventKind.STEP_ENDED:
+            return _ended(run, event.step, StepOutcome(str(data["outcome"])))
+        case EventKind.RUN_ENDED:
             state, reason = RunState(str(data["outcome"])), str(data.get("reason", ""))
-            runs[person] = dataclasses.replace(run, state=state, reason=reason)
+            return dataclasses.replace(run, state=state, reason=reason, code=str(data.get("code", "")))
+        case EventKind.RECRUITING_CODE:
+            return dataclasses.replace(run, recruiting_code=str(data["code"]))
+        case EventKind.CONSENT_ANSWERED if data["agrees"]:
+            return dataclasses.replace(run, agreed_at=event.clocks.wall)
+        case _:
+            return run
 
 
 def _ended(run: Run, number: int, outcome: StepOutcome) -> Run:
     if number != run.step:
         raise BadHistory(f"{run.participant} ends step {number} where {run.step} is under way")
-    step = run.plan[number - 1]
+    step, run = run.plan[number - 1], dataclasses.replace(run, last_outcome=outcome)
     if outcome is StepOutcome.LOST:
         reason = f"{step.name} could not go on"
         return dataclasses.replace(run, state=RunState.EXCLUDED, reason=reason, under_way=False)

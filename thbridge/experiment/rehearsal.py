@@ -1,26 +1,25 @@
 """Rehearsals: simulated people go through a whole experiment, with answers, errors and drop-outs drawn from a seed."""
 
-import hashlib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from sim.numerics import noise
 from thbridge.app.compose.recording import build_writer
-from thbridge.app.compose.setting import StudySetting
 from thbridge.batch.hunt import play_hunt
 from thbridge.batch.settings import SettingCache
 from thbridge.experiment.allocation.places import NoPlace
 from thbridge.experiment.conductor import Conductor
-from thbridge.experiment.design.experiment_file import ExperimentDesign, drawn_seed
+from thbridge.experiment.design.experiment_file import ExperimentDesign
 from thbridge.experiment.design.plan import PlannedStep
 from thbridge.experiment.design.steps import StepKind
 from thbridge.experiment.progress import EventKind, Run
 from thbridge.experiment.questionnaires.form import MEASURED, Item, Scale
 from thbridge.experiment.questionnaires.scoring import NOT_APPLICABLE
 from thbridge.experiment.store.events import JsonValue
+from thbridge.experiment.trials import played, setting_of_trial
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +132,7 @@ class Rehearsal:
         return item.least + steps * step if item.scale in MEASURED and step > 0.0 else value
 
     def _play(self, conductor: Conductor, person: str, step: PlannedStep) -> None:
-        setting = self._setting(conductor.progress.runs[person], step)
+        setting = setting_of_trial(self._design, self._settings, conductor.progress.runs[person], step)
         if setting is None:
             return
         bag = self._bag_of(person, step.number)
@@ -141,26 +140,8 @@ class Rehearsal:
         bag.unlink(missing_ok=True)
         with build_writer(setting, bag) as writer:
             measures = play_hunt(setting, step.entry.max_seconds, [writer])
-        with bag.open("rb") as file:
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
-        data: dict[str, JsonValue] = {
-            "bag": bag.relative_to(self._root).as_posix(),
-            "sha256": digest,
-            "score": measures.score,
-            "over": measures.over,
-            "rooms_visited": measures.rooms_visited,
-            "identified": measures.identified,
-            "sim_seconds": measures.sim_seconds,
-            "energy_left": measures.energy_left,
-        }
+        data = played(measures, bag, self._root)
         conductor.tell(EventKind.GAME_PLAYED, person, step, data, "program")
-
-    def _setting(self, run: Run, step: PlannedStep) -> StudySetting | None:
-        """The setting of a game; None of practice, which is not recorded and counts for nothing."""
-        if step.condition is None or step.trial is None:
-            return None
-        study = self._design.cells[run.place.cell].studies[step.condition]
-        return self._settings.of(replace(study, seed=drawn_seed(self._design, step.trial)))
 
     def _condition(self, step: PlannedStep) -> str:
         return "" if step.condition is None else self._design.conditions[step.condition].name

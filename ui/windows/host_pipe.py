@@ -13,13 +13,13 @@ from ui.model.window_protocol import FromHostT, FromWindowT, WindowProtocol
 PERIOD = 15
 """Milliseconds between two looks at what has come."""
 
-MessageT = TypeVar("MessageT", contravariant=True)
+Message_contra = TypeVar("Message_contra", contravariant=True)
 
 
-class HostedWindow(Protocol[MessageT]):
+class HostedWindow(Protocol[Message_contra]):
     """A window that a host opens."""
 
-    def receive(self, message: MessageT) -> None:
+    def receive(self, message: Message_contra) -> None:
         """Act on a message of the host."""
 
     def leave(self) -> None:

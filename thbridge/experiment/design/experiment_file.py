@@ -37,6 +37,22 @@ class OrderKind(StrEnum):
     """As the file has them."""
 
 
+class WhoBegins(StrEnum):
+    """Person who begins the next run on the laboratory's computer."""
+
+    PARTICIPANT = "participant"
+    """Whoever sits down there, by a button."""
+    RESEARCHER = "researcher"
+    """The researcher, in their own window or by a key combination."""
+
+
+@dataclass(frozen=True, slots=True)
+class RecruitingSection:
+    """What is asked of people whom a recruiting service has sent."""
+
+    ask: str = param("", "question for the code that the service gave them, before the first step; empty: not asked")
+
+
 @dataclass(frozen=True, slots=True)
 class ExperimentFile:
     """An experiment as people write it."""
@@ -57,6 +73,8 @@ class ExperimentFile:
     seeds: tuple[int, ...] = param(
         (), "seeds of the games, the first for everybody's first trial and so on; none: drawn", "", 0, LARGEST_SEED
     )
+    begins: WhoBegins = param(WhoBegins.PARTICIPANT, "who begins the run of the next person")
+    recruiting: RecruitingSection = param(RecruitingSection(), "what people from a recruiting service are asked")
     steps: tuple[StepEntry, ...] = param((), "what a person goes through, in this order")
 
 
