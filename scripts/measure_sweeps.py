@@ -28,7 +28,7 @@ from thbridge.batch.engines.dask import DaskEngine
 from thbridge.batch.engines.engine import Engine
 from thbridge.batch.engines.processes import ProcessEngine
 from thbridge.batch.folder import open_folder
-from thbridge.batch.sweep import tasks_of
+from thbridge.batch.sweep import WARM, tasks_of
 from thbridge.batch.tables import VARYING, collect
 
 ROOT = Path(__file__).parents[1]
@@ -163,7 +163,7 @@ def main() -> int:
         parts = {out: table(folder / out) for out in ("one", "dask")}
         equal = {out: part.equals(whole.slice(0, part.num_rows)) for out, part in parts.items()}
         print(f"the same results, {whole.num_rows} games: {equal}", flush=True)
-        wall, ours = empty_tasks(ProcessEngine(2), folder)
+        wall, ours = empty_tasks(ProcessEngine(2, WARM), folder)
         print(
             f"a chunk without games, processes: {1e3 * wall:.2f} ms, {1e3 * ours:.2f} ms of processor time here",
             flush=True,

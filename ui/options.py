@@ -117,3 +117,34 @@ def the_study(by_position: Path | None, by_option: Path | None) -> Path | None:
     if by_position is not None and by_option is not None:
         fail(BAD_INPUT, f"--study: {by_position} is named already. Leave one of the two out.")
     return by_position or by_option
+
+
+class EngineKind(StrEnum):
+    """Kinds of engines, which carry out the games."""
+
+    PROCESSES = "processes"
+    DASK = "dask"
+    SLURM = "slurm"
+
+
+BatchEngine = Annotated[
+    EngineKind, typer.Option("--engine", help="Who plays: processes of this machine, a Dask cluster, or jobs of Slurm.")
+]
+Processes = Annotated[
+    int | None, typer.Option(help="Processes of this machine; by default one on every core.", min=1, max=1024)
+]
+DaskScheduler = Annotated[
+    str | None,
+    typer.Option(
+        "--scheduler", help="Scheduler of a Dask cluster, such as tcp://10.0.0.1:8786.", metavar="ADDRESS"
+    ),
+]
+SlurmJobs = Annotated[int, typer.Option("--jobs", help="Jobs of Slurm to submit at a time.", min=1, max=10_000)]
+SlurmOptions = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--slurm",
+        metavar="KEY=VALUE",
+        help="Option of Slurm's jobs, as `sbatch` has it: `--slurm partition=short`. May be given several times.",
+    ),
+]

@@ -13,6 +13,8 @@ from thbridge.batch.results import game_faults
 from thbridge.batch.tasks import MOST_DEATHS, SweepTask
 
 EVERYTHING = Shard()
+WARM = ("thbridge.batch.tasks",)
+"""Modules that workers of sweeps import before their first task."""
 
 
 @dataclass(slots=True)
@@ -43,7 +45,7 @@ class SweepProgress:
 def run_sweep(
     design: SweepDesign,
     folder: SweepFolder,
-    engine: Engine,
+    engine: Engine[SweepTask],
     shard: Shard = EVERYTHING,
     *,
     retry: bool = False,
@@ -115,14 +117,14 @@ def tasks_of(design: SweepDesign, folder: SweepFolder, wanted: Callable[[GameChu
     ]
 
 
-def _verify(engine: Engine, played: SweepTask, worker: str | None) -> None:
+def _verify(engine: Engine[SweepTask], played: SweepTask, worker: str | None) -> None:
     """Have a chunk's drawn games played again by another worker, if that has not been done."""
     task = replace(played, again=True)
     if task.verified_seeds and not task.result.exists():
         engine.submit(task, avoid=worker)
 
 
-def _try_again(engine: Engine, ended: FinishedTask, deaths: int) -> None:
+def _try_again(engine: Engine[SweepTask], ended: FinishedTask[SweepTask], deaths: int) -> None:
     """Have a task done by another worker. Raises EngineFailed when that is in vain."""
     # Playing a chunk, each of its games may take some workers with it before it is left out.
     most = MOST_DEATHS if ended.task.again else MOST_DEATHS * len(ended.task.chunk.seeds)

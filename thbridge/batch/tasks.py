@@ -1,4 +1,4 @@
-"""Tasks of workers: a chunk played, or drawn games of it played again. Any process that sees the folder can do them."""
+"""Tasks of a sweep: a chunk played, or drawn games of it played again."""
 
 import time
 import traceback
@@ -10,6 +10,7 @@ from pathlib import Path
 from threading import Lock
 
 from thbridge.app.compose.recording import build_writer
+from thbridge.batch.batch_task import TaskOutcome
 from thbridge.batch.chunks import GameChunk, is_drawn
 from thbridge.batch.folder import SweepFolder
 from thbridge.batch.hunt import RecordedDigest, play_hunt
@@ -81,41 +82,24 @@ class SweepTask:
         folder = SweepFolder(self.folder)
         return folder.verified(self.chunk) if self.again else folder.games(self.chunk)
 
+    @property
+    def urgent(self) -> bool:
+        """See `BatchTask`: a difference shall show early."""
+        return self.again
+
+    def carry_out(self) -> TaskOutcome:
+        """See `BatchTask`."""
+        with _playing:
+            began = time.process_time()
+            # It is there already where a worker was lost between its file and its answer.
+            if not self.result.exists():
+                (_verify if self.again else _play)(self)
+            faults = (differing_games if self.again else game_faults)(self.result, self.chunk.condition)
+            games = len(self.verified_seeds if self.again else self.chunk.seeds)
+            return TaskOutcome(games, len(faults), tuple(faults), time.process_time() - began)
+
     def _is_drawn(self, purpose: str, one_in: int, seed: int) -> bool:
         return is_drawn(purpose, one_in, self.chunk.condition, seed)
-
-
-@dataclass(frozen=True, slots=True)
-class TaskOutcome:
-    """Outcome of a task.
-
-    Attributes:
-        games: number of games.
-        failed: number of those that have no result.
-        faults: sentences about these, and about games that were not the same again.
-        cpu_seconds: processor time of all of it.
-    """
-
-    games: int
-    failed: int
-    faults: tuple[str, ...]
-    cpu_seconds: float
-
-
-def carry_out(task: SweepTask) -> TaskOutcome:
-    """Do a task, unless its result is there; the result is on the disk when this returns.
-
-    Raises:
-        BadFile: the folder cannot be written.
-    """
-    with _playing:
-        began = time.process_time()
-        # It is there already where a worker was lost between its file and its answer.
-        if not task.result.exists():
-            (_verify if task.again else _play)(task)
-        faults = (differing_games if task.again else game_faults)(task.result, task.chunk.condition)
-        games = len(task.verified_seeds if task.again else task.chunk.seeds)
-        return TaskOutcome(games, len(faults), tuple(faults), time.process_time() - began)
 
 
 def _play(task: SweepTask) -> None:

@@ -12,7 +12,7 @@ from thbridge.batch.engines.engine import Engine, FinishedTask
 from thbridge.batch.folder import open_folder
 from thbridge.batch.sweep import EVERYTHING, SweepProgress, run_sweep
 from thbridge.batch.tables import VARYING, collect
-from thbridge.batch.tasks import SweepTask, carry_out
+from thbridge.batch.tasks import SweepTask
 
 DESIGN = """\
 base: {game.energy: 20}
@@ -38,14 +38,14 @@ class InlineEngine:
     def submit(self, task: SweepTask, avoid: str | None = None) -> None:
         self._waiting.append(task)
 
-    def finished(self) -> Iterator[FinishedTask]:
+    def finished(self) -> Iterator[FinishedTask[SweepTask]]:
         while self._waiting:
             task = self._waiting.popleft()
             if self._dies(task):
                 yield FinishedTask(task, None, "inline")
                 continue
             self.carried_out.append(task)
-            yield FinishedTask(task, carry_out(task), "inline")
+            yield FinishedTask(task, task.carry_out(), "inline")
 
     def __enter__(self) -> "InlineEngine":
         return self
@@ -54,7 +54,7 @@ class InlineEngine:
 
 
 def run(
-    root: Path, engine: Engine, text: str = DESIGN, shard: Shard = EVERYTHING, *, retry: bool = False
+    root: Path, engine: Engine[SweepTask], text: str = DESIGN, shard: Shard = EVERYTHING, *, retry: bool = False
 ) -> SweepProgress:
     """Run a sweep in a folder, or go on with it."""
     file = root.with_suffix(".yaml")

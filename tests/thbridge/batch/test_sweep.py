@@ -21,6 +21,7 @@ from thbridge.batch.folder import SweepFolder
 from thbridge.batch.measures import GameMeasures
 from thbridge.batch.results import GameStatus, read_table
 from thbridge.batch.status import status_of
+from thbridge.batch.sweep import WARM
 from thbridge.batch.tasks import ATTEMPT, SweepTask
 from thbridge.files.errors import BadFile
 from thbridge.recording.digest import digest_of
@@ -72,13 +73,13 @@ def test_conditions_share_their_chance(tmp_path: Path) -> None:
 
 
 def test_processes_play_the_same_games(whole: Path, tmp_path: Path) -> None:
-    told = run(tmp_path / "sweep", ProcessEngine(2))
+    told = run(tmp_path / "sweep", ProcessEngine(2, WARM))
     assert (told.played, told.verified, told.differing, told.deaths) == (12, 12, 0, 0)
     assert games(tmp_path / "sweep").equals(games(whole))
 
 
 def test_a_game_is_played_again_by_another_process_even_where_there_is_one_at_a_time(tmp_path: Path) -> None:
-    run(tmp_path / "sweep", ProcessEngine(1), "seeds: [3]\nverify: 1\nmax_seconds: 1\n")
+    run(tmp_path / "sweep", ProcessEngine(1, WARM), "seeds: [3]\nverify: 1\nmax_seconds: 1\n")
     again = tasks.read_digests(tmp_path / "sweep/games/condition=1/chunk-1.parquet")
     (row,) = read_table(tmp_path / "sweep/verified/condition=1/chunk-1.parquet").to_pylist()
     assert row["first_worker"] == again[3][1] != row["again_worker"]
@@ -98,7 +99,7 @@ def test_a_worker_that_is_killed_costs_nothing_but_time(whole: Path, tmp_path: P
 
     killer = Thread(target=kill)
     killer.start()
-    told = run(root, ProcessEngine(2))
+    told = run(root, ProcessEngine(2, WARM))
     killer.join()
     assert killed
     assert told.deaths == 1
@@ -130,7 +131,7 @@ def test_a_run_goes_on_where_an_earlier_one_was_killed(whole: Path, tmp_path: Pa
         program.kill()
     there = list(root.glob("games/*/*.parquet"))
     before = {path: path.stat().st_mtime_ns for path in there}
-    told = run(root, ProcessEngine(1))
+    told = run(root, ProcessEngine(1, WARM))
     assert told.before >= 2
     assert told.played == 12 - told.before
     assert {path: path.stat().st_mtime_ns for path in there} == before

@@ -2,19 +2,20 @@
 
 import os
 from collections.abc import Iterator
+from typing import Generic
 
 from distributed import Client, as_completed
 from distributed.scheduler import KilledWorker
 from distributed.worker import get_worker
 
-from thbridge.batch.engines.engine import EngineFailed, FinishedTask
-from thbridge.batch.tasks import SweepTask, TaskOutcome, carry_out
+from thbridge.batch.batch_task import BatchTask, TaskOutcome
+from thbridge.batch.engines.engine import EngineFailed, FinishedTask, TaskT
 
 CONNECT_SECONDS = 10.0
 
 
-class DaskEngine:
-    """Carries out tasks on a Dask cluster, whose workers must see the sweep's folder under the same path.
+class DaskEngine(Generic[TaskT]):
+    """Carries out tasks on a Dask cluster, whose workers must see the batch's folder under the same path.
 
     Args:
         scheduler: its address.
@@ -32,16 +33,16 @@ class DaskEngine:
                 f"{reason} Start one by `dask scheduler`, and workers by `dask worker ADDRESS`."
             ) from None
         self._ended = as_completed([], loop=self._client.loop)
-        self._tasks: dict[str, SweepTask] = {}
+        self._tasks: dict[str, TaskT] = {}
         self._submitted = 0
 
-    def submit(self, task: SweepTask, avoid: str | None = None) -> None:
+    def submit(self, task: TaskT, avoid: str | None = None) -> None:
         """See `Engine`."""
         others = None
         if avoid is not None:
             others = [name for name in self._client.scheduler_info(n_workers=-1)["workers"] if name != avoid] or None
         self._submitted += 1
-        key = f"thbridge-sweep-{os.getpid()}-{self._submitted}"
+        key = f"thbridge-{os.getpid()}-{self._submitted}"
         future = self._client.submit(
             _carried_out,
             task,
@@ -49,12 +50,12 @@ class DaskEngine:
             pure=False,
             workers=others,
             allow_other_workers=others is not None,  # once those named are gone
-            priority=int(task.again),  # so that a difference shows early
+            priority=int(task.urgent),  # so that a difference shows early
         )
         self._tasks[key] = task
         self._ended.add(future)
 
-    def finished(self) -> Iterator[FinishedTask]:
+    def finished(self) -> Iterator[FinishedTask[TaskT]]:
         """See `Engine`."""
         while self._tasks:
             future = next(self._ended)
@@ -71,13 +72,13 @@ class DaskEngine:
                 future.release()
                 yield FinishedTask(task, outcome, worker)
 
-    def __enter__(self) -> "DaskEngine":
+    def __enter__(self) -> "DaskEngine[TaskT]":
         return self
 
     def __exit__(self, *ended: object) -> None:
         self._client.close()
 
 
-def _carried_out(task: SweepTask) -> tuple[str, TaskOutcome]:
+def _carried_out(task: BatchTask) -> tuple[str, TaskOutcome]:
     """Carry out a task, and return the worker that did it."""
-    return get_worker().address, carry_out(task)
+    return get_worker().address, task.carry_out()

@@ -1,14 +1,16 @@
-"""The seam between a sweep and whatever carries out its tasks."""
+"""The seam between a batch and whatever carries out its tasks."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
-from thbridge.batch.tasks import SweepTask, TaskOutcome
+from thbridge.batch.batch_task import BatchTask, TaskOutcome
+
+TaskT = TypeVar("TaskT", bound=BatchTask)
 
 
 @dataclass(frozen=True, slots=True)
-class FinishedTask:
+class FinishedTask(Generic[TaskT]):
     """A task that was carried out, or whose worker died.
 
     Attributes:
@@ -17,7 +19,7 @@ class FinishedTask:
         worker: name of the worker, as `Engine.submit` takes it.
     """
 
-    task: SweepTask
+    task: TaskT
     outcome: TaskOutcome | None
     worker: str
 
@@ -26,10 +28,10 @@ class EngineFailed(Exception):  # noqa: N818 - it is told to people as a sentenc
     """The engine cannot go on; `str` of it is the reason as a sentence."""
 
 
-class Engine(Protocol):
+class Engine(Protocol[TaskT]):
     """Carries out tasks on its workers; a context manager, which ends them."""
 
-    def submit(self, task: SweepTask, avoid: str | None = None) -> None:
+    def submit(self, task: TaskT, avoid: str | None = None) -> None:
         """Take a task; it may also be called while `finished` runs.
 
         Args:
@@ -37,14 +39,14 @@ class Engine(Protocol):
             avoid: name of a worker that shall not do it if there is another.
         """
 
-    def finished(self) -> Iterator[FinishedTask]:
+    def finished(self) -> Iterator[FinishedTask[TaskT]]:
         """Yield tasks as they end, until none is left.
 
         Raises:
-            BadFile: a worker cannot write the sweep's folder.
+            BadFile: a worker cannot write the batch's folder.
             EngineFailed: there are no workers, or none that can work.
         """
 
-    def __enter__(self) -> "Engine": ...
+    def __enter__(self) -> "Engine[TaskT]": ...
 
     def __exit__(self, *ended: object) -> None: ...

@@ -2,56 +2,54 @@
 
 import signal
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
-from typing import cast
+from typing import Generic, cast
 
-from thbridge.batch.engines.engine import EngineFailed, FinishedTask
-from thbridge.batch.tasks import SweepTask, TaskOutcome, carry_out
-
-_WARM = ["thbridge.batch.tasks"]
-"""Modules that are imported once, in a process of which all workers are forks. Forking this program itself would copy
-its threads, one of which draws the progress, in the middle of what they do."""
+from thbridge.batch.batch_task import BatchTask, TaskOutcome
+from thbridge.batch.engines.engine import EngineFailed, FinishedTask, TaskT
 
 
 @dataclass(slots=True)
-class _WorkerProcess:
+class _WorkerProcess(Generic[TaskT]):
     """A worker: its process, this end of its pipe, and the task that it has."""
 
     process: BaseProcess
-    pipe: "Connection[SweepTask, TaskOutcome | Exception]"
-    task: SweepTask | None = None
+    pipe: "Connection[TaskT, TaskOutcome | Exception]"
+    task: TaskT | None = None
 
     @property
     def name(self) -> str:
         return str(self.process.pid)
 
 
-class ProcessEngine:
+class ProcessEngine(Generic[TaskT]):
     """Carries out tasks by processes of this machine.
 
     Args:
         processes: how many.
+        warm: modules that are imported once, in a process of which all workers are forks. Forking this program itself
+            would copy its threads, one of which draws the progress, in the middle of what they do.
     """
 
-    def __init__(self, processes: int) -> None:
+    def __init__(self, processes: int, warm: Sequence[str]) -> None:
         self._processes = processes
         self._context = get_context("forkserver")
-        self._context.set_forkserver_preload(_WARM)
-        self._waiting: deque[tuple[SweepTask, str | None]] = deque()
-        self._workers: list[_WorkerProcess] = []
+        self._context.set_forkserver_preload(list(warm))
+        self._waiting: deque[tuple[TaskT, str | None]] = deque()
+        self._workers: list[_WorkerProcess[TaskT]] = []
 
-    def submit(self, task: SweepTask, avoid: str | None = None) -> None:
+    def submit(self, task: TaskT, avoid: str | None = None) -> None:
         """See `Engine`; what is played again comes first, so that a difference shows early."""
         if avoid is not None and self._processes > 1:
             self._waiting.appendleft((task, avoid))
         else:
             self._waiting.append((task, avoid))
 
-    def finished(self) -> Iterator[FinishedTask]:
+    def finished(self) -> Iterator[FinishedTask[TaskT]]:
         """See `Engine`."""
         while self._waiting or any(worker.task for worker in self._workers):
             self._assign()
@@ -59,7 +57,7 @@ class ProcessEngine:
                 worker = next(worker for worker in self._workers if worker.pipe is ready)
                 yield self._ended(worker)
 
-    def __enter__(self) -> "ProcessEngine":
+    def __enter__(self) -> "ProcessEngine[TaskT]":
         return self
 
     def __exit__(self, *ended: object) -> None:
@@ -73,7 +71,7 @@ class ProcessEngine:
 
     def _assign(self) -> None:
         """Give waiting tasks to idle workers, of which there are enough."""
-        held: list[tuple[SweepTask, str | None]] = []
+        held: list[tuple[TaskT, str | None]] = []
         while self._waiting and self._has_room():
             task, avoid = self._waiting.popleft()
             worker = self._idle(avoid)
@@ -93,7 +91,7 @@ class ProcessEngine:
         """Return True when a worker is idle, or another one may be hired."""
         return len(self._workers) < self._processes or any(worker.task is None for worker in self._workers)
 
-    def _idle(self, avoid: str | None) -> _WorkerProcess | None:
+    def _idle(self, avoid: str | None) -> _WorkerProcess[TaskT] | None:
         """Return a worker for a task, perhaps a new one; None when all those are busy."""
         idle = [worker for worker in self._workers if worker.task is None]
         for worker in idle:
@@ -107,22 +105,22 @@ class ProcessEngine:
             return self._hire()
         return None
 
-    def _hire(self) -> _WorkerProcess:
+    def _hire(self) -> _WorkerProcess[TaskT]:
         ours, theirs = self._context.Pipe()
         process = self._context.Process(target=_serve, args=(theirs,), daemon=True)
         process.start()
         theirs.close()
-        worker = _WorkerProcess(process, cast("Connection[SweepTask, TaskOutcome | Exception]", ours))
+        worker = _WorkerProcess(process, cast("Connection[TaskT, TaskOutcome | Exception]", ours))
         self._workers.append(worker)
         return worker
 
-    def _bury(self, worker: _WorkerProcess) -> None:
+    def _bury(self, worker: _WorkerProcess[TaskT]) -> None:
         worker.pipe.close()
         worker.process.terminate()
         worker.process.join()
         self._workers.remove(worker)
 
-    def _ended(self, worker: _WorkerProcess) -> FinishedTask:
+    def _ended(self, worker: _WorkerProcess[TaskT]) -> FinishedTask[TaskT]:
         """Return the task that a worker has ended, in one way or the other. Raises what the worker raised."""
         task = worker.task
         if task is None:
@@ -138,7 +136,7 @@ class ProcessEngine:
         return FinishedTask(task, told, worker.name)
 
 
-def _serve(pipe: "Connection[TaskOutcome | Exception, SweepTask]") -> None:
+def _serve(pipe: "Connection[TaskOutcome | Exception, BatchTask]") -> None:
     """Carry out tasks until the other end of the pipe is closed."""
     # Ctrl-C at a terminal reaches all its processes; the one that gives the tasks ends the others.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -148,6 +146,6 @@ def _serve(pipe: "Connection[TaskOutcome | Exception, SweepTask]") -> None:
         except EOFError:
             return
         try:
-            pipe.send(carry_out(task))
+            pipe.send(task.carry_out())
         except Exception as fault:
             pipe.send(fault)

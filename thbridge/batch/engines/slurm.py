@@ -3,12 +3,12 @@
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TypeAlias
+from typing import Generic, TypeAlias
 
 import submitit
 
-from thbridge.batch.engines.engine import FinishedTask
-from thbridge.batch.tasks import SweepTask, TaskOutcome, carry_out
+from thbridge.batch.batch_task import BatchTask, TaskOutcome
+from thbridge.batch.engines.engine import FinishedTask, TaskT
 from thbridge.batch.whole_files import worker_name
 
 POLL_SECONDS = 1.0
@@ -17,7 +17,7 @@ _Job: TypeAlias = "submitit.Job[tuple[str, list[TaskOutcome]]]"
 STANDARD_OPTIONS = {"cpus_per_task": "1"}
 
 
-class SlurmEngine:
+class SlurmEngine(Generic[TaskT]):
     """Carries out tasks by jobs of Slurm; what waits is shared out among the jobs of an array.
 
     Args:
@@ -32,14 +32,14 @@ class SlurmEngine:
         self._executor = submitit.AutoExecutor(folder=log, cluster=cluster)
         given = {**STANDARD_OPTIONS, **options}
         self._executor.update_parameters(**{f"slurm_{name.replace('-', '_')}": value for name, value in given.items()})
-        self._waiting: list[SweepTask] = []
-        self._running: list[tuple[_Job, Sequence[SweepTask]]] = []
+        self._waiting: list[TaskT] = []
+        self._running: list[tuple[_Job, Sequence[TaskT]]] = []
 
-    def submit(self, task: SweepTask, avoid: str | None = None) -> None:
+    def submit(self, task: TaskT, avoid: str | None = None) -> None:
         """See `Engine`; every job is another worker."""
         self._waiting.append(task)
 
-    def finished(self) -> Iterator[FinishedTask]:
+    def finished(self) -> Iterator[FinishedTask[TaskT]]:
         """See `Engine`."""
         while self._waiting or self._running:
             # What comes in while jobs run, such as games to be played again, waits for all of them.
@@ -51,7 +51,7 @@ class SlurmEngine:
             if self._running:
                 time.sleep(POLL_SECONDS)
 
-    def __enter__(self) -> "SlurmEngine":
+    def __enter__(self) -> "SlurmEngine[TaskT]":
         return self
 
     def __exit__(self, *ended: object) -> None:
@@ -65,12 +65,12 @@ class SlurmEngine:
         self._running = list(zip(jobs, bundles, strict=True))
 
 
-def _carried_out(tasks: Sequence[SweepTask]) -> tuple[str, list[TaskOutcome]]:
+def _carried_out(tasks: Sequence[BatchTask]) -> tuple[str, list[TaskOutcome]]:
     """Carry out the tasks of a job, and return its name."""
-    return worker_name(), [carry_out(task) for task in tasks]
+    return worker_name(), [task.carry_out() for task in tasks]
 
 
-def _ended(job: _Job, tasks: Sequence[SweepTask]) -> Iterator[FinishedTask]:
+def _ended(job: _Job, tasks: Sequence[TaskT]) -> Iterator[FinishedTask[TaskT]]:
     """Yield the tasks of a job that has ended. Raises what they raised."""
     fault = job.exception()
     if fault is None:

@@ -1,22 +1,12 @@
 """`thbridge sweep run`: the games of a design."""
 
-import os
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from ui.options import AsJson
+from ui.options import AsJson, BatchEngine, DaskScheduler, EngineKind, Processes, SlurmJobs, SlurmOptions
 from ui.terminal import BAD_INPUT, FAILED, bad_input, command, fail, note, print_json
-
-
-class EngineKind(StrEnum):
-    """Kinds of engines, which carry out the games."""
-
-    PROCESSES = "processes"
-    DASK = "dask"
-    SLURM = "slurm"
 
 
 def sweep_run(
@@ -25,25 +15,11 @@ def sweep_run(
         Path | None,
         typer.Option("--out", help="The sweep's folder; by default named like the design.", metavar="DIR"),
     ] = None,
-    engine: Annotated[
-        EngineKind, typer.Option(help="Who plays: processes of this machine, a Dask cluster, or jobs of Slurm.")
-    ] = EngineKind.PROCESSES,
-    processes: Annotated[
-        int | None, typer.Option(help="Processes of this machine; by default one on every core.", min=1, max=1024)
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(help="The scheduler of a Dask cluster, such as tcp://10.0.0.1:8786.", metavar="ADDRESS"),
-    ] = None,
-    jobs: Annotated[int, typer.Option(help="Jobs of Slurm to submit at a time.", min=1, max=10_000)] = 10,
-    job_options: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--slurm",
-            metavar="KEY=VALUE",
-            help="Option of Slurm's jobs, as `sbatch` has it: `--slurm partition=short`. May be given several times.",
-        ),
-    ] = None,
+    engine: BatchEngine = EngineKind.PROCESSES,
+    processes: Processes = None,
+    scheduler: DaskScheduler = None,
+    jobs: SlurmJobs = 10,
+    job_options: SlurmOptions = None,
     shard: Annotated[
         str | None, typer.Option(help="Play part I of N, for job arrays; all write into one folder.", metavar="I/N")
     ] = None,
@@ -61,9 +37,12 @@ def sweep_run(
     """
     from thbridge.batch.chunks import Shard, shard_in
     from thbridge.batch.design import read_design
-    from thbridge.batch.engines.engine import EngineFailed
+    from thbridge.batch.engines.engine import Engine, EngineFailed
     from thbridge.batch.folder import open_folder
-    from ui.actions.sweep.run import chosen_engine, run_shown
+    from thbridge.batch.sweep import WARM
+    from thbridge.batch.tasks import SweepTask
+    from ui.actions.engines import chosen_engine
+    from ui.actions.sweep.run import run_shown
     from ui.actions.sweep.telling import design_as_json, progress_as_json, show_design, show_progress
     from ui.first_start import compile_ahead
 
@@ -79,13 +58,8 @@ def sweep_run(
                 show_design(design)
             return
     root = to or Path(design_file.stem)
-    chosen = chosen_engine(
-        engine.value,
-        processes=processes or len(os.sched_getaffinity(0)),
-        scheduler=scheduler,
-        jobs=jobs,
-        job_options=job_options or [],
-        log=root / "slurm",
+    chosen: Engine[SweepTask] = chosen_engine(
+        engine, WARM, processes=processes, scheduler=scheduler, jobs=jobs, job_options=job_options, log=root / "slurm"
     )
     with bad_input():
         folder = open_folder(design, root)

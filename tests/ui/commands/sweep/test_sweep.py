@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from tests.thbridge.batch.rig import InlineEngine
 from thbridge.batch import tasks
-from ui.actions.sweep import run
+from ui.actions import engines
 from ui.cli import app
 
 DESIGN = """\
@@ -137,7 +137,7 @@ def test_figures_that_cannot_be(played: Path, options: tuple[str, ...], told: st
 def test_games_that_are_not_the_same_again_end_with_1(monkeypatch: pytest.MonkeyPatch) -> None:
     number = iter(range(1000))
     monkeypatch.setattr(tasks.RecordedDigest, "hexdigest", lambda _self: str(next(number)))
-    monkeypatch.setattr(run, "ProcessEngine", lambda _processes: InlineEngine())
+    monkeypatch.setattr(engines, "ProcessEngine", lambda _processes, _warm: InlineEngine())
     done = thbridge("sweep", "design.yaml", "--processes", "1")
     assert done.exit_code == 1
     assert "games that were played again were NOT the same: do not trust these results." in done.stderr

@@ -1,0 +1,36 @@
+"""Tasks of a batch: work that any process can do which sees the batch's folder."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+
+@dataclass(frozen=True, slots=True)
+class TaskOutcome:
+    """Outcome of a task.
+
+    Attributes:
+        games: number of games.
+        failed: number of those that have no result.
+        faults: sentences about these, and about games that were not the same again.
+        cpu_seconds: processor time of all of it.
+    """
+
+    games: int
+    failed: int
+    faults: tuple[str, ...]
+    cpu_seconds: float
+
+
+class BatchTask(Protocol):
+    """Work for a worker, which leaves its result in a file. It is sent to other processes, so it can be pickled."""
+
+    @property
+    def urgent(self) -> bool:
+        """True for a task that comes before others."""
+
+    def carry_out(self) -> TaskOutcome:
+        """Do it, unless its result is there; the result is on the disk when this returns.
+
+        Raises:
+            BadFile: the folder cannot be written.
+        """

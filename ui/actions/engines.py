@@ -1,0 +1,69 @@
+"""Engines of batches, as options choose them."""
+
+import os
+import signal
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from thbridge.batch.engines.engine import Engine, EngineFailed, TaskT
+from thbridge.batch.engines.processes import ProcessEngine
+from ui.options import EngineKind
+from ui.terminal import BAD_INPUT, FAILED, fail
+
+
+def chosen_engine(
+    kind: EngineKind,
+    warm: Sequence[str],
+    *,
+    processes: int | None,
+    scheduler: str | None,
+    jobs: int,
+    job_options: Sequence[str] | None,
+    log: Path,
+) -> Engine[TaskT]:
+    """Return the engine that options choose; ends the program where that cannot be.
+
+    Args:
+        kind: of the engine.
+        warm: modules that processes of this machine import before their first task.
+        processes: of this machine; None: one on every core.
+        scheduler: of the Dask cluster.
+        jobs: of Slurm at a time.
+        job_options: of Slurm, KEY=VALUE.
+        log: folder of the files of Slurm's jobs.
+    """
+    if kind is not EngineKind.DASK and scheduler is not None:
+        fail(BAD_INPUT, "--scheduler: only a Dask cluster has one. Add --engine dask, or leave the option out.")
+    if kind is not EngineKind.SLURM and job_options:
+        fail(BAD_INPUT, "--slurm: only jobs of Slurm have such options. Add --engine slurm, or leave the option out.")
+    if kind is EngineKind.PROCESSES:
+        return ProcessEngine(processes or len(os.sched_getaffinity(0)), warm)
+    if kind is EngineKind.DASK and scheduler is None:
+        fail(BAD_INPUT, "--engine dask: where is the cluster? Add --scheduler, such as tcp://10.0.0.1:8786.")
+    wrong = next((option for option in job_options or () if not all(option.partition("="))), None)
+    if wrong is not None:
+        fail(BAD_INPUT, f"--slurm: {wrong!r} is not KEY=VALUE. Write for example --slurm partition=short.")
+    try:
+        if kind is EngineKind.DASK:
+            from thbridge.batch.engines.dask import DaskEngine  # noqa: PLC0415 - an extra
+
+            return DaskEngine(scheduler or "")
+        from thbridge.batch.engines.slurm import SlurmEngine  # noqa: PLC0415 - an extra
+
+        options = dict(option.split("=", 1) for option in job_options or ())
+        return SlurmEngine(jobs, log, options)
+    except ImportError as missing:
+        fail(FAILED, f"--engine {kind}: {missing.name} is not installed. Run: pip install 'thbridge[cluster]'")
+    except EngineFailed as reason:
+        fail(FAILED, str(reason))
+
+
+@contextmanager
+def stopped_by_sigterm() -> Iterator[None]:
+    """Have SIGTERM, which batch systems send before they kill, do the same as Ctrl-C."""
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
