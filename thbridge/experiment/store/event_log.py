@@ -205,6 +205,71 @@ def read_log(path: Path) -> list[LogEntry]:
         raise BadFile(path, f"is damaged, or no log of an experiment ({error})", _REMEDY) from None
 
 
+class LogFollower:
+    """Reads a log as it grows: all of it at first, then only what has been appended, verified as `read_log` does.
+
+    Args:
+        path: the log, which need not be there yet. It is open no longer than it takes to read it.
+
+    Attributes:
+        entries: what was read so far.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.entries: list[LogEntry] = []
+        self._path = path
+        self._chain = _START
+        self._head = b""
+
+    def poll(self) -> bool:
+        """Read what is new; return False where nothing has been appended, for which one small file is read.
+
+        Raises:
+            BadFile: as of `read_log`; the same is not told again before something changes.
+        """
+        head = _head_path(self._path)
+        try:
+            now = head.read_bytes()
+        except FileNotFoundError:
+            now = b""
+        except OSError as error:
+            raise BadFile(head, f"cannot be read ({error.strerror})", "Give the right to read it") from None
+        if now == self._head:
+            return False
+        self._head = now
+        if not self._grown():
+            self.entries = read_log(self._path)
+            with contextlib.closing(_opened(self._path, "ro")) as database:
+                self._chain = _last_chain(database, len(self.entries))
+        return True
+
+    def _grown(self) -> bool:
+        """Take what was appended to what is known; return False where the whole has to be read."""
+        known, chain = len(self.entries), self._chain
+        entries: list[LoggedEvent] = []
+        try:
+            length, last = _read_head(self._path)
+            with contextlib.closing(_opened(self._path, "ro")) as database:
+                if not 0 < known < length or _last_chain(database, known) != chain:
+                    return False
+                rows = database.execute(
+                    "SELECT sequence, salt, content, digest FROM events"
+                    " WHERE sequence BETWEEN ? AND ? ORDER BY sequence",
+                    (known + 1, length),
+                ).fetchall()
+        except (sqlite3.Error, BadFile):
+            return False
+        for sequence, salt, content, digest in rows:
+            chain = _chained(chain, digest)
+            if content is None or salt is None or _digest(salt, content) != digest:
+                return False
+            entries.append(LoggedEvent(sequence, _decoded(content)))
+        if chain != last or any(entry.event.kind == WITHDRAWN for entry in entries):
+            return False
+        self.entries, self._chain = [*self.entries, *entries], chain
+        return True
+
+
 _REMEDY = "Bring it back from the newest backup that `thbridge study status` can read"
 
 
@@ -253,8 +318,11 @@ def _opened(path: Path, mode: str) -> sqlite3.Connection:
     return sqlite3.connect(f"{path.absolute().as_uri()}?mode={mode}", uri=True, isolation_level=None)
 
 
-def _last_chain(database: sqlite3.Connection) -> bytes:
-    row = database.execute("SELECT chain FROM events ORDER BY sequence DESC LIMIT 1").fetchone()
+def _last_chain(database: sqlite3.Connection, sequence: int = 2**62) -> bytes:
+    """The chain of the last row, or of the last up to a number."""
+    row = database.execute(
+        "SELECT chain FROM events WHERE sequence <= ? ORDER BY sequence DESC LIMIT 1", (sequence,)
+    ).fetchone()
     return _START if row is None else cast(bytes, row[0])
 
 

@@ -26,6 +26,7 @@ from ui.model.theme import Palette
 from ui.model.watching.scene import EntryKind
 from ui.model.watching.tools import Shape
 from ui.windows.controls import ChoiceBox
+from ui.windows.key_sheet import KeySheet
 from ui.windows.look import open_within_screen
 from ui.windows.researcher.docks.arguments import ArgumentsDock
 from ui.windows.researcher.docks.displays import SWITCHES, DisplaysPanel
@@ -34,7 +35,7 @@ from ui.windows.researcher.docks.playback import PlaybackBar
 from ui.windows.researcher.docks.plots import Plots
 from ui.windows.researcher.docks.team import TeamView
 from ui.windows.researcher.docks.wizard import WizardDock
-from ui.windows.researcher.keys import KeySheet
+from ui.windows.researcher.keys import GROUPS
 from ui.windows.researcher.map.tools import TOOLS, MapTool
 
 LEFT, RIGHT, BOTTOM = (
@@ -310,7 +311,7 @@ class DockedWindow(QMainWindow):
 
     def show_keys(self) -> None:
         """Open the sheet of keys."""
-        KeySheet(self).open()
+        KeySheet(self, GROUPS).open()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Let Tab go from robot to robot while the map has the focus; F6 leaves it."""

@@ -1,22 +1,8 @@
-"""Keys of the researcher's window, and the sheet that lists them."""
+"""Keys of the researcher's window."""
 
-from PySide6.QtCore import QSize, Qt
-from PySide6.QtWidgets import (
-    QDialog,
-    QDialogButtonBox,
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QScrollArea,
-    QVBoxLayout,
-    QWidget,
-)
-
-from ui.windows.look import FRAME, follow_text, font, spaced
+from ui.windows.key_sheet import KeyLines
 from ui.windows.researcher.docks.displays import SWITCHES
 from ui.windows.researcher.map.tools import TOOLS
-
-KeyLines = tuple[tuple[str, str], ...]
 
 GROUPS: tuple[tuple[str, KeyLines], ...] = (
     (
@@ -60,48 +46,3 @@ GROUPS: tuple[tuple[str, KeyLines], ...] = (
         ),
     ),
 )
-
-
-class KeySheet(QDialog):
-    """All keys on one sheet."""
-
-    def __init__(self, parent: QWidget) -> None:
-        super().__init__(parent)
-        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.setWindowTitle("Keys")
-        columns = spaced(QHBoxLayout(), 40)
-        for groups in (GROUPS[::2], GROUPS[1::2]):
-            column = spaced(QVBoxLayout(), 20)
-            for title, keys in groups:
-                column.addLayout(_group(title, keys))
-            column.addStretch(1)
-            columns.addLayout(column)
-        close = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
-        close.rejected.connect(self.reject)
-        inside, area = QWidget(), QScrollArea(widgetResizable=True)
-        inside.setLayout(columns)
-        area.setWidget(inside)
-        area.setAccessibleName("Keys and what they do")
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(24, 24, 24, 24)
-        layout.addWidget(area)
-        layout.addWidget(close)
-        bar = area.verticalScrollBar().sizeHint().width()
-        wanted = inside.sizeHint() + QSize(48 + bar, 64 + bar + close.sizeHint().height())
-        self.resize(wanted.boundedTo(parent.screen().availableSize() - FRAME))
-
-
-def _group(title: str, keys: KeyLines) -> QGridLayout:
-    grid = QGridLayout()
-    grid.setHorizontalSpacing(16)
-    grid.setVerticalSpacing(4)
-    grid.addWidget(_bold(title), 0, 0, 1, 2)
-    for row, (key, what) in enumerate(keys, start=1):
-        grid.addWidget(_bold(key), row, 0)
-        grid.addWidget(QLabel(what), row, 1)
-    grid.setColumnStretch(1, 1)
-    return grid
-
-
-def _bold(words: str) -> QLabel:
-    return follow_text(QLabel(words), lambda it: it.setFont(font(bold=True)))

@@ -6,7 +6,8 @@ from PySide6.QtWidgets import QApplication
 from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
 from tests.ui.windows.researcher.test_window_on_bags import bag, opened
 from ui.windows import look
-from ui.windows.researcher.keys import KeySheet
+from ui.windows.key_sheet import KeySheet
+from ui.windows.researcher.keys import GROUPS
 from ui.windows.researcher.window import ResearcherWindow
 
 __all__ = ["bag", "opened"]
@@ -29,7 +30,7 @@ def test_nothing_is_cut_off_or_covered(opened: ResearcherWindow, qapp: QApplicat
 def test_the_sheet_of_keys_opens_within_the_screen(opened: ResearcherWindow, qapp: QApplication, text: float) -> None:
     look.apply_text_size(qapp, text)
     try:
-        sheet = KeySheet(opened)
+        sheet = KeySheet(opened, GROUPS)
         sheet.open()
         settle()
         assert misfits(sheet) == []

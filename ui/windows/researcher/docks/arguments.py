@@ -1,52 +1,19 @@
 """Dialogue of a robot that argues: its course, what the robot believes, and the attacks between arguments."""
 
-from collections.abc import Sequence
-
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QColor
+from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QLineEdit, QScrollArea, QSizePolicy, QTableView, QVBoxLayout, QWidget
 
 from ui.model.watching.dialogue_log import DialogueCourse
 from ui.model.watching.dialogue_rows import DialogueList, heading, move_row, rows
 from ui.windows.controls import ChoiceBox
-from ui.windows.look import colours, follow_text, px
+from ui.windows.look import follow_text, px
 from ui.windows.researcher.docks.attack_graph import AttackGraph
-from ui.windows.researcher.docks.table import RIGHT, ModelIndex, TableModel, row_table
+from ui.windows.tables import TextModel, row_table
 
 MOVES = ("Time", "Who", "Move", "Sentence", "State")
 DETAILS = ("What", "From", "How it stands")
 PART = 110
 """Least height of each part, logical pixels with text of the usual size; what has no room is scrolled to."""
-
-
-class TextModel(TableModel):
-    """Rows of texts, of which all may change at once."""
-
-    _shown: Sequence[tuple[str, ...]] = ()
-
-    def __init__(self, titles: Sequence[str], parent: QWidget, *, has_time: bool = False) -> None:
-        super().__init__(titles, (), parent)
-        self._has_time = has_time
-
-    def show_rows(self, texts: Sequence[tuple[str, ...]]) -> bool:
-        """Show these rows; return False where they are shown already."""
-        if tuple(texts) == self._shown:
-            return False
-        self.beginResetModel()
-        self._shown = tuple(texts)
-        self.endResetModel()
-        return True
-
-    def data(self, index: ModelIndex, role: int = 0) -> object:
-        """Return a cell's text, place, colour or tool tip."""
-        is_time = self._has_time and index.column() == 0
-        if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.ToolTipRole):
-            return self._shown[index.row()][index.column()]
-        if role == Qt.ItemDataRole.TextAlignmentRole and is_time:
-            return RIGHT
-        if role == Qt.ItemDataRole.ForegroundRole and is_time:
-            return QColor(colours().muted)
-        return None
 
 
 class ArgumentsDock(QWidget):

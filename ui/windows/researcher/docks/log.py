@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QTableView, QVBoxL
 
 from ui.windows.controls import CheckBox
 from ui.windows.look import colours
-from ui.windows.researcher.docks.table import NO_PARENT, RIGHT, ModelIndex, TableModel, row_table
+from ui.windows.tables import NO_PARENT, RIGHT, ModelIndex, TableModel, row_table
 
 MAX_ROWS = 20_000
 """Most rows that are kept; the oldest go first."""

@@ -8,7 +8,7 @@ from PySide6.QtGui import QColor, QFontMetrics, QIcon, QPainter, QPixmap, QResiz
 from PySide6.QtWidgets import QHeaderView, QTableView, QVBoxLayout, QWidget
 
 from ui.windows.look import colours, follow_text, font, px
-from ui.windows.researcher.docks.table import RIGHT, ModelIndex, TableModel, row_table
+from ui.windows.tables import RIGHT, ModelIndex, TableModel, row_table
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,8 +21,8 @@ from thbridge.hunt.costs import energy_text
 from thbridge.hunt.rooms import RoomNames
 from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
 from ui.windows.controls import CheckBox
+from ui.windows.flow import FlowLayout
 from ui.windows.look import follow_text, font
-from ui.windows.researcher.docks.flow import FlowLayout
 
 NO_NAMES = RoomNames()
 """Names of rooms where none is known."""

@@ -1,12 +1,12 @@
-"""Tables of the docks: the base of their models, and their views."""
+"""Tables of windows: the base of their models, and their views."""
 
 from collections.abc import Sequence
 
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersistentModelIndex, Qt
-from PySide6.QtGui import QFontMetrics
+from PySide6.QtGui import QColor, QFontMetrics
 from PySide6.QtWidgets import QHeaderView, QTableView
 
-from ui.windows.look import follow_text, font
+from ui.windows.look import colours, follow_text, font
 
 ModelIndex = QModelIndex | QPersistentModelIndex
 NO_PARENT = QModelIndex()
@@ -48,6 +48,55 @@ class TableModel(QAbstractTableModel):
     def _changed(self, first: int, last: int) -> None:
         """Have all cells of these rows drawn anew."""
         self.dataChanged.emit(self.index(first, 0), self.index(last, self._columns - 1))
+
+
+class TextModel(TableModel):
+    """Rows of texts, of which all may change at once."""
+
+    _shown: Sequence[tuple[str, ...]] = ()
+
+    def __init__(self, titles: Sequence[str], parent: QObject, *, has_time: bool = False) -> None:
+        super().__init__(titles, (), parent)
+        self._has_time = has_time
+
+    def show_rows(self, texts: Sequence[tuple[str, ...]]) -> bool:
+        """Show these rows; return False where they are shown already."""
+        if tuple(texts) == self._shown:
+            return False
+        self.beginResetModel()
+        self._shown = tuple(texts)
+        self.endResetModel()
+        return True
+
+    def data(self, index: ModelIndex, role: int = 0) -> object:
+        """Return a cell's text, place, colour or tool tip."""
+        is_time = self._has_time and index.column() == 0
+        if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.ToolTipRole):
+            return self._shown[index.row()][index.column()]
+        if role == Qt.ItemDataRole.TextAlignmentRole and is_time:
+            return RIGHT
+        if role == Qt.ItemDataRole.ForegroundRole and is_time:
+            return QColor(colours().muted)
+        return None
+
+
+class GrowingModel(TextModel):
+    """Rows of texts that come one by one, and of which some change: what is selected stays so."""
+
+    def show_rows(self, texts: Sequence[tuple[str, ...]]) -> bool:
+        """Show these rows; return False where they are shown already."""
+        before, now = self._shown, tuple(texts)
+        if len(now) < len(before):
+            return super().show_rows(now)
+        self._shown = now[: len(before)]
+        for number, (was, row) in enumerate(zip(before, now, strict=False)):
+            if was != row:
+                self._changed(number, number)
+        if len(now) > len(before):
+            self.beginInsertRows(NO_PARENT, len(before), len(now) - 1)
+            self._shown = now
+            self.endInsertRows()
+        return now != tuple(before)
 
 
 def row_table(

@@ -1,0 +1,180 @@
+"""Messages between the program that runs a study with people (host) and the researcher's window beside it (desk).
+
+The window is a process of its own, as the participant's is. One JSON object a line: the host's at the window's standard
+input, the desk's at its standard output. A `DeskState` is a level: it says all that is to be seen, the latest counts.
+"""
+
+import msgspec
+
+
+class DeskCell(msgspec.Struct, frozen=True):
+    """A combination of levels between people.
+
+    Attributes:
+        name: its levels in words.
+        planned: runs that are to count.
+        counted: runs that count.
+        under_way: runs that may yet count.
+    """
+
+    name: str
+    planned: int
+    counted: int
+    under_way: int
+
+
+class DeskRun(msgspec.Struct, frozen=True):
+    """A person's run.
+
+    Attributes:
+        participant: their id.
+        cell: the name of their cell.
+        order: their conditions in words, in their order.
+        state: how far the run is, as `RunState` has it.
+        reason: for being excluded, or for leaving.
+        step: number of the step that comes next or is under way, from 1; one beyond the last when all are done.
+        steps: number of steps.
+        step_name: its name; empty beyond the last.
+        step_kind: its kind; empty beyond the last.
+        under_way: True while it is.
+        since: date and time of day at which that began, or the run ended; ISO 8601 in UTC.
+        minutes: from the beginning of the run until now, or until its end.
+        missing: ids of the items of the form under way that must be answered and are not.
+    """
+
+    participant: str
+    cell: str
+    order: tuple[str, ...]
+    state: str
+    reason: str
+    step: int
+    steps: int
+    step_name: str
+    step_kind: str
+    under_way: bool
+    since: str
+    minutes: float
+    missing: tuple[str, ...] = ()
+
+
+class DeskEvent(msgspec.Struct, frozen=True):
+    """An event of the log in words; an answer itself is not among them.
+
+    Attributes:
+        sequence: its number in the log.
+        wall: date and time of day, ISO 8601 in UTC.
+        actor: who did it.
+        words: for people.
+    """
+
+    sequence: int
+    wall: str
+    actor: str
+    words: str
+
+
+class DeskNote(msgspec.Struct, frozen=True):
+    """A note of the experimenter.
+
+    Attributes:
+        wall: date and time of day, ISO 8601 in UTC.
+        participant: id of the person that it is about; empty: nobody's.
+        text: the note.
+    """
+
+    wall: str
+    participant: str
+    text: str
+
+
+class DeskState(msgspec.Struct, frozen=True, tag=True):
+    """Host: all that the desk shows.
+
+    Attributes:
+        title: of the study.
+        planned: runs that are to count.
+        counted: runs that count.
+        cells: by combinations of levels between people.
+        changed: what has changed since the study was frozen, in sentences; None: it is not frozen.
+        runs: in the order in which they began.
+        kiosk: what people see at the kiosk now, in words; empty: it is not known.
+        troubles: sentences about what somebody has to look at.
+        notes: the experimenter's, in their order.
+        shown: id of the person whose events are told; empty: nobody's.
+        events: of that person, in their order.
+        no_next: why nobody can begin now; empty: somebody can.
+        read_only: why nothing can be asked from here; empty: it can.
+    """
+
+    title: str
+    planned: int
+    counted: int
+    cells: tuple[DeskCell, ...] = ()
+    changed: tuple[str, ...] | None = None
+    runs: tuple[DeskRun, ...] = ()
+    kiosk: str = ""
+    troubles: tuple[str, ...] = ()
+    notes: tuple[DeskNote, ...] = ()
+    shown: str = ""
+    events: tuple[DeskEvent, ...] = ()
+    no_next: str = ""
+    read_only: str = ""
+
+
+class NextParticipant(msgspec.Struct, frozen=True, tag=True):
+    """Desk: let the next person begin at the kiosk."""
+
+
+class ShowRun(msgspec.Struct, frozen=True, tag=True):
+    """Desk: tell the events of this person."""
+
+    participant: str
+
+
+class WriteNote(msgspec.Struct, frozen=True, tag=True):
+    """Desk: take down a note, about a person unless `participant` is empty."""
+
+    text: str
+    participant: str = ""
+
+
+class ExcludeRun(msgspec.Struct, frozen=True, tag=True):
+    """Desk: this run does not count, for this reason."""
+
+    participant: str
+    reason: str
+
+
+class EndRun(msgspec.Struct, frozen=True, tag=True):
+    """Desk: this run ends where it is, for this reason."""
+
+    participant: str
+    reason: str
+
+
+class DeskClosed(msgspec.Struct, frozen=True, tag=True):
+    """Desk: the researcher closed it on purpose; the study goes on."""
+
+
+FromDesk = NextParticipant | ShowRun | WriteNote | ExcludeRun | EndRun | DeskClosed
+
+_state: msgspec.json.Decoder[DeskState] = msgspec.json.Decoder(DeskState)
+_from_desk: msgspec.json.Decoder[FromDesk] = msgspec.json.Decoder(FromDesk)
+
+
+def decode_state(text: bytes) -> DeskState:
+    """Return the message in a line of the host.
+
+    Raises:
+        msgspec.DecodeError: it is none.
+    """
+    return _state.decode(text)
+
+
+def decode_from_desk(text: bytes) -> FromDesk:
+    """Return the message in a line of the desk.
+
+    Raises:
+        msgspec.DecodeError: it is none.
+    """
+    return _from_desk.decode(text)

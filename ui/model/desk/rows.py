@@ -1,0 +1,98 @@
+"""Rows and sentences of the desk, as people read them."""
+
+from collections.abc import Iterator
+from datetime import datetime
+
+from ui.model.desk.messages import DeskEvent, DeskNote, DeskRun, DeskState
+
+CELLS = ("Between people", "Count", "Planned", "Under way")
+RUNS = ("Participant", "State", "Step", "Since", "Minutes", "Missing", "Between people", "Order")
+EVENTS = ("Time", "What", "By")
+NOTES = ("Time", "About", "Note")
+
+_STATES = {"complete": "counts"}
+
+
+def local_time(wall: str, form: str = "%d %b %H:%M") -> str:
+    """A time in ISO 8601 as the clock on the wall here shows it."""
+    return datetime.fromisoformat(wall).astimezone().strftime(form)
+
+
+def ordered_runs(state: DeskState) -> tuple[DeskRun, ...]:
+    """Runs in the order of the table: those under way, then the latest first."""
+    latest_first = state.runs[::-1]
+    return tuple(sorted(latest_first, key=lambda run: run.state != "under way"))
+
+
+def cell_rows(state: DeskState) -> Iterator[tuple[str, ...]]:
+    """Yield the rows of cells."""
+    for cell in state.cells:
+        yield cell.name, str(cell.counted), str(cell.planned), str(cell.under_way)
+
+
+def run_rows(state: DeskState) -> Iterator[tuple[str, ...]]:
+    """Yield the rows of runs."""
+    for run in ordered_runs(state):
+        yield (
+            run.participant,
+            _STATES.get(run.state, run.state),
+            f"{_numbered(run)}, {_step(run)}" if run.state == "under way" else run.reason,
+            local_time(run.since, "%H:%M"),
+            f"{run.minutes:.0f}",
+            str(len(run.missing)) if run.missing else "",
+            run.cell,
+            ", then ".join(run.order),
+        )
+
+
+def event_rows(events: tuple[DeskEvent, ...]) -> Iterator[tuple[str, ...]]:
+    """Yield the rows of events."""
+    for event in events:
+        yield local_time(event.wall, "%H:%M:%S"), event.words, event.actor
+
+
+def note_rows(notes: tuple[DeskNote, ...]) -> Iterator[tuple[str, ...]]:
+    """Yield the rows of notes."""
+    for note in notes:
+        yield local_time(note.wall), note.participant or "the study", note.text
+
+
+def count_words(state: DeskState) -> str:
+    """How many runs count, are missing and under way, in a sentence."""
+    under_way = sum(run.state == "under way" for run in state.runs)
+    missing = state.planned - state.counted
+    left = "none is missing" if missing <= 0 else f"{missing} missing"
+    return f"{state.counted} of {state.planned} runs count, {left}; {under_way} under way."
+
+
+def freeze_words(state: DeskState) -> str:
+    """A sentence about the freeze; what has changed since stands in it."""
+    if state.changed is None:
+        return "The study is not frozen."
+    if not state.changed:
+        return "Frozen, and as it was."
+    return f"Frozen, and changed since then: {'; '.join(state.changed)}."
+
+
+def run_words(run: DeskRun) -> str:
+    """A run in sentences."""
+    order = ", then ".join(run.order)
+    where = f"In {run.cell}; order: {order}." if run.cell != "everybody" else f"Order: {order}."
+    if run.state != "under way":
+        how = _STATES.get(run.state, run.state)
+        reason = f": {run.reason}" if run.reason else ""
+        return f"{run.participant}: {how}{reason}; {local_time(run.since)}, after {run.minutes:.0f} minutes. {where}"
+    missing = f" Not answered yet: {', '.join(run.missing)}." if run.missing else ""
+    at = f"{run.participant}: step {_numbered(run)}, {_step(run)}, since {local_time(run.since)}"
+    return f"{at}; {run.minutes:.0f} minutes so far.{missing} {where}"
+
+
+def _numbered(run: DeskRun) -> str:
+    return f"{min(run.step, run.steps)} of {run.steps}"
+
+
+def _step(run: DeskRun) -> str:
+    if not run.step_name:
+        return "the end"
+    kind = f" ({run.step_kind})" if not run.step_name.startswith(run.step_kind) else ""
+    return run.step_name + kind if run.under_way else f"before {run.step_name}{kind}"

@@ -1,0 +1,175 @@
+"""The desk's view of a study with people, made of its design and log, and of what the program that runs it tells."""
+
+from collections import Counter, defaultdict
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+
+from thbridge.experiment.allocation.places import NoPlace
+from thbridge.experiment.design.experiment_file import ExperimentDesign
+from thbridge.experiment.progress import EventKind, Progress, Run, RunState
+from thbridge.experiment.store.events import LogEntry, LoggedEvent, NewEvent
+from ui.model.desk.messages import DeskCell, DeskEvent, DeskNote, DeskRun, DeskState
+
+NO_PLACE = {
+    NoPlace.FULL: "All runs that count are there.",
+    NoPlace.TAKEN: "All places are taken. One opens again when a run under way ends without counting.",
+}
+_BEGINNINGS = frozenset({EventKind.STEP_BEGUN, EventKind.STEP_RESUMED})
+_BUT_NOTES = frozenset(EventKind) - {EventKind.NOTE}
+_BY_ITSELF = _BUT_NOTES - {EventKind.RUN_EXCLUDED}
+"""Kinds of events that end a run at their time; it may be excluded weeks later."""
+
+
+@dataclass(frozen=True, slots=True)
+class ToldToDesk:
+    """All that a desk is told beside design and log.
+
+    Attributes:
+        now: date and time of day, ISO 8601 in UTC.
+        changed: what has changed since the study was frozen; None: it is not frozen.
+        kiosk: what people see at the kiosk now, in words.
+        troubles: sentences about what somebody has to look at.
+        shown: id of the person whose events are wanted.
+        read_only: why nothing can be asked from the desk; empty: it can.
+    """
+
+    now: str
+    changed: tuple[str, ...] | None = None
+    kiosk: str = ""
+    troubles: tuple[str, ...] = ()
+    shown: str = ""
+    read_only: str = ""
+
+
+def desk_state(
+    design: ExperimentDesign, progress: Progress, entries: Sequence[LogEntry], told: ToldToDesk
+) -> DeskState:
+    """Return all that the desk shows.
+
+    Args:
+        design: the study.
+        progress: where everybody is after these entries.
+        entries: the whole log.
+        told: what else there is to say.
+    """
+    own: defaultdict[str, list[LoggedEvent]] = defaultdict(list)
+    notes = []
+    for entry in entries:
+        if isinstance(entry, LoggedEvent):
+            event = entry.event
+            own[event.participant].append(entry)
+            if event.kind == EventKind.NOTE:
+                notes.append(DeskNote(event.clocks.wall, event.participant, str((event.data or {}).get("text", ""))))
+    runs = list(progress.runs.values())
+    place = progress.next_place()
+    shown = told.shown if told.shown in progress.runs else ""
+    return DeskState(
+        title=design.file.title,
+        planned=design.allocation.size,
+        counted=len(progress.valid),
+        cells=_cells(design, runs),
+        changed=told.changed,
+        runs=tuple(_run(design, run, own[run.participant], told.now) for run in runs),
+        kiosk=told.kiosk,
+        troubles=told.troubles,
+        notes=tuple(notes),
+        shown=shown,
+        events=tuple(_told_event(progress, entry) for entry in own[shown]) if shown else (),
+        no_next=NO_PLACE[place] if isinstance(place, NoPlace) else "",
+        read_only=told.read_only,
+    )
+
+
+def _cells(design: ExperimentDesign, runs: Iterable[Run]) -> tuple[DeskCell, ...]:
+    counts = Counter((run.place.cell, run.state) for run in runs)
+    return tuple(
+        DeskCell(
+            cell.name or "everybody",
+            design.file.quota,
+            counts[index, RunState.COMPLETE],
+            counts[index, RunState.UNDER_WAY],
+        )
+        for index, cell in enumerate(design.cells)
+    )
+
+
+def _run(design: ExperimentDesign, run: Run, events: Sequence[LoggedEvent], now: str) -> DeskRun:
+    over = run.state is not RunState.UNDER_WAY
+    step = run.plan[run.step - 1] if run.step <= len(run.plan) else None
+    missing: tuple[str, ...] = ()
+    if run.under_way and not over and step is not None and step.entry.form:
+        asked = design.forms[step.index].items
+        missing = tuple(item.id for item in asked if item.required and item.id not in run.given)
+    begun = events[0].event.clocks.wall
+    until = _last(events, _BY_ITSELF) if over else now
+    return DeskRun(
+        participant=run.participant,
+        cell=design.cells[run.place.cell].name or "everybody",
+        order=tuple(
+            ", ".join(design.conditions[condition].levels.values()) or "the one condition"
+            for condition in design.orders[run.place.order]
+        ),
+        state=str(run.state),
+        reason=run.reason,
+        step=run.step,
+        steps=len(run.plan),
+        step_name="" if step is None else step.name,
+        step_kind="" if step is None else str(step.entry.step),
+        under_way=run.under_way and not over,
+        since=_last(events, _BEGINNINGS if run.under_way and not over else _BUT_NOTES),
+        minutes=_minutes(begun, until),
+        missing=missing,
+    )
+
+
+def _last(events: Sequence[LoggedEvent], kinds: Collection[str]) -> str:
+    """The time of the last event of these kinds, or of the first of all."""
+    return next((e.event.clocks.wall for e in reversed(events) if e.event.kind in kinds), events[0].event.clocks.wall)
+
+
+def _minutes(begin: str, end: str) -> float:
+    """Minutes between two times of day; 0 where the clock was put back meanwhile."""
+    seconds = (datetime.fromisoformat(end) - datetime.fromisoformat(begin)).total_seconds()
+    return max(seconds, 0.0) / 60.0
+
+
+def _told_event(progress: Progress, entry: LoggedEvent) -> DeskEvent:
+    event = entry.event
+    return DeskEvent(entry.sequence, event.clocks.wall, event.actor, _words(progress, event))
+
+
+def _words(progress: Progress, event: NewEvent) -> str:
+    """An event in words; of an answer only that it was given."""
+    data = event.data or {}
+    plan = progress.runs[event.participant].plan
+    step = f"step {event.step}, {plan[event.step - 1].name}" if 0 < event.step <= len(plan) else ""
+    item = f"{step}: {data.get('item', '')}"
+    match event.kind:
+        case EventKind.RUN_BEGUN:
+            return "the run begins"
+        case EventKind.STEP_BEGUN:
+            return f"{step}, begins" + (f" ({event.condition})" if event.condition else "")
+        case EventKind.STEP_RESUMED:
+            return f"{step}, goes on after a crash, from: {data.get('from', '')}"
+        case EventKind.ITEM_SHOWN:
+            return f"{item} is shown"
+        case EventKind.ITEM_TOUCHED:
+            return f"{item} is touched"
+        case EventKind.ITEM_CHANGED:
+            return f"{item} is changed"
+        case EventKind.ITEM_GIVEN:
+            return f"{item} is answered"
+        case EventKind.GAME_PLAYED:
+            return f"{step}: the game is recorded"
+        case EventKind.STEP_ENDED:
+            return f"{step}, ends: {data.get('outcome', '')}"
+        case EventKind.RUN_ENDED:
+            why = data.get("reason") or (f"code {data['code']}" if data.get("code") else "")
+            return f"the run ends: {data.get('outcome', '')}" + (f", {why}" if why else "")
+        case EventKind.RUN_EXCLUDED:
+            return f"the run does not count: {data.get('reason', '')}"
+        case EventKind.NOTE:
+            return f"note: {data.get('text', '')}"
+        case kind:
+            return f"{step}: {kind.replace('-', ' ')}".removeprefix(": ")

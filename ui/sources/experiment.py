@@ -1,0 +1,66 @@
+"""A study with people, read from its folder as it goes on."""
+
+from collections.abc import Callable
+
+from thbridge.app.compose.machine import versions
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.freeze import deviations
+from thbridge.experiment.progress import BadHistory, Progress
+from thbridge.experiment.store.event_log import LogFollower
+from thbridge.experiment.store.events import Tombstone
+from thbridge.files.errors import BadFile
+from ui.model.desk.messages import DeskState
+from ui.model.desk.state import ToldToDesk, desk_state
+
+
+class ExperimentSource:
+    """Follows a study's log, and tells the desk's view of it.
+
+    Args:
+        folder: of the study.
+        now: the date and time of day, ISO 8601 in UTC.
+
+    Raises:
+        BadFile: its design cannot be read.
+    """
+
+    def __init__(self, folder: ExperimentFolder, now: Callable[[], str]) -> None:
+        self._folder = folder
+        self._now = now
+        self._design = folder.read()
+        self._follower = LogFollower(folder.log)
+        self._progress = Progress(self._design)
+        self._trouble = ""
+        self._changed: tuple[str, ...] | None = None
+        self._look_at_freeze()
+
+    def poll(self) -> bool:
+        """Read what is new in the log; return False where nothing is."""
+        known = len(self._follower.entries)
+        try:
+            if not self._follower.poll():
+                return False
+            entries = self._follower.entries
+            gone = any(isinstance(entry, Tombstone) for entry in entries)
+            grown = self._progress.sequence == known <= len(entries) and not gone and not self._trouble
+            people = len(self._progress.runs)
+            self._progress = self._progress.after(entries[known:]) if grown else Progress(self._design).after(entries)
+            self._trouble = ""
+            if people != len(self._progress.runs):
+                self._look_at_freeze()
+        except BadFile as fault:
+            self._trouble = str(fault)
+        except BadHistory as fault:
+            remedy = "Bring back the experiment.yaml with which it was run, and open this again"
+            self._trouble = f"{self._folder.log}: {fault}. {remedy}"
+        return True
+
+    def state(self, shown: str, kiosk: str = "", troubles: tuple[str, ...] = (), read_only: str = "") -> DeskState:
+        """Return the desk's view; its arguments are told as `ToldToDesk` has them."""
+        troubles = (self._trouble, *troubles) if self._trouble else troubles
+        told = ToldToDesk(self._now(), self._changed, kiosk, troubles, shown, read_only)
+        return desk_state(self._design, self._progress, self._follower.entries[: self._progress.sequence], told)
+
+    def _look_at_freeze(self) -> None:
+        """See whether all is as it was frozen; this reads all that was planned."""
+        self._changed = deviations(self._folder, versions())

@@ -1,0 +1,1 @@
+"""The researcher's window beside a study with people."""

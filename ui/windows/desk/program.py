@@ -1,0 +1,135 @@
+"""The desk as a program: hosted by the program that runs the study, or watching a study's folder by itself."""
+
+import sys
+import threading
+from collections import deque
+
+import msgspec
+from PySide6.QtCore import QEvent, QObject
+
+from ui.model.desk.messages import DeskState, FromDesk, ShowRun, decode_state
+from ui.sources.experiment import ExperimentSource
+from ui.windows.application import application
+from ui.windows.desk.window import DeskWindow
+from ui.windows.editing.background import BackgroundWorker
+from ui.windows.look import Appearance, Choice, TextSize, user_settings
+
+FRAME = 30
+"""Milliseconds between two looks at what the host has said."""
+POLL = 1000
+"""Milliseconds between two looks at a log."""
+RENEWED = 20
+"""So many looks at a log without anything new, and minutes are counted anew."""
+READ_ONLY = (
+    "Nothing can be asked from here: this window only watches the log. The window that `thbridge study run` opens has "
+    "its buttons."
+)
+CLOSING = (
+    "Close the desk? The study goes on at the kiosk, but nobody can be let in, ended or excluded from here any more. "
+    "`thbridge study watch` shows it again, without its buttons."
+)
+
+
+class DeskPipe(QObject):
+    """The connection by standard input and output to the program that runs the study."""
+
+    def __init__(self, desk: DeskWindow) -> None:
+        super().__init__(desk)
+        self._desk = desk
+        self._received: deque[DeskState | None] = deque()
+        desk.asked.connect(self.send)
+        threading.Thread(target=self._listen, name="host", daemon=True).start()
+        self.startTimer(FRAME)
+
+    @staticmethod
+    def send(message: FromDesk) -> None:
+        """Send a message; when the host is gone, nobody needs it any more."""
+        try:
+            sys.stdout.buffer.write(msgspec.json.encode(message) + b"\n")
+            sys.stdout.buffer.flush()
+        except OSError:
+            pass
+
+    def timerEvent(self, _event: QEvent) -> None:
+        """Show the latest state."""
+        latest = None
+        while self._received:
+            latest = self._received.popleft()
+            if latest is None:
+                self._desk.leave()
+                return
+        if latest is not None:
+            self._desk.show_state(latest)
+
+    def _listen(self) -> None:
+        for text in sys.stdin.buffer:
+            try:
+                self._received.append(decode_state(text))
+            except msgspec.DecodeError:
+                continue
+        self._received.append(None)
+
+
+class LogWatch(QObject):
+    """Shows a study's log at the desk as it grows; another thread reads it."""
+
+    def __init__(self, desk: DeskWindow, source: ExperimentSource) -> None:
+        super().__init__(desk)
+        self._source = source
+        self._shown = ""
+        self._idle = RENEWED
+        self._work = BackgroundWorker(self, "log")
+        self._work.done.connect(lambda state: None if state is None else desk.show_state(state))
+        desk.asked.connect(self._ask)
+        self.startTimer(POLL)
+        self._look()
+
+    def close(self) -> None:
+        """Finish the current work."""
+        self._work.close()
+
+    def timerEvent(self, _event: QEvent) -> None:
+        """Look at the log."""
+        if not self._work.busy:
+            self._look()
+
+    def _ask(self, message: FromDesk) -> None:
+        if isinstance(message, ShowRun):
+            self._shown = message.participant
+            self._idle = RENEWED
+            self._look()
+
+    def _look(self) -> None:
+        shown = self._shown
+        self._work.ask(lambda: self._read(shown))
+
+    def _read(self, shown: str) -> DeskState | None:
+        self._idle = RENEWED if self._source.poll() else self._idle + 1
+        if self._idle < RENEWED:
+            return None
+        self._idle = 0
+        return self._source.state(shown, read_only=READ_ONLY)
+
+
+def show_hosted(choice: Choice) -> int:
+    """Open the desk for the host at standard input and output; returns when it is closed."""
+    app = application()
+    _appearance, text_size = Appearance(app, choice), TextSize(app, user_settings())
+    desk = DeskWindow(CLOSING)
+    text_size.add_keys(desk)
+    DeskPipe(desk)
+    desk.show()
+    return app.exec()
+
+
+def show_folder(source: ExperimentSource, choice: Choice) -> int:
+    """Open the desk on a study's folder, to watch only; returns when it is closed."""
+    app = application()
+    _appearance, text_size = Appearance(app, choice), TextSize(app, user_settings())
+    desk = DeskWindow()
+    text_size.add_keys(desk)
+    watch = LogWatch(desk, source)
+    desk.show()
+    code = app.exec()
+    watch.close()
+    return code

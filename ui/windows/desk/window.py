@@ -1,0 +1,369 @@
+"""The window of the desk: cells, runs, events of the run selected, notes, and what can be asked of the host."""
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+from PySide6.QtCore import QModelIndex, QSize, Qt, Signal
+from PySide6.QtGui import (
+    QAccessible,
+    QAccessibleAnnouncementEvent,
+    QCloseEvent,
+    QFontMetrics,
+    QKeySequence,
+    QShortcut,
+)
+from PySide6.QtWidgets import (
+    QLineEdit,
+    QMainWindow,
+    QMessageBox,
+    QPushButton,
+    QScrollArea,
+    QSizePolicy,
+    QSplitter,
+    QTableView,
+    QVBoxLayout,
+    QWidget,
+)
+
+from ui.model.desk.messages import (
+    DeskClosed,
+    DeskRun,
+    DeskState,
+    EndRun,
+    ExcludeRun,
+    FromDesk,
+    NextParticipant,
+    ShowRun,
+    WriteNote,
+)
+from ui.model.desk.rows import (
+    CELLS,
+    EVENTS,
+    NOTES,
+    RUNS,
+    cell_rows,
+    count_words,
+    event_rows,
+    freeze_words,
+    note_rows,
+    ordered_runs,
+    run_rows,
+    run_words,
+)
+from ui.windows.controls import CheckBox
+from ui.windows.desk.questions import ReasonBox
+from ui.windows.flow import FlowLayout
+from ui.windows.key_sheet import KeyLines, KeySheet
+from ui.windows.look import GAP, follow_text, font, label, open_within_screen, px, spaced, style_as_panel
+from ui.windows.tables import GrowingModel, row_table
+
+KEYS: tuple[tuple[str, KeyLines], ...] = (
+    (
+        "Runs",
+        (
+            ("Ctrl+N", "let the next participant begin; asks first"),
+            ("Ctrl+E", "end the run selected; asks for the reason"),
+            ("Ctrl+D", "exclude the run selected, so that it does not count; asks for the reason"),
+        ),
+    ),
+    (
+        "Window",
+        (
+            ("F6", "to the next part of the window; with Shift the one before"),
+            ("Ctrl +, Ctrl -", "larger text, smaller text; Ctrl 0: the usual size"),
+            ("F1", "this sheet"),
+        ),
+    ),
+    ("Notes", (("Ctrl+M", "write a note; Enter takes it down in the log"),)),
+)
+_WANTED = QSize(1280, 860)
+_NO_RUN = "Select a run in the table first."
+_OVER = "This run is over."
+_EXCLUDED = "This run is excluded already."
+
+
+class DeskWindow(QMainWindow):
+    """A study with people as its experimenter sees it; whatever is final is asked first.
+
+    Args:
+        closing: the question when it is closed; empty: it closes at once.
+
+    Attributes:
+        state: what is shown; None before the first.
+        asked: something is wanted of the host, a `FromDesk`.
+    """
+
+    asked = Signal(object)
+
+    def __init__(self, closing: str = "") -> None:
+        super().__init__()
+        self.setWindowTitle("thbridge study")
+        open_within_screen(self, _WANTED)
+        self._closing = closing
+        self._chosen = ""
+        self._runs: tuple[DeskRun, ...] = ()
+        self.state: DeskState | None = None
+        self._title = label("Reading the study ...", "title", bold=True)
+        self._counts, self._frozen, self._kiosk = label(), label("", "small"), label()
+        self._why = label("", "small", muted=True)
+        self.troubles = label("", bold=True)
+        self.troubles.setAccessibleName("Troubles")
+        style_as_panel(self.troubles)
+        self.troubles.setProperty("bad", True)
+        self.troubles.setMargin(GAP)
+        self.troubles.hide()
+        single = QTableView.SelectionMode.SingleSelection
+        self.cell_model, self.run_model = GrowingModel(CELLS, self), GrowingModel(RUNS, self)
+        self.event_model = GrowingModel(EVENTS, self, has_time=True)
+        self.note_model = GrowingModel(NOTES, self, has_time=True)
+        self.cells = row_table("Cells and quotas", self.cell_model, single, 1, (26, 7, 8, 10))
+        self.runs = row_table("Runs", self.run_model, single, 1, (11, 10, 30, 7, 8, 8, 26, 40))
+        self.events = row_table("Events of the run selected", self.event_model, single, 1, (9, 44, 11))
+        self.notes = row_table("Notes", self.note_model, single, 1, (13, 11, 50))
+        for table in (self.cells, self.runs, self.events, self.notes):
+            table.horizontalHeader().setStretchLastSection(True)
+        self.runs.selectionModel().currentRowChanged.connect(self._row_chosen)
+        self.details = label("No run is selected.")
+        self.details.setAccessibleName("The run selected")
+        self.note = QLineEdit(placeholderText="A note for the log; Enter takes it down")
+        self.note.setAccessibleName("Note")
+        self.note.returnPressed.connect(self._write_note)
+        self.about = CheckBox("about the run selected")
+        self.next = self._button("Next participant ...", "Ctrl+N", self._ask_next)
+        self.end = self._button("End run ...", "Ctrl+E", self._ask_end)
+        self.exclude = self._button("Exclude run ...", "Ctrl+D", self._ask_exclude)
+        self.take_down = QPushButton("Take down")
+        self.take_down.clicked.connect(self._write_note)
+        self._keys = self._button("Keys", "F1", lambda: KeySheet(self, KEYS).open())
+        self._lay_out()
+        for key, do in (
+            ("Ctrl+M", self.note.setFocus),
+            ("F6", lambda: self._next_part(1)),
+            ("Shift+F6", lambda: self._next_part(-1)),
+        ):
+            QShortcut(QKeySequence(key), self).activated.connect(do)
+        self._show_buttons()
+
+    # What is shown
+
+    def show_state(self, state: DeskState) -> None:
+        """Show this; what is selected and typed stays."""
+        before, self.state = self.state, state
+        self.setWindowTitle(f"{state.title} - thbridge study")
+        self._title.setText(state.title)
+        self._counts.setText(count_words(state))
+        self._frozen.setText(freeze_words(state))
+        _mark(self._frozen, bad=bool(state.changed))
+        self._kiosk.setText(f"At the kiosk: {state.kiosk}")
+        self._kiosk.setVisible(bool(state.kiosk))
+        self._show_troubles(state.troubles, () if before is None else before.troubles)
+        self.cell_model.show_rows(list(cell_rows(state)))
+        self._show_runs(state)
+        self._fit_cells()
+        if self.note_model.show_rows(list(note_rows(state.notes))):
+            self.notes.scrollToBottom()
+        self._show_run()
+        self._show_buttons()
+
+    def _show_runs(self, state: DeskState) -> None:
+        """Show the runs; the one selected stays so, wherever it goes, and at first it is the topmost."""
+        self._runs = ordered_runs(state)
+        self.run_model.show_rows(list(run_rows(state)))
+        self.runs.selectRow(max(self._row(self._chosen), 0))
+        self._row_chosen(self.runs.currentIndex())
+
+    def run(self) -> DeskRun | None:
+        """Return the run selected."""
+        return next((run for run in self._runs if run.participant == self._chosen), None)
+
+    def select(self, participant: str) -> None:
+        """Select a run."""
+        self.runs.selectRow(self._row(participant))
+
+    def _row(self, participant: str) -> int:
+        return next((row for row, run in enumerate(self._runs) if run.participant == participant), -1)
+
+    def _row_chosen(self, now: QModelIndex) -> None:
+        if not 0 <= now.row() < len(self._runs):
+            return
+        chosen = self._runs[now.row()].participant
+        if chosen != self._chosen:
+            self._chosen = chosen
+            self.asked.emit(ShowRun(chosen))
+            self._show_run()
+            self._show_buttons()
+
+    def _show_run(self) -> None:
+        run, state = self.run(), self.state
+        self.details.setText("No run is selected." if run is None else run_words(run))
+        known = state is not None and run is not None and state.shown == run.participant
+        if self.event_model.show_rows(list(event_rows(state.events)) if state is not None and known else []):
+            self.events.scrollToBottom()
+
+    def _show_troubles(self, troubles: Sequence[str], before: Sequence[str]) -> None:
+        self.troubles.setText("\n".join(f"⚠ {trouble}" for trouble in troubles))
+        self.troubles.setVisible(bool(troubles))
+        for trouble in troubles:
+            if trouble not in before:
+                QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, trouble))
+
+    def _show_buttons(self) -> None:
+        state, run = self.state, self.run()
+        off = "Nothing is known of the study yet." if state is None else state.read_only
+        no_next = off or ("" if state is None else state.no_next)
+        no_run = off or (_NO_RUN if run is None else "")
+        _allow(self.next, no_next, "Let the next person begin at the kiosk; asks first")
+        _allow(self.end, no_run or ("" if run and run.state == "under way" else _OVER), "End it where it is")
+        _allow(
+            self.exclude, no_run or ("" if run and run.state != "excluded" else _EXCLUDED), "It does not count any more"
+        )
+        _allow(self.take_down, off, "Take the note down in the log")
+        self.note.setEnabled(not off)
+        self.note.setToolTip(off)
+        self.about.setEnabled(not no_run)
+        self.about.setToolTip(no_run)
+        self.about.setText(f"about {run.participant}" if run is not None else "about the run selected")
+        self._why.setText(no_next)
+        self._why.setVisible(bool(no_next))
+
+    # What is asked
+
+    def _ask_next(self) -> None:
+        now = "" if self.state is None or not self.state.kiosk else f" The kiosk now: {self.state.kiosk}."
+        words = f"Let the next participant begin at the kiosk? They take the next open place.{now}"
+        box = QMessageBox(QMessageBox.Icon.Question, self.windowTitle(), words, parent=self)
+        self._do_if(box, "Begin", NextParticipant())
+
+    def _ask_end(self) -> None:
+        if (run := self.run()) is not None:
+            words = f"End the run of {run.participant}? It does not go on, does not count, and its place opens again."
+            box = ReasonBox(self, "End a run", words, f"End {run.participant}")
+            if box.exec():
+                self.asked.emit(EndRun(run.participant, box.reason.text().strip()))
+
+    def _ask_exclude(self) -> None:
+        if (run := self.run()) is not None:
+            words = (
+                f"Exclude the run of {run.participant}? What was recorded stays, but it does not count any more, and "
+                "its place opens again. This cannot be taken back."
+            )
+            box = ReasonBox(self, "Exclude a run", words, f"Exclude {run.participant}")
+            if box.exec():
+                self.asked.emit(ExcludeRun(run.participant, box.reason.text().strip()))
+
+    def _do_if(self, box: QMessageBox, yes: str, message: FromDesk) -> None:
+        box.setObjectName("question")
+        agree = box.addButton(yes, QMessageBox.ButtonRole.AcceptRole)
+        box.setDefaultButton(box.addButton(QMessageBox.StandardButton.Cancel))
+        box.exec()
+        if box.clickedButton() is agree:
+            self.asked.emit(message)
+
+    def _write_note(self) -> None:
+        text, run = self.note.text().strip(), self.run()
+        if text and self.take_down.isEnabled():
+            about = run.participant if run is not None and self.about.isChecked() else ""
+            self.asked.emit(WriteNote(text, about))
+            self.note.clear()
+
+    def leave(self) -> None:
+        """Close without asking."""
+        self._closing = ""
+        self.close()
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Ask first where that is wanted, and tell the host."""
+        if self._closing:
+            box = QMessageBox(QMessageBox.Icon.Question, self.windowTitle(), self._closing, parent=self)
+            box.setObjectName("question")
+            agree = box.addButton("Close", QMessageBox.ButtonRole.AcceptRole)
+            box.setDefaultButton(box.addButton(QMessageBox.StandardButton.Cancel))
+            box.exec()
+            if box.clickedButton() is not agree:
+                event.ignore()
+                return
+            self.asked.emit(DeskClosed())
+        super().closeEvent(event)
+
+    # Layout
+
+    def _button(self, words: str, key: str, do: Callable[[], object]) -> QPushButton:
+        button = QPushButton(f"{words} ({key})")
+        button.clicked.connect(do)
+        QShortcut(QKeySequence(key), self).activated.connect(button.click)
+        return button
+
+    def _lay_out(self) -> None:
+        buttons = FlowLayout()
+        buttons.setSpacing(GAP)
+        for button in (self.next, self.end, self.exclude, self._keys):
+            buttons.addWidget(button)
+        left, right = QWidget(), QWidget()
+        column = spaced(QVBoxLayout(left), GAP, 0)
+        column.addWidget(self.cells)
+        column.addWidget(self.runs, 1)
+        column = spaced(QVBoxLayout(right), GAP, 0)
+        column.addWidget(self.details)
+        column.addWidget(self.events, 2)
+        column.addWidget(self.notes, 1)
+        writing = FlowLayout()
+        writing.setSpacing(GAP)
+        for part in (self.note, self.about, self.take_down):
+            writing.addWidget(part)
+        column.addLayout(writing)
+        body = QSplitter(Qt.Orientation.Horizontal)
+        body.setChildrenCollapsible(False)
+        body.addWidget(left)
+        body.addWidget(right)
+        body.setSizes([560, 440])
+        # As high as there is room for, not as its tables would like to be.
+        body.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Ignored)
+        for table in (self.runs, self.events, self.notes):
+            follow_text(table, lambda it: it.setMinimumSize(px(200), px(96)))
+        inside, area = QWidget(), QScrollArea(widgetResizable=True)
+        head = spaced(QVBoxLayout(), GAP // 2)
+        for words in (self._title, self._counts, self._frozen, self._kiosk, self.troubles):
+            head.addWidget(words)
+        column = spaced(QVBoxLayout(inside), GAP, 2 * GAP, GAP, 2 * GAP, GAP)
+        column.addLayout(head)
+        column.addLayout(buttons)
+        column.addWidget(self._why)
+        column.addWidget(body, 1)
+        area.setWidget(inside)
+        area.setAccessibleName("The study")
+        area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setCentralWidget(area)
+        self._parts = (self.next, self.cells, self.runs, self.events, self.notes, self.note)
+        order = (self.next, self.end, self.exclude, self._keys, self.cells, self.runs, self.events, self.notes)
+        for before, after in pairwise((*order, self.note, self.about, self.take_down)):
+            self.setTabOrder(before, after)
+        self.runs.setFocus()
+
+    def _fit_cells(self) -> None:
+        """Give the table of cells the height of its rows, or of six of them."""
+        self.cells.setFixedHeight(
+            self.cells.horizontalHeader().height()
+            + min(self.cell_model.rowCount(), 6) * self.cells.verticalHeader().defaultSectionSize()
+            + 2 * self.cells.frameWidth()
+            + QFontMetrics(font()).height() // 2
+        )
+
+    def _next_part(self, step: int) -> None:
+        parts = [part for part in self._parts if part.isEnabled()]
+        focus = self.focusWidget()
+        at = parts.index(focus) if focus in parts else -1
+        parts[(at + step) % len(parts)].setFocus(Qt.FocusReason.ShortcutFocusReason)
+
+
+def _allow(button: QPushButton, why_not: str, hint: str) -> None:
+    """Enable a button, or let it say why it is off."""
+    button.setEnabled(not why_not)
+    button.setToolTip(why_not or hint)
+    button.setAccessibleDescription(why_not or hint)
+
+
+def _mark(words: QWidget, *, bad: bool) -> None:
+    """Set words in the colour of trouble, or in the usual one."""
+    words.setProperty("bad", bad)
+    words.style().unpolish(words)
+    words.style().polish(words)
