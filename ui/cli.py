@@ -29,6 +29,7 @@ from ui.commands.study.experiment import (
     study_new,
     study_rehearse,
     study_status,
+    study_watch,
     study_withdraw,
 )
 from ui.commands.study.study import study_app
@@ -76,6 +77,7 @@ study_app.command("edit")(study_edit)
 study_app.command("new")(study_new)
 study_app.command("rehearse")(study_rehearse)
 study_app.command("status")(study_status)
+study_app.command("watch")(study_watch)
 study_app.command("freeze")(study_freeze)
 study_app.command("export")(study_export)
 study_app.command("withdraw")(study_withdraw)

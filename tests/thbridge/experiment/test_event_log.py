@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.experiment.store.event_log import WITHDRAWN, ExperimentLog, read_log
+from thbridge.experiment.store.event_log import WITHDRAWN, ExperimentLog, LogFollower, read_log
 from thbridge.experiment.store.events import Clocks, LoggedEvent, NewEvent, Tombstone
 from thbridge.files.errors import BadFile
 
@@ -165,3 +165,40 @@ def test_a_file_that_is_no_log_is_refused(tmp_path: Path) -> None:
         read_log(tmp_path / "notes")
     with pytest.raises(BadFile):
         read_log(tmp_path / "nothing")
+
+
+def test_a_follower_has_what_is_read_anew_after_each_append_and_deletion(tmp_path: Path) -> None:
+    follower = LogFollower(tmp_path / "log")
+    assert not follower.poll(), "there is no log yet"
+    with ExperimentLog(tmp_path / "log") as log:
+        for number in range(6):
+            log.append([answer("P-AAAA", f"zebra {number}"), answer("P-BBBB", f"okapi {number}")])
+            if number == 3:
+                log.delete([2, 5], NOON)
+            assert follower.poll()
+            assert follower.entries == read_log(log.path)
+            assert not follower.poll(), "nothing is new"
+
+
+def test_a_follower_verifies_only_what_is_new(log: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    follower = LogFollower(log)
+    follower.poll()
+    with ExperimentLog(log) as again:
+        again.append([answer("P-AAAA", "later")])
+        monkeypatch.setattr("thbridge.experiment.store.event_log.read_log", lambda _: pytest.fail("all of it is read"))
+        assert follower.poll()
+    assert follower.entries[-1] == LoggedEvent(7, answer("P-AAAA", "later"))
+
+
+def test_a_follower_tells_of_damage_once(log: Path) -> None:
+    follower = LogFollower(log)
+    follower.poll()
+    known = follower.entries
+    with ExperimentLog(log) as again:
+        again.append([answer("P-AAAA", "later")])
+    with sqlite3.connect(log) as database:
+        database.execute("UPDATE events SET content = replace(content, 'later', 'never') WHERE sequence = 7")
+    with pytest.raises(BadFile, match="event 7 is not what was written"):
+        follower.poll()
+    assert not follower.poll()
+    assert follower.entries == known

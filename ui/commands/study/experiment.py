@@ -1,4 +1,4 @@
-"""Commands for studies with people: `thbridge study new`, `status`, `freeze`, `export`, `withdraw`, `rehearse`."""
+"""Commands for studies with people: `thbridge study new`, `status`, `watch`, `freeze`, `export`, `withdraw`, ..."""
 
 import secrets
 import shutil
@@ -8,7 +8,9 @@ from typing import Annotated
 
 import typer
 
-from ui.options import AsJson
+from thbridge.timing.wall_clock import utc_now
+from ui.display import why_no_window
+from ui.options import AsJson, ColourScheme, LookOption
 from ui.terminal import BAD_INPUT, bad_input, command, fail, note, print_json, say
 
 FolderOfExperiment = Annotated[Path, typer.Argument(help="The folder of an experiment.", metavar="FOLDER")]
@@ -59,12 +61,35 @@ def study_status(folder: FolderOfExperiment, as_json: AsJson = False) -> None:
         say("Frozen, and as it was." if not changed else f"Frozen; since then {'; '.join(changed)}.")
 
 
+def study_watch(
+    folder: FolderOfExperiment,
+    look: LookOption = ColourScheme.SYSTEM,
+    hosted: Annotated[bool, typer.Option("--hosted", hidden=True)] = False,
+) -> None:
+    """Watch a study under way in a window: who is where, what is missing, events and notes. Nothing is changed."""
+    from thbridge.experiment.folder import ExperimentFolder
+
+    if not hosted:
+        from ui.sources.experiment import ExperimentSource
+
+        with bad_input():
+            source = ExperimentSource(ExperimentFolder(folder), utc_now)
+        reason = why_no_window()
+        if reason is not None:
+            fail(BAD_INPUT, f"{reason} Or see `{command('study', 'status', folder)}`.")
+        from ui.windows.desk.program import show_folder
+
+        raise typer.Exit(show_folder(source, look.value))
+    from ui.windows.desk.program import show_hosted
+
+    raise typer.Exit(show_hosted(look.value))
+
+
 def study_freeze(folder: FolderOfExperiment) -> None:
     """Write the fingerprint of the experiment, for a preregistration; exports tell whether it still holds."""
     from thbridge.app.compose.machine import versions
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.freeze import freeze
-    from thbridge.timing.wall_clock import utc_now
 
     with bad_input():
         place = ExperimentFolder(folder)
@@ -102,7 +127,6 @@ def study_withdraw(
     from thbridge.experiment.folder import ExperimentFolder
     from thbridge.experiment.store.event_log import ExperimentLog, read_log
     from thbridge.experiment.store.events import Clocks
-    from thbridge.timing.wall_clock import utc_now
 
     with bad_input():
         place = ExperimentFolder(folder)
@@ -135,7 +159,6 @@ def study_rehearse(
     from thbridge.experiment.rehearsal import Rehearsal, Rehearsed
     from thbridge.experiment.store.event_log import ExperimentLog
     from thbridge.experiment.store.events import Clocks
-    from thbridge.timing.wall_clock import utc_now
 
     with bad_input():
         ExperimentFolder(folder).read()

@@ -1,10 +1,13 @@
 """Messages between the program that runs a study with people (host) and the researcher's window beside it (desk).
 
-The window is a process of its own, as the participant's is. One JSON object a line: the host's at the window's standard
-input, the desk's at its standard output. A `DeskState` is a level: it says all that is to be seen, the latest counts.
+A `DeskState` is a level: it says all that is to be seen, and the latest counts.
 """
 
+from typing import TypeAlias
+
 import msgspec
+
+from ui.model.window_protocol import WindowProtocol
 
 
 class DeskCell(msgspec.Struct, frozen=True):
@@ -156,25 +159,9 @@ class DeskClosed(msgspec.Struct, frozen=True, tag=True):
     """Desk: the researcher closed it on purpose; the study goes on."""
 
 
-FromDesk = NextParticipant | ShowRun | WriteNote | ExcludeRun | EndRun | DeskClosed
+FromDesk: TypeAlias = NextParticipant | ShowRun | WriteNote | ExcludeRun | EndRun | DeskClosed
 
-_state: msgspec.json.Decoder[DeskState] = msgspec.json.Decoder(DeskState)
-_from_desk: msgspec.json.Decoder[FromDesk] = msgspec.json.Decoder(FromDesk)
-
-
-def decode_state(text: bytes) -> DeskState:
-    """Return the message in a line of the host.
-
-    Raises:
-        msgspec.DecodeError: it is none.
-    """
-    return _state.decode(text)
-
-
-def decode_from_desk(text: bytes) -> FromDesk:
-    """Return the message in a line of the desk.
-
-    Raises:
-        msgspec.DecodeError: it is none.
-    """
-    return _from_desk.decode(text)
+DESK: WindowProtocol[DeskState, FromDesk] = WindowProtocol(
+    msgspec.json.Decoder(DeskState), msgspec.json.Decoder(FromDesk), DeskClosed(), lambda _, state: (state,)
+)
+"""The messages of the desk."""

@@ -58,7 +58,7 @@ def note_rows(notes: tuple[DeskNote, ...]) -> Iterator[tuple[str, ...]]:
 
 
 def count_words(state: DeskState) -> str:
-    """How many runs count, are missing and under way, in a sentence."""
+    """A sentence about the runs that count, are missing and under way."""
     under_way = sum(run.state == "under way" for run in state.runs)
     missing = state.planned - state.counted
     left = "none is missing" if missing <= 0 else f"{missing} missing"

@@ -16,9 +16,9 @@ NO_PLACE = {
     NoPlace.TAKEN: "All places are taken. One opens again when a run under way ends without counting.",
 }
 _BEGINNINGS = frozenset({EventKind.STEP_BEGUN, EventKind.STEP_RESUMED})
-_BUT_NOTES = frozenset(EventKind) - {EventKind.NOTE}
-_BY_ITSELF = _BUT_NOTES - {EventKind.RUN_EXCLUDED}
-"""Kinds of events that end a run at their time; it may be excluded weeks later."""
+_BY_ITSELF = frozenset(EventKind) - {EventKind.NOTE, EventKind.FAREWELL_READ, EventKind.RUN_EXCLUDED}
+"""Kinds of events of which the last ends a run; it may be excluded weeks later."""
+_BUT_NOTES = _BY_ITSELF | {EventKind.RUN_EXCLUDED}
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,6 +160,20 @@ def _words(progress: Progress, event: NewEvent) -> str:
             return f"{item} is changed"
         case EventKind.ITEM_GIVEN:
             return f"{item} is answered"
+        case EventKind.TEXT_PASTED:
+            return f"{item}: text is pasted, {data.get('characters', '')} characters"
+        case EventKind.GAME_BROKEN_OFF:
+            return f"{step}: the game broke off; another begins in its place"
+        case EventKind.CONSENT_ANSWERED:
+            return "agrees to take part" if data.get("agrees") else "does not agree to take part"
+        case EventKind.RECRUITING_CODE:
+            return "tells the code of the recruiting service"
+        case EventKind.FOCUS_LOST:
+            return f"{step}: looks at another window"
+        case EventKind.FOCUS_REGAINED:
+            return f"{step}: is back at the study's window"
+        case EventKind.FAREWELL_READ:
+            return "leaves the last page"
         case EventKind.GAME_PLAYED:
             return f"{step}: the game is recorded"
         case EventKind.STEP_ENDED:

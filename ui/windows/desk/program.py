@@ -1,21 +1,15 @@
 """The desk as a program: hosted by the program that runs the study, or watching a study's folder by itself."""
 
-import sys
-import threading
-from collections import deque
+from PySide6.QtCore import QObject, QTimer
 
-import msgspec
-from PySide6.QtCore import QEvent, QObject
-
-from ui.model.desk.messages import DeskState, FromDesk, ShowRun, decode_state
+from ui.model.desk.messages import DESK, DeskState, FromDesk, ShowRun
 from ui.sources.experiment import ExperimentSource
 from ui.windows.application import application
 from ui.windows.desk.window import DeskWindow
 from ui.windows.editing.background import BackgroundWorker
+from ui.windows.host_pipe import HostPipe
 from ui.windows.look import Appearance, Choice, TextSize, user_settings
 
-FRAME = 30
-"""Milliseconds between two looks at what the host has said."""
 POLL = 1000
 """Milliseconds between two looks at a log."""
 RENEWED = 20
@@ -30,66 +24,34 @@ CLOSING = (
 )
 
 
-class DeskPipe(QObject):
-    """The connection by standard input and output to the program that runs the study."""
-
-    def __init__(self, desk: DeskWindow) -> None:
-        super().__init__(desk)
-        self._desk = desk
-        self._received: deque[DeskState | None] = deque()
-        desk.asked.connect(self.send)
-        threading.Thread(target=self._listen, name="host", daemon=True).start()
-        self.startTimer(FRAME)
-
-    @staticmethod
-    def send(message: FromDesk) -> None:
-        """Send a message; when the host is gone, nobody needs it any more."""
-        try:
-            sys.stdout.buffer.write(msgspec.json.encode(message) + b"\n")
-            sys.stdout.buffer.flush()
-        except OSError:
-            pass
-
-    def timerEvent(self, _event: QEvent) -> None:
-        """Show the latest state."""
-        latest = None
-        while self._received:
-            latest = self._received.popleft()
-            if latest is None:
-                self._desk.leave()
-                return
-        if latest is not None:
-            self._desk.show_state(latest)
-
-    def _listen(self) -> None:
-        for text in sys.stdin.buffer:
-            try:
-                self._received.append(decode_state(text))
-            except msgspec.DecodeError:
-                continue
-        self._received.append(None)
-
-
 class LogWatch(QObject):
-    """Shows a study's log at the desk as it grows; another thread reads it."""
+    """Shows a study's log at the desk as it grows; another thread reads it.
 
-    def __init__(self, desk: DeskWindow, source: ExperimentSource) -> None:
+    Args:
+        desk: the window.
+        source: the study.
+        period: milliseconds between two looks at the log.
+    """
+
+    def __init__(self, desk: DeskWindow, source: ExperimentSource, period: int = POLL) -> None:
         super().__init__(desk)
         self._source = source
         self._shown = ""
         self._idle = RENEWED
         self._work = BackgroundWorker(self, "log")
-        self._work.done.connect(lambda state: None if state is None else desk.show_state(state))
+        self._work.done.connect(lambda state: None if state is None else desk.receive(state))
         desk.asked.connect(self._ask)
-        self.startTimer(POLL)
+        self._timer = QTimer(self, interval=period)
+        self._timer.timeout.connect(self._look_if_idle)
+        self._timer.start()
         self._look()
 
     def close(self) -> None:
         """Finish the current work."""
+        self._timer.stop()
         self._work.close()
 
-    def timerEvent(self, _event: QEvent) -> None:
-        """Look at the log."""
+    def _look_if_idle(self) -> None:
         if not self._work.busy:
             self._look()
 
@@ -117,7 +79,9 @@ def show_hosted(choice: Choice) -> int:
     _appearance, text_size = Appearance(app, choice), TextSize(app, user_settings())
     desk = DeskWindow(CLOSING)
     text_size.add_keys(desk)
-    DeskPipe(desk)
+    pipe = HostPipe(DESK)
+    desk.asked.connect(pipe.send)
+    pipe.listen(desk)
     desk.show()
     return app.exec()
 

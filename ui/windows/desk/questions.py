@@ -1,6 +1,8 @@
 """Questions of the desk before anything final, with the reason that the log wants."""
 
-from PySide6.QtWidgets import QDialog, QDialogButtonBox, QLineEdit, QVBoxLayout, QWidget
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QLineEdit, QPushButton, QVBoxLayout, QWidget
 
 from ui.windows.look import GAP, follow_text, label, px, spaced
 
@@ -32,9 +34,7 @@ class ReasonBox(QDialog):
         self.agree.setAutoDefault(False)
         self.agree.setToolTip("Write a reason first")
         self.reason.textChanged.connect(lambda text: self.agree.setEnabled(bool(text.strip())))
-        # Enter in the field only goes on to the buttons: nothing final follows from one key.
         cancel.setAutoDefault(False)
-        self.reason.returnPressed.connect(self._go_on)
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
         words = label(question)
@@ -45,6 +45,11 @@ class ReasonBox(QDialog):
         column.addWidget(buttons)
         self.reason.setFocus()
 
-    def _go_on(self) -> None:
-        if self.agree.isEnabled():
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Let Enter press the button with the focus; in the field it only goes on to the button that does it."""
+        if event.key() not in {Qt.Key.Key_Return, Qt.Key.Key_Enter}:
+            super().keyPressEvent(event)
+        elif isinstance(focus := self.focusWidget(), QPushButton):
+            focus.click()
+        elif self.agree.isEnabled():
             self.agree.setFocus()

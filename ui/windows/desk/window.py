@@ -10,6 +10,7 @@ from PySide6.QtGui import (
     QCloseEvent,
     QFontMetrics,
     QKeySequence,
+    QResizeEvent,
     QShortcut,
 )
 from PySide6.QtWidgets import (
@@ -18,7 +19,6 @@ from PySide6.QtWidgets import (
     QMessageBox,
     QPushButton,
     QScrollArea,
-    QSizePolicy,
     QSplitter,
     QTableView,
     QVBoxLayout,
@@ -146,8 +146,8 @@ class DeskWindow(QMainWindow):
 
     # What is shown
 
-    def show_state(self, state: DeskState) -> None:
-        """Show this; what is selected and typed stays."""
+    def receive(self, state: DeskState) -> None:
+        """Show this state; what is selected and typed stays."""
         before, self.state = self.state, state
         self.setWindowTitle(f"{state.title} - thbridge study")
         self._title.setText(state.title)
@@ -298,7 +298,7 @@ class DeskWindow(QMainWindow):
         buttons.setSpacing(GAP)
         for button in (self.next, self.end, self.exclude, self._keys):
             buttons.addWidget(button)
-        left, right = QWidget(), QWidget()
+        left, right = QWidget(), _Column()
         column = spaced(QVBoxLayout(left), GAP, 0)
         column.addWidget(self.cells)
         column.addWidget(self.runs, 1)
@@ -311,13 +311,11 @@ class DeskWindow(QMainWindow):
         for part in (self.note, self.about, self.take_down):
             writing.addWidget(part)
         column.addLayout(writing)
-        body = QSplitter(Qt.Orientation.Horizontal)
+        body = _Body(Qt.Orientation.Horizontal)
         body.setChildrenCollapsible(False)
         body.addWidget(left)
         body.addWidget(right)
         body.setSizes([560, 440])
-        # As high as there is room for, not as its tables would like to be.
-        body.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Ignored)
         for table in (self.runs, self.events, self.notes):
             follow_text(table, lambda it: it.setMinimumSize(px(200), px(96)))
         inside, area = QWidget(), QScrollArea(widgetResizable=True)
@@ -353,6 +351,28 @@ class DeskWindow(QMainWindow):
         focus = self.focusWidget()
         at = parts.index(focus) if focus in parts else -1
         parts[(at + step) % len(parts)].setFocus(Qt.FocusReason.ShortcutFocusReason)
+
+
+class _Body(QSplitter):
+    """A splitter as high as there is room for, not as its tables would like to be."""
+
+    def sizeHint(self) -> QSize:
+        """Return the least size."""
+        return self.minimumSizeHint()
+
+
+class _Column(QWidget):
+    """A column of parts, as high as its words need in its width; a splitter would not ask for that."""
+
+    def minimumSizeHint(self) -> QSize:
+        """Return the least width of the parts, and their least height in the width that they have."""
+        hint, layout = super().minimumSizeHint(), self.layout()
+        return hint if layout is None else QSize(hint.width(), layout.minimumHeightForWidth(self.width()))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Follow the width with the height."""
+        super().resizeEvent(event)
+        self.updateGeometry()
 
 
 def _allow(button: QPushButton, why_not: str, hint: str) -> None:

@@ -1,0 +1,112 @@
+"""The desk as a process: told of each event, heard when it asks, and never in the way of the study."""
+
+import asyncio
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.ui.model.rehearsed import Study, clocks, rehearse
+from thbridge.experiment.conductor import Conductor
+from thbridge.experiment.progress import RunState
+from thbridge.experiment.store.event_log import ExperimentLog
+from ui.hosting.desk import Desk
+from ui.hosting.window_process import THBRIDGE, WindowProcess
+from ui.model.desk.messages import DESK, DeskState
+
+
+class RunningStudy:
+    """A study that is carried on by its conductor alone."""
+
+    changed: Callable[[], None]
+    kiosk = "the first page"
+    troubles: tuple[str, ...] = ()
+
+    def __init__(self, study: Study, log: ExperimentLog) -> None:
+        self.conductor = Conductor(study.design, log, lambda: clocks(20_000), iter(range(10_000)).__next__)
+        self.conductor._draw = lambda most: 7 % most
+
+    def admit_next(self) -> str | None:
+        self.troubles = ("somebody came in",)
+        self.changed()
+        return "There is no place."
+
+    def note(self, text: str, participant: str) -> None:
+        self.conductor.note(text, participant)
+        self.changed()
+
+    def exclude(self, participant: str, reason: str) -> None:
+        self.conductor.exclude(participant, reason)
+        self.changed()
+
+    def end_run(self, participant: str, reason: str) -> None:
+        self.conductor.leave(participant, reason)
+        self.changed()
+
+
+SCRIPT = """
+import json, sys
+def hear(wanted):
+    for line in sys.stdin:
+        state = json.loads(line)
+        if wanted(state):
+            return state
+def say(kind, **fields):
+    print(json.dumps({"type": kind, **fields}), flush=True)
+state = hear(lambda state: state["runs"])
+person = state["runs"][-1]["participant"]
+say("ShowRun", participant=person)
+assert hear(lambda state: state["shown"] == person)["events"]
+say("WriteNote", text="it rains")
+hear(lambda state: state["notes"][-1]["text"] == "it rains")
+say("ExcludeRun", participant=person, reason="knew the study")
+hear(lambda state: state["runs"][-1]["state"] == "excluded")
+say("NextParticipant")
+state = hear(lambda state: len(state["troubles"]) == 2)
+assert state["troubles"] == ["somebody came in", "There is no place."], state["troubles"]
+assert state["kiosk"] == "the first page"
+say("EndRun", participant=person, reason="it is over already")
+hear(lambda state: len(state["troubles"]) == 1)
+say("DeskClosed")
+"""
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Study:
+    root = tmp_path / "study"
+    root.mkdir()
+    return rehearse(root)
+
+
+def test_what_the_desk_asks_is_done_and_told(study: Study, tmp_path: Path) -> None:
+    script = tmp_path / "window.py"
+    script.write_text(SCRIPT)
+
+    async def program() -> None:
+        desk = Desk(running, study.folder, command=(sys.executable, str(script)))
+        await asyncio.wait_for(desk.run(), 60)
+
+    with ExperimentLog(study.folder.log) as log:
+        running = RunningStudy(study, log)
+        asyncio.run(program())
+        assert list(running.conductor.progress.runs.values())[-1].state is RunState.EXCLUDED
+
+
+def test_the_window_itself_opens_and_goes_with_its_host(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("QT_QPA_PLATFORM", "offscreen")
+    state = DeskState("Robots that argue", 8, 0)
+
+    async def program() -> int | None:
+        window = WindowProcess((*THBRIDGE, "study", "watch", str(study.folder.root), "--hosted"), DESK)
+        async with window.opened():
+            await window.send(state)
+            while window._process is None:
+                await asyncio.sleep(0)
+            process = window._process
+            assert process.stdin is not None
+            process.stdin.close()
+            await asyncio.wait_for(process.wait(), 60)
+            return process.returncode
+
+    assert asyncio.run(program()) == 0

@@ -1,0 +1,85 @@
+"""The desk's view of a study: at each moment of its log, true to it."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.ui.model.rehearsed import Study, clocks, rehearse
+from thbridge.experiment.progress import EventKind, Progress, RunState
+from thbridge.experiment.store.events import LoggedEvent, NewEvent
+from ui.model.desk.messages import DESK, DeskState
+from ui.model.desk.rows import cell_rows, count_words, event_rows, freeze_words, note_rows, run_rows, run_words
+from ui.model.desk.state import ToldToDesk, desk_state
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    return rehearse(tmp_path_factory.mktemp("desk"))
+
+
+def seen(study: Study, length: int, shown: str = "") -> tuple[DeskState, Progress]:
+    entries = study.entries[:length]
+    progress = Progress(study.design).after(entries)
+    return desk_state(study.design, progress, entries, ToldToDesk(clocks(length).wall, (), shown=shown)), progress
+
+
+@given(st.data())
+def test_at_each_moment_all_adds_up(study: Study, data: st.DataObject) -> None:
+    length = data.draw(st.integers(0, len(study.entries)))
+    state, progress = seen(study, length)
+    assert [run.participant for run in state.runs] == list(progress.runs)
+    assert state.planned == sum(cell.planned for cell in state.cells) == study.design.allocation.size
+    assert state.counted == sum(cell.counted for cell in state.cells)
+    assert state.counted == sum(run.state == RunState.COMPLETE for run in state.runs)
+    assert sum(cell.under_way for cell in state.cells) == sum(run.state == RunState.UNDER_WAY for run in state.runs)
+    assert bool(state.no_next) == (progress.under_way | progress.valid == set(range(state.planned)))
+    notes = [entry for entry in study.entries[:length] if entry.event.kind == EventKind.NOTE]
+    assert [note.text for note in state.notes] == [entry.event.data["text"] for entry in notes]
+    for shown, run in zip(state.runs, progress.runs.values(), strict=True):
+        assert 0.0 <= shown.minutes <= length / 60.0
+        assert shown.since <= clocks(length).wall
+        asked = study.design.forms.get(run.plan[run.step - 1].index) if run.step <= len(run.plan) else None
+        required = {item.id for item in asked.items if item.required} if asked and run.under_way else set()
+        over = run.state is not RunState.UNDER_WAY
+        assert set(shown.missing) == (set() if over else required - set(run.given))
+    assert DESK.decode_from_host(DESK.encode(state)) == state
+    assert len(list(run_rows(state))) == len(state.runs)
+    assert len(list(cell_rows(state))) == len(state.cells)
+    assert all(map(run_words, state.runs))
+
+
+def test_events_of_one_person_are_told_without_their_answers(study: Study) -> None:
+    entries = study.entries
+    person = next(entry.event.participant for entry in entries if entry.event.kind == EventKind.ITEM_GIVEN)
+    state, _ = seen(study, len(entries), person)
+    own = [entry for entry in entries if entry.event.participant == person]
+    assert [event.sequence for event in state.events] == [entry.sequence for entry in own]
+    told = [words for _, words, _ in event_rows(state.events)]
+    assert any(words.startswith("the run ends: ") for words in told)
+    assert "step 4, understood: who is answered" in told
+    assert all(words.endswith("is answered") for words in told if "answered" in words)
+    assert seen(study, len(entries), "P-NOBODY")[0].shown == ""
+
+
+def test_a_run_that_is_excluded_later_took_no_longer_for_it(study: Study) -> None:
+    before, now = seen(study, len(study.entries) - 2)[0], seen(study, len(study.entries))[0]
+    assert before.runs[0].state != now.runs[0].state == "excluded"
+    assert before.runs[0].minutes == now.runs[0].minutes
+    assert before.no_next == "All runs that count are there."
+    assert (now.no_next == "") == (before.runs[0].state == "complete")
+
+
+def test_sentences(study: Study) -> None:
+    state, _ = seen(study, len(study.entries))
+    assert count_words(state).startswith(f"{state.counted} of 8 runs count")
+    assert freeze_words(state) == "Frozen, and as it was."
+    assert [row[1] for row in note_rows(state.notes)] == ["the study", state.runs[0].participant]
+
+
+def test_kinds_of_events_that_nobody_knows_yet_are_told(study: Study) -> None:
+    person = study.entries[1].event.participant
+    later = LoggedEvent(len(study.entries) + 1, NewEvent("chair-moved", "robot", clocks(1), person))
+    entries = (*study.entries, later)
+    progress = Progress(study.design).after(entries)
+    state = desk_state(study.design, progress, entries, ToldToDesk(clocks(9).wall, shown=person))
+    assert state.events[-1].words == "chair moved"

@@ -1,0 +1,245 @@
+"""The desk's window: it shows what the host tells, and asks before anything final."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from msgspec import structs
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QDialog, QMessageBox
+from pytestqt.qtbot import QtBot
+
+from tests.ui.model.rehearsed import Study, clocks, rehearse
+from tests.ui.windows.fitting import SIZES, TEXTS, misfits, settle
+from tests.ui.windows.walking import against_the_eye, nameless, stops
+from thbridge.experiment.conductor import Conductor
+from thbridge.experiment.progress import EventKind, Progress
+from thbridge.experiment.store.event_log import ExperimentLog
+from ui.model.desk.messages import DeskClosed, DeskState, EndRun, ExcludeRun, NextParticipant, ShowRun, WriteNote
+from ui.model.desk.state import ToldToDesk, desk_state
+from ui.sources.experiment import ExperimentSource
+from ui.windows import look
+from ui.windows.desk.program import READ_ONLY, LogWatch
+from ui.windows.desk.questions import ReasonBox
+from ui.windows.desk.window import DeskWindow
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    return rehearse(tmp_path_factory.mktemp("desk"))
+
+
+@pytest.fixture
+def state(study: Study) -> DeskState:
+    """The study while somebody fills in a form."""
+    length = max(entry.sequence for entry in study.entries if entry.event.kind == EventKind.ITEM_SHOWN)
+    entries = study.entries[:length]
+    progress = Progress(study.design).after(entries)
+    someone = entries[-1].event.participant
+    told = ToldToDesk(clocks(length).wall, (), "the form workload", (), someone)
+    return structs.replace(desk_state(study.design, progress, entries, told), no_next="")
+
+
+@pytest.fixture
+def desk(qtbot: QtBot, state: DeskState) -> Iterator[DeskWindow]:
+    made = DeskWindow()
+    qtbot.addWidget(made)
+    made.heard = []
+    made.asked.connect(made.heard.append)
+    with qtbot.waitExposed(made):
+        made.show()
+    made.receive(state)
+    yield made
+    made.leave()
+
+
+def answering(words: str, reason: str = "") -> list[str]:
+    """Answer the next question by the button of these words; return what it says."""
+    said: list[str] = []
+
+    def answer() -> None:
+        box = QApplication.activeModalWidget()
+        if isinstance(box, ReasonBox):
+            assert not box.agree.isEnabled(), "nothing without a reason"
+            QTest.keyClicks(box.reason, "   ")
+            assert not box.agree.isEnabled()
+            QTest.keyClicks(box.reason, reason)
+            buttons = [box.agree]
+        else:
+            assert isinstance(box, QMessageBox)
+            said.append(box.text())
+            buttons = box.buttons()
+        chosen = next((button for button in buttons if button.text().startswith(words)), None)
+        if chosen is None:
+            assert isinstance(box, QDialog)
+            box.reject()
+        else:
+            chosen.click()
+
+    QTimer.singleShot(0, answer)
+    return said
+
+
+def column(model, number: int) -> list[str]:
+    return [model.data(model.index(row, number)) for row in range(model.rowCount())]
+
+
+def test_the_run_under_way_comes_first_and_is_selected(desk: DeskWindow, state: DeskState) -> None:
+    under_way = next(run for run in state.runs if run.state == "under way")
+    assert column(desk.run_model, 0)[0] == under_way.participant
+    assert desk.run() == under_way
+    assert desk.heard == [ShowRun(under_way.participant)]
+    assert f"Not answered yet: {', '.join(under_way.missing)}" in desk.details.text()
+    assert desk.event_model.rowCount() == len(state.events) > 0
+    assert [int(count) for count in column(desk.cell_model, 1)] == [cell.counted for cell in state.cells]
+
+
+def test_the_run_selected_stays_so_while_others_come_and_go(desk: DeskWindow, state: DeskState) -> None:
+    other = state.runs[0].participant
+    desk.select(other)
+    assert desk.heard[-1] == ShowRun(other)
+    new = structs.replace(state.runs[-1], participant="P-NEWER", state="under way")
+    desk.receive(structs.replace(state, runs=(*state.runs, new)))
+    assert desk.run() == state.runs[0]
+    desk.receive(structs.replace(state, runs=(*state.runs[1:], new)))
+    assert desk.run() == new, "withdrawn: the topmost is selected instead"
+    desk.receive(structs.replace(state, runs=()))
+    assert desk.run() is None
+
+
+def test_nothing_final_is_done_without_being_asked(desk: DeskWindow, qtbot: QtBot) -> None:
+    someone, done = desk.run().participant, len(desk.heard)
+    for answer, words in (("Cancel", ""), ("Cancel", "because")):
+        said = answering(answer, words)
+        desk.next.click()
+        assert "next participant" in said[0]
+        for button in (desk.end, desk.exclude):
+            answering(answer, words)
+            button.click()
+    assert len(desk.heard) == done
+
+    def press(key: str, words: str, reason: str = "") -> None:
+        desk.activateWindow()
+        qtbot.waitUntil(desk.isActiveWindow)
+        answering(words, reason)
+        QTest.keyClick(desk, key, Qt.KeyboardModifier.ControlModifier)
+
+    press("N", "Begin")
+    press("E", "End", "felt sick")
+    press("D", "Exclude", "knew the study")
+    assert desk.heard[done:] == [
+        NextParticipant(),
+        EndRun(someone, "felt sick"),
+        ExcludeRun(someone, "knew the study"),
+    ]
+
+
+def test_enter_in_a_reason_does_nothing_final(desk: DeskWindow) -> None:
+    box = ReasonBox(desk, "End", "End it?", "End")
+    box.open()
+    QTest.keyClicks(box.reason, "felt sick")
+    QTest.keyClick(box.reason, Qt.Key.Key_Return)
+    assert box.isVisible() and box.result() == 0
+    box.close()
+
+
+def test_notes_go_to_the_log_about_the_study_or_a_person(desk: DeskWindow) -> None:
+    someone = desk.run().participant
+    QTest.keyClick(desk, Qt.Key.Key_M, Qt.KeyboardModifier.ControlModifier)
+    for text in ("the heating is off", "   ", "came late"):
+        desk.about.setChecked(text == "came late")
+        QTest.keyClicks(desk.note, text)
+        QTest.keyClick(desk.note, Qt.Key.Key_Return)
+    assert desk.heard[1:] == [WriteNote("the heating is off"), WriteNote("came late", someone)]
+
+
+def test_buttons_say_why_they_are_off(desk: DeskWindow, state: DeskState) -> None:
+    desk.receive(structs.replace(state, no_next="All runs that count are there."))
+    assert not desk.next.isEnabled()
+    assert desk.next.accessibleDescription() == "All runs that count are there."
+    over = next(run for run in state.runs if run.state == "complete")
+    desk.select(over.participant)
+    assert not desk.end.isEnabled() and desk.exclude.isEnabled()
+    assert desk.end.toolTip() == "This run is over."
+    desk.receive(structs.replace(state, read_only=READ_ONLY))
+    for button in (desk.next, desk.end, desk.exclude, desk.take_down):
+        assert not button.isEnabled()
+        assert button.toolTip() == READ_ONLY
+    assert not desk.note.isEnabled()
+
+
+def test_troubles_stand_out(desk: DeskWindow, state: DeskState) -> None:
+    assert not desk.troubles.isVisible()
+    desk.receive(structs.replace(state, troubles=("The disk is full.", "The kiosk is gone."), changed=("a was b",)))
+    assert desk.troubles.isVisible()
+    assert "The disk is full." in desk.troubles.text() and "The kiosk is gone." in desk.troubles.text()
+    desk.receive(state)
+    assert not desk.troubles.isVisible()
+
+
+def test_closing_asks_where_it_cannot_be_undone(qtbot: QtBot, state: DeskState) -> None:
+    desk = DeskWindow("Close the desk?")
+    qtbot.addWidget(desk)
+    desk.show()
+    heard: list[object] = []
+    desk.asked.connect(heard.append)
+    answering("Cancel")
+    assert not desk.close()
+    answering("Close")
+    assert desk.close()
+    assert heard == [DeskClosed()]
+
+
+def test_a_log_is_watched_as_it_grows(qtbot: QtBot, tmp_path: Path) -> None:
+    study = rehearse(tmp_path)
+    desk = DeskWindow()
+    qtbot.addWidget(desk)
+    desk.show()
+    watch = LogWatch(desk, ExperimentSource(study.folder, lambda: clocks(20_000).wall), period=10)
+    qtbot.waitUntil(lambda: desk.state is not None and desk.state.shown != "")
+    assert not desk.next.isEnabled() and desk.next.toolTip() == READ_ONLY
+    with ExperimentLog(study.folder.log) as log:
+        conductor = Conductor(study.design, log, lambda: clocks(20_000), lambda most: most - 1)
+        conductor.note("it rains")
+        qtbot.waitUntil(lambda: column(desk.note_model, 2)[-1] == "it rains")
+        gone = study.entries[-1].event.participant
+        conductor.withdraw(gone)
+        qtbot.waitUntil(lambda: gone not in column(desk.run_model, 0))
+    study.folder.log.write_bytes(b"")
+    study.folder.log.with_name("log-head").write_bytes(b"nothing")
+    qtbot.waitUntil(desk.troubles.isVisible)
+    assert "log-head" in desk.troubles.text() or "log" in desk.troubles.text()
+    watch.close()
+    desk.leave()
+
+
+def test_it_can_be_used_by_screen_readers_and_by_keys_alone(desk: DeskWindow, state: DeskState) -> None:
+    desk.receive(structs.replace(state, no_next="", troubles=("The disk is full.",)))
+    settle()
+    assert nameless(desk) == []
+    assert against_the_eye(stops(desk)[:4], desk) == []
+    names = {table.accessibleName() for table in (desk.cells, desk.runs, desk.events, desk.notes)}
+    assert names == {"Cells and quotas", "Runs", "Events of the run selected", "Notes"}
+    desk.activateWindow()
+    visited = []
+    desk.next.setFocus()
+    for _ in desk._parts:
+        visited.append(desk.focusWidget())
+        QTest.keyClick(desk.focusWidget(), Qt.Key.Key_F6)
+    assert visited == list(desk._parts)
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_nothing_is_cut_off_or_covered(desk: DeskWindow, state: DeskState, qapp: QApplication, text: float) -> None:
+    look.apply_text_size(qapp, text)
+    try:
+        for shown in (state, structs.replace(state, read_only=READ_ONLY, troubles=("The disk is full. " * 6,))):
+            desk.receive(shown)
+            for size in SIZES:
+                desk.resize(*size)
+                settle()
+                assert desk.size().toTuple() == size, "nothing makes it larger"
+                assert misfits(desk) == [], size
+    finally:
+        look.apply_text_size(qapp, 1.0)

@@ -1,0 +1,141 @@
+"""The researcher's desk beside a study under way: kept informed, and what it asks for is passed on."""
+
+import asyncio
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Protocol
+
+from thbridge.experiment.folder import ExperimentFolder
+from thbridge.experiment.progress import BadHistory
+from thbridge.files.errors import BadFile
+from thbridge.timing.wall_clock import utc_now
+from ui.hosting.window_process import THBRIDGE, WindowProcess
+from ui.model.desk.messages import (
+    DESK,
+    DeskClosed,
+    DeskState,
+    EndRun,
+    ExcludeRun,
+    FromDesk,
+    NextParticipant,
+    ShowRun,
+    WriteNote,
+)
+from ui.sources.experiment import ExperimentSource
+
+GATHERED = 0.2
+"""Seconds within which events are told together."""
+RENEWED = 20.0
+"""Seconds after which minutes are counted anew though nothing has happened."""
+
+
+class StudyUnderWay(Protocol):
+    """A study that a program carries on, as its desk needs it.
+
+    What is asked for returns a sentence why it cannot be, or nothing.
+
+    Attributes:
+        changed: is called after each event of its log, and when `kiosk` or `troubles` are others.
+    """
+
+    changed: Callable[[], None]
+
+    @property
+    def kiosk(self) -> str:
+        """The kiosk's page now, in words."""
+
+    @property
+    def troubles(self) -> tuple[str, ...]:
+        """Sentences about all that somebody has to look at."""
+
+    def admit_next(self) -> str | None:
+        """Let the next person begin at the kiosk."""
+
+    def note(self, text: str, participant: str) -> str | None:
+        """Take down a note, about a person or, if that is empty, nobody."""
+
+    def exclude(self, participant: str, reason: str) -> str | None:
+        """Decide that a run does not count."""
+
+    def end_run(self, participant: str, reason: str) -> str | None:
+        """End a run where it is."""
+
+
+class Desk:
+    """The desk of one study.
+
+    Args:
+        study: what it is about; its `changed` is set here.
+        folder: of the study, whose log is shown.
+        arguments: of the window's command line.
+        command: opens the window; None: the desk's own.
+
+    Raises:
+        BadFile: the study cannot be read.
+    """
+
+    def __init__(
+        self,
+        study: StudyUnderWay,
+        folder: ExperimentFolder,
+        arguments: tuple[str, ...] = (),
+        command: tuple[str, ...] | None = None,
+    ) -> None:
+        self._study = study
+        self._source = ExperimentSource(folder, utc_now)
+        watch = (*THBRIDGE, "study", "watch", str(folder.root), "--hosted", *arguments)
+        self._window: WindowProcess[DeskState, FromDesk] = WindowProcess(command or watch, DESK)
+        self._shown = ""
+        self._refused = ""
+        self._news = asyncio.Event()
+        study.changed = self._news.set
+
+    async def run(self) -> None:
+        """Keep the desk open until the researcher closes it; cancel it to close it."""
+        async with self._window.opened():
+            tasks = asyncio.create_task(self._ask()), asyncio.create_task(self._inform())
+            try:
+                done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+            finally:
+                for task in tasks:
+                    task.cancel()
+                await asyncio.gather(*tasks, return_exceptions=True)
+            for task in done:
+                task.result()
+
+    async def _inform(self) -> None:
+        while True:
+            self._news.clear()
+            await self._window.send(await asyncio.to_thread(self._state))
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._news.wait(), RENEWED)
+            await asyncio.sleep(GATHERED)
+
+    def _state(self) -> DeskState:
+        self._source.poll()
+        troubles = (*self._study.troubles, *((self._refused,) if self._refused else ()))
+        return self._source.state(self._shown, self._study.kiosk, troubles)
+
+    async def _ask(self) -> None:
+        while not isinstance(request := await self._window.next_request(), DeskClosed):
+            if isinstance(request, ShowRun):
+                self._shown = request.participant
+            else:
+                self._refused = self._asked(request)
+            self._news.set()
+
+    def _asked(self, request: NextParticipant | WriteNote | ExcludeRun | EndRun) -> str:
+        """Do what is asked for; return why that cannot be, or nothing."""
+        study = self._study
+        try:
+            match request:
+                case NextParticipant():
+                    return study.admit_next() or ""
+                case WriteNote(text, participant):
+                    return study.note(text, participant) or ""
+                case ExcludeRun(participant, reason):
+                    return study.exclude(participant, reason) or ""
+                case EndRun(participant, reason):
+                    return study.end_run(participant, reason) or ""
+        except (BadFile, BadHistory) as error:
+            return str(error)
