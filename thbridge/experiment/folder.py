@@ -6,6 +6,7 @@ from pathlib import Path
 from thbridge.experiment.design.experiment_file import ExperimentDesign, read_experiment
 from thbridge.files.errors import BadFile
 
+EXPERIMENT = "experiment.yaml"
 STORE, RECORDINGS, EXPORTS, FREEZE = "store", "recordings", "exports", "freeze.json"
 EXAMPLE = Path(__file__).parent / "example"
 """An experiment to begin with."""
@@ -20,7 +21,7 @@ class ExperimentFolder:
     @property
     def file(self) -> Path:
         """The experiment's file."""
-        return self.root / "experiment.yaml"
+        return self.root / EXPERIMENT
 
     @property
     def log(self) -> Path:
@@ -48,5 +49,5 @@ class ExperimentFolder:
         """
         if not self.file.is_file():
             remedy = "Name the folder of an experiment, or begin one: thbridge study new FOLDER"
-            raise BadFile(self.root, "there is no experiment.yaml", remedy)
+            raise BadFile(self.root, f"there is no {EXPERIMENT}", remedy)
         return read_experiment(self.file)

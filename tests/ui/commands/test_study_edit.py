@@ -13,3 +13,8 @@ def test_without_a_display_the_command_says_so(tmp_path: Path, platform: str) ->
     assert result.exit_code == 2
     assert "study check" in " ".join(result.stderr.split())
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_without_a_study_is_told(tmp_path: Path) -> None:
+    result = CliRunner().invoke(app, ["study", "edit", str(tmp_path)], env={"QT_QPA_PLATFORM": "offscreen"})
+    assert result.exit_code == 2

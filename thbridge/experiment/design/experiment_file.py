@@ -141,7 +141,11 @@ def read_experiment(path: Path) -> ExperimentDesign:
     Raises:
         BadFile: it cannot be read, or something in it is faulty; as BadFiles, all faults at once.
     """
-    whole = parse(path, read_text(path))
+    return experiment_of(path, parse(path, read_text(path)))
+
+
+def experiment_of(path: Path, whole: Node) -> ExperimentDesign:
+    """Read the tree of an experiment's file, as `read_experiment` does; `path` is named in faults."""
     entries = {key.text: node for key, node in entries_of(whole)}
     plain = [(key, Section(key.line, []) if key.text in _OWN_READING else node) for key, node in entries_of(whole)]
     loaded = load_tree(path, Section(whole.line, plain) if isinstance(whole, Section) else whole, ExperimentFile)
@@ -284,3 +288,11 @@ def drawn_seed(design: ExperimentDesign, trial: int) -> int:
 def is_even(design: ExperimentDesign) -> bool:
     """Return True when each order comes equally often in a full experiment."""
     return math.gcd(design.file.quota, len(design.orders)) == len(design.orders)
+
+
+def notices_of(design: ExperimentDesign) -> tuple[str, ...]:
+    """Return in sentences what is right and yet may not be meant."""
+    if is_even(design):
+        return ()
+    orders, quota = len(design.orders), design.file.quota
+    return (f"Of {orders} orders some come more often: the quota, {quota}, is no multiple of them.",)

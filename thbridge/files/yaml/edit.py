@@ -31,7 +31,7 @@ Names = Callable[[str], Sequence[str]]
 """Function from the path of a section to its keys, in the order in which a file should have them."""
 
 _COMMENT_BEHIND = re.compile(r"[ ]*(#[^\r\n]*)?")
-_PLAIN_KEY = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_/-]*")
+_PLAIN_KEY = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_/.-]*")
 _SCRATCH = Path("text")
 _INDENT = 2
 
@@ -74,6 +74,23 @@ def without(text: str, key: str, tree: Node | None = None) -> str | RequestRefus
     if node_at(tree, steps) is None:
         return text
     return _verified(_Edit(text, tree, lambda _: ()).drop(steps), _with_dropped(tree, steps), steps)
+
+
+def moved(text: str, key: str, by: int, tree: Node | None = None) -> str | RequestRefused:
+    """The text with an item of a list one place later (`by` is 1) or earlier (-1), and its comments with it.
+
+    At the end of the list nothing is changed.
+    """
+    tree = parse(_SCRATCH, text) if tree is None else tree
+    *above, index = steps_of(key)
+    listing = node_at(tree, above)
+    if not isinstance(listing, Listing) or not isinstance(index, int) or not 0 <= index + by < len(listing.items):
+        return text
+    first = min(index, index + by)
+    items = list(listing.items)
+    items[first], items[first + 1] = items[first + 1], items[first]
+    wanted = _with_changed(tree, tuple(above), Listing(listing.line, items))
+    return _verified(_Edit(text, tree, lambda _: ()).swap(listing, first), wanted, tuple(above))
 
 
 class _Edit:
@@ -230,6 +247,28 @@ class _Edit:
             return text[: spans[index][0]] + text[spans[index + 1][0] :]
         start = spans[index - 1][1] if index else spans[index][0]
         return text[:start] + text[spans[index][1] :]
+
+    def swap(self, listing: Listing, first: int) -> str:
+        """The text with an item of a list behind the next one."""
+        text = self._text
+        one, other = listing.items[first], listing.items[first + 1]
+        if listing.flow:
+            end, start = end_of(text, one), other.start
+            between, last = text[end:start], end_of(text, other)
+            return text[: one.start] + text[start:last] + between + text[one.start : end] + text[last:]
+        start = line_start(text, text.rfind("-", 0, one.start))
+        if first:
+            # Comments above an item are its own.
+            start = self._next_line(end_of(text, listing.items[first - 1]))
+        middle, last = (self._next_line(end_of(text, item)) for item in (one, other))
+        gap = "" if text[middle:last].endswith("\n") else self._newline
+        mine = text[start:middle]
+        mine = mine.removesuffix("\n").removesuffix("\r") if gap else mine
+        return text[:start] + text[middle:last] + gap + mine + text[last:]
+
+    def _next_line(self, at: int) -> int:
+        end = self._text.find("\n", at)
+        return len(self._text) if end < 0 else end + 1
 
     def _entry(self, steps: Sequence[Step]) -> tuple[Scalar, Node] | None:
         parent = node_at(self._tree, steps[:-1])

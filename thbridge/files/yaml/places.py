@@ -8,14 +8,15 @@ from thbridge.files.yaml.tree import Listing, Node, Scalar, Section
 Step = str | int
 """A key of a section, or the index of an item."""
 
-_STEP = re.compile(r"\[(\d+)\]|([^.\[\]]+)")
+_STEP = re.compile(r'\[(\d+)\]|"([^"]*)"|([^.\[\]]+)')
+_APART = re.compile(r"[.\[\]]")
 _COLON = re.compile(r"[ ]*:")
 _CLOSING = re.compile(r"(?:[\s,]|#[^\n]*)*[\]}]")
 
 
 def steps_of(key: str) -> tuple[Step, ...]:
-    """The steps of a path such as `things[0].name`."""
-    return tuple(int(index) if index else name for index, name in _STEP.findall(key))
+    """The steps of a path such as `things[0].name`; a key with dots stands in quotes: `within."dialogue.condition"`."""
+    return tuple(int(index) if index else quoted or name for index, quoted, name in _STEP.findall(key))
 
 
 def node_at(tree: Node, steps: Sequence[Step]) -> Node | None:
@@ -38,7 +39,10 @@ def path_of(steps: Sequence[Step]) -> str:
     """The path of some steps: the inverse of `steps_of`."""
     path = ""
     for step in steps:
-        path += f"[{step}]" if isinstance(step, int) else f".{step}" if path else step
+        if isinstance(step, int):
+            path += f"[{step}]"
+        else:
+            path += ("." if path else "") + (f'"{step}"' if _APART.search(step) else step)
     return path
 
 

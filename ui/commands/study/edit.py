@@ -7,16 +7,27 @@ import typer
 
 from ui.display import why_no_window
 from ui.options import ColourScheme, LookOption
-from ui.terminal import BAD_INPUT, bad_input, fail
+from ui.terminal import BAD_INPUT, bad_input, command, fail
 
 
 def study_edit(
-    file: Annotated[Path, typer.Argument(help="A study file; one that is not there yet is made when it is saved.")],
+    file: Annotated[
+        Path,
+        typer.Argument(
+            help="A study file; one that is not there yet is made when saved. Or the folder of a study with people."
+        ),
+    ],
     look: LookOption = ColourScheme.SYSTEM,
 ) -> None:
-    """Edit a study file in a window: all settings with their meaning, the same checks, and what noise does, drawn."""
+    """Edit a study file, or a study with people, in a window: all settings with their meaning, and the same checks."""
+    from thbridge.experiment.folder import ExperimentFolder
     from ui.first_start import announce_compiling
 
+    if file.is_dir():
+        folder, file = file, ExperimentFolder(file).file
+        if not file.is_file():
+            new = command("study", "new", "FOLDER")
+            fail(BAD_INPUT, f"{folder}: there is no {file.name}. Begin a study with people by `{new}`, or name a file.")
     reason = why_no_window()
     if reason is not None:
         fail(BAD_INPUT, f"{reason} Or edit {file} as text, and check it with `thbridge study check`.")

@@ -47,16 +47,15 @@ def study_check(
     from ui.settings import setting_of, study_of
 
     if file.is_dir():
-        from thbridge.experiment.design.experiment_file import is_even
+        from thbridge.experiment.design.experiment_file import notices_of
         from thbridge.experiment.folder import ExperimentFolder
 
         with bad_input():
             design = ExperimentFolder(file).read()
         each = f"{len(design.conditions)} conditions for each" if len(design.conditions) > 1 else "one condition"
         say(f"{file}: no faults; {design.allocation.size} people, {each}")
-        if not is_even(design):
-            orders, quota = len(design.orders), design.file.quota
-            note(f"Of {orders} orders some come more often: the quota, {quota}, is no multiple of them.")
+        for notice in notices_of(design):
+            note(notice)
         return
     setting_of(study_of(file, {}), file)
     say(f"{file}: no faults")

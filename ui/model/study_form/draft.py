@@ -7,8 +7,8 @@ from pathlib import Path
 
 from thbridge.app.compose.setting import read_setting
 from thbridge.files.errors import BadFile, BadFiles
-from thbridge.files.yaml.edit import with_value, without
-from thbridge.files.yaml.places import node_at, steps_of
+from thbridge.files.yaml.edit import moved, with_value, without
+from thbridge.files.yaml.places import node_at, path_of, steps_of
 from thbridge.files.yaml.tree import Node, Section, parse
 from thbridge.hunt.refusals import RequestRefused
 from thbridge.study.noise import TARGET_PATHS
@@ -22,6 +22,7 @@ HEADER = "# A study. Every key may be left out; what is not written here is as b
 _NEW_ITEMS: Mapping[str, str] = {
     "things": '{{name: "thing {number}", shape: crate, at: [0, 0, 0]}}',
     "mishaps": "{{robot: 1, what: dies, time: 60}}",
+    "steps": "{{step: pause}}",
 }
 
 
@@ -75,12 +76,13 @@ class StudyDraft:
     def set(self, field: FormField, typed: str) -> str | RequestRefused:
         """Return the text with a new value in a field; an empty value, where the field holds no words, resets it."""
         if not typed.strip() and (field.optional or not field.is_text):
-            return self.reset(field)
+            # A key that people chose stays while its value is typed anew.
+            return self._put(field.place, "null") if field.own_key else self.reset(field)
         # A default that is written out would only make the file longer.
         value = typed_as_yaml(field, typed)
         if field.written is None and value == field.default:
             return self.text
-        return with_value(self.text, field.place, value, self._order, self.tree)
+        return self._put(field.place, value)
 
     def reset(self, field: FormField) -> str | RequestRefused:
         """Return the text without a field's key, so that its default holds."""
@@ -99,18 +101,29 @@ class StudyDraft:
         if group.repeats is RepeatKind.ROBOTS:
             taken = {item.key.rpartition(".")[2] for item in group.groups}
             number = robot or next(n for n in range(1, len(taken) + 2) if str(n) not in taken)
-            return with_value(self.text, f"{group.key}.{number}", "{}", self._order, self.tree)
+            return self._put(f"{group.key}.{number}", "{}")
         number = len(group.groups)
         names = {field.value for item in group.groups for field in item.fields if field.key.endswith(".name")}
         free = next(n for n in range(1, number + 2) if f'"thing {n}"' not in names and f"thing {n}" not in names)
         value = _NEW_ITEMS[group.key].format(number=free)
         if number == 0 and (self.tree is None or node_at(self.tree, steps_of(group.key)) is None):
-            return with_value(self.text, group.key, f"[{value}]", self._order, self.tree)
-        return with_value(self.text, f"{group.key}[{number}]", value, self._order, self.tree)
+            return self._put(group.key, f"[{value}]")
+        return self._put(f"{group.key}[{number}]", value)
+
+    def add_key(self, group: FormGroup, name: str) -> str | RequestRefused:
+        """Return the text with another key in a section whose keys people choose."""
+        return self._put(path_of((group.key, name)), "null")
+
+    def move(self, item: FormGroup, by: int) -> str | RequestRefused:
+        """Return the text with an item one place later (1) or earlier (-1)."""
+        return moved(self.text, item.key, by, self.tree)
 
     def remove(self, item: FormGroup) -> str | RequestRefused:
         """Return the text without an item of a repeated section."""
         return without(self.text, item.key, self.tree)
+
+    def _put(self, place: str, value: str) -> str | RequestRefused:
+        return with_value(self.text, place, value, self._order, self.tree)
 
     def _order(self, key: str) -> tuple[str, ...]:
         group = self.groups().get(key)

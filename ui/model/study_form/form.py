@@ -18,13 +18,13 @@ from thbridge.files.yaml.declarations import (
     choices_of,
     model_of,
     renamed_of,
+    required,
     sections_named_in,
 )
 from thbridge.files.yaml.edit import in_brackets
-from thbridge.files.yaml.places import node_at, source_of, steps_of
+from thbridge.files.yaml.places import node_at, path_of, source_of, steps_of
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, quoted
 from thbridge.study.noise import TARGET_PATHS
-from thbridge.study.study_file import StudyFile
 from thbridge.study.text import SHOWN_ELSEWHERE, as_yaml, is_plain_word
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ class FieldKind(StrEnum):
     TEXT = "text"
     PATH = "path"
     LIST = "list"
+    """Or another value that is typed as YAML."""
 
 
 class RepeatKind(StrEnum):
@@ -51,6 +52,10 @@ class RepeatKind(StrEnum):
 
     ITEMS = "items"
     ROBOTS = "robots"
+    STEPS = "steps"
+    """Items whose order matters."""
+    KEYS = "keys"
+    """Values whose keys people choose."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +77,7 @@ class FormField:
         place: its path in the file, or where it would be; an old name of it, for example.
         line: line of that place, counted from 1.
         places: all paths at which it may stand in a file.
+        own_key: True when people chose its key, and may take it away.
     """
 
     key: str
@@ -88,6 +94,7 @@ class FormField:
     place: str
     line: int | None
     places: tuple[str, ...]
+    own_key: bool = False
 
     @property
     def value(self) -> str:
@@ -152,18 +159,22 @@ _LABELS = {
     "robot": "Robots' software",
     "each": "Single robots",
     "ros_parameters": "Parameter files of ROS",
+    "base": "Base of all games",
+    "within": "Factors within people",
+    "between": "Factors between people",
 }
 
 
-def form_of(text: str, tree: Node, start: StudyFile) -> FormGroup:
-    """The form of a study file.
+def form_of(text: str, tree: Node, start: "DataclassInstance", label: str = "Study") -> FormGroup:
+    """The form of a study file, or of another one that is read into a dataclass.
 
     Args:
         text: the file.
         tree: the same, taken apart.
         start: what holds where the file is silent.
+        label: its name for people.
     """
-    return _Builder(text, tree).group(start, "", "Study", "everything that can be set")
+    return _Builder(text, tree).group(start, "", label, "everything that can be set")
 
 
 def typed_as_yaml(field: FormField, typed: str) -> str:
@@ -255,6 +266,8 @@ class _Builder:
                 groups.append(self._robots(item_model, place, meaning, _joined(key, model)))
             elif _item_class(hint) is not None and not value:
                 groups.append(self._items(cast("type[DataclassInstance]", _item_class(hint)), place, meaning))
+            elif _is_mapping(hint) and model is None:
+                groups.append(self._keys(place, meaning))
             elif dataclasses.is_dataclass(value) and not isinstance(value, type):
                 passed_on = cast(Mapping[str, str], getattr(section, "passed_on", {}))
                 below = {
@@ -337,14 +350,25 @@ class _Builder:
         node = node_at(self._tree, steps_of(key))
         count = len(node.items) if isinstance(node, Listing) else 0
         groups = [self._item(into, f"{key}[{index}]", index) for index in range(count)]
-        return FormGroup(key, _label(key), help_text, (), tuple(groups), RepeatKind.ITEMS)
+        repeats = RepeatKind.STEPS if key == "steps" else RepeatKind.ITEMS
+        return FormGroup(key, _label(key), help_text, (), tuple(groups), repeats)
+
+    def _keys(self, key: str, help_text: str) -> FormGroup:
+        """The section of a mapping: a field for each of its entries, with any YAML as its value."""
+        node = node_at(self._tree, steps_of(key))
+        fields = []
+        for name, _ in node.entries if isinstance(node, Section) else ():
+            place = path_of((key, name.text))
+            field = self._field(f"{key}.{name.text}", tuple[str, ...], {"help": ""}, "", [place])
+            fields.append(dataclasses.replace(field, label=name.text, own_key=True))
+        return FormGroup(key, _label(key), help_text, tuple(fields), (), RepeatKind.KEYS)
 
     def _item(self, into: "type[DataclassInstance]", key: str, index: int) -> FormGroup:
         hints = cast(Mapping[str, object], get_type_hints(into))
         fields = []
         for field in dataclasses.fields(into):
             place = f"{key}.{field.name}"
-            default = "" if field.default is dataclasses.MISSING else as_yaml(cast(object, field.default))
+            default = "" if required(field) else "{}" if _is_mapping(hints[field.name]) else as_yaml(field.default)
             fields.append(self._field(place, hints[field.name], field.metadata, default, [place]))
         name = next((field.written for field in fields if field.key == f"{key}.name"), None)
         label = f"{index + 1}" if name is None else f"{index + 1}: {name.strip(chr(34))}"
@@ -362,6 +386,11 @@ def _item_class(hint: object) -> type | None:
     return item if isinstance(item, type) and dataclasses.is_dataclass(item) else None
 
 
+def _is_mapping(hint: object) -> bool:
+    """Return True for the type of a mapping from text."""
+    return get_origin(hint) is Mapping and get_args(hint)[0] is str
+
+
 def _kind(hint: object, choices: tuple[str, ...]) -> FieldKind:
     if choices:
         return FieldKind.CHOICE
@@ -371,7 +400,7 @@ def _kind(hint: object, choices: tuple[str, ...]) -> FieldKind:
         float: FieldKind.NUMBER,
         Path: FieldKind.PATH,
     }
-    return kinds.get(hint, FieldKind.LIST if get_origin(hint) is tuple else FieldKind.TEXT)
+    return kinds.get(hint, FieldKind.LIST if get_origin(hint) is tuple or _is_mapping(hint) else FieldKind.TEXT)
 
 
 def _joined(key: str, name: str) -> str:

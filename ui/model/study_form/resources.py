@@ -3,13 +3,15 @@
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from importlib.metadata import entry_points
 from pathlib import Path
 
 from sim.parameters import RobotParameters
 from thbridge.app.compose.installed import STRATEGIES, WORDINGS
 from thbridge.dialogue.games.tables import Rulebook
+from thbridge.experiment.folder import EXPERIMENT
+from thbridge.experiment.questionnaires.form import SHIPPED, read_form
 from thbridge.files.errors import BadFile
 from thbridge.files.game_files import SHIPPED_GAMES, read_rulebook
 from thbridge.files.map_files import read_map
@@ -20,7 +22,7 @@ from thbridge.files.template_files import read_template_set
 from thbridge.files.treasure_files import PICTURES
 from thbridge.files.word_files import SHIPPED_LANGUAGES, check_words, languages_in, read_language
 from thbridge.files.yaml.tree import Section, parse, read_text
-from thbridge.study.study_file import OWN_STRATEGY
+from thbridge.study.study_file import OWN_STRATEGY, StudyFile
 from ui.model.study_form.draft import StudyDraft
 from ui.model.study_form.form import editable_text
 
@@ -69,8 +71,8 @@ def is_path(key: str) -> bool:
 
 
 def _shared(key: str) -> str:
-    """The key that a robot's own one stands for."""
-    return re.sub(r"^dialogue\.each\.\d+\.", "dialogue.manner.", key)
+    """The key that one of a single robot or step stands for."""
+    return re.sub(r"^steps\[\d+\]\.", "steps.", re.sub(r"^dialogue\.each\.\d+\.", "dialogue.manner.", key))
 
 
 def _maps(draft: StudyDraft) -> Iterator[NamedResource]:
@@ -113,7 +115,11 @@ def _costs(draft: StudyDraft) -> Iterator[NamedResource]:
 
 
 def _texts(draft: StudyDraft) -> Iterator[NamedResource]:
-    for path in sorted(path for path in draft.path.parent.iterdir() if path.suffix in _TEXTS and path.is_file()):
+    return _texts_in(draft.path.parent)
+
+
+def _texts_in(folder: Path) -> Iterator[NamedResource]:
+    for path in sorted(path for path in folder.iterdir() if path.suffix in _TEXTS and path.is_file()):
         try:
             beginning = " ".join(path.read_text(encoding="utf-8").split())[:_BEGINNING]
         except (OSError, UnicodeDecodeError):
@@ -168,6 +174,39 @@ def _languages(draft: StudyDraft) -> Iterator[NamedResource]:
             yield NamedResource(name, read_language(folders, name, locutions=locutions).title + own)
         except BadFile:
             yield NamedResource(name, _FAULTY)
+
+
+def _studies(draft: StudyDraft) -> Iterator[NamedResource]:
+    for path in _yaml_beside(draft):
+        if path.name != EXPERIMENT and not _keys_of(path) - {field.name for field in fields(StudyFile)}:
+            yield NamedResource(path.name, "a study file")
+
+
+def _forms(draft: StudyDraft) -> Iterator[NamedResource]:
+    for path in sorted(SHIPPED.glob("*.yaml")):
+        yield NamedResource(path.stem, f"{_title_of(path)}; comes with the program")
+    for path in _yaml_beside(draft):
+        if "items" in _keys_of(path):
+            yield NamedResource(path.relative_to(draft.path.parent).as_posix(), _title_of(path))
+
+
+def _title_of(path: Path) -> str:
+    try:
+        return read_form(path).value.title
+    except BadFile:
+        return _FAULTY
+
+
+def _texts_of_steps(draft: StudyDraft) -> Iterator[NamedResource]:
+    for folder in (draft.path.parent, *sorted(path for path in draft.path.parent.iterdir() if path.is_dir())):
+        for each in _texts_in(folder):
+            yield replace(each, value=(folder / each.value).relative_to(draft.path.parent).as_posix())
+
+
+def _yaml_beside(draft: StudyDraft) -> Iterator[Path]:
+    """Yield the YAML files in the folder and those in it."""
+    for pattern in ("*", "*/*"):
+        yield from sorted(path for path in draft.path.parent.glob(pattern) if path.suffix in _YAML and path.is_file())
 
 
 def _strategies(_draft: StudyDraft) -> Iterator[NamedResource]:
@@ -231,6 +270,9 @@ _FINDERS: Mapping[str, Callable[[StudyDraft], Iterator[NamedResource]]] = {
     "dialogue.author": _authors,
     "dialogue.strategy": _strategies,
     "dialogue.manner.strategy": _strategies,
+    "study": _studies,
+    "steps.form": _forms,
+    "steps.text": _texts_of_steps,
 }
 _NAMES = frozenset({"dialogue.language", "dialogue.author", "dialogue.strategy", "dialogue.manner.strategy"})
 """Fields that name no files."""

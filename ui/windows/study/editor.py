@@ -9,7 +9,8 @@ from PySide6.QtCore import QFileSystemWatcher, QObject, QTimer, Signal, Slot
 from thbridge.files.edited_file import TextOnDisk, read_edited, write_edited
 from thbridge.files.errors import BadFile
 from thbridge.hunt.refusals import RequestRefused
-from ui.model.study_form.draft import HEADER, StudyDraft, UndoHistory, draft_of
+from ui.model.study_form.draft import StudyDraft, UndoHistory
+from ui.model.study_form.experiment import draft_of_file, header_of
 from ui.windows.editing.background import BackgroundWorker
 
 _TYPING = 120
@@ -70,9 +71,9 @@ class StudyEditor(QObject):
         super().__init__()
         self.path = path
         self.on_disk = read_edited(path)
-        text = self.on_disk.text if self.on_disk.exists else HEADER
+        text = self.on_disk.text if self.on_disk.exists else header_of(path)
         self.history = UndoHistory(text)
-        self.draft = draft_of(path, text)
+        self.draft = draft_of_file(path, text)
         self._steps: list[_Step] = []
         self._work = BackgroundWorker(self, "study")
         self._work.done.connect(self._done)
@@ -240,7 +241,7 @@ def _taken(draft: StudyDraft, history: UndoHistory, steps: tuple[_Step, ...]) ->
             continue
         history = after
         if history.text != draft.text:
-            draft = draft_of(draft.path, history.text)
+            draft = draft_of_file(draft.path, history.text)
     return _Outcome(draft, history, tuple(refused))
 
 

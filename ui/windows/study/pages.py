@@ -8,6 +8,7 @@ from PySide6.QtCore import QElapsedTimer, QSignalBlocker, Qt, QTimer, Signal, Si
 from PySide6.QtGui import QColor, QPalette, QTextCharFormat, QTextCursor
 from PySide6.QtWidgets import (
     QHBoxLayout,
+    QLabel,
     QPlainTextEdit,
     QPushButton,
     QScrollArea,
@@ -41,6 +42,7 @@ class FieldsPage(QScrollArea):
         opened: a person wants to see a section.
         added: a person wants another item in a section.
         removed: a person wants an item gone.
+        moved: a person wants an item one place later (1) or earlier (-1).
         cleared: a person wants all defaults of a section back.
         built: all rows are there.
     """
@@ -51,6 +53,7 @@ class FieldsPage(QScrollArea):
     opened = Signal(str)
     added = Signal(str)
     removed = Signal(str)
+    moved = Signal(str, int)
     cleared = Signal(str)
     built = Signal()
 
@@ -60,6 +63,10 @@ class FieldsPage(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.rows: dict[str, FieldRow] = {}
         self._clearing: dict[str, QPushButton] = {}
+        self._names: dict[str, list[QLabel | QPushButton]] = {}
+        self._moving: dict[tuple[str, int], QPushButton] = {}
+        self._wanted: tuple[str, int] | str = ""
+        """The button or the row that gets the focus once the page is made anew."""
         self._shape: tuple[str, ...] = ()
         self._draft: StudyDraft | None = None
         self._building: Iterator[None] = iter(())
@@ -73,6 +80,8 @@ class FieldsPage(QScrollArea):
         if shape == self._shape:
             self._refresh(draft)
             return
+        if not self._wanted:
+            self._wanted = next((key for key, row in self.rows.items() if row.editor.hasFocus()), "")
         self._shape, self.rows = shape, {}
         self._building = self._build(groups, narrow=narrow)
         self._build_on()
@@ -109,6 +118,9 @@ class FieldsPage(QScrollArea):
         groups = draft.groups()
         for key, button in self._clearing.items():
             button.setEnabled(key in groups and groups[key].written() > 0)
+        for key, named in self._names.items():
+            for part in named if key in groups else ():
+                part.setText(groups[key].label + (" ›" if isinstance(part, QPushButton) else ""))
 
     def _refresh_row(self, row: FieldRow) -> None:
         draft = self._draft
@@ -122,7 +134,7 @@ class FieldsPage(QScrollArea):
         column = spaced(QVBoxLayout(inside), 2 * GAP, 2 * GAP, GAP, 2 * GAP, 2 * GAP)
         column.addStretch(1)
         self.setWidget(inside)
-        self._clearing = {}
+        self._clearing, self._names, self._moving = {}, {}, {}
         for index, group in enumerate(groups):
             column.insertLayout(column.count() - 1, self._head(group, first=index == 0, whole=groups[0]))
             if group.fields:
@@ -135,13 +147,48 @@ class FieldsPage(QScrollArea):
                 if not any(inner.key == shown.key for shown in groups):
                     self._fill_link(_row(column), inner, removable=group.repeats is not None)
         self.built.emit()
+        self._take_focus()
+
+    def _take_focus(self) -> None:
+        """Give the focus back to what had it before the page was made anew."""
+        wanted, self._wanted = self._wanted, ""
+        part: QWidget | None = None
+        if isinstance(wanted, tuple):
+            key, by = wanted
+            # At an end of the list there is only the way back.
+            part = next((b for way in (by, -by) if (b := self._moving.get((key, way))) and b.isEnabled()), None)
+        elif wanted in self.rows:
+            part = self.rows[wanted].editor
+        if part is not None:
+            # What was just made can have the focus only once it is shown.
+            QTimer.singleShot(0, part, partial(self._focus, part))
+
+    def _focus(self, part: QWidget) -> None:
+        part.setFocus()
+        self.ensureWidgetVisible(part)
+
+    def _move(self, key: str, by: int) -> None:
+        at, _, number = key.rstrip("]").rpartition("[")
+        self._wanted = f"{at}[{int(number) + by}]", by
+        self.moved.emit(key, by)
 
     def _head(self, group: FormGroup, *, first: bool, whole: FormGroup) -> QVBoxLayout:
         """Return a section's name and meaning, and its buttons."""
         head = spaced(QVBoxLayout(), GAP // 2)
         row = QHBoxLayout()
-        row.addWidget(label(group.label, "title" if first else "body", bold=True), 1)
-        if not first and whole.repeats is RepeatKind.ITEMS:
+        name = label(group.label, "title" if first else "body", bold=True)
+        self._names.setdefault(group.key, []).append(name)
+        row.addWidget(name, 1)
+        if not first and whole.repeats is RepeatKind.STEPS:
+            places = [item.key for item in whole.groups]
+            for words, by, end in (("Up", -1, places[0]), ("Down", 1, places[-1])):
+                button = QPushButton(words)
+                button.setAccessibleName(f"Move {group.label} {words.lower()}")
+                button.setEnabled(group.key != end)
+                button.clicked.connect(partial(self._move, group.key, by))
+                self._moving[group.key, by] = button
+                row.addWidget(button)
+        if not first and whole.repeats in {RepeatKind.ITEMS, RepeatKind.STEPS}:
             row.addWidget(self._button("Remove", f"Remove {group.label}", self.removed, group.key))
         elif first and group.key not in {"", _FOUND} and group.repeats is None:
             clear = self._button("Reset all", f"Reset all of {group.label}", self.cleared, group.key)
@@ -179,7 +226,8 @@ class FieldsPage(QScrollArea):
         return () if self._draft is None else resources_for(key, self._draft)
 
     def _fill_adding(self, row: QHBoxLayout, group: FormGroup) -> None:
-        what = "Add a robot with software of its own" if group.repeats is RepeatKind.ROBOTS else f"Add to {group.label}"
+        words = {RepeatKind.ROBOTS: "Add a robot with software of its own", RepeatKind.KEYS: "Add a key of studies …"}
+        what = words.get(group.repeats or RepeatKind.ITEMS, f"Add to {group.label}")
         button = QPushButton(what)
         button.clicked.connect(lambda: self.added.emit(group.key))
         row.addWidget(button)
@@ -187,6 +235,7 @@ class FieldsPage(QScrollArea):
 
     def _fill_link(self, row: QHBoxLayout, group: FormGroup, *, removable: bool) -> None:
         open_it = QPushButton(f"{group.label} ›")
+        self._names.setdefault(group.key, []).append(open_it)
         open_it.setAccessibleDescription(group.help)
         open_it.clicked.connect(lambda: self.opened.emit(group.key))
         row.addWidget(open_it)
@@ -218,7 +267,7 @@ def _rule() -> QWidget:
 
 def _shape_of(group: FormGroup) -> tuple[str, ...]:
     """Return the names by which a page is known to need the same widgets as before."""
-    return (group.key, group.label, *(field.key for field in group.fields), *(inner.label for inner in group.groups))
+    return (group.key, *(field.key for field in group.fields), *(inner.key for inner in group.groups))
 
 
 class TextPage(QWidget):

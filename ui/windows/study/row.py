@@ -117,8 +117,9 @@ class FieldRow(FoldingRow):
         unit = label(field.unit, "small", muted=True)
         unit.setWordWrap(False)
         unit.setMinimumWidth((2 if narrow else 6) * GAP)
-        self.last_widget = QPushButton("Reset")
-        self.last_widget.setAccessibleName(f"Reset {field.label}")
+        what = "Remove" if field.own_key else "Reset"
+        self.last_widget = QPushButton(what)
+        self.last_widget.setAccessibleName(f"{what} {field.label}")
         self.last_widget.clicked.connect(self._reset_clicked)
         policy = self.last_widget.sizePolicy()
         policy.setRetainSizeWhenHidden(True)
@@ -160,7 +161,7 @@ class FieldRow(FoldingRow):
         self._show_slider(text)
         self.last_widget.setVisible(field.written is not None)
         origin = "default" if field.written is None else f"written in line {field.line}"
-        if field.written is not None and field.place != field.key:
+        if field.written is not None and field.place != field.key and not field.own_key:
             origin += f" as {field.place}"
         default = f" · default {field.default}" if field.written is not None and field.default else ""
         hint = hint_of(field)

@@ -8,6 +8,7 @@ from PySide6.QtCore import QSignalBlocker, QSize, Qt, Slot
 from PySide6.QtGui import QCloseEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QHBoxLayout,
+    QInputDialog,
     QLabel,
     QLineEdit,
     QMainWindow,
@@ -19,6 +20,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from ui.model.study_form.experiment import is_experiment, study_fields
 from ui.model.study_form.form import FieldKind, RepeatKind
 from ui.windows.editing.changes import ChangesPage
 from ui.windows.editing.faults import FaultList
@@ -53,7 +55,7 @@ class StudyWindow(QMainWindow):
         self.text = TextPage()
         self.changes = ChangesPage()
         self.faults = FaultList(
-            "No faults: this study can be played.",
+            "No faults: people can go through it." if is_experiment(path) else "No faults: this study can be played.",
             lambda told: told.removeprefix(f"{path}, ").removeprefix(f"{path}: "),
         )
         self._title = label(path.name, "title", bold=True)
@@ -132,7 +134,7 @@ class StudyWindow(QMainWindow):
         group = groups.get(self._key, draft.form)
         page = self._stack.currentWidget()
         if page is self.fields:
-            items = group.groups if group.repeats is RepeatKind.ITEMS else ()
+            items = group.groups if group.repeats in {RepeatKind.ITEMS, RepeatKind.STEPS} else ()
             self.fields.show_groups(draft, (group, *items))
         elif page is self._noise_page:
             self.noise_fields.show_groups(draft, tuple(groups[NOISE].all_groups()), narrow=True)
@@ -164,6 +166,8 @@ class StudyWindow(QMainWindow):
         field = draft.field_of(fault)
         if field is not None and draft.tree is not None:
             self.open_field(field.key)
+        elif fault.path == draft.path and fault.key and fault.key in draft.groups() and draft.tree is not None:
+            self.open_section(fault.key)
         elif fault.line is not None and fault.path == draft.path:
             self.show_text()
             self.text.go_to(fault.line)
@@ -218,7 +222,22 @@ class StudyWindow(QMainWindow):
         self._open(key)
 
     def _add(self, key: str) -> None:
+        if self.editor.draft.groups()[key].repeats is RepeatKind.KEYS:
+            self._add_key(key)
+            return
         self.editor.change(f"+{key}", lambda draft: draft.add(draft.groups()[key]), at_once=True)
+
+    def _add_key(self, key: str) -> None:
+        """Ask which key to add to a section, and add it."""
+        group = self.editor.draft.groups()[key]
+        free = [name for name in study_fields() if name not in {field.label for field in group.fields}]
+        words = f"{group.label}: a key of studies, chosen or typed; or a name of your own"
+        name, yes = QInputDialog.getItem(self, "Add a key", words, free, 0, True)
+        if yes and (name := name.strip().replace('"', "")):
+            self.editor.change(f"+{key}.{name}", lambda draft: draft.add_key(draft.groups()[key], name), at_once=True)
+
+    def _move(self, key: str, by: int) -> None:
+        self.editor.change(f"~{key}", lambda draft: draft.move(draft.groups()[key], by), at_once=True)
 
     def _remove(self, key: str) -> None:
         self.editor.change(f"-{key}", lambda draft: draft.remove(draft.groups()[key]), at_once=True)
@@ -385,6 +404,7 @@ class StudyWindow(QMainWindow):
             page.opened.connect(self.open_section)
             page.added.connect(self._add)
             page.removed.connect(self._remove)
+            page.moved.connect(self._move)
             page.cleared.connect(self._clear)
             page.built.connect(partial(self._order, page))
         self.text.edited.connect(editor.say)

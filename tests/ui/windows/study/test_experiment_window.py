@@ -1,0 +1,141 @@
+"""A study with people in the editor of study files."""
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import QTimer
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QComboBox, QInputDialog, QLineEdit, QPushButton
+from pytestqt.qtbot import QtBot
+
+from tests.ui.windows.fitting import SIZES, misfits, settle
+from tests.ui.windows.study.test_study_window import leave, opened
+from tests.ui.windows.walking import nameless
+from thbridge.experiment.folder import EXAMPLE
+from ui.windows.study import StudyWindow
+
+
+@pytest.fixture
+def window(qtbot: QtBot, tmp_path: Path) -> Iterator[StudyWindow]:
+    shutil.copytree(EXAMPLE, tmp_path / "arguing")
+    made = opened(qtbot, tmp_path / "arguing" / "experiment.yaml")
+    yield made
+    leave(made)
+
+
+def settled(window: StudyWindow, qtbot: QtBot) -> None:
+    qtbot.waitUntil(lambda: window.editor.settled)
+    window.fields.finish()
+
+
+def button(window: StudyWindow, name: str) -> QPushButton:
+    return next(each for each in window.fields.findChildren(QPushButton) if each.accessibleName() == name)
+
+
+def labels(window: StudyWindow) -> list[str]:
+    return [step.label for step in window.editor.draft.groups()["steps"].groups]
+
+
+def test_steps_are_moved_by_keys_alone(window: StudyWindow, qtbot: QtBot) -> None:
+    window.open_section("steps")
+    settled(window, qtbot)
+    assert not button(window, "Move 1: instructions up").isEnabled()
+    up = button(window, "Move 4: check (understood.yaml) up")
+    qtbot.waitUntil(up.isVisible)
+    up.setFocus()
+    QTest.keyClicks(window.focusWidget(), " ")
+    settled(window, qtbot)
+    assert labels(window)[2:4] == ["3: check (understood.yaml)", "4: practice"]
+    qtbot.waitUntil(lambda: button(window, "Move 3: check (understood.yaml) up").hasFocus())
+    assert "no step before is called practice" in " ".join(map(str, window.editor.draft.faults))
+    QTest.keyClicks(window.focusWidget(), " ")
+    settled(window, qtbot)
+    assert labels(window)[1] == "2: check (understood.yaml)"
+    window.editor.undo()
+    window.editor.undo()
+    settled(window, qtbot)
+    assert window.editor.draft.text == (EXAMPLE / "experiment.yaml").read_text()
+
+
+def test_typing_a_steps_name_keeps_the_focus(window: StudyWindow, qtbot: QtBot) -> None:
+    window.open_field("steps[4].name")
+    line = window.focusWidget()
+    assert isinstance(line, QLineEdit)
+    for typed in ("ga", "me"):
+        QTest.keyClicks(line, typed)
+        settled(window, qtbot)
+    assert window.focusWidget() is line
+    assert line.text() == "game"
+    assert labels(window)[4] == "5: trial (game)"
+
+
+def test_another_kind_of_step_has_other_keys(window: StudyWindow, qtbot: QtBot) -> None:
+    window.open_section("steps[8]")
+    settled(window, qtbot)
+    box = window.fields.rows["steps[8].step"].findChild(QComboBox)
+    box.setFocus()
+    box.setCurrentText("check")
+    settled(window, qtbot)
+    qtbot.waitUntil(lambda: "steps[8].attempts" in window.fields.rows)
+    settled(window, qtbot)
+    qtbot.waitUntil(window.fields.rows["steps[8].step"].editor.hasFocus)
+    fault = window.fields.rows["steps[8].step"]
+    assert "check without a form" in fault._fault.text()
+
+
+def test_a_factor_is_chosen_among_the_keys_of_studies(window: StudyWindow, qtbot: QtBot) -> None:
+    window.open_section("between")
+    settled(window, qtbot)
+
+    def answer() -> None:
+        box = QApplication.activeModalWidget()
+        assert isinstance(box, QInputDialog)
+        assert "noise.preset" in box.comboBoxItems()
+        box.setTextValue("noise.preset")
+        box.accept()
+
+    QTimer.singleShot(0, answer)
+    next(each for each in window.fields.findChildren(QPushButton) if each.text().startswith("Add")).click()
+    settled(window, qtbot)
+    qtbot.waitUntil(lambda: "between.noise.preset" in window.fields.rows)
+    row = window.fields.rows["between.noise.preset"]
+    assert row.text().startswith("[none, ")
+    line = row.findChild(QLineEdit)
+    line.setFocus()
+    line.selectAll()
+    QTest.keyClicks(line, "[none, awful]")
+    settled(window, qtbot)
+    assert "awful" in row._fault.text()
+    line.selectAll()
+    QTest.keyClicks(line, "[none, bad wheels]")
+    settled(window, qtbot)
+    assert not row._fault.isVisible()
+    with qtbot.waitSignal(window.editor.saved):
+        window.save()
+    before, after = (EXAMPLE / "experiment.yaml").read_text(), window.editor.path.read_text()
+    gone = [line for line in before.splitlines() if line not in after.splitlines()]
+    assert len(gone) == 1 and gone[0].startswith("between: {}")
+    assert "# each person meets one level" in after
+    assert "noise.preset: [none, bad wheels]" in after
+    button(window, "Remove noise.preset").click()
+    qtbot.waitUntil(lambda: "between.noise.preset" not in window.fields.rows)
+
+
+def test_a_fault_of_a_section_opens_it(window: StudyWindow, qtbot: QtBot) -> None:
+    window.editor.say(window.editor.draft.text.replace("{step: trial, each_condition: true, ", "{step: trial, "))
+    settled(window, qtbot)
+    window.faults.choose_next()
+    assert window._key == "steps"
+
+
+def test_it_fits_and_speaks(window: StudyWindow, qtbot: QtBot) -> None:
+    for section in ("", "within", "steps"):
+        window.open_section(section)
+        for size in SIZES:
+            window.resize(*size)
+            settled(window, qtbot)
+            settle()
+            assert misfits(window) == [], (section, size)
+        assert nameless(window) == []
